@@ -1,0 +1,1 @@
+"""Mechanical models of pushed objects, and the registry that serves them."""

@@ -1,0 +1,1 @@
+"""From a frame and a predicted outcome to a push, or to a refusal with its numbers."""

@@ -1,0 +1,161 @@
+"""Results of planning: a plan, or a refusal with the numbers behind it.
+
+Both are values. They are what `nlcontrol plan --json` prints, so their field names are part of
+the public contract; every number is in SI units.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict
+
+Vector3 = tuple[float, float, float]
+FaceName = Literal["front", "back", "left", "right"]
+Outcome = Literal["none", "slide", "topple", "slide+topple"]
+
+
+class _Value(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class Push(_Value):
+    """One push, as the executor's contract needs it.
+
+    Attributes:
+        object: name of the pushed object in the scene.
+        face: side face that is touched, named by where it looks now (front looks at the robot).
+        p_BC: contact point in B [m]; with two fingers the midpoint between the fingertips.
+        normal_W: outward unit normal of the touched face in W.
+        direction_W: unit direction in which the fingertips move, in W (horizontal).
+        force_limit: largest force along the direction, all fingers together [N].
+        speed: largest speed of the fingertips [m/s].
+        stroke: travel of the fingertips after touching [m].
+        fingers: how many fingertips push.
+        spread: distance between the two outer fingertips along the face [m]; 0 for one finger.
+        ends_on: `stroke` (come to rest there) or `toppled` (push until the object falls by
+            itself, `stroke` being the most that may be travelled).
+    """
+
+    object: str
+    face: FaceName
+    p_BC: Vector3
+    normal_W: Vector3
+    direction_W: Vector3
+    force_limit: float
+    speed: float
+    stroke: float
+    fingers: Literal[1, 2]
+    spread: float
+    ends_on: Literal["stroke", "toppled"]
+
+
+class Prediction(_Value):
+    """What the object model says the push will do, over everything the finger may transmit.
+
+    Attributes:
+        outcome: class at the onset of motion.
+        onset: force at which the object starts to move, nominal [N].
+        slide_force: force at which it would slide, nominal [N]; None if it never slides.
+        topple_force: force at which it would topple, nominal [N]; None if it never topples.
+        critical_height: contact height that separates sliding from toppling for this face and
+            direction, nominal parameters, force along the direction [m]; None if it never
+            topples.
+        critical_height_worst: the same for the worst force direction in the friction cone and
+            the parameters at the stated number of standard deviations [m]; None if it never
+            topples.
+        probability: probability of the outcome under the model's uncertainty, the worst force
+            direction taken.
+        stay_on_base_angle: angle of no return [rad].
+    """
+
+    outcome: Outcome
+    onset: float
+    slide_force: float | None
+    topple_force: float | None
+    critical_height: float | None
+    critical_height_worst: float | None
+    probability: float
+    stay_on_base_angle: float
+
+
+class Margins(_Value):
+    """How far the push is from the nearest forbidden outcome, in the worst case considered.
+
+    Attributes:
+        force: distance in force between the wanted and the nearest forbidden threshold [N].
+        height: distance of the contact height from the critical height [m].
+        lateral: distance of the contact from the nearest edge of its face [m].
+        sigmas: the number of standard deviations that the worst case takes.
+        force_limit: force limit less the largest force that the motion needs [N].
+    """
+
+    force: float
+    height: float
+    lateral: float
+    sigmas: float
+    force_limit: float
+
+
+class DefaultUsed(_Value):
+    """A value that the sentence did not give, and that the table of defaults supplied."""
+
+    name: str
+    value: float
+    unit: str
+    reason: str
+
+
+class Plan(_Value):
+    """A push whose predicted outcome satisfies the frame.
+
+    Attributes:
+        push: what is carried out.
+        prediction: what it will do.
+        margins: how safe that is.
+        displacement: asked displacement of the object in W [m], None for a topple.
+        defaults: values that the sentence left open.
+        considered: how many candidates were evaluated.
+        satisfying: how many of them satisfied the frame.
+        notes: plain sentences on how the plan was chosen.
+    """
+
+    status: Literal["planned"] = "planned"
+    push: Push
+    prediction: Prediction
+    margins: Margins
+    displacement: Vector3 | None
+    defaults: tuple[DefaultUsed, ...] = ()
+    considered: int = 0
+    satisfying: int = 0
+    notes: tuple[str, ...] = ()
+
+
+RefusalReason = Literal[
+    "impossible",       # no push on this object does it, whoever pushes
+    "out_of_reach",     # pushes exist, but the hand does not get there
+    "blocked",          # pushes exist, but something stands in the way
+    "too_uncertain",    # the model's uncertainty leaves the outcome open
+    "unsupported",      # this robot, or this version, lacks a named capability
+]
+
+
+class Refusal(_Value):
+    """Why no plan is made, with the numbers that decide.
+
+    Attributes:
+        reason: the kind of obstacle.
+        message: one plain sentence with the deciding numbers in it, units in mm, N or degrees.
+        numbers: the same numbers by name [SI].
+        capability: what is missing, if the reason is `unsupported`.
+        spans: the words that cannot be satisfied, `[start, end)` in the sentence.
+        suggestions: what would be possible instead, as plain phrases.
+    """
+
+    status: Literal["refused", "unsupported"] = "refused"
+    reason: RefusalReason
+    message: str
+    numbers: dict[str, float] = {}
+    capability: str | None = None
+    spans: tuple[tuple[int, int], ...] = ()
+    suggestions: tuple[str, ...] = ()

@@ -1,0 +1,55 @@
+"""The planner's question to the robot: can the hand get there?
+
+`sim` answers it from the arm's kinematics; a real robot's driver may answer it from its own. The
+planner only calls it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from planner.plan import Push
+from planner.state import WorldState
+
+
+@dataclass(frozen=True)
+class ReachAnswer:
+    """Whether a push can be carried out by the hand.
+
+    Attributes:
+        ok: the whole way (approach, touch, stroke, retreat) is free and within joint limits.
+        reason: if not ok, what stops it: `kinematics`, `table`, `object` (the pushed one),
+            `obstacle` (another one), `approach`.
+        message: the same in words.
+        blocker: name of the obstacle, if one is in the way.
+        margin: if ok, smallest distance to a joint limit on the way [rad].
+        numbers: figures behind the answer [SI].
+    """
+
+    ok: bool
+    reason: str | None = None
+    message: str = ""
+    blocker: str | None = None
+    margin: float = 0.0
+    numbers: dict[str, float] = field(default_factory=dict)
+
+
+class Reach(Protocol):
+    """The hand's reach, in a state of the world."""
+
+    fingertip_radius: float
+    """Radius of a fingertip [m]."""
+
+    finger_spread: float
+    """Distance between the two outer fingertips of a two-finger push [m]."""
+
+    max_force: float
+    """Largest force that one fingertip can exert [N]."""
+
+    lowest_height: float
+    """Lowest contact height above the table that a fingertip reaches anywhere [m]."""
+
+    def __call__(self, push: Push, state: WorldState) -> ReachAnswer:
+        """Answers for one push."""
+        ...

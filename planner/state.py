@@ -1,0 +1,82 @@
+"""What the robot believes about the scene while it plans.
+
+Frames: W is the world, z up, the table plane is z = 0; B is an object's frame with its origin
+at the centre of the base the object stands on. Nothing in here may come from the simulated
+world's truth: poses come through the vision port, geometry and physics from the registry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from objectmodels.box import BoxModel
+
+
+@dataclass(frozen=True)
+class PlanarPose:
+    """Pose X_WB of an upright object on the table.
+
+    Attributes:
+        x, y: position of B's origin in W [m].
+        yaw: angle of B's x axis, counter-clockwise from W's x axis [rad].
+    """
+
+    x: float
+    y: float
+    yaw: float = 0.0
+
+    @property
+    def R_WB(self) -> NDArray[np.float64]:
+        """Rotation of B in W, shape (3, 3)."""
+        c, s = np.cos(self.yaw), np.sin(self.yaw)
+        return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+    @property
+    def p_WB(self) -> NDArray[np.float64]:
+        """Position of B's origin in W, shape (3,) [m]."""
+        return np.array([self.x, self.y, 0.0])
+
+
+@dataclass(frozen=True)
+class SeenObject:
+    """An object on the table as the robot knows it: who it is, where it is seen, how it behaves.
+
+    Attributes:
+        name: the object's name in the scene; unique.
+        pose: where the vision port sees it.
+        model: the registry's model of it (the belief, never the truth).
+    """
+
+    name: str
+    pose: PlanarPose
+    model: BoxModel
+
+
+@dataclass(frozen=True)
+class TableState:
+    """Extent of the table top in W [m]; its plane is z = 0."""
+
+    x_min: float
+    x_max: float
+    y_min: float
+    y_max: float
+
+
+@dataclass(frozen=True)
+class WorldState:
+    """Everything that a plan may depend on.
+
+    Attributes:
+        objects: by name in the scene.
+        table: where things may stand.
+    """
+
+    objects: Mapping[str, SeenObject] = field(default_factory=dict)
+    table: TableState = TableState(-0.2, 1.2, -0.8, 0.8)

@@ -1,0 +1,100 @@
+"""The record of an execution: what happened, sampled over time.
+
+`poses` is what an observer of the world recorded; it is for judging and for replay, and nothing
+that plans or controls reads it. `seen` and `felt` are what the robot itself knew.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+EndReason = Literal[
+    "stroke",       # the stroke was travelled
+    "toppled",      # the object was seen to pass its angle of no return
+    "force",        # the force limit was reached and nothing moved any more
+    "speed",        # the object or the finger became faster than allowed
+    "guard",        # a guard of the push stopped it (see `detail`)
+    "no_touch",     # the guarded approach ended without contact
+    "unreachable",  # the hand could not get to the contact
+]
+
+
+@dataclass(frozen=True)
+class ContactEvent:
+    """Two bodies that began to touch.
+
+    Attributes:
+        time: when [s].
+        body_a, body_b: the scene's names of the two, e.g. `index_tip` and `ice tea box`.
+    """
+
+    time: float
+    body_a: str
+    body_b: str
+
+
+@dataclass(frozen=True)
+class Trace:
+    """What an execution did, sampled n times.
+
+    Attributes:
+        time: shape (n,) [s].
+        phase: shape (n,), one of `look`, `transit`, `approach`, `touch`, `push`, `retreat`,
+            `settle` at each sample.
+        poses: per object, shape (n, 7): quaternion (w, x, y, z) and position p_WB [m] of the
+            frame B that the object had at the start.
+        seen: per object, shape (n, 7): the newest pose from the vision port.
+        joints: robot positions, shape (n, m) [rad]; `joint_names` names them.
+        tips: per pushing finger, position of the fingertip's centre in W, shape (n, 3) [m].
+        felt: per pushing finger, force of the fingertip on the object in W, from the joint
+            torque sensors, shape (n, 3) [N].
+        force_limit: the force limit in force at each sample, shape (n,) [N].
+        contacts: touches in order of time.
+        pushed: name of the pushed object.
+        direction: unit direction of the push in W, shape (3,).
+        end: why the push ended; `detail` says it in words.
+        seed: what everything random was drawn from.
+    """
+
+    time: Array
+    phase: NDArray[np.str_]
+    poses: dict[str, Array]
+    seen: dict[str, Array]
+    joints: Array
+    joint_names: tuple[str, ...]
+    tips: dict[str, Array]
+    felt: dict[str, Array]
+    force_limit: Array
+    contacts: tuple[ContactEvent, ...]
+    pushed: str
+    direction: Array
+    end: EndReason
+    detail: str
+    seed: int
+    numbers: dict[str, float] = field(default_factory=dict)
+
+    def displacement(self, name: str) -> Array:
+        """Displacement p_WB(end) − p_WB(start) of an object, shape (3,) [m]."""
+        p = self.poses[name][:, 4:]
+        return p[-1] - p[0]
+
+    def tilt(self, name: str) -> Array:
+        """Angle between the object's axis B_z and the vertical over time, shape (n,) [rad]."""
+        _, x, y, _ = self.poses[name][:, :4].T
+        return np.arccos(np.clip(1.0 - 2.0 * (x**2 + y**2), -1.0, 1.0))
+
+    def yaw(self, name: str) -> Array:
+        """Heading of B_x over time, relative to the start and unwrapped, shape (n,) [rad]."""
+        w, x, y, z = self.poses[name][:, :4].T
+        heading = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y**2 + z**2))
+        return np.unwrap(heading) - heading[0]
+
+    def push_force(self) -> Array:
+        """Felt force of all fingers along the push direction over time, shape (n,) [N]."""
+        return np.sum([f @ self.direction for f in self.felt.values()], axis=0)
