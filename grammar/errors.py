@@ -1,0 +1,30 @@
+"""The one error of this package: a sentence that is not understood."""
+
+from __future__ import annotations
+
+from grammar.frames import Span
+
+
+class ParseError(Exception):
+    """A sentence, or a part of it, cannot be read.
+
+    Attributes:
+        code: what is wrong, a stable name in snake case.
+        message: the same as a sentence.
+        span: where in the sentence as given, `[start, end)` in code points; None if it is about
+            the whole.
+        suggestions: what might have been meant, or could stand there.
+    """
+
+    def __init__(
+        self,
+        code: str,
+        message: str,
+        span: Span | None = None,
+        suggestions: tuple[str, ...] = (),
+    ) -> None:
+        super().__init__(message)
+        self.code = code
+        self.message = message
+        self.span = span
+        self.suggestions = suggestions
