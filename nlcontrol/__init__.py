@@ -1,1 +1,77 @@
-"""The front of nlcontrol: say a sentence, get a predicted, executed and checked action."""
+"""The front of nlcontrol: say a sentence, get a predicted, executed and checked action.
+
+    from nlcontrol import Controller
+
+    result = Controller(scene="kitchen").say("push the ice tea box away without toppling it")
+    print(result.text)
+
+What users need is re-exported here and loaded on first use, so importing nlcontrol costs next to
+nothing and never loads the simulator.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
+from nlcontrol._shadowing import refuse_shadowed
+
+refuse_shadowed()
+
+if TYPE_CHECKING:
+    from grammar import Command, Frame, ParseError, parse
+    from nlcontrol.checks import Check
+    from nlcontrol.controller import Controller
+    from nlcontrol.errors import ControlError, ErrorInfo
+    from nlcontrol.result import Result
+    from objectmodels import BoxModel, ModelError, Registry
+    from planner.plan import Plan, Refusal
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "BoxModel": "objectmodels",
+    "Check": "nlcontrol.checks",
+    "Command": "grammar",
+    "ControlError": "nlcontrol.errors",
+    "Controller": "nlcontrol.controller",
+    "ErrorInfo": "nlcontrol.errors",
+    "Frame": "grammar",
+    "ModelError": "objectmodels",
+    "ParseError": "grammar",
+    "Plan": "planner.plan",
+    "Refusal": "planner.plan",
+    "Registry": "objectmodels",
+    "Result": "nlcontrol.result",
+    "parse": "grammar",
+}
+
+__all__ = [
+    "BoxModel",
+    "Check",
+    "Command",
+    "ControlError",
+    "Controller",
+    "ErrorInfo",
+    "Frame",
+    "ModelError",
+    "ParseError",
+    "Plan",
+    "Refusal",
+    "Registry",
+    "Result",
+    "__version__",
+    "parse",
+]
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'nlcontrol' has no attribute '{name}'")
+    value: object = getattr(importlib.import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,174 @@
+"""One table of error codes, and the one exception in which they all reach the caller.
+
+Every stage has an exception of its own (`grammar.ParseError`, `objectmodels.ModelError`,
+`sim.SceneError`), since the lower packages do not know the front. Here they become a
+`ControlError`, whose code decides the exit status of the command line and the HTTP status.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from pydantic import BaseModel, ConfigDict
+
+if TYPE_CHECKING:
+    from planner.plan import Refusal
+
+OK, INTERNAL, USAGE, NOT_UNDERSTOOD, NO_PLAN, NOT_HELD = range(6)
+"""Exit codes of the command line."""
+
+
+class Status(NamedTuple):
+    """What a code means to the caller's shell and to the caller's HTTP client."""
+
+    exit: int
+    http: int
+
+
+_SENTENCE = Status(NOT_UNDERSTOOD, 422)
+_NO_PLAN = Status(NO_PLAN, 409)
+_LACKS = Status(NO_PLAN, 501)
+_CALLER = Status(USAGE, 400)
+
+CODES: dict[str, Status] = {
+    # Names that do not lead to one object.
+    "unknown_object": _SENTENCE,
+    "ambiguous_object": _SENTENCE,
+    "not_on_table": _SENTENCE,
+    # Refusals of the planner: its reasons are the codes.
+    "impossible": _NO_PLAN,
+    "out_of_reach": _NO_PLAN,
+    "blocked": _NO_PLAN,
+    "too_uncertain": _NO_PLAN,
+    "unsupported": _LACKS,
+    "uncheckable": _LACKS,
+    # The caller's files and options.
+    "usage": _CALLER,
+    "unknown_scene": _CALLER,
+    "bad_scene": _CALLER,
+    "bad_model": _CALLER,
+    "unknown_model": Status(USAGE, 404),
+    "cannot_write": _CALLER,
+    "no_pictures": Status(INTERNAL, 501),
+    "scene_and_registry_differ": _CALLER,
+    # After the execution.
+    "clause_not_held": Status(NOT_HELD, 200),
+    "internal": Status(INTERNAL, 500),
+}
+"""Codes of the front. What the lower packages raise falls under the family it comes from."""
+
+FAMILIES: dict[str, Status] = {"sentence": _SENTENCE, "model": _CALLER, "scene": _CALLER}
+"""Status of a code that is not in `CODES`, by the stage that raised it."""
+
+
+class ErrorInfo(BaseModel):
+    """An error as data, the `error` of every JSON document.
+
+    Attributes:
+        code: stable name in snake case.
+        message: one plain sentence.
+        span: the words it is about, `[start, end)` in the sentence as given.
+        suggestions: what would be possible, or might have been meant.
+        numbers: the figures that decided, by name [SI].
+        capability: what this robot lacks, if that is the matter.
+        path: file and key that it is about, if any.
+        family: the stage that raised it.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    code: str
+    message: str
+    span: tuple[int, int] | None = None
+    suggestions: tuple[str, ...] = ()
+    numbers: dict[str, float] = {}
+    capability: str | None = None
+    path: str | None = None
+    family: str | None = None
+
+    @property
+    def status(self) -> Status:
+        """Exit and HTTP status of this error."""
+        if self.code in CODES:
+            return CODES[self.code]
+        return FAMILIES.get(self.family or "", CODES["internal"])
+
+
+class ControlError(Exception):
+    """Whatever went wrong, with a code and with what would have been right.
+
+    Attributes:
+        info: the error as data.
+    """
+
+    def __init__(self, info: ErrorInfo) -> None:
+        super().__init__(info.message)
+        self.info = info
+
+    @property
+    def code(self) -> str:
+        """Stable name of the kind of error."""
+        return self.info.code
+
+
+def error(
+    code: str,
+    message: str,
+    *,
+    span: tuple[int, int] | None = None,
+    suggestions: tuple[str, ...] = (),
+) -> ControlError:
+    """An error of the front itself; the code must stand in the table."""
+    if code not in CODES:
+        raise KeyError(code)
+    return ControlError(ErrorInfo(code=code, message=message, span=span, suggestions=suggestions))
+
+
+def known_error(raised: Exception) -> ControlError | None:
+    """A stage's own exception as a `ControlError`; None if it is not one of theirs."""
+    if isinstance(raised, ControlError):
+        return raised
+    # Late: a failing command must not load stages that it never reached.
+    from grammar import ParseError
+    from objectmodels import ModelError
+    from sim.scene import SceneError
+
+    if isinstance(raised, ParseError):
+        info = ErrorInfo(
+            code=raised.code,
+            message=raised.message,
+            span=raised.span,
+            suggestions=raised.suggestions,
+            family="sentence",
+        )
+    elif isinstance(raised, ModelError):
+        info = ErrorInfo(
+            code=raised.code,
+            message=raised.message,
+            suggestions=raised.suggestions,
+            path=raised.path,
+            family="model",
+        )
+    elif isinstance(raised, SceneError):
+        info = ErrorInfo(
+            code=raised.code,
+            message=raised.message,
+            suggestions=raised.suggestions,
+            family="scene",
+        )
+    else:
+        return None
+    return ControlError(info)
+
+
+def refusal_error(refusal: Refusal) -> ErrorInfo:
+    """A refusal of the planner as the `error` of a result."""
+    spans = refusal.spans
+    return ErrorInfo(
+        code=refusal.reason,
+        message=refusal.message,
+        span=(min(s for s, _ in spans), max(e for _, e in spans)) if spans else None,
+        suggestions=refusal.suggestions,
+        numbers=refusal.numbers,
+        capability=refusal.capability,
+    )
