@@ -22,10 +22,8 @@ def home() -> str:
 
 def found(name: str) -> str | None:
     """The folder or file that `import name` takes, without importing it; None if there is none."""
-    if name in sys.modules:
-        spec = sys.modules[name].__spec__
-    else:
-        spec = importlib.util.find_spec(name)
+    loaded = sys.modules.get(name)
+    spec = loaded.__spec__ if loaded else importlib.util.find_spec(name)
     if spec is None:
         return None
     if spec.submodule_search_locations:  # a package, with an __init__ or without

@@ -49,8 +49,8 @@ def resolve(
     Raises:
         ControlError: `unknown_object`, `ambiguous_object` or `not_on_table`.
     """
-    known = [tuple(names) for names in known]
-    frames = tuple(_bind(frame, on_table, known) for frame in command.frames)
+    models = [tuple(names) for names in known]
+    frames = tuple(_bind(frame, on_table, models) for frame in command.frames)
     return command.model_copy(update={"frames": frames})
 
 
