@@ -31,6 +31,9 @@ class Defaults:
         sigmas: standard deviations that a worst case takes.
         probability: the least probability of the wanted outcome that a plan may have.
         force_tolerance: of the felt force against a limit, from the sensor's noise [N].
+        speed_tolerance: of a speed against a limit [m/s].
+        height_tolerance: of a contact height [m].
+        side_tolerance: between the asked and the actual direction of a fall [rad].
     """
 
     distance: float = 0.10
@@ -49,6 +52,9 @@ class Defaults:
     sigmas: float = 2.0
     probability: float = 0.95
     force_tolerance: float = 0.3
+    speed_tolerance: float = 0.005
+    height_tolerance: float = 0.005
+    side_tolerance: float = math.radians(45.0)
 
 
 DEFAULTS = Defaults()
