@@ -7,6 +7,8 @@ Every stage has an exception of its own (`grammar.ParseError`, `objectmodels.Mod
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, NamedTuple
 
 from pydantic import BaseModel, ConfigDict
@@ -159,6 +161,18 @@ def known_error(raised: Exception) -> ControlError | None:
     else:
         return None
     return ControlError(info)
+
+
+@contextmanager
+def translated() -> Iterator[None]:
+    """Turns the stages' own exceptions into `ControlError`; a defect passes as it is."""
+    try:
+        yield
+    except Exception as raised:
+        known = known_error(raised)
+        if known is None or known is raised:
+            raise
+        raise known from raised
 
 
 def refusal_error(refusal: Refusal) -> ErrorInfo:

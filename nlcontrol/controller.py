@@ -1,0 +1,223 @@
+"""The way of a sentence: parse, resolve, plan, execute, check, each a call of its own.
+
+The controller knows the scene twice and keeps the two apart: the planner gets what the robot
+believes (registry models, poses from the vision port), the simulation what is true (the scene
+file). Poses are in W; the table plane is z = 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import grammar
+from grammar.frames import Command, Frame
+from nlcontrol.checks import Check, check, require_checkable
+from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error, translated
+from nlcontrol.resolve import Candidate, resolve
+from nlcontrol.result import Result, summary
+from objectmodels import BoxModel, Registry
+from planner.defaults import DEFAULTS, Defaults
+from planner.plan import Plan, Refusal
+from planner.state import PlanarPose, SeenObject, TableState, WorldState
+from sim.scene import Scene, load_scene
+
+if TYPE_CHECKING:
+    from planner.reach import Reach
+    from sim import DrakeWorld
+    from sim.trace import Trace
+
+Progress = Callable[[str, float, str], None]
+"""Told of the phase, the simulated time [s] and what happens, while something is executed."""
+
+LOOK = 1.0
+"""Time over which camera frames are averaged before a plan is made [s]."""
+
+
+class Controller:
+    """A robot at a table, ready to be told what to do.
+
+    Args:
+        scene: name of a built-in scene, path of a scene file, or a scene.
+        registry: object models; the built-in ones if not given.
+        seed: of everything random; the same seed gives the same trace.
+        defaults: what a clause means when a sentence does not say more.
+
+    Raises:
+        ControlError: the scene cannot be read, or names a model that the registry lacks.
+    """
+
+    def __init__(
+        self,
+        scene: str | Path | Scene = "kitchen",
+        *,
+        registry: Registry | None = None,
+        seed: int = 0,
+        defaults: Defaults = DEFAULTS,
+    ) -> None:
+        with translated():
+            self.scene = scene if isinstance(scene, Scene) else load_scene(scene)
+            self.registry = Registry.default() if registry is None else registry
+            self.models: dict[str, BoxModel] = {
+                item.name: self.registry.get(item.model) for item in self.scene.objects
+            }
+        self.seed = seed
+        self.defaults = defaults
+        self._world: DrakeWorld | None = None
+        self._reach: Reach | None = None
+
+    @property
+    def world(self) -> DrakeWorld:
+        """The simulated world; it is built when first asked for, and keeps what was done to it."""
+        if self._world is None:
+            from sim import DrakeWorld
+
+            self._world = DrakeWorld(self.scene, seed=self.seed)
+        return self._world
+
+    @property
+    def reach(self) -> Reach:
+        """Answers whether the hand gets somewhere."""
+        if self._reach is None:
+            from sim import ArmReach
+
+            self._reach = ArmReach(self.scene)
+        return self._reach
+
+    def parse(self, text: str) -> Command:
+        """What a sentence says, as frames.
+
+        Raises:
+            ControlError: it is not understood.
+        """
+        with translated():
+            return grammar.parse(text)
+
+    def resolve(self, command: Command) -> Command:
+        """The command with every object bound to one on the table.
+
+        Raises:
+            ControlError: `unknown_object`, `ambiguous_object` or `not_on_table`.
+        """
+        on_table = [
+            Candidate(
+                item.name,
+                (item.name, *item.synonyms, item.model, *self.models[item.name].synonyms),
+            )
+            for item in self.scene.objects
+        ]
+        known = [(model.name, *model.synonyms) for model in self.registry.models]
+        return resolve(command, on_table, known)
+
+    def look(self) -> WorldState:
+        """What the robot believes now: poses from the vision port, models from the registry."""
+        if self._world is None:
+            from sim import first_look
+
+            poses: dict[str, PlanarPose] = first_look(self.scene, LOOK, seed=self.seed)
+        else:
+            poses = self._world.look(LOOK)
+        objects = {name: SeenObject(name, pose, self.models[name]) for name, pose in poses.items()}
+        return WorldState(objects, _table(self.scene))
+
+    def plan(self, frame: Frame, state: WorldState | None = None) -> Plan | Refusal:
+        """The push that satisfies a frame, or why there is none.
+
+        Args:
+            frame: what is asked, its objects resolved.
+            state: what is believed; looked up now if not given.
+
+        Raises:
+            ControlError: `uncheckable` if a clause could not be checked afterwards.
+        """
+        from planner import plan
+
+        state = self.look() if state is None else state
+        made = plan(frame, state, self.reach, defaults=self.defaults)
+        if isinstance(made, Plan):
+            require_checkable(frame)
+        return made
+
+    def execute(self, plan: Plan, progress: Progress | None = None) -> Trace:
+        """Carries out a plan in the simulated world.
+
+        Args:
+            plan: what to do.
+            progress: told what happens, while it happens.
+        """
+        from sim import execute
+
+        return execute(plan, self.world, progress=progress)
+
+    def check(self, frame: Frame, trace: Trace) -> tuple[Check, ...]:
+        """A verdict for each clause of a frame."""
+        return check(frame, trace, self.models[trace.pushed], defaults=self.defaults)
+
+    def say(
+        self, text: str, *, plan_only: bool = False, progress: Progress | None = None
+    ) -> Result:
+        """Does what a sentence says, and tells what came of it.
+
+        Several frames are carried out one after another, up to the first that fails.
+
+        Args:
+            text: an English sentence.
+            plan_only: stop before anything is executed.
+            progress: told what happens during the simulation.
+
+        Returns:
+            A result in every case: what is not understood or refused is a result too.
+        """
+        result = Result(ok=False, status="failed", text=text, scene=self.scene.name, seed=self.seed)
+        try:
+            command = self.parse(text)
+            result = _with(result, paraphrase=command.paraphrase, frames=command.frames)
+            command = self.resolve(command)
+        except ControlError as raised:
+            return _with(result, status="not_understood", error=raised.info)
+        result = _with(result, frames=command.frames)
+        for frame in command.frames:
+            result = self._carry_out(frame, result, plan_only, progress)
+            if result.error or plan_only:
+                break
+        return result
+
+    def _carry_out(
+        self, frame: Frame, result: Result, plan_only: bool, progress: Progress | None
+    ) -> Result:
+        """The result with what came of one more frame."""
+        try:
+            made = self.plan(frame)
+        except ControlError as raised:
+            return _with(result, ok=False, status="unsupported", error=raised.info)
+        if isinstance(made, Refusal):
+            return _with(result, ok=False, status=made.status, error=refusal_error(made))
+        result = _with(result, plan=made, defaults=result.defaults + made.defaults)
+        if plan_only:
+            return _with(result, ok=True, status="planned")
+        trace = self.execute(made, progress)
+        checks = self.check(frame, trace)
+        result = _with(result, trace=trace, execution=summary(trace), checks=result.checks + checks)
+        missed = tuple(c for c in checks if not c.ok)
+        if missed:
+            return _with(result, ok=False, status="failed", error=_not_held(missed, trace))
+        return _with(result, ok=True, status="done")
+
+
+def _with(result: Result, **changes: object) -> Result:
+    return result.model_copy(update=changes)
+
+
+def _not_held(missed: tuple[Check, ...], trace: Trace) -> ErrorInfo:
+    clauses = ", ".join(dict.fromkeys(c.clause.replace("_", " ") for c in missed))
+    message = f"executed, but this did not hold: {clauses}"
+    if trace.end not in {"stroke", "toppled"}:
+        message += f" (the push ended early: {trace.detail})"
+    spans = missed[0].spans
+    return error("clause_not_held", message, span=spans[0] if spans else None).info
+
+
+def _table(scene: Scene) -> TableState:
+    (x, y), (width, depth) = scene.table.centre_m, scene.table.size_m
+    return TableState(x - width / 2, x + width / 2, y - depth / 2, y + depth / 2)

@@ -1,0 +1,117 @@
+"""What came of a sentence: one value from the words to the verdict."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, InstanceOf
+from pydantic.json_schema import SkipJsonSchema
+
+from grammar.frames import Frame
+from nlcontrol import measures
+from nlcontrol.checks import Check
+from nlcontrol.errors import OK, ErrorInfo
+from planner.plan import DefaultUsed, Plan, Vector3
+from sim.trace import Trace
+
+ResultStatus = Literal["done", "planned", "failed", "refused", "not_understood", "unsupported"]
+
+
+class Execution(BaseModel):
+    """A trace in a few numbers, for those who read the result as JSON.
+
+    Attributes:
+        end: why the push ended; `detail` says it in words.
+        duration: of the whole execution, simulated [s].
+        displacement: of the pushed object in W [m].
+        turned: angle by which it turned about the vertical [rad], counter-clockwise.
+        largest_tilt: on the way [rad].
+        largest_force: felt along the push, averaged against the sensors' noise [N].
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    end: str
+    detail: str
+    duration: float
+    displacement: Vector3
+    turned: float
+    largest_tilt: float
+    largest_force: float
+
+
+def summary(trace: Trace) -> Execution:
+    """A trace in a few numbers."""
+    x, y, z = trace.displacement(trace.pushed).tolist()
+    return Execution(
+        end=trace.end,
+        detail=trace.detail,
+        duration=float(trace.time[-1] - trace.time[0]),
+        displacement=(x, y, z),
+        turned=float(trace.yaw(trace.pushed)[-1]),
+        largest_tilt=float(np.max(trace.tilt(trace.pushed))),
+        largest_force=measures.largest_push_force(trace),
+    )
+
+
+class Result(BaseModel):
+    """Everything that one sentence led to; what is missing was not reached.
+
+    Attributes:
+        ok: the sentence was carried out and every clause held (planned only: a plan exists).
+        status: `done`, `planned` (nothing was to be executed), `failed` (executed, but a clause
+            did not hold), `refused` (no plan, with the reason), `unsupported` (a capability that
+            this robot lacks), `not_understood`.
+        text: the sentence as given.
+        paraphrase: what was understood, in words.
+        frames: the same as data.
+        plan: the push, its predicted outcome and its margins; of several frames the last one
+            planned.
+        execution: the trace in a few numbers.
+        checks: a verdict per clause.
+        defaults: what the sentence left open and the table of defaults supplied.
+        error: why it is not ok.
+        scene: name of the scene.
+        seed: what everything random was drawn from.
+        trace: what happened over time; not a part of the JSON document.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    ok: bool
+    status: ResultStatus
+    text: str
+    paraphrase: str | None = None
+    frames: tuple[Frame, ...] = ()
+    plan: Plan | None = None
+    execution: Execution | None = None
+    checks: tuple[Check, ...] = ()
+    defaults: tuple[DefaultUsed, ...] = ()
+    error: ErrorInfo | None = None
+    scene: str
+    seed: int
+    trace: SkipJsonSchema[InstanceOf[Trace] | None] = Field(default=None, exclude=True, repr=False)
+
+    @property
+    def exit_status(self) -> int:
+        """Exit code of the command line."""
+        return self.error.status.exit if self.error else OK
+
+    @property
+    def http_status(self) -> int:
+        """Status of the HTTP answer."""
+        return self.error.status.http if self.error else 200
+
+    def to_json(self) -> str:
+        """The result as one JSON document, in SI units; `nlcontrol schema` describes it."""
+        return self.model_dump_json(indent=2)
+
+    def report(self) -> str:
+        """The result as a text to read."""
+        from nlcontrol.report import report
+
+        return report(self)
+
+    def __str__(self) -> str:
+        return self.report()
