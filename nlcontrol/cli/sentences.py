@@ -1,0 +1,187 @@
+"""`say`, `plan` and `parse`: what is done with a sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from nlcontrol.cli.output import (
+    Narrator,
+    print_error,
+    print_json,
+    require_writable,
+    written_whole,
+)
+from nlcontrol.errors import OK
+
+if TYPE_CHECKING:
+    from nlcontrol.controller import Controller
+    from nlcontrol.result import Result
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+File = click.Path(dir_okay=False, path_type=Path)
+
+_json = click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
+_scene = click.option(
+    "--scene", default="kitchen", show_default=True, help="A built-in scene, or a scene file."
+)
+_seed = click.option(
+    "--seed", default=0, show_default=True, type=click.IntRange(0), help="Of everything random."
+)
+_explain = click.option("--explain", is_flag=True, help="Show which words became which parameters.")
+_picture = click.option(
+    "--picture",
+    type=File,
+    help="Write a picture of the run; with --explain, of the explanation (PNG, SVG or PDF).",
+)
+
+
+def _sentence_options(command: Command) -> Command:
+    for option in (_picture, _explain, _seed, _scene, _json):
+        command = option(command)
+    return click.argument("sentence")(command)
+
+
+@click.command()
+@_sentence_options
+@click.option("--plan-only", is_flag=True, help="Stop before anything is executed.")
+@click.option("--replay", type=File, help="Write a replay of the run, one HTML file.")
+def say(
+    sentence: str,
+    as_json: bool,
+    scene: str,
+    seed: int,
+    explain: bool,
+    picture: Path | None,
+    plan_only: bool,
+    replay: Path | None,
+) -> int:
+    """Do what SENTENCE says, in simulation, and check every clause of it."""
+    if plan_only and replay:
+        raise click.UsageError("--replay needs a run; leave out --plan-only")
+    if plan_only and picture and not explain:
+        raise click.UsageError("--picture of a plan needs --explain")
+    require_writable(replay)
+    require_writable(picture)
+    return _answer(sentence, as_json, scene, seed, explain, picture, plan_only, replay)
+
+
+@click.command()
+@_sentence_options
+def plan(
+    sentence: str, as_json: bool, scene: str, seed: int, explain: bool, picture: Path | None
+) -> int:
+    """Plan what SENTENCE says: where and how hard to push, and what that will do."""
+    if picture and not explain:
+        raise click.UsageError("--picture of a plan needs --explain")
+    require_writable(picture)
+    return _answer(sentence, as_json, scene, seed, explain, picture, True, None)
+
+
+@click.command()
+@click.argument("sentence")
+@_json
+def parse(sentence: str, as_json: bool) -> int:
+    """Read SENTENCE: what was understood, as frames."""
+    import grammar
+
+    text = _encodable(sentence)
+    try:
+        command = grammar.parse(text)
+    except grammar.ParseError as raised:
+        from nlcontrol.errors import known_error
+
+        known = known_error(raised)
+        assert known is not None
+        print_error(known.info, as_json=as_json, text=text)
+        return known.info.status.exit
+    if as_json:
+        print_json(command.model_dump(mode="json"))
+        return OK
+    click.echo(f"I understood: {command.paraphrase}")
+    for frame in command.frames:
+        click.echo(frame.model_dump_json(indent=2, exclude_defaults=True))
+    return OK
+
+
+def _encodable(sentence: str) -> str:
+    """The sentence with each byte that is not UTF-8 replaced: it could not be printed again."""
+    return sentence.encode("utf-8", "replace").decode("utf-8")
+
+
+def _answer(
+    sentence: str,
+    as_json: bool,
+    scene: str,
+    seed: int,
+    explain: bool,
+    picture: Path | None,
+    plan_only: bool,
+    replay: Path | None,
+) -> int:
+    from nlcontrol.controller import Controller
+
+    controller = Controller(scene, seed=seed)
+    with Narrator() as narrate:
+        result = controller.say(_encodable(sentence), plan_only=plan_only, progress=narrate)
+    files = _write_files(controller, result, explain=explain, picture=picture, replay=replay)
+    if as_json:
+        document = result.model_dump(mode="json")
+        if explain:
+            document["explanation"] = [row.model_dump(mode="json") for row in result.explanation()]
+        print_json({**document, **files})
+        return result.exit_status
+    _print(result, files, explain=explain)
+    return result.exit_status
+
+
+def _print(result: Result, files: dict[str, str], *, explain: bool) -> None:
+    from nlcontrol.report import error_lines, report
+
+    understood = result.paraphrase is not None
+    if understood:
+        click.echo(report(result))
+    elif result.error:
+        for line in error_lines(result.error, result.text):
+            click.echo(line, err=True)
+    if explain and result.plan:
+        from nlcontrol.explanation import table
+
+        click.echo()
+        click.echo(table(result))
+    for what, where in files.items():
+        click.echo(f"{what.capitalize()}: {where}")
+
+
+def _write_files(
+    controller: Controller,
+    result: Result,
+    *,
+    explain: bool,
+    picture: Path | None,
+    replay: Path | None,
+) -> dict[str, str]:
+    """Writes the files that were asked for, as far as the sentence got."""
+    files: dict[str, str] = {}
+    if replay and result.trace:
+        from sim import save_replay
+
+        with written_whole(replay) as temporary:
+            save_replay(result.trace, controller.scene, temporary)
+        files["replay"] = str(replay)
+    if picture and explain and result.plan:
+        from nlcontrol.drawing import save_explanation
+
+        with written_whole(picture) as temporary:
+            save_explanation(result, temporary)
+        files["picture"] = str(picture)
+    elif picture and result.trace:
+        from sim import save_picture
+
+        with written_whole(picture) as temporary:
+            save_picture(result.trace, controller.scene, temporary)
+        files["picture"] = str(picture)
+    return files

@@ -1,0 +1,151 @@
+"""Results as text: what was understood, what will be done and why it works, what happened.
+
+Values are SI inside; people read millimetres, degrees and newtons.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from nlcontrol.checks import Check
+from nlcontrol.errors import ErrorInfo
+from nlcontrol.result import Result
+from planner.directions import phrase
+from planner.plan import DefaultUsed, Plan
+
+_SCALES: dict[str, tuple[float, str, int]] = {
+    "m": (1e3, " mm", 0),
+    "rad": (180.0 / math.pi, "°", 1),
+    "N": (1.0, " N", 1),
+    "m/s": (1e3, " mm/s", 0),
+    "s": (1.0, " s", 1),
+    "": (1.0, "", 3),
+}
+
+
+def quantity(value: float, unit: str) -> str:
+    """An SI value as people read it: 0.119 m becomes "119 mm"."""
+    scale, sign, digits = _SCALES.get(unit, (1.0, f" {unit}", 3))
+    text = f"{value * scale:.{digits}f}"
+    return (text.lstrip("-") if float(text) == 0.0 else text) + sign
+
+
+def words(text: str, spans: Sequence[tuple[int, int]]) -> str:
+    """The words of a sentence that spans cover, with a dash for what lies between."""
+    return " … ".join(text[start:end] for start, end in spans)
+
+
+def report(result: Result) -> str:
+    """A whole result as text."""
+    return "\n".join(_lines(result))
+
+
+def _lines(result: Result) -> Iterator[str]:
+    if result.paraphrase:
+        yield f"I understood: {result.paraphrase}"
+    yield from map(default_line, result.defaults)
+    if result.plan:
+        yield ""
+        yield from plan_lines(result.plan)
+    if result.checks:
+        yield ""
+        yield "What happened:"
+        yield from (check_line(result.text, check) for check in result.checks)
+    if result.error:
+        if result.paraphrase:
+            yield ""
+        yield from error_lines(result.error, result.text)
+    elif result.status == "done":
+        yield "Done: every clause held."
+
+
+def default_line(used: DefaultUsed) -> str:
+    """One value that the sentence left open."""
+    return f"  not said, by default: {used.name} {quantity(used.value, used.unit)} ({used.reason})"
+
+
+def plan_lines(plan: Plan) -> Iterator[str]:
+    """Where and how hard it will push, and why that does what was asked."""
+    push, margins = plan.push, plan.margins
+    fingers = "one finger" if push.fingers == 1 else "two fingers"
+    apart = f" {quantity(push.spread, 'm')} apart" if push.fingers == 2 else ""
+    yield (
+        f"Plan: push the {push.object} with {fingers}{apart} on its {push.face} face, "
+        f"{quantity(push.p_BC[2], 'm')} above the table, {_heading(plan)}, "
+        f"with at most {quantity(push.force_limit, 'N')} at {quantity(push.speed, 'm/s')} "
+        f"over {quantity(push.stroke, 'm')}."
+    )
+    yield f"  Predicted: {_prediction(plan)}"
+    yield (
+        f"  Margin to the wrong outcome, in the worst case of {margins.sigmas:g} standard "
+        f"deviations: {quantity(margins.height, 'm')} in contact height, "
+        f"{quantity(margins.force, 'N')} in force."
+    )
+    yield from (f"  {note}" for note in plan.notes)
+
+
+def _heading(plan: Plan) -> str:
+    x, y, _ = plan.push.direction_W
+    return phrase(math.atan2(y, x))
+
+
+def _prediction(plan: Plan) -> str:
+    p = plan.prediction
+    starts = [
+        f"{verb} would start at {quantity(force, 'N')}"
+        for verb, force in (("sliding", p.slide_force), ("toppling", p.topple_force))
+        if force is not None
+    ]
+    verb = {"slide": "slides", "topple": "topples", "none": "stays"}.get(p.outcome, p.outcome)
+    text = f"it {verb} (probability {p.probability:.3f}); {', '.join(starts)}."
+    if p.critical_height is not None and p.critical_height_worst is not None:
+        text += (
+            f" Pushed above {quantity(p.critical_height, 'm')} it would topple instead of slide "
+            f"({quantity(p.critical_height_worst, 'm')} in the worst case)."
+        )
+    elif p.topple_force is None:
+        text += " It cannot topple this way."
+    return text
+
+
+def check_line(text: str, check: Check) -> str:
+    """One clause: a mark, its words, what was measured and what was asked."""
+    mark = "✓" if check.ok else "✗"
+    said = f" “{words(text, check.spans)}”" if check.spans else ""
+    return f"  {mark}{said} {check.quantity}: {_value(check.measured, check)} ({_asked(check)})"
+
+
+def _value(value: float | str, check: Check) -> str:
+    return value if isinstance(value, str) else quantity(value, check.unit)
+
+
+def _asked(check: Check) -> str:
+    expected = _value(check.expected, check)
+    if check.relation == "is" or check.tolerance is None:
+        return f"asked: {expected}"
+    tolerance = quantity(check.tolerance, check.unit)
+    if check.relation == "about":
+        return f"asked: {expected} ± {tolerance}"
+    bound = "at most" if check.relation == "at_most" else "at least"
+    if check.tolerance == 0.0:
+        return f"asked: {bound} {expected}"
+    if check.expected == 0.0:
+        return f"asked: {bound} {tolerance}"
+    return f"asked: {bound} {expected}, tolerance {tolerance}"
+
+
+def error_lines(error: ErrorInfo, text: str | None = None) -> Iterator[str]:
+    """An error: its message, the words it is about, and what would be possible."""
+    titles = {"clause_not_held": "Not held", "unsupported": "Unsupported", "internal": "Internal"}
+    refused = error.code in {"impossible", "out_of_reach", "blocked", "too_uncertain"}
+    title = titles.get(error.code, "Refused" if refused else "Error")
+    path = f"{error.path}: " if error.path else ""
+    yield f"{title} ({error.code}): {path}{error.message}"
+    if text and error.span and len(text) <= 100 and text.isprintable():
+        start, end = error.span
+        yield f"  {text}"
+        yield "  " + " " * start + "^" * max(1, end - start)
+    if error.capability:
+        yield f"  missing capability: {error.capability}"
+    yield from (f"  → {suggestion}" for suggestion in error.suggestions)

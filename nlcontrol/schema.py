@@ -1,0 +1,36 @@
+"""The JSON schema of what the commands answer."""
+
+from __future__ import annotations
+
+import json
+
+from pydantic.json_schema import models_json_schema
+
+from grammar.frames import Command
+from nlcontrol.errors import ErrorInfo
+from nlcontrol.result import Result
+
+_SCHEMA = "https://json-schema.org/draft/2020-12/schema"
+
+
+def schema() -> dict[str, object]:
+    """JSON schema: `Command` is what `parse` answers, `Result` what `plan` and `say` answer.
+
+    Numbers are in SI units, angles in radians, spans are `[start, end)` in code points of the
+    sentence as given.
+    """
+    _, definitions = models_json_schema(
+        [(Command, "serialization"), (Result, "serialization"), (ErrorInfo, "serialization")],
+        title="nlcontrol",
+        description=(schema.__doc__ or "").split(":", 1)[1].strip(),
+    )
+    return {
+        "$schema": _SCHEMA,
+        **definitions,
+        "anyOf": [{"$ref": "#/$defs/Result"}, {"$ref": "#/$defs/Command"}],
+    }
+
+
+def schema_json() -> str:
+    """The schema as text."""
+    return json.dumps(schema(), indent=2, ensure_ascii=False)
