@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, InstanceOf
@@ -14,6 +14,9 @@ from nlcontrol.checks import Check
 from nlcontrol.errors import OK, ErrorInfo
 from planner.plan import DefaultUsed, Plan, Vector3
 from sim.trace import Trace
+
+if TYPE_CHECKING:
+    from planner.explain import Row
 
 ResultStatus = Literal["done", "planned", "failed", "refused", "not_understood", "unsupported"]
 
@@ -106,6 +109,14 @@ class Result(BaseModel):
     def to_json(self) -> str:
         """The result as one JSON document, in SI units; `nlcontrol schema` describes it."""
         return self.model_dump_json(indent=2)
+
+    def explanation(self) -> tuple[Row, ...]:
+        """Which words became which parameters of the controller; empty without a plan."""
+        if self.plan is None:
+            return ()
+        from planner.explain import explain
+
+        return explain(self.frames[-1], self.plan)
 
     def report(self) -> str:
         """The result as a text to read."""

@@ -151,7 +151,7 @@ def _print(result: Result, files: dict[str, str], *, explain: bool) -> None:
         from nlcontrol.explanation import table
 
         click.echo()
-        click.echo(table(result))
+        click.echo(table(result.explanation()))
     for what, where in files.items():
         click.echo(f"{what.capitalize()}: {where}")
 
