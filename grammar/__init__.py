@@ -2,7 +2,31 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from grammar.errors import ParseError
 from grammar.frames import Command, Frame, ObjectRef
 
-__all__ = ["Command", "Frame", "ObjectRef", "ParseError"]
+if TYPE_CHECKING:
+    from grammar.lexicon import Lexicon
+
+__all__ = ["Command", "Frame", "ObjectRef", "ParseError", "paraphrase", "parse"]
+
+
+def parse(text: str) -> Command:
+    """Reads an English command; see `grammar.parser.Parser.parse`.
+
+    Raises:
+        ParseError: if the sentence, or a part of it, is not understood.
+    """
+    # lark and the lexicon are loaded with the first sentence, not with the frames.
+    from grammar import parser
+
+    return parser.parse(text)
+
+
+def paraphrase(frame: Frame, lexicon: Lexicon | None = None) -> str:
+    """Says in plain words what a frame asks; see `grammar.wording.paraphrase`."""
+    from grammar import wording
+
+    return wording.paraphrase(frame, lexicon)

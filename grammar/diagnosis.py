@@ -1,0 +1,145 @@
+"""Why a sentence cannot be read, from what the parser could have gone on with."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
+
+from grammar.errors import ParseError
+from grammar.frames import Span
+from grammar.lexicon import Lexicon
+from grammar.normalise import Normalised
+
+EXAMPLE = 'say, for example, "push the box away"'
+
+_CLOSE = 65.0
+"""Least likeness of a word to a known one that is worth a question [0 to 100]."""
+
+_TIE = 5.0
+"""Likenesses nearer to the best than this are as good as it."""
+
+_UNITS = {"LENGTH_UNIT": "cm", "ANGLE_UNIT": "degrees", "FORCE_UNIT": "N"}
+_NOT_FIRST = re.compile(r"[ ,]*(?:(?:robot|please|hey|ok|okay|now|hello)(?: |$)[ ,]*)*")
+
+
+def question(sentence: Normalised, lexicon: Lexicon) -> ParseError | None:
+    """The error for a question, unless it is a polite request."""
+    start = _NOT_FIRST.match(sentence.text)
+    text = sentence.text[start.end() if start else 0 :] + " "
+    asks = text.startswith(tuple(f"{word} " for word in lexicon.question_words))
+    requests = text.startswith(tuple(f"{word} " for word in lexicon.requests))
+    if not asks and (not sentence.question or requests):
+        return None
+    return ParseError(
+        "unsupported_question",
+        "questions are not understood, only commands",
+        None,
+        ("say it as a command, without a question mark",),
+    )
+
+
+def diagnose(error: UnexpectedInput, sentence: Normalised, lexicon: Lexicon) -> ParseError:
+    """Says in terms of the language why lark could not go on."""
+    expected = _expected(error)
+    token = error.token.type if isinstance(error, UnexpectedToken) else ""
+    at_end = token == "$END"
+    start, word = _word(sentence, len(sentence.text) if at_end else error.pos_in_stream or 0)
+    span = None if at_end else sentence.span(start, start + len(word))
+
+    if "VERB" in expected:
+        return _no_verb(word, token, span, lexicon)
+    if token == "VERB" or (word in ("then", ".", ";", "!", "?") and "$END" in expected):
+        return ParseError(
+            "several_commands",
+            f'"{word}" begins a second command; one at a time is understood',
+            span,
+            ("say one command after the other",),
+        )
+    if "WORD" in expected and "$END" not in expected and token != "WORD":
+        return _no_object(span)
+    if units := [_UNITS[name] for name in _UNITS if name in expected]:
+        number = sentence.text[:start].split()[-1]
+        return ParseError(
+            "missing_unit",
+            f'"{number}" lacks its unit',
+            span,
+            tuple(f'"{number} {unit}"' for unit in units),
+        )
+    if at_end:
+        return _incomplete(expected, lexicon)
+    return ParseError(
+        "unexpected_words",
+        f'"{word}" is not understood here',
+        span,
+        (*_did_you_mean(word, _words(expected, lexicon)), *_could_stand_here(expected, lexicon)),
+    )
+
+
+def _expected(error: UnexpectedInput) -> set[str]:
+    if isinstance(error, UnexpectedToken):
+        return set(error.accepts or error.expected)
+    if isinstance(error, UnexpectedCharacters):
+        return set(error.allowed or ())
+    return set()
+
+
+def _word(sentence: Normalised, position: int) -> tuple[int, str]:
+    """The word at a position of the plain form, and where it starts."""
+    match = re.compile(r"[^ ]+").search(sentence.text, position)
+    return (match.start(), match.group()) if match else (len(sentence.text), "")
+
+
+def _no_verb(word: str, token: str, span: Span | None, lexicon: Lexicon) -> ParseError:
+    if word in lexicon.later_verbs:
+        return ParseError(
+            "unsupported_verb",
+            f'the verb "{word}" is not understood yet',
+            span,
+            (f"understood are {', '.join(sorted(lexicon.verb_words()))}",),
+        )
+    if token == "WORD":
+        close = _did_you_mean(word, lexicon.verb_words())
+        return ParseError("unknown_verb", f'"{word}" is no known verb', span, close or (EXAMPLE,))
+    return ParseError("no_verb", "the sentence does not say what to do", span, (EXAMPLE,))
+
+
+def _no_object(span: Span | None) -> ParseError:
+    return ParseError(
+        "no_object",
+        "the sentence does not say what to do it to: the name of an object is missing",
+        span,
+        (EXAMPLE,),
+    )
+
+
+def _incomplete(expected: set[str], lexicon: Lexicon) -> ParseError:
+    if expected & {"THE", "QUOTED"}:
+        return _no_object(None)
+    return ParseError(
+        "incomplete",
+        "the sentence ends too early",
+        None,
+        _could_stand_here(expected, lexicon),
+    )
+
+
+def _could_stand_here(expected: set[str], lexicon: Lexicon) -> tuple[str, ...]:
+    labels = [label for name, label in lexicon.labels.items() if name in expected]
+    return (f"could stand here: {', '.join(labels)}",) if labels else ()
+
+
+def _words(expected: set[str], lexicon: Lexicon) -> set[str]:
+    """Every word of the terminals that could have stood here."""
+    known = [name for name in expected if name in lexicon.terminals or name == "VERB"]
+    return {w for name in known for p in lexicon.phrases(name) for w in p.split() if len(w) > 2}
+
+
+def _did_you_mean(word: str, known: Iterable[str]) -> tuple[str, ...]:
+    """The known words nearest to a word; of near ties all, since none is a better guess."""
+    from rapidfuzz import fuzz, process
+
+    found = process.extract(word, sorted(known), scorer=fuzz.ratio, score_cutoff=_CLOSE, limit=3)
+    near = [name for name, likeness, _ in found if found[0][1] - likeness < _TIE]
+    return (f"did you mean {' or '.join(repr(name) for name in near)}?",) if near else ()

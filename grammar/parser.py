@@ -1,0 +1,70 @@
+"""From a sentence to a command: normalise, parse (LALR), transform, put together.
+
+The parser is built with the first sentence and kept.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+from lark import Lark
+from lark.exceptions import UnexpectedInput, VisitError
+
+from grammar.diagnosis import diagnose, question
+from grammar.frames import Command
+from grammar.lexicon import Lexicon, default_lexicon
+from grammar.meaning import frame_of
+from grammar.normalise import normalise
+from grammar.transform import parts_of
+from grammar.wording import paraphrase
+
+
+class Parser:
+    """Reads commands with the words of a lexicon."""
+
+    def __init__(self, lexicon: Lexicon) -> None:
+        rules = Path(__file__).with_name("nlcontrol.lark").read_text(encoding="utf-8")
+        self._lexicon = lexicon
+        self._lark = Lark(
+            f"{rules}\n{lexicon.grammar_terminals()}",
+            parser="lalr",
+            lexer="contextual",
+            maybe_placeholders=False,
+        )
+
+    def parse(self, text: str) -> Command:
+        """Reads a sentence.
+
+        Args:
+            text: an English command about one object.
+
+        Returns:
+            The command, with the spans of the words in `text`.
+
+        Raises:
+            ParseError: if the sentence, or a part of it, is not understood.
+        """
+        sentence = normalise(text, self._lexicon.contractions)
+        if asked := question(sentence, self._lexicon):
+            raise asked
+        try:
+            tree = self._lark.parse(sentence.text)
+            parts = parts_of(tree, self._lexicon, sentence)
+        except UnexpectedInput as error:
+            raise diagnose(error, sentence, self._lexicon) from None
+        except VisitError as error:
+            raise error.orig_exc from None
+        frame = frame_of(parts, self._lexicon, sentence)
+        return Command(text=text, frames=(frame,), paraphrase=paraphrase(frame, self._lexicon))
+
+
+@cache
+def default_parser() -> Parser:
+    """The parser for the language that nlcontrol comes with."""
+    return Parser(default_lexicon())
+
+
+def parse(text: str) -> Command:
+    """Reads a sentence in the language that nlcontrol comes with; see `Parser.parse`."""
+    return default_parser().parse(text)
