@@ -193,7 +193,12 @@ class Controller:
             return _with(result, ok=False, status="unsupported", error=raised.info)
         if isinstance(made, Refusal):
             return _with(result, ok=False, status=made.status, error=refusal_error(made))
-        result = _with(result, plan=made, defaults=result.defaults + made.defaults)
+        result = _with(
+            result,
+            planned=result.planned + 1,
+            plan=made,
+            defaults=result.defaults + made.defaults,
+        )
         if plan_only:
             return _with(result, ok=True, status="planned")
         trace = self.execute(made, progress)

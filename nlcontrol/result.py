@@ -69,8 +69,8 @@ class Result(BaseModel):
         text: the sentence as given.
         paraphrase: what was understood, in words.
         frames: the same as data.
-        plan: the push, its predicted outcome and its margins; of several frames the last one
-            planned.
+        planned: how many of the frames were planned.
+        plan: the push, its predicted outcome and its margins, of the last frame planned.
         execution: the trace in a few numbers.
         checks: a verdict per clause.
         defaults: what the sentence left open and the table of defaults supplied.
@@ -87,6 +87,7 @@ class Result(BaseModel):
     text: str
     paraphrase: str | None = None
     frames: tuple[Frame, ...] = ()
+    planned: int = 0
     plan: Plan | None = None
     execution: Execution | None = None
     checks: tuple[Check, ...] = ()
@@ -116,7 +117,7 @@ class Result(BaseModel):
             return ()
         from planner.explain import explain
 
-        return explain(self.frames[-1], self.plan)
+        return explain(self.frames[self.planned - 1], self.plan)
 
     def report(self) -> str:
         """The result as a text to read."""
