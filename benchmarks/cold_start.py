@@ -1,0 +1,43 @@
+"""Cold start of `nlcontrol plan`, as a multiple of importing what any such program imports.
+
+    python benchmarks/cold_start.py [--runs 9]
+
+Both commands run in fresh processes, in turn, so that a busy machine slows both alike; the median
+of each is compared.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import subprocess
+import sys
+import time
+
+SENTENCE = "push the ice tea box away without toppling it"
+PEER = [sys.executable, "-c", "import numpy, lark, pydantic, click"]
+PLAN = [sys.executable, "-m", "nlcontrol", "plan", SENTENCE, "--json"]
+
+
+def wall(command: list[str]) -> float:
+    start = time.perf_counter()
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    return time.perf_counter() - start
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("--runs", type=int, default=9)
+    runs = parser.parse_args().runs
+    for command in (PEER, PLAN):
+        wall(command)  # once for the file cache and the byte code
+    times = [(wall(PEER), wall(PLAN)) for _ in range(runs)]
+    peer, plan = (statistics.median(column) for column in zip(*times, strict=True))
+    ratio = statistics.median(b / a for a, b in times)
+    print(f"import numpy, lark, pydantic, click: {peer:.3f} s (median of {runs})")
+    print(f"nlcontrol plan:                      {plan:.3f} s")
+    print(f"cold start: {ratio:.2f} times the imports")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,63 @@
+"""The JSON contract: names that other programs read."""
+
+from __future__ import annotations
+
+import json
+from typing import Any, get_args
+
+from grammar import frames as g
+from nlcontrol.schema import schema, schema_json
+
+
+def _definition(name: str) -> dict[str, Any]:
+    definitions: Any = schema()["$defs"]
+    found: dict[str, Any] = definitions[name]
+    return found
+
+
+def test_the_answers_of_the_commands() -> None:
+    assert list(_definition("Command")["properties"]) == ["text", "frames", "paraphrase"]
+    assert {
+        "ok",
+        "status",
+        "text",
+        "frames",
+        "paraphrase",
+        "plan",
+        "checks",
+        "seed",
+        "error",
+    } <= set(_definition("Result")["properties"])
+    assert set(_definition("Result")["properties"]["status"]["enum"]) >= {
+        "done", "failed", "refused", "not_understood", "unsupported",
+    }  # fmt: skip
+    assert {"clause", "spans", "expected", "measured", "tolerance", "ok"} <= set(
+        _definition("Check")["properties"]
+    )
+    assert {"code", "message", "span", "suggestions"} <= set(_definition("ErrorInfo")["properties"])
+
+
+def test_the_names_of_the_frames() -> None:
+    frame = _definition("Frame")["properties"]
+    assert {"action", "query", "dialogue", "object", "goal", "constraints"} <= set(frame)
+    goals = set(frame["goal"]["discriminator"]["mapping"])
+    assert goals == {
+        "displace", "place", "rotate", "tilt", "topple", "upright", "lift", "open", "close",
+        "pour", "parameters", "none",
+    }  # fmt: skip
+    constraints = set(frame["constraints"]["items"]["discriminator"]["mapping"])
+    assert constraints == {
+        "no_topple", "no_tilt", "no_turn", "no_slide", "no_lift", "no_spill", "no_touch",
+        "max_force", "min_force", "force", "max_speed", "speed", "max_duration", "max_distance",
+        "gentle", "hard", "slow", "fast", "contact", "effector", "until",
+    }  # fmt: skip
+    assert set(get_args(g.Action)) == {
+        "push", "pull", "move", "slide", "turn", "tilt", "topple", "lift", "place", "open",
+        "close", "pour", "explore",
+    }  # fmt: skip
+
+
+def test_it_is_one_json_document_without_the_trace() -> None:
+    document = json.loads(schema_json())
+    assert document["$schema"].startswith("https://json-schema.org/")
+    assert "trace" not in document["$defs"]["Result"]["properties"]
