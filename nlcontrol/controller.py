@@ -17,6 +17,7 @@ from nlcontrol.checks import Check, check, require_checkable
 from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error, translated
 from nlcontrol.resolve import Candidate, resolve
 from nlcontrol.result import Result, summary
+from nlcontrol.text import encodable
 from objectmodels import BoxModel, Registry
 from planner.defaults import DEFAULTS, Defaults
 from planner.plan import Plan, Refusal
@@ -169,6 +170,7 @@ class Controller:
         Returns:
             A result in every case: what is not understood or refused is a result too.
         """
+        text = encodable(text)
         result = Result(ok=False, status="failed", text=text, scene=self.scene.name, seed=self.seed)
         try:
             command = self.parse(text)

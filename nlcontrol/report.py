@@ -6,34 +6,13 @@ Values are SI inside; people read millimetres, degrees and newtons.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from nlcontrol.checks import Check
-from nlcontrol.errors import ErrorInfo
 from nlcontrol.result import Result
+from nlcontrol.text import error_lines, quantity, words
 from planner.directions import phrase
 from planner.plan import DefaultUsed, Plan
-
-_SCALES: dict[str, tuple[float, str, int]] = {
-    "m": (1e3, " mm", 0),
-    "rad": (180.0 / math.pi, "°", 1),
-    "N": (1.0, " N", 1),
-    "m/s": (1e3, " mm/s", 0),
-    "s": (1.0, " s", 1),
-    "": (1.0, "", 3),
-}
-
-
-def quantity(value: float, unit: str) -> str:
-    """An SI value as people read it: 0.119 m becomes "119 mm"."""
-    scale, sign, digits = _SCALES.get(unit, (1.0, f" {unit}", 3))
-    text = f"{value * scale:.{digits}f}"
-    return (text.lstrip("-") if float(text) == 0.0 else text) + sign
-
-
-def words(text: str, spans: Sequence[tuple[int, int]]) -> str:
-    """The words of a sentence that spans cover, with a dash for what lies between."""
-    return " … ".join(text[start:end] for start, end in spans)
 
 
 def report(result: Result) -> str:
@@ -133,19 +112,3 @@ def _asked(check: Check) -> str:
     if check.expected == 0.0:
         return f"asked: {bound} {tolerance}"
     return f"asked: {bound} {expected}, tolerance {tolerance}"
-
-
-def error_lines(error: ErrorInfo, text: str | None = None) -> Iterator[str]:
-    """An error: its message, the words it is about, and what would be possible."""
-    titles = {"clause_not_held": "Not held", "unsupported": "Unsupported", "internal": "Internal"}
-    refused = error.code in {"impossible", "out_of_reach", "blocked", "too_uncertain"}
-    title = titles.get(error.code, "Refused" if refused else "Error")
-    path = f"{error.path}: " if error.path else ""
-    yield f"{title} ({error.code}): {path}{error.message}"
-    if text and error.span and len(text) <= 100 and text.isprintable():
-        start, end = error.span
-        yield f"  {text}"
-        yield "  " + " " * start + "^" * max(1, end - start)
-    if error.capability:
-        yield f"  missing capability: {error.capability}"
-    yield from (f"  → {suggestion}" for suggestion in error.suggestions)

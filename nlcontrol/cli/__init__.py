@@ -27,16 +27,20 @@ from nlcontrol.errors import INTERNAL, OK, USAGE, ErrorInfo, known_error
 INTERRUPTED = 130  # what shells expect after control-C
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+_EXIT_CODES = (
+    "Exit codes: 0 done and every clause held, 1 internal failure, 2 usage, 3 not understood, "
+    "4 no plan (refused with its numbers) or a capability that this robot lacks, "
+    "5 executed, but a clause did not hold."
+)
+
+
+@click.group(
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog=_EXIT_CODES,
+)
 @click.version_option(__version__, prog_name="nlcontrol")
 def cli() -> None:
-    r"""Say what should become of an object; it is predicted, carried out and checked.
-
-    \b
-    Exit codes: 0 done and every clause held, 1 internal failure, 2 usage, 3 not understood,
-    4 no plan (refused with its numbers) or a capability that this robot lacks,
-    5 executed, but a clause did not hold.
-    """
+    """Say what should become of an object; it is predicted, carried out and checked."""
 
 
 @cli.command()

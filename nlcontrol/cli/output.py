@@ -27,7 +27,7 @@ def print_error(info: ErrorInfo, *, as_json: bool, text: str | None = None) -> N
         said = {} if text is None else {"text": text}
         print_json({**said, "ok": False, "error": info.model_dump(mode="json")})
         return
-    from nlcontrol.report import error_lines
+    from nlcontrol.text import error_lines
 
     for line in error_lines(info, text):
         click.echo(line, err=True)

@@ -15,7 +15,7 @@ from nlcontrol.cli.output import (
     require_writable,
     written_whole,
 )
-from nlcontrol.errors import OK
+from nlcontrol.errors import OK, known_error
 
 if TYPE_CHECKING:
     from nlcontrol.controller import Controller
@@ -87,13 +87,12 @@ def plan(
 def parse(sentence: str, as_json: bool) -> int:
     """Read SENTENCE: what was understood, as frames."""
     import grammar
+    from nlcontrol.text import encodable
 
-    text = _encodable(sentence)
+    text = encodable(sentence)
     try:
         command = grammar.parse(text)
     except grammar.ParseError as raised:
-        from nlcontrol.errors import known_error
-
         known = known_error(raised)
         assert known is not None
         print_error(known.info, as_json=as_json, text=text)
@@ -101,15 +100,13 @@ def parse(sentence: str, as_json: bool) -> int:
     if as_json:
         print_json(command.model_dump(mode="json"))
         return OK
+    from nlcontrol.text import frame_lines
+
     click.echo(f"I understood: {command.paraphrase}")
     for frame in command.frames:
-        click.echo(frame.model_dump_json(indent=2, exclude_defaults=True))
+        for line in frame_lines(frame, text):
+            click.echo(line)
     return OK
-
-
-def _encodable(sentence: str) -> str:
-    """The sentence with each byte that is not UTF-8 replaced: it could not be printed again."""
-    return sentence.encode("utf-8", "replace").decode("utf-8")
 
 
 def _answer(
@@ -126,7 +123,7 @@ def _answer(
 
     controller = Controller(scene, seed=seed)
     with Narrator() as narrate:
-        result = controller.say(_encodable(sentence), plan_only=plan_only, progress=narrate)
+        result = controller.say(sentence, plan_only=plan_only, progress=narrate)
     files = _write_files(controller, result, explain=explain, picture=picture, replay=replay)
     if as_json:
         document = result.model_dump(mode="json")
@@ -139,10 +136,10 @@ def _answer(
 
 
 def _print(result: Result, files: dict[str, str], *, explain: bool) -> None:
-    from nlcontrol.report import error_lines, report
+    from nlcontrol.report import report
+    from nlcontrol.text import error_lines
 
-    understood = result.paraphrase is not None
-    if understood:
+    if result.paraphrase is not None:
         click.echo(report(result))
     elif result.error:
         for line in error_lines(result.error, result.text):

@@ -1,0 +1,82 @@
+"""Pieces of text that every answer is made of: values with units, quoted words, frames, errors.
+
+Values are SI inside; people read millimetres, degrees and newtons.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from grammar.frames import Frame
+    from nlcontrol.errors import ErrorInfo
+
+_SCALES: dict[str, tuple[float, str, int]] = {
+    "m": (1e3, " mm", 0),
+    "rad": (180.0 / math.pi, "°", 1),
+    "N": (1.0, " N", 1),
+    "m/s": (1e3, " mm/s", 0),
+    "s": (1.0, " s", 1),
+    "": (1.0, "", 3),
+}
+
+
+def quantity(value: float, unit: str) -> str:
+    """An SI value as people read it: 0.119 m becomes "119 mm"."""
+    scale, sign, digits = _SCALES.get(unit, (1.0, f" {unit}", 3))
+    text = f"{value * scale:.{digits}f}"
+    return (text.lstrip("-") if float(text) == 0.0 else text) + sign
+
+
+def words(text: str, spans: Sequence[tuple[int, int]]) -> str:
+    """The words of a sentence that spans cover, with a dash for what lies between."""
+    return " … ".join(text[start:end] for start, end in spans)
+
+
+def encodable(text: str) -> str:
+    """The text with each half of a surrogate pair replaced, since it could not be printed again.
+
+    A shell hands over bytes that are not UTF-8 as such halves.
+    """
+    return re.sub("[\ud800-\udfff]", "\N{REPLACEMENT CHARACTER}", text)
+
+
+def frame_lines(frame: Frame, text: str) -> Iterator[str]:
+    """A frame in a few lines: each part with its fields and its words."""
+    for key in ("action", "query", "dialogue"):
+        if getattr(frame, key) is not None:
+            yield f"  {key}: {getattr(frame, key)}{_quoted(text, frame.spans)}"
+    if frame.object is not None:
+        yield f"  object: {frame.object.text}{_quoted(text, frame.object.spans)}"
+    yield f"  goal: {_fields(frame.goal, text)}"
+    for clause in frame.constraints:
+        yield f"  constraint: {_fields(clause, text)}"
+
+
+def _fields(part: Any, text: str) -> str:
+    values = part.model_dump(mode="json", exclude={"kind", "spans"}, exclude_defaults=True)
+    told = "".join(f" {key}={value}" for key, value in values.items())
+    return f"{part.kind}{told}{_quoted(text, part.spans)}"
+
+
+def _quoted(text: str, spans: Sequence[tuple[int, int]]) -> str:
+    return f"  “{words(text, spans)}”" if spans else ""
+
+
+def error_lines(error: ErrorInfo, text: str | None = None) -> Iterator[str]:
+    """An error: its message, the words it is about, and what would be possible."""
+    titles = {"clause_not_held": "Not held", "unsupported": "Unsupported", "internal": "Internal"}
+    refused = error.code in {"impossible", "out_of_reach", "blocked", "too_uncertain"}
+    title = titles.get(error.code, "Refused" if refused else "Error")
+    path = f"{error.path}: " if error.path else ""
+    yield f"{title} ({error.code}): {path}{error.message}"
+    if text and error.span and len(text) <= 100 and text.isprintable():
+        start, end = error.span
+        yield f"  {text}"
+        yield "  " + " " * start + "^" * max(1, end - start)
+    if error.capability:
+        yield f"  missing capability: {error.capability}"
+    yield from (f"  → {suggestion}" for suggestion in error.suggestions)
