@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Set
 
-from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
+from lark.exceptions import UnexpectedInput, UnexpectedToken
 
 from grammar.errors import ParseError
 from grammar.frames import Span
@@ -13,9 +13,6 @@ from grammar.lexicon import Lexicon
 from grammar.normalise import Normalised
 
 EXAMPLE = 'say, for example, "push the box away"'
-
-_CLOSE = 65.0
-"""Least likeness of a word to a known one that is worth a question [0 to 100]."""
 
 _TIE = 5.0
 """Likenesses nearer to the best than this are as good as it."""
@@ -40,49 +37,72 @@ def question(sentence: Normalised, lexicon: Lexicon) -> ParseError | None:
     )
 
 
-def diagnose(error: UnexpectedInput, sentence: Normalised, lexicon: Lexicon) -> ParseError:
-    """Says in terms of the language why lark could not go on."""
-    expected = _expected(error)
+def diagnose(
+    error: UnexpectedInput, accepts: Set[str], sentence: Normalised, lexicon: Lexicon
+) -> ParseError:
+    """Says in terms of the language why lark could not go on.
+
+    Args:
+        error: where it stopped.
+        accepts: terminals with which it could have gone on.
+        sentence: the sentence.
+        lexicon: the words of the language.
+    """
     token = error.token.type if isinstance(error, UnexpectedToken) else ""
     at_end = token == "$END"
     start, word = _word(sentence, len(sentence.text) if at_end else error.pos_in_stream or 0)
     span = None if at_end else sentence.span(start, start + len(word))
-
-    if "VERB" in expected:
+    if "VERB" in accepts:
         return _no_verb(word, token, span, lexicon)
-    if token == "VERB" or (word in ("then", ".", ";", "!", "?") and "$END" in expected):
+    if more := _more_than_one(start, word, span, accepts, sentence, lexicon):
+        return more
+    if "WORD" in accepts and "$END" not in accepts and token != "WORD":
+        return _no_object(span)
+    if units := [_UNITS[name] for name in _UNITS if name in accepts]:
+        number = sentence.text[:start].split()[-1]
+        return ParseError(
+            "missing_unit",
+            f'"{number}" lacks its unit',
+            span,
+            tuple(f"{number} {unit}" for unit in units),
+        )
+    if at_end:
+        return _incomplete(accepts, lexicon)
+    return ParseError(
+        "unexpected_words",
+        f'"{word}" is not understood here',
+        span,
+        (*_did_you_mean(word, _words(accepts, lexicon)), *_could_stand_here(accepts, lexicon)),
+    )
+
+
+def _more_than_one(
+    start: int,
+    word: str,
+    span: Span | None,
+    accepts: Set[str],
+    sentence: Normalised,
+    lexicon: Lexicon,
+) -> ParseError | None:
+    """The error for a second command or a second object, if the stop is at one."""
+    before = sentence.text[:start].split()[-1:]
+    joined = bool(before) and before[0] in lexicon.terminals["SEPARATOR"]
+    ended = "$END" in accepts or joined
+    if ended and (word in ("then", ".", ";", "!", "?") or word in lexicon.verb_words()):
         return ParseError(
             "several_commands",
             f'"{word}" begins a second command; one at a time is understood',
             span,
             ("say one command after the other",),
         )
-    if "WORD" in expected and "$END" not in expected and token != "WORD":
-        return _no_object(span)
-    if units := [_UNITS[name] for name in _UNITS if name in expected]:
-        number = sentence.text[:start].split()[-1]
+    if joined and word in (*lexicon.terminals["THE"], *lexicon.terminals["A"]):
         return ParseError(
-            "missing_unit",
-            f'"{number}" lacks its unit',
-            span,
-            tuple(f'"{number} {unit}"' for unit in units),
+            "several_objects",
+            f'"{sentence.text[start:]}" names a second object; one at a time is understood',
+            sentence.span(start, len(sentence.text)),
+            ("say one command for each object",),
         )
-    if at_end:
-        return _incomplete(expected, lexicon)
-    return ParseError(
-        "unexpected_words",
-        f'"{word}" is not understood here',
-        span,
-        (*_did_you_mean(word, _words(expected, lexicon)), *_could_stand_here(expected, lexicon)),
-    )
-
-
-def _expected(error: UnexpectedInput) -> set[str]:
-    if isinstance(error, UnexpectedToken):
-        return set(error.accepts or error.expected)
-    if isinstance(error, UnexpectedCharacters):
-        return set(error.allowed or ())
-    return set()
+    return None
 
 
 def _word(sentence: Normalised, position: int) -> tuple[int, str]:
@@ -100,7 +120,7 @@ def _no_verb(word: str, token: str, span: Span | None, lexicon: Lexicon) -> Pars
             (f"understood are {', '.join(sorted(lexicon.verb_words()))}",),
         )
     if token == "WORD":
-        close = _did_you_mean(word, lexicon.verb_words())
+        close = _did_you_mean(word, lexicon.verb_words(), close=65.0)
         return ParseError("unknown_verb", f'"{word}" is no known verb', span, close or (EXAMPLE,))
     return ParseError("no_verb", "the sentence does not say what to do", span, (EXAMPLE,))
 
@@ -108,14 +128,14 @@ def _no_verb(word: str, token: str, span: Span | None, lexicon: Lexicon) -> Pars
 def _no_object(span: Span | None) -> ParseError:
     return ParseError(
         "no_object",
-        "the sentence does not say what to do it to: the name of an object is missing",
+        "the name of an object is missing",
         span,
         (EXAMPLE,),
     )
 
 
-def _incomplete(expected: set[str], lexicon: Lexicon) -> ParseError:
-    if expected & {"THE", "QUOTED"}:
+def _incomplete(expected: Set[str], lexicon: Lexicon) -> ParseError:
+    if "THE" in expected and not expected & {"AVOIDING", "TOOL"}:
         return _no_object(None)
     return ParseError(
         "incomplete",
@@ -125,21 +145,22 @@ def _incomplete(expected: set[str], lexicon: Lexicon) -> ParseError:
     )
 
 
-def _could_stand_here(expected: set[str], lexicon: Lexicon) -> tuple[str, ...]:
+def _could_stand_here(expected: Set[str], lexicon: Lexicon) -> tuple[str, ...]:
     labels = [label for name, label in lexicon.labels.items() if name in expected]
     return (f"could stand here: {', '.join(labels)}",) if labels else ()
 
 
-def _words(expected: set[str], lexicon: Lexicon) -> set[str]:
+def _words(expected: Set[str], lexicon: Lexicon) -> set[str]:
     """Every word of the terminals that could have stood here."""
     known = [name for name in expected if name in lexicon.terminals or name == "VERB"]
-    return {w for name in known for p in lexicon.phrases(name) for w in p.split() if len(w) > 2}
+    return {w for name in known for p in lexicon.phrases(name) for w in p.split() if len(w) > 3}
 
 
-def _did_you_mean(word: str, known: Iterable[str]) -> tuple[str, ...]:
+def _did_you_mean(word: str, known: Iterable[str], close: float = 75.0) -> tuple[str, ...]:
     """The known words nearest to a word; of near ties all, since none is a better guess."""
     from rapidfuzz import fuzz, process
 
-    found = process.extract(word, sorted(known), scorer=fuzz.ratio, score_cutoff=_CLOSE, limit=3)
+    others = sorted(set(known) - {word})
+    found = process.extract(word, others, scorer=fuzz.ratio, score_cutoff=close, limit=3)
     near = [name for name, likeness, _ in found if found[0][1] - likeness < _TIE]
     return (f"did you mean {' or '.join(repr(name) for name in near)}?",) if near else ()

@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -56,6 +57,7 @@ class Lexicon:
         verbs: verb, or verb and particle → what it asks for.
         terminals: terminal → phrase → value.
         later_verbs: verbs that are known but not read.
+        later_words: words that begin phrases which are not read.
         question_words: how questions begin.
         requests: questions that are polite requests.
         contractions: contracted word → spelled out.
@@ -65,6 +67,7 @@ class Lexicon:
     verbs: Mapping[str, Verb]
     terminals: Mapping[str, Mapping[str, str]]
     later_verbs: frozenset[str]
+    later_words: frozenset[str]
     question_words: tuple[str, ...]
     requests: tuple[str, ...]
     contractions: Mapping[str, str]
@@ -89,6 +92,7 @@ class Lexicon:
             verbs=_verbs(data["verbs"]),
             terminals={name: _phrases(name, v) for name, v in data["terminals"].items()},
             later_verbs=frozenset(data["later_verbs"]),
+            later_words=frozenset(data["later_words"]),
             question_words=tuple(data["question_words"]),
             requests=tuple(data["requests"]),
             contractions=data["contractions"],
@@ -137,19 +141,38 @@ class Lexicon:
         words = {name: _choice(self.phrases(name)) for name in ("VERB", *self.terminals)}
         units = "|".join(words[name] for name in self.terminals if name.endswith("_UNIT"))
         number = rf"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[-+]?\d+)?(?={END}|(?:{units}){END})"
-        lines = [f"{name}.1: /{pattern}{END}/" for name, pattern in words.items()]
-        lines.append(f"NUMBER.1: /{number}/")
-        lines.append(
-            f'WORD.-1: /(?!{_choice(sorted(self.function_words))}{END}|{number})[^ ,";!?]+/'
-        )
+        not_a_name = f"{_choice(sorted(self.function_words))}{END}|{number}"
+        priorities = self._priorities()
+        lines = [f"{name}.{priorities[name]}: /{words[name]}{END}/" for name in words]
+        lines += [f"NUMBER.1: /{number}/", f'WORD.-1: /(?!{not_a_name})[^\\W_][^ ,";!?]*/']
         return "\n".join(lines)
+
+    def _priorities(self) -> dict[str, int]:
+        """Priorities by which the lexer finds "at the top face" before it finds "at the top".
+
+        Raises:
+            ValueError: if two terminals would each have to come before the other.
+        """
+        prefixes = {
+            name: {phrase[:i] for phrase in known for i, c in enumerate(phrase) if c == " "}
+            for name, known in self.terminals.items()
+        }
+        after = {
+            name: [other for other in prefixes if other != name and prefixes[other] & known.keys()]
+            for name, known in self.terminals.items()
+        }
+        try:
+            order = list(TopologicalSorter(after).static_order())
+        except CycleError as error:
+            raise ValueError(f"these terminals begin with one another: {error.args[1]}") from None
+        return {"VERB": 1, **{name: len(order) - i for i, name in enumerate(order)}}
 
     @cached_property
     def function_words(self) -> frozenset[str]:
         """Words that never belong to a bare name."""
         terminals = ("THE", "A", "IT", "SEPARATOR", "WITHOUT", "WITH", "TOWARD", "INTO", "AT")
         single = {p for name in terminals for p in self.terminals[name] if " " not in p}
-        return frozenset(single | {"then", "until", "so", "from", "to", "in", "on", "near", "not"})
+        return self.later_words | single
 
     @cached_property
     def reserved(self) -> frozenset[str]:

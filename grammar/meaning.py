@@ -6,7 +6,6 @@ Every part must find its place; a part that its verb has no use for is an error,
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any, TypeVar, cast
 
 from grammar.errors import ParseError
@@ -14,19 +13,11 @@ from grammar.frames import (
     Action,
     Amount,
     Close,
-    Constraint,
-    ContactRegion,
     Direction,
     Displace,
     Frame,
     Goal,
     Lift,
-    NoLift,
-    NoSlide,
-    NoSpill,
-    NoTilt,
-    NoTopple,
-    NoTurn,
     Open,
     Parameters,
     Pour,
@@ -41,8 +32,6 @@ from grammar.normalise import Normalised
 from grammar.parts import (
     AmountPart,
     AnglePart,
-    AvoidPart,
-    ConstraintPart,
     DirectionPart,
     IntoPart,
     LengthPart,
@@ -53,19 +42,24 @@ from grammar.parts import (
     TowardPart,
     VerbPart,
 )
+from grammar.restrictions import constraints_of
 
 P = TypeVar("P", bound=Part)
 
-_AVOIDED: dict[str, type[NoTopple | NoTilt | NoTurn | NoSlide | NoLift | NoSpill]] = {
-    "no_topple": NoTopple,
-    "no_tilt": NoTilt,
-    "no_turn": NoTurn,
-    "no_slide": NoSlide,
-    "no_lift": NoLift,
-    "no_spill": NoSpill,
-}
 _OPPOSITES: tuple[set[Direction], ...] = ({"away", "toward"}, {"left", "right"})
 _UP_AND_DOWN: dict[str, Direction] = {"up": "away", "down": "toward"}
+_FORBIDDING = {
+    "topple": ("no_topple", "no_tilt"),
+    "tilt": ("no_tilt",),
+    "turn": ("no_turn",),
+    "slide": ("no_slide",),
+    "lift": ("no_lift",),
+}
+"""Constraints that contradict an action."""
+
+_PUSHED = frozenset({"displace", "topple", "tilt"})
+"""Goals of which "from the left" says that they go to the right, unless by pulling."""
+
 _SENSES: dict[Direction, Sense] = {"left": "ccw", "right": "cw"}
 
 
@@ -243,15 +237,24 @@ def frame_of(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> F
     verb_part = next(part for part in parts if isinstance(part, VerbPart))
     thing = next(part for part in parts if isinstance(part, ObjectPart))
     rest = [part for part in parts if part is not verb_part and part is not thing]
-    rest, constraints = _constraints(rest, thing, lexicon, sentence)
+    rest, constraints = constraints_of(rest, thing, lexicon, sentence)
     verb, name, verb_spans, rest = _verb(verb_part, rest, lexicon, sentence)
     if thing.contents and verb.goal != "pour":
         raise ParseError(
             "does_not_apply", f'the contents of a thing do not go with "{name}"', thing.span
         )
+    if verb.goal not in _PUSHED or verb.action == "pull":
+        rest = [p for p in rest if not (isinstance(p, DirectionPart) and p.implied)]
     clause = _Clause(rest, verb, sentence)
     goal = _GOALS[verb.goal](clause)
     clause.finish(name)
+    for constraint in constraints:
+        if constraint.kind in _FORBIDDING.get(verb.action, ()):
+            raise ParseError(
+                "contradiction",
+                f'"{sentence.written(constraint.spans[0])}" forbids what "{name}" asks',
+                constraint.spans[0],
+            )
     return Frame(
         action=cast(Action, verb.action),
         object=thing.ref,
@@ -266,13 +269,16 @@ def _verb(
 ) -> tuple[Verb, str, tuple[Span, ...], list[Part]]:
     """Finds the verb with or without its particle; returns what it leaves of the rest."""
     particle = next((p for p in rest if isinstance(p, ParticlePart)), None)
+    alone = lexicon.verb(part.word)
+    if particle is not None and particle.optional and alone and alone.goal == "displace":
+        rest, particle = [p for p in rest if p is not particle], None
     if particle is not None:
         verb = lexicon.verb(part.word, particle.word)
         if verb is not None:
             left = [p for p in rest if p is not particle]
             spans = _joined([part.span, particle.span], sentence)
             return verb, f"{part.word} {particle.word}", spans, left
-    verb = lexicon.verb(part.word)
+    verb = alone
     if verb is None:
         whole = tuple(sorted(v for v in lexicon.verbs if v.startswith(f"{part.word} ")))
         raise ParseError(
@@ -285,112 +291,6 @@ def _verb(
         direction = DirectionPart(particle.span, _UP_AND_DOWN[particle.word])
         rest = [direction if p is particle else p for p in rest]
     return verb, part.word, (part.span,), rest
-
-
-def _constraints(
-    parts: list[Part], thing: ObjectPart, lexicon: Lexicon, sentence: Normalised
-) -> tuple[list[Part], tuple[Constraint, ...]]:
-    """Separates the constraints, in their order, from the parts that belong to the goal."""
-    rest: list[Part] = []
-    constraints: list[Constraint] = []
-    previous: Part | None = None
-    for part in _with_particles(parts, lexicon):
-        if isinstance(part, AvoidPart):
-            if part.further and not isinstance(previous, AvoidPart):
-                raise ParseError(
-                    "unexpected_words",
-                    f'"{sentence.written(part.span)}" needs "without" before it',
-                    part.span,
-                    (f"without {sentence.written(part.span)}",),
-                )
-            constraints.append(_avoided(part, thing, lexicon, sentence))
-        elif isinstance(part, ConstraintPart):
-            constraints.append(part.constraint)
-        else:
-            rest.append(part)
-        previous = part
-    return rest, tuple(_once(_one_contact(constraints, sentence)))
-
-
-def _with_particles(parts: list[Part], lexicon: Lexicon) -> list[Part]:
-    """Gives "over" in "without knocking it over" to the verb that it stands behind."""
-    out: list[Part] = []
-    for part in parts:
-        before = out[-1] if out else None
-        if isinstance(part, ParticlePart) and isinstance(before, AvoidPart) and before.word:
-            phrase = f"{before.word} {part.word}"
-            kind = lexicon.terminals["AVOIDING"].get(phrase, lexicon.terminals["AVOID"].get(phrase))
-            if kind is not None:
-                span = before.span[0], part.span[1]
-                out[-1] = replace(before, kind=kind, word=phrase, span=span)
-                continue
-        out.append(part)
-    return out
-
-
-def _avoided(
-    part: AvoidPart, thing: ObjectPart, lexicon: Lexicon, sentence: Normalised
-) -> Constraint:
-    if not part.kind:
-        raise ParseError(
-            "unexpected_words",
-            f'"{part.word}" alone says nothing to avoid',
-            part.span,
-            (f"{part.word} it over",),
-        )
-    if part.thing is not None and not _same(part.thing, thing):
-        raise ParseError(
-            "other_object",
-            f'the sentence is about "{thing.ref.text}", but "{sentence.written(part.span)}" '
-            f'is about "{part.thing.ref.text}"',
-            part.thing.span,
-            (f'name "{thing.ref.text}" in both places, or say "it"',),
-        )
-    return _AVOIDED[part.kind](spans=(part.span,))
-
-
-def _same(mention: ObjectPart, thing: ObjectPart) -> bool:
-    """Whether a later mention can be the object itself: "it", or the end of its name."""
-    words, name = mention.ref.text.casefold().split(), thing.ref.text.casefold().split()
-    return mention.is_pronoun or words == name[-len(words) :]
-
-
-def _one_contact(constraints: Sequence[Constraint], sentence: Normalised) -> list[Constraint]:
-    """Joins what is said of the contact ("at the top", "from the left") in one constraint."""
-    out: list[Constraint] = []
-    for new in constraints:
-        known = next((c for c in out if isinstance(c, ContactRegion)), None)
-        if known is None or not isinstance(new, ContactRegion):
-            out.append(new)
-            continue
-        said = known.model_dump(exclude_none=True, exclude={"kind", "spans"})
-        more = new.model_dump(exclude_none=True, exclude={"kind", "spans"})
-        if any(said.get(key, value) != value for key, value in more.items()):
-            quoted = [f'"{sentence.written(c.spans[-1])}"' for c in (known, new)]
-            raise ParseError(
-                "contradiction",
-                f"{quoted[0]} and {quoted[1]} name different places to touch",
-                new.spans[-1],
-                tuple(f"say only {quote}" for quote in quoted),
-            )
-        update = {key: getattr(new, key) for key in more}
-        spans = known.spans + new.spans
-        out[out.index(known)] = known.model_copy(update={**update, "spans": spans})
-    return out
-
-
-def _once(constraints: Sequence[Constraint]) -> list[Constraint]:
-    """Joins constraints that say the same ("gently … carefully")."""
-    out: list[Constraint] = []
-    for new in constraints:
-        bare = new.model_copy(update={"spans": ()})
-        for i, known in enumerate(out):
-            if known.model_copy(update={"spans": ()}) == bare:
-                out[i] = known.model_copy(update={"spans": (*known.spans, *new.spans)})
-                break
-        else:
-            out.append(new)
-    return out
 
 
 def _joined(spans: list[Span], sentence: Normalised) -> tuple[Span, ...]:

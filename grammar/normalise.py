@@ -21,6 +21,7 @@ MAX_LENGTH = 500
 _SAME = str.maketrans("‘’´`“”„«»−‐‑‒–—:", '\'\'\'\'"""""-----,,')
 _PUNCTUATION = frozenset(".,!?'\"-/°&_+%;")
 _WORD = re.compile(r"[^ ]+")
+_MINUS = re.compile(r"(?<![^ ])-(?=[.\d])|(?<=\de)-(?=\d)")
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,8 @@ def normalise(text: str, contractions: Mapping[str, str]) -> Normalised:
         contractions: contracted word → the words it stands for, both in plain form.
 
     Raises:
-        ParseError: `empty`, `too_long`, `control_character` or `unexpected_character`.
+        ParseError: `empty`, `too_long`, `control_character`, `unexpected_character` or
+            `unbalanced_quote`.
     """
     if len(text) > MAX_LENGTH:
         raise ParseError(
@@ -82,6 +84,14 @@ def normalise(text: str, contractions: Mapping[str, str]) -> Normalised:
     if not letters:
         raise ParseError(
             "empty", "the sentence is empty", None, ('say, for example, "push the box away"',)
+        )
+    quotes = [letter for letter in letters if letter.char == '"']
+    if len(quotes) % 2:
+        raise ParseError(
+            "unbalanced_quote",
+            "a quotation mark has no partner",
+            (quotes[-1].start, quotes[-1].end),
+            ("close the quotation, or leave the mark out",),
         )
     return Normalised(
         original=text,
@@ -121,12 +131,13 @@ def _plain(char: str, column: int) -> list[_Letter]:
 def _space_out(letters: list[_Letter]) -> list[_Letter]:
     """Sets punctuation apart, opens hyphens, and turns single quotes around words into double."""
     out: list[_Letter] = []
+    minus = {m.start() for m in _MINUS.finditer("".join(letter.char for letter in letters))}
     quoted = within = False
     for i, letter in enumerate(letters):
         before = letters[i - 1].char if i else " "
         after = letters[i + 1].char if i + 1 < len(letters) else " "
         within ^= letter.char == '"'
-        if letter.char == "-" and not (before == " " and (after.isdigit() or after == ".")):
+        if letter.char == "-" and i not in minus:
             out.append(_Letter(" ", letter.start, letter.end))
         elif (
             letter.char == "'"

@@ -7,15 +7,16 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
+from typing import Any, cast
 
-from lark import Lark
+from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedInput, VisitError
 
 from grammar.diagnosis import diagnose, question
 from grammar.frames import Command
 from grammar.lexicon import Lexicon, default_lexicon
 from grammar.meaning import frame_of
-from grammar.normalise import normalise
+from grammar.normalise import Normalised, normalise
 from grammar.transform import parts_of
 from grammar.wording import paraphrase
 
@@ -49,14 +50,20 @@ class Parser:
         if asked := question(sentence, self._lexicon):
             raise asked
         try:
-            tree = self._lark.parse(sentence.text)
-            parts = parts_of(tree, self._lexicon, sentence)
-        except UnexpectedInput as error:
-            raise diagnose(error, sentence, self._lexicon) from None
+            parts = parts_of(self._tree(sentence), self._lexicon, sentence)
         except VisitError as error:
             raise error.orig_exc from None
         frame = frame_of(parts, self._lexicon, sentence)
         return Command(text=text, frames=(frame,), paraphrase=paraphrase(frame, self._lexicon))
+
+    def _tree(self, sentence: Normalised) -> Tree[Token]:
+        steps: Any = self._lark.parse_interactive(sentence.text)  # lark gives it no types
+        try:
+            for _ in steps.iter_parse():
+                pass
+            return cast("Tree[Token]", steps.feed_eof())
+        except UnexpectedInput as error:
+            raise diagnose(error, steps.accepts(), sentence, self._lexicon) from None
 
 
 @cache

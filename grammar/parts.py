@@ -47,9 +47,14 @@ class DirectionPart(Part):
 
 @dataclass(frozen=True)
 class ParticlePart(Part):
-    """A word that belongs to the verb, or means a direction: over, up, down."""
+    """A word that belongs to the verb, or means a direction: over, up, down.
+
+    It is optional where it may as well belong to a direction: "over to the left" topples with
+    "knock", and is no more than "to the left" with "push".
+    """
 
     word: str
+    optional: bool = False
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from decimal import Decimal
+from decimal import Context, Decimal
 from typing import Any, Literal, cast
 
 from lark import Token, Transformer, Tree
@@ -71,6 +71,9 @@ _BEFORE_FACE: dict[str, Direction] = {
     "right": "left",
 }
 
+# Numbers beyond all bounds become infinite or NaN, which no range admits, and raise nothing.
+_LENIENT = Context(prec=60, traps=[])
+
 Children = list[Any]
 
 
@@ -106,26 +109,32 @@ class Parts(Transformer[Token, list[Part]]):
     def _bound(self, children: Children) -> Bound:
         return cast(Bound, self._value(children, "BOUND", "exact"))
 
-    def _quantity(self, children: Children, factor: str, most: float) -> float:
-        """The number among the children times a factor, within (0, most]."""
+    def _number(self, children: Children) -> Decimal:
+        """The number among the children. Decimals keep "7 cm" at 0.07, not 0.07000000000000001."""
         number = next(c for c in children if isinstance(c, Token) and c.type.startswith("NUMBER"))
-        written = str(number)
-        if number.type == "NUMBER_WORD":
-            written = self._lexicon.value("NUMBER_WORD", written)
-        # Decimals keep "7 cm" at 0.07 where floats would make it 0.07000000000000001.
-        value = float(Decimal(written) * Decimal(factor))
+        word = number.type == "NUMBER_WORD"
+        written = self._lexicon.value("NUMBER_WORD", str(number)) if word else str(number)
+        return _LENIENT.create_decimal(written)
+
+    def _times_unit(self, children: Children, terminal: str) -> float:
+        factor = Decimal(self._value(children, terminal))
+        return float(_LENIENT.multiply(self._number(children), factor))
+
+    def _possible(self, children: Children, value: float, most: float, range_: str) -> float:
+        """The value, if it lies in (0, most]; `range_` says so in words."""
         if not 0.0 < value <= most:
-            span = self._span([c for c in children if isinstance(c, Token)])
+            span = self._span(children)
             raise ParseError(
                 "impossible_quantity",
-                f'"{self._sentence.written(span)}" is not a possible quantity: '
-                f"it must be more than 0 and at most {most / float(factor):.6g} in this unit",
+                f'"{self._sentence.written(span)}" is out of range: {range_}',
                 span,
             )
         return value
 
     def _length(self, children: Children) -> float:
-        return self._quantity(children, self._value(children, "LENGTH_UNIT"), MAX_LENGTH_M)
+        metres = self._times_unit(children, "LENGTH_UNIT")
+        range_ = f"a distance is more than 0 and at most {MAX_LENGTH_M:g} m"
+        return self._possible(children, metres, MAX_LENGTH_M, range_)
 
     # --- the verb and what it is done to ------------------------------------------------------
 
@@ -154,10 +163,13 @@ class Parts(Transformer[Token, list[Part]]):
 
     # --- what should become of it -------------------------------------------------------------
 
-    def direction(self, children: Children) -> DirectionPart:
-        """Away, to the left."""
-        value = cast(Direction, self._value(children, "DIRECTION"))
-        return DirectionPart(self._span(children), value)
+    def direction(self, children: Children) -> list[Part]:
+        """Away, over to the left."""
+        span = self._span(children)
+        direction = DirectionPart(span, cast(Direction, self._value(children, "DIRECTION")))
+        if str(children[0]).startswith("over "):
+            return [ParticlePart((span[0], span[0] + 4), "over", optional=True), direction]
+        return [direction]
 
     def sense(self, children: Children) -> SensePart:
         """Clockwise."""
@@ -181,12 +193,12 @@ class Parts(Transformer[Token, list[Part]]):
 
     def angle(self, children: Children) -> AnglePart:
         """By 30 degrees."""
+        angle = float(self._number(children))
         if self._value(children, "ANGLE_UNIT") == "degree":
-            most = math.degrees(MAX_ANGLE_RAD)
-            value = math.radians(self._quantity(children, "1", most))
-        else:
-            value = self._quantity(children, "1", MAX_ANGLE_RAD)
-        return AnglePart(self._span(children), value, self._bound(children))
+            angle = math.radians(angle)
+        range_ = "an angle is more than 0 and at most ten turns"
+        angle = self._possible(children, angle, MAX_ANGLE_RAD, range_)
+        return AnglePart(self._span(children), angle, self._bound(children))
 
     # --- how ----------------------------------------------------------------------------------
 
@@ -198,17 +210,21 @@ class Parts(Transformer[Token, list[Part]]):
     def force(self, children: Children) -> ConstraintPart:
         """With at most 5 N."""
         span = self._span(children)
-        value = self._quantity(children, self._value(children, "FORCE_UNIT"), MAX_FORCE_N)
+        newtons = self._times_unit(children, "FORCE_UNIT")
+        range_ = f"a force is more than 0 and at most {MAX_FORCE_N:g} N"
+        value = self._possible(children, newtons, MAX_FORCE_N, range_)
         return ConstraintPart(span, _FORCES[self._bound(children)](value=value, spans=(span,)))
 
     def effector(self, children: Children) -> ConstraintPart:
         """With two fingers, with your left hand."""
         span = self._span(children)
         numbers = [c for c in children if c.type.startswith("NUMBER")]
-        count = self._quantity(children, "1", 10.0) if numbers else None
-        if count is not None and not count.is_integer():
+        count = float(self._number(children)) if numbers else None
+        if count is not None and count not in range(1, 11):
             raise ParseError(
-                "impossible_quantity", f'"{numbers[0]}" is not a number of tools', span
+                "impossible_quantity",
+                f'"{self._sentence.written(span)}" is out of range: one to ten can be used',
+                span,
             )
         if self._bound(children) != "exact":
             raise ParseError(

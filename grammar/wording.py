@@ -66,6 +66,19 @@ _BOUNDS = {"exact": "", "at_least": "at least ", "at_most": "at most "}
 _FORCES: dict[type[Constraint], str] = {Force: "", MinForce: "at least ", MaxForce: "at most "}
 _SENSES = {"cw": "clockwise", "ccw": "counterclockwise"}
 _REGIONS = {"top": "at the top", "middle": "in the middle", "bottom": "at the bottom"}
+_ON: dict[str, str] = {
+    "front": "on the front side",
+    "back": "on the back side",
+    "left": "on the left side",
+    "right": "on the right side",
+    "top": "on the top face",
+}
+_FROM: dict[str, str] = {
+    "front": "from the front",
+    "back": "from behind",
+    "left": "from the left",
+    "right": "from the right",
+}
 _HEIGHTS = {"table": "above the table", "top": "below the top"}
 _MANNERS: dict[type[Constraint], str] = {
     Gentle: "gently",
@@ -103,7 +116,8 @@ def paraphrase(frame: Frame, lexicon: Lexicon | None = None) -> str:
     if constraints and type(constraints[0]) in _MANNERS:
         words.append(_MANNERS[type(constraints.pop(0))])
     words += [verb, _name(frame.object, lexicon), *_goal(frame.goal, lexicon)]
-    words += _constraints(constraints, lexicon)
+    directed = getattr(frame.goal, "direction", None) is not None
+    words += _constraints(constraints, lexicon, directed=directed)
     return " ".join(words)
 
 
@@ -113,8 +127,8 @@ def _name(ref: ObjectRef, lexicon: Lexicon) -> str:
         return ref.text
     words = ref.text.replace("-", " ").casefold().split()
     plain = all(word.isascii() and word.isalnum() and not word[0].isdigit() for word in words)
-    bare = not lexicon.reserved & set(words[1:]) and words[0] not in lexicon.function_words
-    return f"the {ref.text}" if plain and bare else f'the "{ref.text}"'
+    bare = not lexicon.reserved & set(words)
+    return f"the {ref.text}" if plain and bare else f'"{ref.text}"'
 
 
 def _goal(goal: Goal, lexicon: Lexicon) -> list[str]:
@@ -158,12 +172,16 @@ def _displace(goal: Displace, lexicon: Lexicon) -> list[str]:
     return words
 
 
-def _constraints(constraints: Sequence[Constraint], lexicon: Lexicon) -> list[str]:
+def _constraints(
+    constraints: Sequence[Constraint], lexicon: Lexicon, *, directed: bool
+) -> list[str]:
     words: list[str] = []
     previous: Constraint | None = None
     for constraint in constraints:
         avoided = _AVOIDED.get(type(constraint))
-        if avoided is None:
+        if isinstance(constraint, ContactRegion):
+            words.append(_contact(constraint, directed=directed))
+        elif avoided is None:
             words.append(_constraint(constraint, lexicon))
         else:
             listed = previous is not None and type(previous) in _AVOIDED
@@ -177,8 +195,6 @@ def _constraint(constraint: Constraint, lexicon: Lexicon) -> str:
         return f"with {_FORCES[type(constraint)]}{_plain(constraint.value)} N"
     if isinstance(constraint, NoTouch) and constraint.clearance is None:
         return f"without touching {_name(constraint.object, lexicon)}"
-    if isinstance(constraint, ContactRegion):
-        return _contact(constraint)
     if isinstance(constraint, Effector):
         return _effector(constraint)
     if type(constraint) in _MANNERS:
@@ -186,14 +202,16 @@ def _constraint(constraint: Constraint, lexicon: Lexicon) -> str:
     raise ValueError(f"there are no words for {constraint.kind}")
 
 
-def _contact(contact: ContactRegion) -> str:
+def _contact(contact: ContactRegion, *, directed: bool) -> str:
+    # "From the left" also means "to the right" unless a direction is said, so it is kept for then.
+    sides = _FROM if directed else _ON
     words = []
     if contact.region:
         words.append(_REGIONS[contact.region])
     if contact.height:
         words.append(f"at {_length(contact.height.value)} {_HEIGHTS[contact.height.origin]}")
     if contact.face:
-        words.append(f"on the {contact.face} {'face' if contact.face == 'top' else 'side'}")
+        words.append(sides.get(contact.face, _ON[contact.face]))
     return " ".join(words)
 
 

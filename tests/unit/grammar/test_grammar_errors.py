@@ -1,0 +1,80 @@
+"""What a refusal tells: suggestions, and errors that are about the whole sentence."""
+
+from __future__ import annotations
+
+import pytest
+
+from grammar import ParseError, parse
+from grammar.normalise import MAX_LENGTH
+
+
+def refusal(text: str) -> ParseError:
+    with pytest.raises(ParseError) as caught:
+        parse(text)
+    return caught.value
+
+
+@pytest.mark.parametrize(
+    ("text", "verb"),
+    [("psuh the box", "push"), ("topel the box", "topple"), ("sldie the box", "slide")],
+)
+def test_misspelt_verb_is_asked_back(text: str, verb: str) -> None:
+    assert refusal(text).suggestions == (f"did you mean '{verb}'?",)
+
+
+def test_near_ties_are_all_named() -> None:
+    # Likeness: "tit" is 6/7 like "tilt" and 2/3 like "tip"; "pul" is 6/7 like "pull" and 4/7 like
+    # "push"; but "lilt" is 3/4 like "lift" and "tilt" alike.
+    assert refusal("tit the box").suggestions == ("did you mean 'tilt'?",)
+    assert refusal("pul the box").suggestions == ("did you mean 'pull'?",)
+    assert refusal("lilt the box").suggestions == ("did you mean 'lift' or 'tilt'?",)
+
+
+def test_misspelt_direction_is_asked_back() -> None:
+    assert refusal("push the box gently awya").suggestions[0] == "did you mean 'away'?"
+
+
+def test_unexpected_words_say_what_could_stand_there() -> None:
+    (could,) = refusal("push the box away bananas").suggestions
+    assert could.startswith("could stand here: ")
+    assert "a direction" in could
+    assert "__ANON" not in could
+
+
+def test_missing_unit_suggests_units() -> None:
+    assert refusal("push the box 10").suggestions == ("10 cm", "10 degrees")
+    assert refusal("push the box with 5").suggestions == ("5 N",)
+
+
+def test_verb_without_its_particle_suggests_it() -> None:
+    assert refusal("knock the box").suggestions == (
+        "did you mean 'knock down'?",
+        "did you mean 'knock over'?",
+    )
+
+
+def test_long_text_is_cut_off_before_it_is_read() -> None:
+    error = refusal("push the box away " * 600)
+    assert error.code == "too_long"
+    assert error.span == (MAX_LENGTH, 10_800)
+
+
+def test_longest_text_is_read() -> None:
+    assert parse("push the box away".ljust(MAX_LENGTH)).frames
+    assert refusal("push the box away".ljust(MAX_LENGTH + 1)).code == "too_long"
+
+
+@pytest.mark.parametrize("char", ["\x00", "\x1b", "\x7f", "\u200b", "\u202e", "\ud800", "\ue000"])
+def test_control_characters_are_named_by_number(char: str) -> None:
+    error = refusal(f"push the{char} box")
+    assert error.code == "control_character"
+    assert error.span == (8, 9)
+    assert f"U+{ord(char):04X}" in error.message
+    # A message may be printed where a lone surrogate cannot be.
+    assert char not in error.message
+
+
+def test_error_carries_no_other_error() -> None:
+    error = refusal("push the box 0 cm")
+    assert error.__cause__ is None
+    assert error.__suppress_context__ or error.__context__ is None
