@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import importlib.util
 import os
-import sys
 from collections.abc import Iterator
 
 SIBLINGS = ("grammar", "objectmodels", "planner", "sim")
@@ -22,8 +21,7 @@ def home() -> str:
 
 def found(name: str) -> str | None:
     """The folder or file that `import name` takes, without importing it; None if there is none."""
-    loaded = sys.modules.get(name)
-    spec = loaded.__spec__ if loaded else importlib.util.find_spec(name)
+    spec = importlib.util.find_spec(name)
     if spec is None:
         return None
     if spec.submodule_search_locations:  # a package, with an __init__ or without

@@ -40,6 +40,16 @@ def test_speed_and_force_of_the_push(make_trace: TraceMaker) -> None:
     assert measures.largest_push_force(trace) == pytest.approx(4.0, rel=1e-9)
 
 
+def test_the_fastest_moment_counts(make_trace: TraceMaker) -> None:
+    trace = make_trace(speed=0.02)
+    pushing = np.flatnonzero(trace.phase == "push")
+    for tip in trace.tips.values():
+        tip[pushing[:100], 0] += np.linspace(0.0, 0.05, 100)  # 50 mm/s more during one second
+        tip[pushing[100:], 0] += 0.05
+    # 99 steps of 10 ms carry the added 50 mm.
+    assert measures.largest_push_speed(trace) == pytest.approx(0.02 + 0.05 / 0.99, rel=0.02)
+
+
 def test_forces_outside_of_contact_do_not_count(make_trace: TraceMaker) -> None:
     trace = make_trace(force=4.0)
     away = (trace.phase == "look") | (trace.phase == "settle")
@@ -62,6 +72,15 @@ def test_first_contact_is_seen_from_the_object(make_trace: TraceMaker) -> None:
     # Half the box and the fingertip's radius, in front of it.
     np.testing.assert_allclose(contact[0], [-0.055, 0.0, 0.04], atol=1e-12)
     np.testing.assert_allclose(contact[1], np.eye(3), atol=1e-12)
+
+
+def test_first_contact_of_a_turned_object(make_trace: TraceMaker) -> None:
+    trace = make_trace()
+    trace.poses["ice tea box"][:, :4] = [math.cos(math.pi / 4), 0, 0, math.sin(math.pi / 4)]
+    contact = measures.first_contact(trace, "ice tea box")
+    assert contact is not None
+    # Turned a quarter to the left, it is touched on the face that B's +y points at.
+    np.testing.assert_allclose(contact[0], [0.0, 0.055, 0.03], atol=1e-12)
 
 
 @pytest.mark.parametrize("heading", [0.0, 1.0, math.pi / 2, -2.0, math.pi])

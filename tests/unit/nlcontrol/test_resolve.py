@@ -70,10 +70,17 @@ def test_a_misspelled_name_gets_a_suggestion_and_is_not_guessed(text: str) -> No
 
 def test_near_ties_and_far_names_only_list_what_is_there() -> None:
     tie = (Candidate("box a", ("box a",)), Candidate("box b", ("box b",)))
-    for text, table in (("box c", tie), ("elephant", TABLE)):
+    for text, table in (("box c", tie), ("elephant", TABLE), ("elephant", TABLE[:1])):
         with pytest.raises(ControlError) as raised:
             find(_ref(text), table, ())
         assert raised.value.info.suggestions == tuple(c.name for c in table)
+
+
+@pytest.mark.parametrize("text", ["box tea", "tea tea", "big tea box"])
+def test_words_that_are_no_part_of_a_name(text: str) -> None:
+    with pytest.raises(ControlError) as raised:
+        find(_ref(text), TABLE, KNOWN)
+    assert raised.value.code == "unknown_object"
 
 
 def test_known_but_not_on_the_table_has_a_code_of_its_own() -> None:

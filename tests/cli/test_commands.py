@@ -1,0 +1,294 @@
+"""The command line without the simulator: answers, errors, exit codes, one JSON document."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from nlcontrol import cli
+from nlcontrol.cli import output, run
+from nlcontrol.result import Result
+
+SENTENCE = "push the ice tea box away without toppling it"
+
+
+def _json(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, Any]:
+    status = run([*args, "--json"])
+    out = capsys.readouterr().out
+    return status, json.loads(out)
+
+
+def test_parse_answers_with_text_frames_and_paraphrase(capsys: pytest.CaptureFixture[str]) -> None:
+    status, document = _json(capsys, "parse", SENTENCE)
+    assert status == 0
+    assert list(document) == ["text", "frames", "paraphrase"]
+    assert document["text"] == SENTENCE
+    (frame,) = document["frames"]
+    assert frame["action"] == "push"
+    assert [SENTENCE[a:b] for a, b in frame["object"]["spans"]] == ["ice tea box"]
+
+
+def test_parse_as_text_quotes_the_words(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["parse", SENTENCE]) == 0
+    out = capsys.readouterr().out
+    assert "I understood: " in out
+    assert "“without toppling it”" in out
+
+
+NOT_UNDERSTOOD = {
+    "empty": "",
+    "blank": "   ",
+    "long": "push " + "x" * 10_000,
+    "emoji": "push the 📦 away",
+    "control": "push the box\x07 away",
+    "surrogate": "push the \udcff away",
+    "verb": "frobnicate the ice tea box",
+    "two objects fit": "push the box away",
+    "unknown object": "push the elephant away",
+    "no object": "push away",
+}
+
+
+@pytest.mark.parametrize("command", ["plan", "say"])
+@pytest.mark.parametrize("sentence", NOT_UNDERSTOOD.values(), ids=NOT_UNDERSTOOD.keys())
+def test_what_is_not_understood(
+    capsys: pytest.CaptureFixture[str], command: str, sentence: str
+) -> None:
+    status, document = _json(capsys, command, sentence)
+    assert status == 3
+    result = Result.model_validate(document)
+    assert result.status == "not_understood"
+    assert not result.ok
+    assert result.error is not None
+    assert result.error.message
+    assert result.error.code != "internal"
+
+
+@pytest.mark.parametrize("sentence", NOT_UNDERSTOOD.values(), ids=NOT_UNDERSTOOD.keys())
+def test_errors_as_text_go_to_standard_error(
+    capsys: pytest.CaptureFixture[str], sentence: str
+) -> None:
+    assert run(["plan", sentence]) == 3
+    told = capsys.readouterr()
+    assert "Traceback" not in told.out + told.err
+    assert "(" in told.out + told.err
+
+
+def test_a_misspelled_object_gets_a_suggestion(capsys: pytest.CaptureFixture[str]) -> None:
+    status, document = _json(capsys, "plan", "push the iced tee box away")
+    assert status == 3
+    assert document["error"]["code"] == "unknown_object"
+    assert document["error"]["suggestions"] == ["did you mean 'ice tea box'?"]
+    start, end = document["error"]["span"]
+    assert "push the iced tee box away"[start:end] == "iced tee box"
+
+
+def test_plan_answers_with_a_valid_result(capsys: pytest.CaptureFixture[str]) -> None:
+    status, document = _json(capsys, "plan", SENTENCE, "--seed", "3")
+    assert status == 0
+    result = Result.model_validate(document)
+    assert (result.ok, result.status, result.seed) == (True, "planned", 3)
+    assert result.plan is not None
+    assert result.plan.prediction.outcome == "slide"
+    assert result.frames[0].object is not None
+    assert result.frames[0].object.id == "ice tea box"
+    assert result.execution is None
+
+
+def test_plan_as_text_says_where_how_hard_and_why(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["plan", SENTENCE]) == 0
+    out = capsys.readouterr().out
+    for part in ("I understood: ", "by default: distance 100 mm", " N at ", "above the table"):
+        assert part in out
+    assert "Margin" in out
+
+
+def test_plan_and_parse_do_not_load_the_simulator() -> None:
+    code = (
+        "import sys; from nlcontrol.cli import run\n"
+        f"assert run(['parse', {SENTENCE!r}]) == 0\n"
+        f"assert run(['plan', {SENTENCE!r}, '--json']) == 0\n"
+        "heavy = {'pydrake', 'matplotlib', 'scipy', 'rich', 'rapidfuzz'} & set(sys.modules)\n"
+        "assert not heavy, heavy"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_same_seed_gives_the_same_plan(capsys: pytest.CaptureFixture[str]) -> None:
+    first = _json(capsys, "plan", SENTENCE, "--seed", "5")
+    assert _json(capsys, "plan", SENTENCE, "--seed", "5") == first
+
+
+def test_a_push_at_the_top_is_refused_with_its_numbers(capsys: pytest.CaptureFixture[str]) -> None:
+    status, document = _json(capsys, "plan", "push the ice tea box at the top without toppling it")
+    assert status == 4
+    assert document["status"] == "refused"
+    numbers = document["error"]["numbers"]
+    # h* = b/μ = 0.045/0.378, and the upper third of 0.23 m.
+    assert any(value == pytest.approx(0.119, abs=0.001) for value in numbers.values())
+    assert any(value == pytest.approx(0.153, abs=0.001) for value in numbers.values())
+    assert "119 mm" in document["error"]["message"]
+    assert "153 mm" in document["error"]["message"]
+
+
+def test_a_hand_that_this_robot_lacks(capsys: pytest.CaptureFixture[str]) -> None:
+    status, document = _json(capsys, "plan", "push the ice tea box away with your left hand")
+    assert status == 4
+    assert document["status"] == "unsupported"
+    assert "hand" in document["error"]["capability"]
+
+
+@pytest.mark.parametrize(
+    "args",
+    [
+        ["plan"],
+        ["nonsense"],
+        ["plan", SENTENCE, "--nonsense"],
+        ["plan", SENTENCE, "--seed", "-1"],
+        ["plan", SENTENCE, "--picture", "x.png"],
+        ["say", SENTENCE, "--plan-only", "--replay", "x.html"],
+        ["say", SENTENCE, "--replay", "no/such/folder/x.html"],
+        ["plan", SENTENCE, "--scene", "kichen"],
+        ["plan", SENTENCE, "--scene", "no_such_file.yaml"],
+    ],
+    ids=" ".join,
+)
+def test_usage_errors(capsys: pytest.CaptureFixture[str], args: list[str]) -> None:
+    status, document = _json(capsys, *args)
+    assert status == 2
+    assert document["ok"] is False
+    assert document["error"]["message"]
+    assert run(args) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err
+    assert "Traceback" not in told.err
+
+
+def test_a_defect_becomes_one_document_and_exit_1(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: object, **__: object) -> None:
+        raise ZeroDivisionError("by zero")
+
+    monkeypatch.setattr("nlcontrol.controller.Controller.plan", broken)
+    status, document = _json(capsys, "plan", SENTENCE)
+    assert status == 1
+    assert document["error"]["code"] == "internal"
+    assert "ZeroDivisionError: by zero" in document["error"]["message"]
+    assert run(["plan", SENTENCE]) == 1
+    assert "Traceback" not in capsys.readouterr().err
+    monkeypatch.setenv("NLCONTROL_DEBUG", "1")
+    assert run(["plan", SENTENCE]) == 1
+    assert "Traceback" in capsys.readouterr().err
+
+
+def test_control_c_is_no_defect(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("nlcontrol.controller.Controller.plan", interrupted)
+    assert run(["plan", SENTENCE]) == cli.INTERRUPTED
+    assert "interrupted" in capsys.readouterr().err
+
+
+def test_objects_list_and_show(capsys: pytest.CaptureFixture[str]) -> None:
+    status, models = _json(capsys, "objects", "list")
+    assert status == 0
+    assert {"ice tea box", "cereal box", "coffee box"} <= {m["name"] for m in models}
+    status, model = _json(capsys, "objects", "show", "ice tea")
+    assert status == 0
+    assert model["name"] == "ice tea box"
+    assert run(["objects", "list"]) == 0
+    assert run(["objects", "show", "ice tea box"]) == 0
+    out = capsys.readouterr().out
+    assert "above 119 mm" in out
+
+
+def test_an_unknown_model_is_a_usage_error_with_a_suggestion(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    status, document = _json(capsys, "objects", "show", "ice tee box")
+    assert status == 2
+    assert "ice tea box" in json.dumps(document["error"])
+
+
+def test_doctor_finds_the_essentials(capsys: pytest.CaptureFixture[str]) -> None:
+    status, document = _json(capsys, "doctor")
+    assert status == 0
+    assert document["ok"]
+    assert {"Python", "packages", "Drake", "object models", "scenes", "grammar"} <= {
+        f["name"] for f in document["findings"] if f["ok"]
+    }
+    assert run(["doctor"]) == 0
+    assert "All essentials are there." in capsys.readouterr().out
+
+
+def test_doctor_fails_if_an_essential_is_missing(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken() -> str:
+        raise RuntimeError("no models")
+
+    monkeypatch.setattr("nlcontrol.cli.doctor._registry", broken)
+    status, document = _json(capsys, "doctor")
+    assert status == 1
+    assert not document["ok"]
+
+
+def test_schema_is_one_document(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["schema"]) == 0
+    assert "$defs" in json.loads(capsys.readouterr().out)
+
+
+def test_explanation_as_table_json_and_drawing(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert run(["plan", SENTENCE, "--explain"]) == 0
+    out = capsys.readouterr().out
+    for words in ("push", "ice tea box", "away", "without toppling it"):
+        assert words in out.split("From the words to the controller")[1]
+    picture = tmp_path / "words.png"
+    status, document = _json(capsys, "plan", SENTENCE, "--explain", "--picture", str(picture))
+    assert status == 0
+    assert document["picture"] == str(picture)
+    assert {row["words"] for row in document["explanation"]} >= {"away", "without toppling it"}
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert [p.name for p in tmp_path.iterdir()] == ["words.png"]
+
+
+def test_an_unknown_picture_format_is_a_usage_error(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    picture = tmp_path / "words.doc"
+    status, document = _json(capsys, "plan", SENTENCE, "--explain", "--picture", str(picture))
+    assert status == 2
+    assert document["error"]["code"] == "cannot_write"
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_failed_write_leaves_the_older_file(tmp_path: Path) -> None:
+    path = tmp_path / "run.html"
+    path.write_text("older")
+
+    def fail_halfway() -> None:
+        with output.written_whole(path) as temporary:
+            temporary.write_text("half")
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        fail_halfway()
+    assert path.read_text() == "older"
+    with output.written_whole(path) as temporary:
+        temporary.write_text("newer")
+    assert path.read_text() == "newer"
+    assert [p.name for p in tmp_path.iterdir()] == ["run.html"]
+    assert path.stat().st_mode & 0o044  # others may read it, as with any written file
