@@ -18,6 +18,7 @@ _TIE = 5.0
 """Likenesses nearer to the best than this are as good as it."""
 
 _UNITS = {"LENGTH_UNIT": "cm", "ANGLE_UNIT": "degrees", "FORCE_UNIT": "N"}
+_WORD = re.compile(r"[^ ]+")
 _NOT_FIRST = re.compile(r"[ ,]*(?:(?:robot|please|hey|ok|okay|now|hello)(?: |$)[ ,]*)*")
 
 
@@ -107,7 +108,7 @@ def _more_than_one(
 
 def _word(sentence: Normalised, position: int) -> tuple[int, str]:
     """The word at a position of the plain form, and where it starts."""
-    match = re.compile(r"[^ ]+").search(sentence.text, position)
+    match = _WORD.search(sentence.text, position)
     return (match.start(), match.group()) if match else (len(sentence.text), "")
 
 
