@@ -4,6 +4,8 @@ from objectmodels.box import BoxModel, Provenance
 from objectmodels.cone import ConeThresholds
 from objectmodels.errors import ModelError
 from objectmodels.prediction import Face, Prediction, Thresholds
+from objectmodels.registry import Registry
+from objectmodels.suggest import suggest
 
 __all__ = [
     "BoxModel",
@@ -12,5 +14,7 @@ __all__ = [
     "ModelError",
     "Prediction",
     "Provenance",
+    "Registry",
     "Thresholds",
+    "suggest",
 ]

@@ -56,6 +56,7 @@ Deviation3 = Annotated[
     tuple[NonNegativeFloat, NonNegativeFloat, NonNegativeFloat], BeforeValidator(_as_tuple)
 ]
 Word = Annotated[str, Field(min_length=1, max_length=100, pattern=r"^\S(.*\S)?$")]
+Words = Annotated[tuple[Word, ...], BeforeValidator(_as_tuple)]
 
 
 class Provenance(BaseModel):
@@ -116,7 +117,7 @@ class BoxModel(BaseModel):
     )
     friction_kinetic: PositiveFloat | None = None
     finger_friction_kinetic: PositiveFloat | None = None
-    synonyms: tuple[Word, ...] = ()
+    synonyms: Words = ()
     provenance: Provenance = Provenance()
     kind: Literal["box"] = "box"
 

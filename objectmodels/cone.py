@@ -143,7 +143,7 @@ class _Cone:
     def height_above(self) -> Array:
         """Height above which every direction topples first, shape (u,) [m]."""
         height = self._equal_heights(self.holding_most, self.slide_least)
-        return np.where(self.rise > _PARALLEL, height, np.inf).min(axis=2).max(axis=1)
+        return np.asarray(np.where(self.rise > _PARALLEL, height, np.inf).min(axis=2).max(axis=1))
 
     def _equal_heights(self, holding: Array, slide: Array) -> Array:
         """Heights at which toppling about each edge takes the force that slides, (u, j, 4) [m]."""
@@ -197,7 +197,8 @@ def _critical_height(model: BoxModel, spots: Array) -> Array:
     )
     holding, rise = weight * (d - EDGE_NORMALS @ c[:2]), -normals[:, :2] @ EDGE_NORMALS.T
     with np.errstate(divide="ignore"):
-        return np.where(rise > _PARALLEL, holding / (slide[:, None] * rise), np.inf).min(axis=1)
+        height = np.where(rise > _PARALLEL, holding / (slide[:, None] * rise), np.inf)
+    return np.asarray(height.min(axis=1))
 
 
 def _feet(spots: Array) -> tuple[Array, Array]:

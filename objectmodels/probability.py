@@ -115,7 +115,8 @@ def _lattice(k: int, dimensions: int) -> Array:
         root = (1.0 + root) ** (1.0 / (dimensions + 1))
     steps = root ** -np.arange(1.0, dimensions + 1)
     uniform = (0.5 + np.arange(k)[:, None] * steps) % 1.0
-    return np.vectorize(NormalDist().inv_cdf)(uniform)
+    inverse = NormalDist().inv_cdf
+    return np.array([[inverse(x) for x in row] for row in uniform])
 
 
 _NORMAL_NODES = _lattice(NODES, 4)

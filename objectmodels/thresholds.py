@@ -42,7 +42,8 @@ def tilting_lever(p: Array, u: Array, offsets: Array) -> Array:
     p_z n_k·u_xy − u_z (n_k·p_xy − d_k)
     """
     n = EDGE_NORMALS.T
-    return p[..., 2:] * (u[..., :2] @ n) - u[..., 2:] * (p[..., :2] @ n - offsets)
+    lever = p[..., 2:] * (u[..., :2] @ n) - u[..., 2:] * (p[..., :2] @ n - offsets)
+    return np.asarray(lever)
 
 
 def topple_thresholds(p: Array, u: Array, c: Array, offsets: Array, weight: float) -> Array:
@@ -156,7 +157,7 @@ def critical_friction(
 
 
 def _friction_used(r: Array, h: Array, w: Array, a: Array) -> Array:
-    """r sqrt(h² + (1 + r w)² a²), the share of the limit surface in use, times μ."""
+    """Friction that a push uses at the load ratio r: r sqrt(h² + (1 + r w)² a²)."""
     return np.asarray(r * np.sqrt(h * h + ((1.0 + r * w) * a) ** 2))
 
 
