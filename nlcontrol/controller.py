@@ -18,11 +18,11 @@ from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error, tran
 from nlcontrol.resolve import Candidate, resolve
 from nlcontrol.result import Result, summary
 from nlcontrol.text import encodable
-from objectmodels import BoxModel, Registry
+from objectmodels import BoxModel, ModelError, Registry
 from planner.defaults import DEFAULTS, Defaults
 from planner.plan import Plan, Refusal
 from planner.state import PlanarPose, SeenObject, TableState, WorldState
-from sim.scene import Scene, load_scene
+from sim.scene import Scene, SceneObject, load_scene
 
 if TYPE_CHECKING:
     from planner.reach import Reach
@@ -60,9 +60,9 @@ class Controller:
         with translated():
             self.scene = scene if isinstance(scene, Scene) else load_scene(scene)
             self.registry = Registry.default() if registry is None else registry
-            self.models: dict[str, BoxModel] = {
-                item.name: self.registry.get(item.model) for item in self.scene.objects
-            }
+        self.models: dict[str, BoxModel] = {
+            item.name: _believed(item, self.registry) for item in self.scene.objects
+        }
         self.seed = seed
         self.defaults = defaults
         self._world: DrakeWorld | None = None
@@ -108,7 +108,7 @@ class Controller:
             )
             for item in self.scene.objects
         ]
-        known = [(model.name, *model.synonyms) for model in self.registry.models]
+        known = [(model.name, *model.synonyms) for model in self.registry]
         return resolve(command, on_table, known)
 
     def look(self) -> WorldState:
@@ -223,6 +223,17 @@ def _not_held(missed: tuple[Check, ...], trace: Trace) -> ErrorInfo:
         message += f" (the push ended early: {trace.detail})"
     spans = missed[0].spans
     return error("clause_not_held", message, span=spans[0] if spans else None).info
+
+
+def _believed(item: SceneObject, registry: Registry) -> BoxModel:
+    """The registry's model of an object of the scene."""
+    try:
+        return registry.get(item.model)
+    except ModelError as raised:
+        message = f"the scene's '{item.name}' is a '{item.model}', but {raised.message}"
+        raise error(
+            "scene_and_registry_differ", message, suggestions=raised.suggestions
+        ) from raised
 
 
 def _table(scene: Scene) -> TableState:

@@ -48,8 +48,6 @@ CODES: dict[str, Status] = {
     "usage": _CALLER,
     "unknown_scene": _CALLER,
     "bad_scene": _CALLER,
-    "bad_model": _CALLER,
-    "unknown_model": Status(USAGE, 404),
     "cannot_write": _CALLER,
     "no_pictures": Status(INTERNAL, 501),
     "scene_and_registry_differ": _CALLER,

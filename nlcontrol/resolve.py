@@ -16,11 +16,9 @@ from pydantic import BaseModel
 
 from grammar.frames import Command, ObjectRef, Span
 from nlcontrol.errors import ControlError, error
+from objectmodels import suggest
 
 Part = TypeVar("Part", bound=BaseModel)
-
-_CLOSE = 80.0  # similarity out of 100 from which a name counts as a likely misspelling
-_CLEAR = 8.0  # a suggestion must beat the next best name by this much
 
 
 @dataclass(frozen=True)
@@ -131,26 +129,16 @@ def _missing(
     return error("unknown_object", message, span=_span(ref), suggestions=suggestions)
 
 
-def likely(text: str, names: Iterable[tuple[str, str]]) -> str | None:
+def likely(text: str, names: Sequence[tuple[str, str]]) -> str | None:
     """The one object whose name is close to a misspelled text; None if two are about as close.
 
     Args:
         text: as written.
         names: every name, and the object that it belongs to.
     """
-    # Late: only a misspelling needs it.
-    from rapidfuzz import fuzz
-
-    best: dict[str, float] = {}
-    for name, owner in names:
-        score = fuzz.ratio(" ".join(_words(text)), " ".join(_words(name)))
-        best[owner] = max(best.get(owner, 0.0), score)
-    ranked = sorted(best.items(), key=lambda item: -item[1])
-    if not ranked or ranked[0][1] < _CLOSE:
-        return None
-    if len(ranked) > 1 and ranked[0][1] - ranked[1][1] < _CLEAR:
-        return None
-    return ranked[0][0]
+    near = suggest(" ".join(_words(text)), [name for name, _ in names])
+    owners = {owner for name, owner in names if name in near}
+    return owners.pop() if len(owners) == 1 else None
 
 
 def _span(ref: ObjectRef) -> Span | None:

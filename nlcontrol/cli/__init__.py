@@ -18,10 +18,8 @@ from collections.abc import Sequence
 import click
 
 from nlcontrol import __version__
-from nlcontrol.cli.doctor import doctor
-from nlcontrol.cli.objects import objects
+from nlcontrol.cli import doctor, objects, sentences
 from nlcontrol.cli.output import print_error
-from nlcontrol.cli.sentences import parse, plan, say
 from nlcontrol.errors import INTERNAL, OK, USAGE, ErrorInfo, known_error
 
 INTERRUPTED = 130  # what shells expect after control-C
@@ -52,7 +50,13 @@ def schema() -> int:
     return OK
 
 
-for command in (say, plan, parse, objects, doctor):
+for command in (
+    sentences.say,
+    sentences.plan,
+    sentences.parse,
+    objects.group,
+    doctor.command,
+):
     cli.add_command(command)
 
 

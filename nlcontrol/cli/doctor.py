@@ -38,9 +38,9 @@ class Finding:
     suggestion: str = ""
 
 
-@click.command()
+@click.command("doctor")
 @click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
-def doctor(as_json: bool) -> int:
+def command(as_json: bool) -> int:
     """Check that everything a run needs is there."""
     findings = list(examine())
     ok = all(f.ok for f in findings if f.essential)
@@ -92,7 +92,10 @@ def _attempt(name: str, what: Callable[[], str]) -> Finding:
 def _registry() -> str:
     from objectmodels import Registry
 
-    return ", ".join(Registry.default().names())
+    registry = Registry.default()
+    for problem in registry.problems:
+        raise problem
+    return ", ".join(registry.names())
 
 
 def _scenes() -> str:

@@ -15,19 +15,21 @@ if TYPE_CHECKING:
 _json = click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
 
 
-@click.group()
-def objects() -> None:
+@click.group("objects")
+def group() -> None:
     """The object models that the robot knows."""
 
 
-@objects.command("list")
+@group.command("list")
 @_json
 def list_(as_json: bool) -> int:
     """List the models of the registry."""
     from objectmodels import Registry
 
     registry = Registry.default()
-    models = [registry.get(name) for name in registry.names()]
+    models = list(registry)
+    for problem in registry.problems:
+        click.echo(f"skipped: {problem}", err=True)
     if as_json:
         print_json([model.model_dump(mode="json") for model in models])
         return OK
@@ -37,7 +39,7 @@ def list_(as_json: bool) -> int:
     return OK
 
 
-@objects.command()
+@group.command()
 @click.argument("name")
 @_json
 def show(name: str, as_json: bool) -> int:

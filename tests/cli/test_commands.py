@@ -213,11 +213,11 @@ def test_objects_list_and_show(capsys: pytest.CaptureFixture[str]) -> None:
     assert "above 119 mm" in out
 
 
-def test_an_unknown_model_is_a_usage_error_with_a_suggestion(
+def test_an_unknown_model_gets_a_suggestion(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     status, document = _json(capsys, "objects", "show", "ice tee box")
-    assert status == 2
+    assert status == 3
     assert "ice tea box" in json.dumps(document["error"])
 
 

@@ -1,0 +1,175 @@
+"""The way of a sentence, with the simulator's part played by traces made by hand."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import grammar
+from nlcontrol import Controller
+from nlcontrol.errors import ControlError
+from nlcontrol.result import Result
+from objectmodels import Registry
+from planner.plan import Plan, Refusal
+from sim.trace import Trace
+
+TraceMaker = Callable[..., Trace]
+SENTENCE = "push the ice tea box away without toppling it"
+
+
+class Stage:
+    """Plays the simulator: hands out traces made beforehand, and counts what it was asked."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, *traces: Trace) -> None:
+        self.traces = list(traces)
+        self.executed: list[Plan] = []
+        monkeypatch.setattr("sim.execute", self.execute)
+        monkeypatch.setattr("sim.DrakeWorld", lambda *_, **__: None)
+
+    def execute(self, plan: Plan, world: object, progress: Any = None) -> Trace:
+        self.executed.append(plan)
+        if progress is not None:
+            progress("push", 1.0, "in contact")
+        return self.traces.pop(0)
+
+
+@pytest.fixture
+def controller() -> Controller:
+    return Controller(seed=1)
+
+
+def test_done(
+    controller: Controller, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stage = Stage(monkeypatch, make_trace())
+    told: list[tuple[str, float, str]] = []
+    result = controller.say(SENTENCE, progress=lambda *report: told.append(report))
+    assert (result.ok, result.status, result.exit_status) == (True, "done", 0)
+    assert stage.executed == [result.plan]
+    assert told == [("push", 1.0, "in contact")]
+    assert result.trace is not None
+    assert result.execution is not None
+    assert result.execution.displacement == pytest.approx((0.1, 0.0, 0.0))
+    assert {c.clause for c in result.checks} == {"displace", "no_topple"}
+    assert "✓" in str(result)
+    assert "Done: every clause held." in str(result)
+
+
+def test_json_round_trip_leaves_out_the_trace_alone(
+    controller: Controller, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Stage(monkeypatch, make_trace())
+    result = controller.say(SENTENCE)
+    again = Result.model_validate_json(result.to_json())
+    assert again == result.model_copy(update={"trace": None})
+    assert "trace" not in json.loads(result.to_json())
+
+
+def test_a_clause_that_does_not_hold(
+    controller: Controller, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Stage(monkeypatch, make_trace(tilt=math.radians(90), end="guard"))
+    result = controller.say(SENTENCE)
+    assert (result.ok, result.status, result.exit_status) == (False, "failed", 5)
+    assert result.error is not None
+    assert "no topple" in result.error.message
+    assert "✗ “without toppling it” largest tilt: 90.0°" in str(result)
+
+
+def test_frames_are_carried_out_in_turn_up_to_the_first_that_fails(
+    controller: Controller, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    one = grammar.parse(SENTENCE)
+    three = one.model_copy(update={"frames": one.frames * 3})
+    monkeypatch.setattr("grammar.parse", lambda _: three)
+    monkeypatch.setattr(controller, "look", controller.look)
+    stage = Stage(monkeypatch, make_trace(), make_trace(travel=(0.02, 0.0)))
+    monkeypatch.setattr(
+        type(controller), "world", property(lambda _: None)
+    )  # so that every look is the first one
+    result = controller.say(SENTENCE)
+    assert len(stage.executed) == result.planned == 2
+    assert result.status == "failed"
+    assert len(result.checks) == 8
+
+
+def test_a_refusal_moves_nothing(controller: Controller, monkeypatch: pytest.MonkeyPatch) -> None:
+    stage = Stage(monkeypatch)
+    result = controller.say("push the ice tea box at the top without toppling it")
+    assert (result.ok, result.status, result.exit_status) == (False, "refused", 4)
+    assert result.paraphrase is not None
+    assert not stage.executed
+    assert "Refused (impossible)" in str(result)
+
+
+def test_what_cannot_be_checked_is_not_executed(
+    controller: Controller, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stage = Stage(monkeypatch)
+    monkeypatch.setitem(__import__("nlcontrol.checks").checks._CONSTRAINTS, "gentle", None)
+    monkeypatch.delitem(__import__("nlcontrol.checks").checks._CONSTRAINTS, "gentle")
+    result = controller.say("gently push the coffee box to the right")
+    assert result.status == "unsupported"
+    assert result.error is not None
+    assert result.error.code == "uncheckable"
+    assert not stage.executed
+
+
+def test_the_stages_one_by_one(controller: Controller, make_trace: TraceMaker) -> None:
+    command = controller.resolve(controller.parse(SENTENCE))
+    (frame,) = command.frames
+    assert frame.object is not None
+    assert frame.object.id == "ice tea box"
+    plan = controller.plan(frame)
+    assert isinstance(plan, Plan)
+    assert all(c.ok for c in controller.check(frame, make_trace()))
+    top = controller.resolve(controller.parse("push the ice tea box at the top")).frames[0]
+    assert isinstance(controller.plan(top), Plan | Refusal)
+    with pytest.raises(ControlError) as raised:
+        controller.parse("frobnicate it")
+    assert raised.value.info.status.exit == 3
+
+
+def test_belief_and_truth_are_two_things(controller: Controller) -> None:
+    state = controller.look()
+    for item in controller.scene.objects:
+        seen = state.objects[item.name]
+        assert seen.model == controller.registry.get(item.model)
+        assert seen.model.mass != item.truth.mass_kg
+        # Camera noise of 2 mm and 1°, averaged over 30 frames: five standard deviations.
+        assert seen.pose.x == pytest.approx(item.pose.x_m, abs=0.002)
+        assert seen.pose.yaw == pytest.approx(math.radians(item.pose.yaw_deg), abs=0.016)
+        assert seen.pose.x != item.pose.x_m
+
+
+def test_the_seed_decides_what_is_seen() -> None:
+    def seen(seed: int) -> list[float]:
+        poses = Controller(seed=seed).look().objects.values()
+        return [o.pose.x for o in poses]
+
+    assert seen(1) == seen(1)
+    assert not np.allclose(seen(1), seen(2), rtol=0, atol=1e-9)
+
+
+def test_errors_of_the_caller_raise(tmp_path: Path) -> None:
+    with pytest.raises(ControlError) as raised:
+        Controller("kichen")
+    assert raised.value.code == "unknown_scene"
+    assert "kitchen" in " ".join(raised.value.info.suggestions)
+    with pytest.raises(ControlError) as raised:
+        Controller(registry=Registry())
+    assert raised.value.info.status.exit == 2
+
+
+@pytest.mark.parametrize("text", ["", "\udc80", "push \x00", "push the moon away"])
+def test_any_text_yields_a_result(controller: Controller, text: str) -> None:
+    result = controller.say(text)
+    assert result.status == "not_understood"
+    assert Result.model_validate_json(result.to_json()).error == result.error
+    assert str(result)
