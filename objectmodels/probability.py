@@ -10,11 +10,13 @@ fixed lattice rule: no randomness, the same answer every time.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from statistics import NormalDist
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from objectmodels.extremes import contact_forces, directions
 from objectmodels.thresholds import (
     Array,
     critical_friction,
@@ -26,8 +28,11 @@ from objectmodels.thresholds import (
 if TYPE_CHECKING:
     from objectmodels.box import BoxModel
 
-NODES = 32
+NODES = 64
 """Points of the lattice rule."""
+
+SEARCH_NODES, SEARCH_RING = 8, 16
+"""The same, and the directions on the outer ring, for finding the worst direction."""
 
 SMALLEST_SHARE = 0.05
 """Drawn radii and offsets from an edge are cut off at this share of their nominal value."""
@@ -62,37 +67,41 @@ def draws(model: BoxModel, z: Array) -> Draws:
     )
 
 
-def probabilities(model: BoxModel, p: Array, normals: Array, shares: Array) -> tuple[Array, Array]:
-    """Probabilities of sliding first and of toppling first, each of shape (n,).
+def worst_probability(
+    model: BoxModel, p: Array, normals: Array, outcome: Literal["slide", "topple"]
+) -> Array:
+    """Probability of an outcome at onset for the worst direction in the finger's cone, (n,).
 
     Args:
         model: the uncertain box.
-        p: contact points in B, shape (n, 3) [m].
-        normals: outward unit normals, shape (n, 3).
-        shares: sideways and upward force as shares of what the finger's friction allows,
-            shape (n, 2), in the unit disc.
+        p: contact points in B on side faces, shape (n, 3) [m].
+        normals: outward unit normals of the faces, shape (n, 3).
+        outcome: what is asked for.
     """
-    draw = draws(model, _NORMAL_NODES)
-    c, d = draw.com, edge_offsets(model.size)
-    f = contact_forces(normals[:, None, :], shares[:, None, :] * draw.finger_friction[:, None])
-    foot = p[:, None, :]
-    topple = topple_thresholds(foot, f, c, d, model.weight).min(axis=-1)
-    arm = yaw_arm(foot, f, c)
+    shares = directions(p, normals, np.array(model.com), model.finger_friction, SEARCH_RING)
+    rough = _probability(model, p, normals, shares, outcome, _nodes(SEARCH_NODES))
+    j = rough.argmin(axis=1)
+    worst = shares[np.arange(len(p)), j][:, None, :]
+    return _probability(model, p, normals, worst, outcome, _nodes(NODES))[:, 0]
+
+
+def _probability(
+    model: BoxModel, p: Array, normals: Array, shares: Array, outcome: str, nodes: Array
+) -> Array:
+    """Probability of an outcome for the directions of given shares (n, j, 2), shape (n, j)."""
+    draw = draws(model, nodes)
+    tangential = shares[:, :, None, :] * draw.finger_friction[:, None]
+    f = contact_forces(normals[:, None, None, :], tangential)  # (n, j, k, 3)
+    p = p[:, None, None, :]
+    offsets = edge_offsets(model.size)
+    topple = topple_thresholds(p, f, draw.com, offsets, model.weight).min(axis=-1)
+    arm = yaw_arm(p, f, draw.com)
     limit = critical_friction(f, arm, topple, draw.friction_radius, model.weight)
-    below = normal_cdf((limit - model.friction) / max(model.friction_sd, 1e-12 * model.friction))
-    return below.mean(axis=1), np.where(np.isinf(topple), 0.0, 1.0 - below).mean(axis=1)
-
-
-def contact_forces(normals: Array, tangential: Array) -> Array:
-    """Forces f = −n + η t + κ ẑ of unit normal component, with t = ẑ × n; shape (..., 3).
-
-    Args:
-        normals: outward horizontal unit normals, shape (..., 3).
-        tangential: η and κ, shape (..., 2).
-    """
-    n_x, n_y, eta = normals[..., 0], normals[..., 1], tangential[..., 0]
-    x, y, z = np.broadcast_arrays(-n_x - eta * n_y, -n_y + eta * n_x, tangential[..., 1])
-    return np.stack((x, y, z), axis=-1)
+    spread = max(model.friction_sd, 1e-12 * model.friction)  # a step function if μ is certain
+    below = normal_cdf((limit - model.friction) / spread)
+    if outcome == "topple":
+        below = np.where(np.isinf(topple), 0.0, 1.0 - below)
+    return np.asarray(below.mean(axis=-1))
 
 
 def normal_cdf(x: Array) -> Array:
@@ -108,15 +117,12 @@ def normal_cdf(x: Array) -> Array:
     return np.where(x < 0.0, tail, 1.0 - tail)
 
 
-def _lattice(k: int, dimensions: int) -> Array:
-    """Standard normal deviates from Roberts' additive recurrence, shape (k, dimensions)."""
+@cache
+def _nodes(k: int) -> Array:
+    """Standard normal deviates from Roberts' additive recurrence, shape (k, 4)."""
     root = 2.0
-    for _ in range(60):  # the positive root of x^(d+1) = x + 1
-        root = (1.0 + root) ** (1.0 / (dimensions + 1))
-    steps = root ** -np.arange(1.0, dimensions + 1)
-    uniform = (0.5 + np.arange(k)[:, None] * steps) % 1.0
+    for _ in range(60):  # the positive root of x⁵ = x + 1
+        root = (1.0 + root) ** 0.2
+    uniform = (0.5 + np.arange(k)[:, None] * root ** -np.arange(1.0, 5.0)) % 1.0
     inverse = NormalDist().inv_cdf
     return np.array([[inverse(x) for x in row] for row in uniform])
-
-
-_NORMAL_NODES = _lattice(NODES, 4)
