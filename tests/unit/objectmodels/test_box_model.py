@@ -1,0 +1,154 @@
+"""The box model: what it takes, what it refuses, its faces and its tilting."""
+
+from __future__ import annotations
+
+from math import atan, degrees, hypot, radians
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from objectmodels import BoxModel, ModelError, Registry
+from objectmodels.tilting import stroke_level, stroke_stuck
+
+CRATE = {"name": "crate", "size": (0.10, 0.20, 0.30), "mass": 1.0, "friction": 0.4}
+
+
+@pytest.fixture(scope="module")
+def crate() -> BoxModel:
+    return BoxModel.model_validate(CRATE)
+
+
+def test_what_is_not_given_follows_from_the_size(crate: BoxModel) -> None:
+    assert crate.com == (0.0, 0.0, 0.15)
+    corners = BoxModel.model_validate(CRATE | {"support": "corners"})
+    assert corners.friction_radius == pytest.approx(hypot(0.10, 0.20) / 2, rel=1e-12)
+    assert corners.friction_radius_sd == pytest.approx(0.45 * corners.friction_radius, rel=1e-12)
+    assert crate.friction_radius < corners.friction_radius
+
+
+def test_lists_and_arrays_serve_as_vectors() -> None:
+    box = BoxModel.model_validate(CRATE | {"size": np.array([0.1, 0.2, 0.3]), "com": [0, 0, 0.1]})
+    assert box.size == (0.1, 0.2, 0.3)
+    assert box.com == (0.0, 0.0, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("mass", 0.0),
+        ("mass", -1.0),
+        ("mass", float("nan")),
+        ("mass", float("inf")),
+        ("mass", "1.0"),
+        ("mass", True),
+        ("friction", 0.0),
+        ("size", (0.1, 0.2)),
+        ("size", (0.1, 0.2, -0.3)),
+        ("size", (0.1, 0.2, float("nan"))),
+        ("com", (0.06, 0.0, 0.1)),
+        ("com", (0.0, 0.0, 0.3)),
+        ("com_sd", (-0.001, 0.0, 0.0)),
+        ("support", "springs"),
+        ("name", ""),
+        ("name", " crate"),
+        ("name", "two\nlines"),
+        ("colour", "red"),
+    ],
+)
+def test_nonsense_is_refused(key: str, value: Any) -> None:
+    with pytest.raises(ValidationError) as error:
+        BoxModel.model_validate(CRATE | {key: value})
+    assert key in str(error.value)
+
+
+def test_models_do_not_change(crate: BoxModel) -> None:
+    with pytest.raises(ValidationError, match="frozen"):
+        crate.mass = 2.0  # type: ignore[misc]
+    assert hash(crate) == hash(BoxModel.model_validate(CRATE))
+
+
+@pytest.mark.parametrize(
+    ("points", "directions", "found"),
+    [
+        ([0.0, 0.0, 0.1], [1.0, 0.0, 0.0], r"\(3,\)"),
+        ([[0.0, 0.0, 0.1]], [[1.0, 0.0]], r"\(1, 2\)"),
+        ([[0.0, 0.0, 0.1]], [[1.0, 0.0, 0.0]] * 2, r"\(2, 3\)"),
+        ([[0.0, 0.0, float("nan")]], [[1.0, 0.0, 0.0]], "finite"),
+        ([[0.0, 0.0, 0.1]], [[2.0, 0.0, 0.0]], "unit"),
+    ],
+)
+def test_arrays_are_checked(crate: BoxModel, points: Any, directions: Any, found: str) -> None:
+    with pytest.raises(ModelError, match=found) as error:
+        crate.thresholds(points, directions)
+    assert error.value.code == "bad_array"
+
+
+def test_normals_and_sigmas_are_checked(crate: BoxModel) -> None:
+    with pytest.raises(ModelError, match="horizontal"):
+        crate.cone_thresholds([[0.0, 0.0, 0.3]], [[0.0, 0.0, 1.0]])
+    with pytest.raises(ModelError, match="sigmas"):
+        crate.cone_thresholds([[0.05, 0.0, 0.1]], [[1.0, 0.0, 0.0]], sigmas=-1.0)
+
+
+def test_faces_enclose_the_box(crate: BoxModel) -> None:
+    faces = crate.faces()
+    assert [f.normal for f in faces] == [(1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0)]
+    assert [f.width for f in faces] == [0.2, 0.1, 0.2, 0.1]
+    for face in faces:
+        np.testing.assert_allclose(np.cross([0, 0, 1], face.normal), face.tangent, atol=1e-15)
+        corner = np.array(face.centre) + face.width / 2 * np.array(face.tangent)
+        np.testing.assert_allclose(np.abs(corner), [0.05, 0.1, 0.15], atol=1e-15)
+
+
+def test_angle_of_no_return_is_that_of_the_paper_s_box() -> None:
+    box = Registry.default().get("ice tea box")
+    assert degrees(box.angle_of_no_return([1, 0, 0])) == pytest.approx(21.4, abs=0.05)  # rounding
+    early, late = (box.angle_of_no_return([0, -1, 0], sigmas=s) for s in (2, -2))
+    assert early == pytest.approx(atan((0.045 - 0.006) / (0.115 + 0.06)), rel=1e-12)
+    assert late == pytest.approx(atan((0.045 + 0.006) / (0.115 - 0.06)), rel=1e-12)
+
+
+def test_angle_depends_on_the_side_of_the_centre_of_mass() -> None:
+    box = BoxModel.model_validate(CRATE | {"com": (0.02, 0.0, 0.1)})
+    assert box.angle_of_no_return([1, 0, 0]) == pytest.approx(atan(0.03 / 0.1), rel=1e-12)
+    assert box.angle_of_no_return([-1, 0.1, 0]) == pytest.approx(atan(0.07 / 0.1), rel=1e-12)
+
+
+def test_strokes_are_those_of_the_ice_tea_box() -> None:
+    angle = radians(21.4)
+    assert stroke_level(0.22, 0.09, angle) == pytest.approx(0.079, abs=0.0006)  # given to 1 mm
+    assert stroke_stuck(0.22, 0.09, angle) == pytest.approx(0.086, abs=0.0006)
+    box = Registry.default().get("ice tea box")
+    assert box.topple_stroke([0, 1, 0], 0.22, angle) == stroke_stuck(0.22, 0.09, angle)
+
+
+def test_stroke_of_a_stuck_finger_follows_its_point_of_the_box() -> None:
+    """Oracle: rotate the contact point about the leading edge."""
+    height, length, angle = 0.15, 0.1, 0.3
+    p = np.array([-length, height])  # from the pivot, seen along the edge
+    c, s = np.cos(angle), np.sin(angle)
+    moved = np.array([c * p[0] + s * p[1], c * p[1] - s * p[0]])
+    assert stroke_stuck(height, length, angle) == pytest.approx(moved[0] - p[0], rel=1e-12)
+
+
+def test_stroke_of_a_level_finger_ends_on_the_face() -> None:
+    """Oracle: where the tilted rear face crosses the finger's height."""
+    height, length, angle = 0.15, 0.1, 0.3
+    foot = np.array([-length * np.cos(angle), length * np.sin(angle)])  # rear base edge, lifted
+    along = np.array([np.sin(angle), np.cos(angle)])
+    crossing = foot + (height - foot[1]) / along[1] * along
+    assert stroke_level(height, length, angle) == pytest.approx(crossing[0] + length, rel=1e-12)
+
+
+@pytest.mark.parametrize(("height", "angle"), [(0.0, 0.1), (0.31, 0.1), (0.1, -0.1), (0.1, 1.6)])
+def test_strokes_off_the_box_are_refused(crate: BoxModel, height: float, angle: float) -> None:
+    with pytest.raises(ModelError):
+        crate.topple_stroke([1, 0, 0], height, angle)
+
+
+@pytest.mark.parametrize("direction", [[0, 0, 1], [1, 0, 0, 0], [float("nan"), 0, 0]])
+def test_directions_must_be_horizontal(crate: BoxModel, direction: list[float]) -> None:
+    with pytest.raises(ModelError, match="horizontal"):
+        crate.angle_of_no_return(direction)
