@@ -1,0 +1,133 @@
+"""Model files: the strict schema, and errors that say where, what and what instead."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from objectmodels import ModelError
+from objectmodels.modelfile import load_model
+from objectmodels.yamlfile import MAX_BYTES, read_yaml
+
+GOOD = """\
+format: box/1
+name: crate
+size_m: [0.1, 0.2, 0.3]
+mass_kg: 1.5
+friction_table: 0.4
+provenance: {source: a test}
+"""
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "crate.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_units_are_in_the_keys_and_defaults_are_the_model_s(tmp_path: Path) -> None:
+    model = load_model(written(tmp_path, GOOD))
+    assert (model.name, model.size, model.mass) == ("crate", (0.1, 0.2, 0.3), 1.5)
+    assert model.com == (0.0, 0.0, 0.15)
+    assert model.provenance.source == "a test"
+
+
+def test_all_keys_reach_the_model(tmp_path: Path) -> None:
+    text = GOOD + (
+        "mass_kg_sd: 0.1\nfriction_table_sd: 0.05\nfriction_table_kinetic: 0.3\n"
+        "friction_finger: 0.7\nfriction_finger_sd: 0.07\nfriction_finger_kinetic: 0.6\n"
+        "centre_of_mass_m: [0.01, 0, 0.1]\ncentre_of_mass_m_sd: [0.001, 0.002, 0.003]\n"
+        "support: corners\nfriction_radius_m: 0.06\nfriction_radius_m_sd: 0.006\n"
+        "synonyms: [wooden crate]\n"
+    )
+    m = load_model(written(tmp_path, text))
+    assert (m.mass_sd, m.friction_sd, m.friction_kinetic) == (0.1, 0.05, 0.3)
+    assert (m.finger_friction, m.finger_friction_sd, m.finger_friction_kinetic) == (0.7, 0.07, 0.6)
+    assert (m.com, m.com_sd) == ((0.01, 0.0, 0.1), (0.001, 0.002, 0.003))
+    assert (m.support, m.friction_radius, m.friction_radius_sd) == ("corners", 0.06, 0.006)
+    assert m.synonyms == ("wooden crate",)
+
+
+@pytest.mark.parametrize(
+    ("line", "code", "words"),
+    [
+        ("mass_kg: 1:30", "bad_value", ["mass_kg", "'1:30'", "number"]),
+        ("mass_kg: yes", "bad_value", ["mass_kg", "'yes'"]),
+        ("mass_kg: true", "bad_value", ["mass_kg", "True"]),
+        ("mass_kg: 1_000", "bad_value", ["mass_kg", "'1_000'"]),
+        ("mass_kg: 017", "bad_value", ["mass_kg", "'017'"]),
+        ("mass_kg: .nan", "bad_value", ["mass_kg", "nan", "finite"]),
+        ("mass_kg: .inf", "bad_value", ["mass_kg", "inf", "finite"]),
+        ("mass_kg: -1.0", "bad_value", ["mass_kg", "-1.0", "greater than 0"]),
+        ("mass_kg: 1 kg", "bad_value", ["mass_kg", "'1 kg'"]),
+        ("mass_kg:", "bad_value", ["mass_kg", "None"]),
+        ("name: 12", "bad_value", ["name", "12", "string"]),
+        ("size_m: 0.1", "bad_value", ["size_m", "0.1"]),
+        ("size_m: [0.1, 0.2]", "missing_key", ["size_m.2"]),
+        ("size_m: [0.1, 0.2, big]", "bad_value", ["size_m.2", "'big'"]),
+        ("format: box/2", "unknown_format", ["box/2", "box/1"]),
+        (
+            "provenance: {sources: x}",
+            "unknown_key",
+            ["provenance.sources", "did you mean 'source'?"],
+        ),
+        ("provenance: {date: 2010-13-45x}", "bad_value", ["provenance.date"]),
+    ],
+)
+def test_wrong_values_are_named(tmp_path: Path, line: str, code: str, words: list[str]) -> None:
+    key = line.partition(":")[0]
+    kept = [old for old in GOOD.splitlines() if not old.startswith(f"{key}:")]
+    path = written(tmp_path, "\n".join([*kept, line]))
+    with pytest.raises(ModelError) as error:
+        load_model(path)
+    assert error.value.code == code
+    for word in (str(path), *words):
+        assert word in str(error.value)
+
+
+def test_values_that_are_plain_in_yaml_1_2_are_read_so(tmp_path: Path) -> None:
+    text = GOOD.replace("mass_kg: 1.5", "mass_kg: 15e-1").replace("crate", "no")
+    text = text.replace("a test}", "off, date: 2010-05-01}")
+    model = load_model(written(tmp_path, text))
+    assert (model.name, model.mass) == ("no", 1.5)
+    assert (model.provenance.source, model.provenance.date) == ("off", "2010-05-01")
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "words"),
+    [
+        (GOOD.replace("name: crate\n", ""), "missing_key", ["name", "required"]),
+        (GOOD.replace("mass_kg", "mass"), "missing_key", ["mass_kg"]),
+        (GOOD + "friction_tabel_sd: 0.1\n", "unknown_key", ["did you mean 'friction_table_sd'?"]),
+        (GOOD + "com: [0, 0, 0]\n", "unknown_key", ["com"]),
+        (GOOD.replace("format: box/1\n", ""), "unknown_format", ["begin the file"]),
+        (GOOD + "mass_kg: 2.0\n", "bad_yaml", ["mass_kg", "twice", "line 7"]),
+        (GOOD + "1: 2\n", "bad_yaml", ["not text"]),
+        (GOOD + "centre_of_mass_m: [0.06, 0, 0.1]\n", "bad_value", ["outside the box"]),
+        ("- a\n- b\n", "bad_yaml", ["list"]),
+        ("", "bad_yaml", ["nothing"]),
+        ("a: [1, 2\n", "bad_yaml", ["line"]),
+        ("a: !!python/object:os.system {}\n", "bad_yaml", ["python/object"]),
+        ("[" * 20_000, "bad_yaml", []),
+    ],
+)
+def test_broken_files_are_explained(tmp_path: Path, text: str, code: str, words: list[str]) -> None:
+    path = written(tmp_path, text)
+    with pytest.raises(ModelError) as error:
+        load_model(path)
+    assert error.value.code == code
+    for word in (str(path), *words):
+        assert word in str(error.value)
+
+
+def test_unreadable_files_are_named(tmp_path: Path) -> None:
+    with pytest.raises(ModelError, match="No such file") as error:
+        load_model(tmp_path / "missing.yaml")
+    assert error.value.code == "unreadable_file"
+    (tmp_path / "latin.yaml").write_bytes(b"name: caf\xe9\n")
+    with pytest.raises(ModelError, match="utf-8"):
+        read_yaml(tmp_path / "latin.yaml")
+    (tmp_path / "large.yaml").write_bytes(b"#" * (MAX_BYTES + 1))
+    with pytest.raises(ModelError, match="at most"):
+        read_yaml(tmp_path / "large.yaml")

@@ -1,0 +1,108 @@
+"""Probabilities of the classes, against sampling."""
+
+from __future__ import annotations
+
+from math import erf, sqrt
+
+import numpy as np
+import pytest
+
+from objectmodels import BoxModel, Registry
+from objectmodels.probability import draws, normal_cdf
+
+BOX = BoxModel(
+    name="b",
+    size=(0.09, 0.09, 0.23),
+    mass=1.0,
+    friction=0.378,
+    friction_sd=0.05,
+    finger_friction=1e-6,
+    friction_radius_sd=0.0,
+)
+
+
+def test_normal_cdf_is_that_of_the_error_function() -> None:
+    x = np.array([-np.inf, -40.0, -3.0, -1.0, -1e-9, 0.0, 0.5, 2.0, 6.0, np.inf])
+    expected = [0.5 * (1 + erf(v / sqrt(2))) for v in x]
+    np.testing.assert_allclose(normal_cdf(x), expected, atol=1.5e-7)  # the formula's stated error
+
+
+def test_frictionless_finger_leaves_the_friction_alone() -> None:
+    """A centred horizontal push slides first iff μ < b/h."""
+    heights = np.linspace(0.08, 0.16, 9)
+    points = np.column_stack((np.full(9, -0.045), np.zeros(9), heights))
+    c = BOX.cone_thresholds(points, np.tile([-1.0, 0.0, 0.0], (9, 1)))
+    expected = [0.5 * (1 + erf((0.045 / h - 0.378) / 0.05 / sqrt(2))) for h in heights]
+    # The finger's friction of 1e-6 and the approximation of Φ.
+    np.testing.assert_allclose(c.probability_slide, expected, atol=1e-4)
+    np.testing.assert_allclose(c.probability_topple, 1 - np.array(expected), atol=1e-4)
+
+
+def test_certain_parameters_give_certain_classes() -> None:
+    box = BOX.model_copy(update={"friction_sd": 0.0})
+    c = box.cone_thresholds([[-0.045, 0, 0.1], [-0.045, 0, 0.14]], [[-1.0, 0, 0]] * 2)
+    assert c.probability_slide.tolist() == [1.0, 0.0]
+    assert c.probability_topple.tolist() == [0.0, 1.0]
+
+
+def test_a_push_that_never_topples_has_no_probability_of_it() -> None:
+    low = BOX.model_copy(update={"finger_friction": 0.7})
+    c = low.cone_thresholds([[-0.045, 0, 0.03]], [[-1.0, 0, 0]])
+    assert c.probability_topple.tolist() == [0.0]
+
+
+@pytest.mark.parametrize("name", ["ice tea box", "cereal box", "coffee box"])
+def test_probabilities_of_the_built_in_models_match_sampling(name: str) -> None:
+    """Oracle: classes of sampled boxes for many directions, the worst direction counting."""
+    box = Registry.default().get(name)
+    rng = np.random.default_rng(3)
+    face = box.faces()[2]
+    lateral = np.repeat([0.0, 0.15], 5) * face.width
+    points = np.array(face.centre) + lateral[:, None] * np.array(face.tangent)
+    points[:, 2] = np.tile(np.linspace(0.15, 0.95, 5), 2) * face.height
+    normals = np.tile(face.normal, (len(points), 1))
+    c = box.cone_thresholds(points, normals)
+    slide, topple = np.ones(len(points)), np.ones(len(points))
+    k = 400
+    d = draws(box, rng.standard_normal((k, 4)))
+    mu = np.maximum(box.friction + box.friction_sd * rng.standard_normal(k), 1e-6)
+    boxes = [
+        box.model_copy(
+            update={
+                "com": tuple(d.com[i]),
+                "friction": mu[i],
+                "friction_radius": d.friction_radius[i],
+            }
+        )
+        for i in range(k)
+    ]
+    phi = np.linspace(0.0, 2 * np.pi, 12, endpoint=False)
+    share = np.vstack((np.column_stack((np.cos(phi), np.sin(phi))), [[0.0, 0.0]]))
+    tangent = np.array(face.tangent)
+    hits_slide, hits_topple = (
+        np.zeros((len(points), len(share))),
+        np.zeros((len(points), len(share))),
+    )
+    for i, drawn in enumerate(boxes):
+        reach = d.finger_friction[i]
+        f = -np.array(face.normal) + reach * (share[:, :1] * tangent + share[:, 1:] * [[0, 0, 1.0]])
+        u = f / np.linalg.norm(f, axis=1, keepdims=True)
+        p = np.repeat(points, len(share), axis=0)
+        outcome = drawn.thresholds(p, np.tile(u, (len(points), 1))).outcome
+        hits_slide += (outcome == "slide").reshape(hits_slide.shape)
+        hits_topple += (outcome == "topple").reshape(hits_slide.shape)
+    slide, topple = hits_slide.min(axis=1) / k, hits_topple.min(axis=1) / k
+    # 400 samples scatter by up to 0.025, the sequence errs by up to 0.04.
+    np.testing.assert_allclose(c.probability_slide, slide, atol=0.09)
+    np.testing.assert_allclose(c.probability_topple, topple, atol=0.09)
+    assert slide.max() > 0.9  # the grid spans sure and unsure contacts
+    assert slide.min() < 0.3
+
+
+def test_drawn_parameters_stay_sensible() -> None:
+    box = Registry.default().get("ice tea box").model_copy(update={"com_sd": (0.1, 0.1, 0.0)})
+    d = draws(box, np.array([[9.0, -9.0, -9.0, -99.0], [0.0] * 4]))
+    assert (np.abs(d.com[:, :2]) < 0.045).all()
+    assert (d.friction_radius > 0).all()
+    assert (d.finger_friction >= 0).all()
+    assert tuple(d.com[1]) == box.com
