@@ -1,0 +1,129 @@
+"""Predictions per second: the closed forms against readable and numerical peers, in the same run.
+
+Every method answers the same question for the same random pushes of the same box: does this force
+move it, and how? The peers take one push at a time: the seed's reference model, and contact forces
+at the corners that balance the push, found by `scipy.optimize.nnls` (feasibility; it says whether
+the box holds still, not what it does). Run it as `python -m benchmarks.predictions`.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+from objectmodels import BoxModel, Registry
+from objectmodels.reference import SeedModel
+
+Array = NDArray[np.float64]
+
+CONE_SIDES = 8
+
+
+@dataclass(frozen=True)
+class Row:
+    """One method's speed.
+
+    Attributes:
+        method: what was measured.
+        pushes: how many pushes it took at once.
+        rate: pushes per second, the best of the repetitions.
+    """
+
+    method: str
+    pushes: int
+    rate: float
+
+
+def random_pushes(box: BoxModel, n: int, *, seed: int) -> tuple[Array, Array]:
+    """Contact points and forces around the onset, shape (n, 3) each."""
+    rng = np.random.default_rng(seed)
+    points = np.array(box.size) * rng.uniform([-0.5, -0.5, 0.0], [0.5, 0.5, 1.0], (n, 3))
+    directions = rng.normal(size=(n, 3)) * [1.0, 1.0, 0.4]
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    return points, directions * rng.uniform(0.1, 0.9, (n, 1)) * box.weight
+
+
+def corner_wrenches(box: BoxModel) -> Array:
+    """Wrenches of the edges of the friction pyramids at the base corners, shape (6, 4 · sides)."""
+    x, y = box.size[0] / 2, box.size[1] / 2
+    columns = []
+    for corner in ((x, y, 0.0), (-x, y, 0.0), (-x, -y, 0.0), (x, -y, 0.0)):
+        for angle in 2 * np.pi * np.arange(CONE_SIDES) / CONE_SIDES:
+            f = (box.friction * np.cos(angle), box.friction * np.sin(angle), 1.0)
+            columns.append(np.concatenate((f, np.cross(corner, f))))
+    return np.column_stack(columns)
+
+
+def rate(work: Callable[[], object], pushes: int, repetitions: int) -> float:
+    """Pushes per second of the fastest repetition."""
+    best = np.inf
+    for _ in range(repetitions):
+        start = perf_counter()
+        work()
+        best = min(best, perf_counter() - start)
+    return pushes / best
+
+
+def measure(n: int, few: int, repetitions: int, *, seed: int = 0) -> list[Row]:
+    """Rates of all methods; the peers get `few` of the n pushes."""
+    box = Registry.default().get("ice tea box")
+    p, f = random_pushes(box, n, seed=seed)
+    reference = SeedModel.of(box)
+    wrenches = corner_wrenches(box)
+    weight = np.concatenate(([0.0, 0.0, -box.weight], np.cross(box.com, [0.0, 0.0, -box.weight])))
+    loads = -(weight + np.hstack((f[:few], np.cross(p[:few], f[:few]))))
+    face = box.faces()[2]
+    q = np.array(face.centre) + np.linspace(-0.04, 0.04, 20)[:, None, None] * face.tangent
+    q = q + np.linspace(-0.1, 0.1, n // 20)[None, :, None] * np.array([0.0, 0.0, 1.0])
+    contacts = q.reshape(-1, 3)
+    normals = np.tile(face.normal, (len(contacts), 1))
+
+    def balanced() -> list[bool]:
+        return [bool(nnls(wrenches, load)[1] < 1e-9) for load in loads]
+
+    def one_by_one() -> list[str]:
+        return [reference.outcome(a, b) for a, b in zip(p[:few], f[:few], strict=True)]
+
+    def singly() -> None:
+        for i in range(few):
+            box.predict(p[i : i + 1], f[i : i + 1])
+
+    def in_the_cone() -> object:
+        return box.cone_thresholds(contacts, normals, sigmas=2.0)
+
+    return [
+        Row("closed form, all at once", n, rate(lambda: box.predict(p, f), n, repetitions)),
+        Row("closed form, one by one", few, rate(singly, few, repetitions)),
+        Row("seed's reference", few, rate(one_by_one, few, repetitions)),
+        Row("corner forces, nnls", few, rate(balanced, few, repetitions)),
+        Row("worst of the finger's cone", n, rate(in_the_cone, len(contacts), repetitions)),
+    ]
+
+
+def table(rows: Sequence[Row]) -> str:
+    """The rows as text, with each rate as a multiple of the reference's."""
+    base = next(row.rate for row in rows if row.method == "seed's reference")
+    lines = [f"{'method':28} {'pushes':>8} {'per second':>12} {'× reference':>12}"]
+    lines += [
+        f"{row.method:28} {row.pushes:8d} {row.rate:12,.0f} {row.rate / base:12.2f}" for row in rows
+    ]
+    return "\n".join(lines)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Predictions per second.")
+    parser.add_argument("--pushes", type=int, default=20_000)
+    parser.add_argument("--few", type=int, default=500, help="pushes for the one-by-one methods")
+    parser.add_argument("--repetitions", type=int, default=5)
+    options = parser.parse_args()
+    print(table(measure(options.pushes, options.few, options.repetitions)))
+
+
+if __name__ == "__main__":
+    main()
