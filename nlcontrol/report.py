@@ -46,7 +46,7 @@ def default_line(used: DefaultUsed) -> str:
 
 def plan_lines(plan: Plan) -> Iterator[str]:
     """Where and how hard it will push, and why that does what was asked."""
-    push, margins = plan.push, plan.margins
+    push = plan.push
     fingers = "one finger" if push.fingers == 1 else "two fingers"
     apart = f" {quantity(push.spread, 'm')} apart" if push.fingers == 2 else ""
     yield (
@@ -56,11 +56,7 @@ def plan_lines(plan: Plan) -> Iterator[str]:
         f"over {quantity(push.stroke, 'm')}."
     )
     yield f"  Predicted: {_prediction(plan)}"
-    yield (
-        f"  Margin to the wrong outcome, in the worst case of {margins.sigmas:g} standard "
-        f"deviations: {quantity(margins.height, 'm')} in contact height, "
-        f"{quantity(margins.force, 'N')} in force."
-    )
+    yield f"  Why that is safe: {_safety(plan)}"
     yield from (f"  {note}" for note in plan.notes)
 
 
@@ -77,7 +73,7 @@ def _prediction(plan: Plan) -> str:
         if force is not None
     ]
     verb = {"slide": "slides", "topple": "topples", "none": "stays"}.get(p.outcome, p.outcome)
-    text = f"it {verb} (probability {p.probability:.3f}); {', '.join(starts)}."
+    text = f"it {verb} (probability {_probability(p.probability)}); {', '.join(starts)}."
     if p.critical_height is not None and p.critical_height_worst is not None:
         text += (
             f" Pushed above {quantity(p.critical_height, 'm')} it would topple instead of slide "
@@ -86,6 +82,26 @@ def _prediction(plan: Plan) -> str:
     elif p.topple_force is None:
         text += " It cannot topple this way."
     return text
+
+
+def _safety(plan: Plan) -> str:
+    """How far the push is from the outcome that it must not have."""
+    margins = plan.margins
+    case = (
+        f"in the worst case of {margins.sigmas:g} standard deviations, whichever way it is pressed"
+    )
+    if plan.prediction.critical_height is None:
+        return f"no push on this face topples it; {quantity(margins.force, 'N')} to spare, {case}."
+    slides = plan.prediction.outcome == "slide"
+    where, other = ("below", "topple") if slides else ("above", "slide")
+    return (
+        f"the contact is {quantity(margins.height, 'm')} {where} where it could {other} instead, "
+        f"and that would take {quantity(margins.force, 'N')} more, {case}."
+    )
+
+
+def _probability(p: float) -> str:
+    return "over 0.999" if p > 0.999 else f"{p:.3f}"
 
 
 def check_line(text: str, check: Check) -> str:

@@ -72,7 +72,8 @@ def error_lines(error: ErrorInfo, text: str | None = None) -> Iterator[str]:
     refused = error.code in {"impossible", "out_of_reach", "blocked", "too_uncertain"}
     title = titles.get(error.code, "Refused" if refused else "Error")
     path = f"{error.path}: " if error.path else ""
-    yield f"{title} ({error.code}): {path}{error.message}"
+    code = "" if title.casefold() == error.code else f" ({error.code})"
+    yield f"{title}{code}: {path}{error.message}"
     if text and error.span and len(text) <= 100 and text.isprintable():
         start, end = error.span
         yield f"  {text}"
