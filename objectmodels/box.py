@@ -188,7 +188,7 @@ class BoxModel(BaseModel):
         )
 
     def cone_thresholds(
-        self, points: ArrayLike, normals: ArrayLike, *, sigmas: float = 0.0
+        self, points: ArrayLike, normals: ArrayLike, *, sigmas: float = 0.0, yaw: bool = True
     ) -> ConeThresholds:
         """Extremes over all forces that a fingertip's friction cone can transmit.
 
@@ -196,6 +196,8 @@ class BoxModel(BaseModel):
             points: contact points p_BC on side faces, shape (n, 3) [m].
             normals: outward unit normals of the faces in B, horizontal, shape (n, 3).
             sigmas: standard deviations that the worst case of the parameters takes.
+            yaw: whether the box may turn as it slides; False if two fingers hold it straight, with
+                `points` midway between them.
 
         Raises:
             ModelError: `bad_array` if a shape or a value is wrong.
@@ -205,7 +207,7 @@ class BoxModel(BaseModel):
             raise ModelError("bad_array", "normals must be horizontal unit vectors")
         if not 0.0 <= sigmas < np.inf:
             raise ModelError("bad_value", f"sigmas must be a number from 0 on, not {sigmas}")
-        return cone_thresholds(self, p, n, sigmas)
+        return cone_thresholds(self, p, n, sigmas, yaw)
 
     def faces(self) -> tuple[Face, ...]:
         """The four side faces in B, in the order of `EDGE_NORMALS`: +x, +y, −x, −y."""

@@ -59,18 +59,22 @@ class Case:
     weight: float
 
     @classmethod
-    def of(cls, model: BoxModel, sigmas: float) -> Case:
-        """The box that slides late and topples early (σ > 0), or the other way round (σ < 0)."""
+    def of(cls, model: BoxModel, sigmas: float, *, yaw: bool = True) -> Case:
+        """The box that slides late and topples early (σ > 0), or the other way round (σ < 0).
+
+        Without yaw it may only slide straight: its friction radius is infinite.
+        """
         c, d, weight = np.array(model.com), edge_offsets(model.size), model.weight
         shift = sigmas * np.array(model.com_sd[:2])
         holding = weight * (d - EDGE_NORMALS @ c[:2] - np.abs(EDGE_NORMALS) @ shift)
-        radius = model.friction_radius
+        nominal = model.friction_radius
+        radius = max(nominal + sigmas * model.friction_radius_sd, SMALLEST_SHARE * nominal)
         return cls(
             com=c,
             offsets=d,
             holding=np.maximum(holding, 0.0),
             friction=max(model.friction + sigmas * model.friction_sd, 0.0),
-            radius=max(radius + sigmas * model.friction_radius_sd, SMALLEST_SHARE * radius),
+            radius=radius if yaw else np.inf,
             shift=-shift,
             weight=weight,
         )

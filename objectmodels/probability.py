@@ -34,6 +34,9 @@ NODES = 128
 SEARCH_NODES, SEARCH_RING = 8, 16
 """The same, and the directions on the outer ring, for finding the worst direction."""
 
+BLOCK = 64
+"""Contacts that are treated at once, so that the arrays stay in the processor's cache."""
+
 SMALLEST_SHARE = 0.05
 """Drawn radii and offsets from an edge are cut off at this share of their nominal value."""
 
@@ -53,8 +56,11 @@ class Draws:
     finger_friction: Array
 
 
-def draws(model: BoxModel, z: Array) -> Draws:
-    """Parameters at standard normal deviates z, shape (k, 4): com x, com y, radius, finger."""
+def draws(model: BoxModel, z: Array, *, yaw: bool = True) -> Draws:
+    """Parameters at standard normal deviates z, shape (k, 4): com x, com y, radius, finger.
+
+    Without yaw the friction radius is infinite.
+    """
     c, reach = np.array(model.com), (1.0 - SMALLEST_SHARE) * edge_offsets(model.size)[:2]
     com = np.tile(c, (len(z), 1))
     com[:, :2] = np.clip(c[:2] + z[:, :2] * np.array(model.com_sd[:2]), -reach, reach)
@@ -62,13 +68,15 @@ def draws(model: BoxModel, z: Array) -> Draws:
     finger = model.finger_friction + z[:, 3] * model.finger_friction_sd
     return Draws(
         com=com,
-        friction_radius=np.maximum(radius, SMALLEST_SHARE * model.friction_radius),
+        friction_radius=np.maximum(
+            radius, SMALLEST_SHARE * model.friction_radius if yaw else np.inf
+        ),
         finger_friction=np.maximum(finger, 0.0),
     )
 
 
 def worst_probability(
-    model: BoxModel, p: Array, normals: Array, outcome: Literal["slide", "topple"]
+    model: BoxModel, p: Array, normals: Array, yaw: bool, outcome: Literal["slide", "topple"]
 ) -> Array:
     """Probability of an outcome at onset for the worst direction in the finger's cone, (n,).
 
@@ -76,20 +84,25 @@ def worst_probability(
         model: the uncertain box.
         p: contact points in B on side faces, shape (n, 3) [m].
         normals: outward unit normals of the faces, shape (n, 3).
+        yaw: whether the box may turn as it slides.
         outcome: what is asked for.
     """
     shares = directions(p, normals, np.array(model.com), model.finger_friction, SEARCH_RING)
-    rough = _probability(model, p, normals, shares, outcome, _nodes(SEARCH_NODES))
-    j = rough.argmin(axis=1)
-    worst = shares[np.arange(len(p)), j][:, None, :]
-    return _probability(model, p, normals, worst, outcome, _nodes(NODES))[:, 0]
+    few, many = (draws(model, _nodes(k), yaw=yaw) for k in (SEARCH_NODES, NODES))
+    worst = np.empty(len(p))
+    for i in range(0, len(p), BLOCK):
+        block = slice(i, i + BLOCK)
+        q, n, tried = p[block], normals[block], shares[block]
+        rough = _probability(model, q, n, tried, outcome, few)
+        chosen = tried[np.arange(len(q)), rough.argmin(axis=1)]
+        worst[block] = _probability(model, q, n, chosen[:, None, :], outcome, many)[:, 0]
+    return worst
 
 
 def _probability(
-    model: BoxModel, p: Array, normals: Array, shares: Array, outcome: str, nodes: Array
+    model: BoxModel, p: Array, normals: Array, shares: Array, outcome: str, draw: Draws
 ) -> Array:
     """Probability of an outcome for the directions of given shares (n, j, 2), shape (n, j)."""
-    draw = draws(model, nodes)
     tangential = shares[:, :, None, :] * draw.finger_friction[:, None]
     f = contact_forces(normals[:, None, None, :], tangential)  # (n, j, k, 3)
     p = p[:, None, None, :]

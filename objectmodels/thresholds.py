@@ -106,13 +106,11 @@ def _solve_load_ratio(h: Array, w: Array, a: Array, mu: Array, flat: Array) -> A
     with np.errstate(divide="ignore"):
         hi = np.where(pull, flat, np.minimum(mu / h, -1.0 / w))
     # A force pressing down far off-centre can have its moment rise, peak and fall again before
-    # the ratio reaches 1/|w|: the left-hand side then peaks at y₁/w and dips at y₂/w.
+    # the ratio reaches 1/|w|: the first root then lies before the peak, if that reaches μ.
     bent = ~pull & (a * a > 8.0 * h * h)
-    root = np.sqrt(np.where(bent, 1.0 - 8.0 * (h / a) ** 2, 0.0))
-    peak, dip = (root - 3.0) / (4.0 * w), (-root - 3.0) / (4.0 * w)
+    peak = (np.sqrt(np.where(bent, 1.0 - 8.0 * (h / a) ** 2, 0.0)) - 3.0) / (4.0 * w)
     passed = bent & (_friction_used(peak, h, w, a) >= mu)
     hi = np.where(passed, np.minimum(hi, peak), hi)
-    lo = np.where(bent & ~passed, np.maximum(lo, dip), lo)
     jams = ~pull & ~passed & (h <= -mu * w)
     r = 0.5 * (lo + hi)
     for _ in range(_MAX_ITERATIONS):
