@@ -119,7 +119,7 @@ def _solve_load_ratio(h: Array, w: Array, a: Array, mu: Array, flat: Array) -> A
         f = r * q - mu
         lo, hi = np.where(f < 0.0, r, lo), np.where(f < 0.0, hi, r)
         step = r - f / (q + r * w * y * a * a / q)
-        new = np.where((step > lo) & (step < hi), step, 0.5 * (lo + hi))
+        new = np.where((step >= lo) & (step <= hi), step, 0.5 * (lo + hi))
         change = np.abs(new - r)
         r = new
         if np.all(change <= 4.0 * np.finfo(float).eps * r):

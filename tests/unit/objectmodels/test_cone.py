@@ -58,6 +58,23 @@ def test_height_above_where_nothing_yaws() -> None:
     assert c.height_above[0] == pytest.approx(expected, abs=1.5e-4)
 
 
+def test_two_fingers_that_keep_it_straight_are_as_good_as_a_huge_friction_radius() -> None:
+    box = Registry.default().get("ice tea box")
+    stiff = box.model_copy(update={"friction_radius": 1e6, "friction_radius_sd": 0.0})
+    points = np.column_stack((np.full(20, -0.045), np.full(20, 0.01), np.linspace(0.02, 0.22, 20)))
+    normals = np.tile([-1.0, 0.0, 0.0], (20, 1))
+    straight = box.cone_thresholds(points, normals, sigmas=1.0, yaw=False)
+    expected = stiff.cone_thresholds(points, normals, sigmas=1.0)
+    one = box.cone_thresholds(points, normals, sigmas=1.0)
+    for name in ("slide_margin", "topple_margin", "slide_max", "height_below", "height_above"):
+        # An arm of centimetres over 1e6 m shortens the ellipse by less than 1e-12.
+        np.testing.assert_allclose(getattr(straight, name), getattr(expected, name), rtol=1e-9)
+    np.testing.assert_allclose(straight.probability_topple, expected.probability_topple, atol=1e-9)
+    assert (straight.topple_margin >= one.topple_margin).all()
+    assert (straight.topple_margin > one.topple_margin + 0.5).any()  # newtons
+    assert straight.probability_topple[-1] > 0.9 > one.probability_topple[-1]
+
+
 def test_parameters_at_their_worst_set_the_height_below() -> None:
     """h = b/μ − κ (2b₀ − b), b the lever to the pivot: finger and centre of mass 2b₀ − b apart."""
     sd = {"friction_sd": 0.03, "finger_friction_sd": 0.05, "com_sd": (0.003, 0.0, 0.0)}
