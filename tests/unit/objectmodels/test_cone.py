@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, ConeThresholds, Registry
+from objectmodels.extremes import contact_forces
 from objectmodels.thresholds import (
     Array,
     edge_offsets,
@@ -19,6 +20,7 @@ from objectmodels.thresholds import (
 ICE_TEA = BoxModel(
     name="b", size=(0.09, 0.09, 0.23), mass=0.9952, friction=0.378, finger_friction=0.45
 )
+# Contact in the middle of the rear face, and its outward normal.
 REAR = [-0.045, 0.0], [-1.0, 0.0, 0.0]
 
 
@@ -27,6 +29,12 @@ def at_heights(box: BoxModel, heights: Array, sigmas: float = 0.0) -> ConeThresh
     xy, normal = REAR
     points = np.column_stack((np.tile(xy, (len(heights), 1)), heights))
     return box.cone_thresholds(points, np.tile(normal, (len(heights), 1)), sigmas=sigmas)
+
+
+def test_forces_are_made_of_the_inward_normal_and_friction() -> None:
+    normals = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+    f = contact_forces(normals, np.array([[0.2, 0.3], [0.2, 0.3]]))
+    np.testing.assert_array_equal(f, [[-1.0, 0.2, 0.3], [0.2, 1.0, 0.3]])
 
 
 def test_nominal_height_is_that_of_a_horizontal_push() -> None:
@@ -114,6 +122,14 @@ def test_a_jamming_contact_promises_nothing() -> None:
     assert not c.slides[0]
 
 
+def test_jams_count_even_where_nothing_topples() -> None:
+    """The centre of mass far behind the pivot keeps the box from tipping, not from jamming."""
+    rough = ICE_TEA.model_copy(update={"finger_friction": 3.0, "com": (-0.035, 0.0, 0.1)})
+    c = at_heights(rough, np.array([0.01]))
+    assert c.height_below[0] == 0.0
+    assert not c.slides[0]
+
+
 @dataclass(frozen=True)
 class Sampled:
     """Thresholds of contacts under random directions in the cone and random parameters."""
@@ -130,7 +146,7 @@ class Sampled:
 def random_box(rng: np.random.Generator) -> BoxModel:
     size = rng.uniform([0.04, 0.04, 0.06], [0.2, 0.2, 0.3])
     com = size * rng.uniform([-0.2, -0.2, 0.3], [0.2, 0.2, 0.6])
-    return BoxModel(
+    box = BoxModel(
         name="b",
         size=tuple(size.tolist()),
         mass=rng.uniform(0.1, 2.0),
@@ -142,6 +158,9 @@ def random_box(rng: np.random.Generator) -> BoxModel:
         com_sd=tuple((size * rng.uniform(0.0, 0.08, 3)).tolist()),
         support="corners" if rng.random() < 0.5 else "uniform",
     )
+    # A small friction radius makes the slide threshold peak sharply where nothing yaws.
+    share = rng.choice([1.0, 1.0, 0.1])
+    return box.model_copy(update={"friction_radius": share * box.friction_radius})
 
 
 def random_contacts(box: BoxModel, rng: np.random.Generator, n: int) -> tuple[Array, Array]:
@@ -207,7 +226,7 @@ def test_no_random_direction_or_parameter_is_worse(sigmas: float) -> None:
         certain["topple"] += int(c.topples.sum())
     assert certain["slide"] > 200
     if sigmas < 2.0:  # at 2 σ of an unfitted friction radius hardly anything is sure to topple
-        assert certain["topple"] > 20
+        assert certain["topple"] > 10
 
 
 def test_extremes_are_nearly_met() -> None:
