@@ -38,6 +38,22 @@ def test_frictionless_finger_leaves_the_friction_alone() -> None:
     np.testing.assert_allclose(c.probability_topple, 1 - np.array(expected), atol=1e-4)
 
 
+def test_uncertain_centre_of_mass_adds_to_the_friction_s_uncertainty() -> None:
+    """Slides first iff μ < (b − c_x)/h: variances add."""
+    box = BOX.model_copy(update={"com_sd": (0.006, 0.0, 0.0)})
+    heights = np.linspace(0.09, 0.15, 7)
+    points = np.column_stack((np.full(7, -0.045), np.zeros(7), heights))
+    c = box.cone_thresholds(points, np.tile([-1.0, 0.0, 0.0], (7, 1)))
+    spread = np.hypot(0.05, 0.006 / heights)
+    expected = [
+        0.5 * (1 + erf((0.045 / h - 0.378) / s / sqrt(2)))
+        for h, s in zip(heights, spread, strict=True)
+    ]
+    np.testing.assert_allclose(c.probability_slide, expected, atol=0.01)  # 128 points
+    without = BOX.cone_thresholds(points, np.tile([-1.0, 0.0, 0.0], (7, 1)))
+    assert np.abs(without.probability_slide - expected).max() > 0.04
+
+
 def test_certain_parameters_give_certain_classes() -> None:
     box = BOX.model_copy(update={"friction_sd": 0.0})
     c = box.cone_thresholds([[-0.045, 0, 0.1], [-0.045, 0, 0.14]], [[-1.0, 0, 0]] * 2)
@@ -49,6 +65,16 @@ def test_a_push_that_never_topples_has_no_probability_of_it() -> None:
     low = BOX.model_copy(update={"finger_friction": 0.7})
     c = low.cone_thresholds([[-0.045, 0, 0.03]], [[-1.0, 0, 0]])
     assert c.probability_topple.tolist() == [0.0]
+
+
+def test_a_jam_is_no_toppling() -> None:
+    """Every force tips this box but those straight down its face, which jam it."""
+    box = BoxModel(name="b", size=(0.09, 0.09, 0.3), mass=1.0, friction=0.6, finger_friction=3.0)
+    u = np.array([[1.0, 0.0, -3.0]]) / np.sqrt(10.0)
+    assert box.thresholds([[-0.045, 0.0, 0.25]], u).outcome.tolist() == ["none"]
+    c = box.cone_thresholds([[-0.045, 0.0, 0.25]], [[-1.0, 0.0, 0.0]], yaw=False)
+    assert c.probability_topple.tolist() == [0.0]
+    assert c.topple_margin.tolist() == [-np.inf]
 
 
 @pytest.mark.parametrize("name", ["ice tea box", "cereal box", "coffee box"])
