@@ -27,7 +27,5 @@ def suggest(text: str, names: Iterable[str]) -> tuple[str, ...]:
 
     wanted = fold(text)
     scores = sorted(((fuzz.ratio(wanted, fold(name)), name) for name in names), reverse=True)
-    if not scores or scores[0][0] < CUTOFF:
-        return ()
-    best = scores[0][0]
-    return tuple(name for score, name in scores if score >= max(CUTOFF, best - TIE))
+    least = max(CUTOFF, scores[0][0] - TIE) if scores else CUTOFF
+    return tuple(name for score, name in scores if score >= least)

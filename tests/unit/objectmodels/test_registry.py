@@ -8,6 +8,9 @@ import pytest
 
 from objectmodels import BoxModel, ModelError, Registry, suggest
 
+TWO = ("red tea carton", "red tea cartons")
+"""About equally near to what was written."""
+
 FILE = """\
 format: box/1
 name: {name}
@@ -117,6 +120,8 @@ def test_the_registry_reads_like_a_collection() -> None:
         ("COFEE BOX", ["ice tea box", "cereal box", "coffee box"], ("coffee box",)),
         ("teapot", ["ice tea box", "cereal box", "coffee box"], ()),
         ("box c", ["box a", "box b"], ("box b", "box a")),  # a near tie: neither is guessed
+        ("ice tea box", ["ice tea boxes", "ice tea packs", "ice tea bags"], ("ice tea boxes",)),
+        ("red tea cartn", ["red tea carton", "red tea cartons"], TWO),
         ("x", [], ()),
     ],
 )
