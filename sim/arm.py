@@ -1,0 +1,113 @@
+"""Kinematics of the seven-joint arm, in closed form.
+
+Model: a spherical shoulder, an elbow and a spherical wrist (the LWR's alternating axes), so a
+flange pose leaves one freedom: the elbow's angle about the line from shoulder to wrist. For each
+elbow angle there are eight solutions (the signs of joints 2, 4 and 6).
+
+Frames: A is the arm's base, z along joint 1; F the flange. The figures are those of
+`robots/lwr_arm.urdf`; a test holds the two together.
+"""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from sim.rotations import Array, axis_rotation, rot_y, rot_z
+
+SHOULDER, UPPER_ARM, FOREARM, FLANGE = 0.31, 0.40, 0.39, 0.078
+"""Heights of the shoulder above the base and lengths of the links [m]."""
+
+JOINT_OFFSETS = (0.11, 0.20, 0.20, 0.20, 0.20, 0.19, 0.078)
+"""Distance of each joint's frame from the one before, along z [m]."""
+
+LIMITS = np.radians([170.0, 120.0, 170.0, 120.0, 170.0, 120.0, 170.0])
+"""Largest magnitude of each joint angle [rad]."""
+
+JOINT_NAMES = tuple(f"arm_joint_{i}" for i in range(1, 8))
+
+BRANCHES = 8
+
+_WRIST_SINGULARITY = 0.05  # below this |q6| the axes of joints 5 and 7 nearly coincide [rad]
+_JOINT_TURNS = (rot_z, rot_y, rot_z, lambda q: rot_y(-q), rot_z, rot_y, rot_z)
+
+
+def forward(q: Array) -> tuple[Array, Array, Array]:
+    """Flange pose and the joints' positions.
+
+    Args:
+        q: joint angles, shape (..., 7) [rad].
+
+    Returns:
+        R_AF shape (..., 3, 3), p_AF shape (..., 3) [m], and the origins of the seven joint
+        frames in A, shape (..., 7, 3) [m].
+    """
+    R = np.broadcast_to(np.eye(3), (*q.shape[:-1], 3, 3))
+    p = np.zeros((*q.shape[:-1], 3))
+    origins = []
+    for joint, (turn, offset) in enumerate(zip(_JOINT_TURNS, JOINT_OFFSETS, strict=True)):
+        p = p + R[..., :, 2] * offset
+        origins.append(p)
+        R = R @ turn(q[..., joint])
+    return R, p, np.stack(origins, axis=-2)
+
+
+def _perpendicular(v: Array, unit: Array) -> Array:
+    """Unit vector of v's part perpendicular to `unit`, shapes (..., 3)."""
+    rest = v - unit * np.sum(v * unit, axis=-1, keepdims=True)
+    return rest / np.maximum(np.linalg.norm(rest, axis=-1, keepdims=True), 1e-9)
+
+
+def _frame(first: Array, second: Array) -> Array:
+    """Right-handed frame of two perpendicular unit vectors as its first two columns."""
+    return np.stack([first, second, np.cross(first, second)], axis=-1)
+
+
+def inverse(R_AF: Array, p_AF: Array, elbow: Array) -> tuple[Array, Array]:
+    """All joint angles that bring the flange to a pose with a given elbow angle.
+
+    Args:
+        R_AF: flange orientations, shape (n, 3, 3).
+        p_AF: flange positions, shape (n, 3) [m].
+        elbow: angle of the elbow about the line from shoulder to wrist, shape (n,) [rad].
+
+    Returns:
+        Joint angles, shape (n, 8, 7) [rad], and which of them reach the pose within the joint
+        limits and away from the wrist's singularity, shape (n, 8).
+    """
+    p_SW = p_AF - FLANGE * R_AF[:, :, 2] - np.array([0.0, 0.0, SHOULDER])
+    distance = np.linalg.norm(p_SW, axis=1)
+    along = p_SW / np.maximum(distance, 1e-9)[:, None]
+    cos_q4 = (distance**2 - UPPER_ARM**2 - FOREARM**2) / (2.0 * UPPER_ARM * FOREARM)
+    reachable = np.abs(cos_q4) < 1.0 - 1e-4
+    bend = np.arccos(np.clip(cos_q4, -1.0, 1.0))
+    up = np.broadcast_to([0.0, 0.0, 1.0], along.shape)
+    R_arm = axis_rotation(along, elbow) @ _frame(along, _perpendicular(up, along))
+
+    solutions, valid = [], []
+    for sign_4, sign_2, sign_6 in itertools.product((1.0, -1.0), repeat=3):
+        q4 = sign_4 * bend
+        # The same line from shoulder to wrist, seen from joint 3 at zero angles of joints 1 to 3.
+        line = np.stack(
+            [-FOREARM * np.sin(q4), np.zeros_like(q4), UPPER_ARM + FOREARM * np.cos(q4)], axis=-1
+        )
+        line /= np.maximum(np.linalg.norm(line, axis=1, keepdims=True), 1e-9)
+        R_03 = R_arm @ np.swapaxes(_frame(line, _perpendicular(up, line)), -1, -2)
+        R_47 = np.swapaxes(R_03 @ rot_y(-q4), -1, -2) @ R_AF
+        q1, q2, q3 = _zyz(R_03, sign_2)
+        q5, q6, q7 = _zyz(R_47, sign_6)
+        q = np.stack([q1, q2, q3, q4, q5, q6, q7], axis=-1)
+        solutions.append(q)
+        valid.append(
+            reachable & (np.abs(q) < LIMITS).all(axis=1) & (np.abs(q6) > _WRIST_SINGULARITY)
+        )
+    return np.stack(solutions, axis=1), np.stack(valid, axis=1)
+
+
+def _zyz(R: Array, sign: float) -> tuple[Array, Array, Array]:
+    """Angles of R = rot_z(a) rot_y(b) rot_z(c) with b of the given sign."""
+    b = sign * np.arccos(np.clip(R[:, 2, 2], -1.0, 1.0))
+    a = np.arctan2(sign * R[:, 1, 2], sign * R[:, 0, 2])
+    c = np.arctan2(sign * R[:, 2, 1], -sign * R[:, 2, 0])
+    return a, b, c

@@ -1,0 +1,130 @@
+"""Kinematics of the four-finger hand, and the postures in which it pushes.
+
+Frames: P is the palm (z along the straight fingers, x the palm's normal, towards which fingers
+flex). The figures are those of `robots/four_finger_hand.urdf`; a test holds the two together.
+
+A posture gives each finger three angles: abduction, proximal and middle flexion; the distal joint
+follows the middle one. Fingers that do not push are curled out of the way.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.rotations import Array, axis_rotation, rot_x, rot_y
+
+LINKS = (0.0678, 0.030, 0.0295)
+"""Lengths of the proximal, middle and distal link [m]."""
+
+TIP_RADIUS = 0.010
+LINK_RADIUS = 0.010
+FLANGE_TO_PALM = 0.03
+"""Distance from the flange to the palm's origin, along z [m]; the palm is turned by π about it."""
+
+R_FP = np.diag([-1.0, -1.0, 1.0])
+"""Orientation of the palm in the flange frame."""
+
+FINGERS = ("index", "middle", "ring", "thumb")
+JOINT_NAMES = tuple(
+    f"{finger}_{joint}" for finger in FINGERS for joint in ("abduction", "proximal", "middle")
+)
+
+_THUMB_LEAN = np.radians(27.0)
+_BASES: Mapping[str, Array] = {
+    "index": np.array([0.0, 0.0268, 0.114]),
+    "middle": np.array([0.0, 0.0, 0.119]),
+    "ring": np.array([0.0, -0.0268, 0.114]),
+    "thumb": np.array([0.08, 0.0, 0.08]),
+}
+_THUMB_R = rot_y(_THUMB_LEAN) @ axis_rotation([0.0, 0.0, 1.0], np.pi)
+
+Angles = tuple[float, float, float]
+CURLED: Angles = (0.0, 1.40, 1.60)
+THUMB_AWAY: Angles = (0.0, -0.65, 0.0)
+
+
+def finger_points(finger: str, angles: Angles) -> Array:
+    """Joints and tip of a finger in the palm frame.
+
+    Args:
+        finger: one of `FINGERS`.
+        angles: abduction, proximal and middle flexion [rad].
+
+    Returns:
+        Proximal joint, middle joint, distal joint and fingertip centre, shape (4, 3) [m].
+    """
+    abduction, proximal, middle = angles
+    R = (_THUMB_R if finger == "thumb" else np.eye(3)) @ rot_x(abduction)
+    points = [_BASES[finger]]
+    for flexion, length in zip((proximal, middle, middle), LINKS, strict=True):
+        R = R @ rot_y(flexion)
+        points.append(points[-1] + length * R[:, 2])
+    return np.array(points)
+
+
+@dataclass(frozen=True)
+class Posture:
+    """Joint angles of the whole hand and the fingers whose tips push.
+
+    Attributes:
+        name: for reports.
+        angles: per finger.
+        pushing: one or two finger names.
+    """
+
+    name: str
+    angles: Mapping[str, Angles]
+    pushing: tuple[str, ...]
+
+    @functools.cached_property
+    def tips(self) -> Array:
+        """Centres of the pushing fingertips in P, shape (k, 3) [m]."""
+        return np.array([finger_points(f, self.angles[f])[3] for f in self.pushing])
+
+    @functools.cached_property
+    def joints(self) -> Array:
+        """Angles of the independent finger joints in the order of `JOINT_NAMES`, shape (12,)."""
+        return np.array([a for finger in FINGERS for a in self.angles[finger]])
+
+
+_FLEXIONS: Mapping[str, tuple[float, float]] = {
+    "straight": (0.05, 0.15),
+    "soft": (0.20, 0.25),
+    "half": (0.45, 0.45),
+    "bent": (0.80, 0.20),
+    "back": (-0.25, 0.35),
+}
+
+
+def _posture(name: str, pushing: Mapping[str, Angles]) -> Posture:
+    angles = {finger: CURLED for finger in FINGERS} | {"thumb": THUMB_AWAY} | dict(pushing)
+    return Posture(name, angles, tuple(pushing))
+
+
+def one_finger_postures() -> tuple[Posture, ...]:
+    """Postures that push with the tip of the index, middle or ring finger."""
+    return tuple(
+        _posture(f"{finger} {name}", {finger: (0.0, *flexion)})
+        for finger in ("middle", "index", "ring")
+        for name, flexion in _FLEXIONS.items()
+    )
+
+
+def two_finger_postures(spread: float) -> tuple[Posture, ...]:
+    """Postures that push with index and ring, their tips a given distance apart.
+
+    Args:
+        spread: distance between the two fingertips' centres [m].
+    """
+    postures = []
+    for name, flexion in _FLEXIONS.items():
+        length = finger_points("index", (0.0, *flexion))[3, 2] - _BASES["index"][2]
+        # Abduction by a turns the finger's z towards −y: the tip moves by −length·sin(a).
+        inward = float(np.arcsin((_BASES["index"][1] - spread / 2.0) / length))
+        pushing = {"index": (inward, *flexion), "ring": (-inward, *flexion)}
+        postures.append(_posture(f"two fingers {name}", pushing))
+    return tuple(postures)

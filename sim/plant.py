@@ -1,0 +1,200 @@
+"""The simulated world as a Drake diagram: robot, table and objects.
+
+Model: point contact and the SAP solver, which holds still below the friction threshold. Objects
+are boxes that touch the table with small spheres at their support points (a box geometry yields
+one contact point only); the box itself touches everything but the table.
+
+Drake combines two friction coefficients as 2ab/(a+b). Robot and table are given a huge one, so a
+pair's coefficient is twice the object's own: half of the true coefficient is written to it, and
+each object keeps its own friction against table and fingers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import resources
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sim import hand
+from sim.scene import Scene, SceneObject, Truth
+
+if TYPE_CHECKING:
+    from pydrake.geometry import GeometryId, ProximityProperties, SceneGraph
+    from pydrake.math import RigidTransform
+    from pydrake.multibody.plant import MultibodyPlant
+    from pydrake.multibody.tree import ModelInstanceIndex, RigidBody, SpatialInertia
+    from pydrake.systems.framework import DiagramBuilder
+
+ROUGH = 1e9  # with this coefficient on one side, a pair has twice the other side's
+_CORNER_RADIUS = 1e-4
+_STIFFNESS, _DISSIPATION = 1e6, 20.0
+
+
+@dataclass(frozen=True)
+class Plant:
+    """A finalised plant in its builder, and who is who in it."""
+
+    plant: MultibodyPlant
+    scene_graph: SceneGraph
+    arm: ModelInstanceIndex
+    hand: ModelInstanceIndex
+    bodies: Mapping[str, RigidBody]
+
+
+def add_plant(builder: DiagramBuilder, scene: Scene) -> Plant:
+    """Adds robot, table and objects of a scene to a diagram."""
+    from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlantConfig
+
+    config = MultibodyPlantConfig(
+        time_step=scene.time_step_s,
+        contact_model="point",
+        discrete_contact_approximation="sap",
+        use_sampled_output_ports=False,
+    )
+    plant, scene_graph = AddMultibodyPlant(config, builder)
+    arm, hand_ = _add_robot(plant, scene)
+    table = _add_table(plant, scene)
+    solids: list[GeometryId] = []
+    feet: list[GeometryId] = []
+    bodies = {}
+    for item in scene.objects:
+        bodies[item.name], solid, points = _add_object(plant, item)
+        solids.append(solid)
+        feet += points
+    plant.Finalize()
+    for item in scene.objects:
+        plant.SetDefaultFloatingBaseBodyPose(bodies[item.name], initial_pose(item))
+    robot = [
+        geometry
+        for instance in (arm, hand_)
+        for index in plant.GetBodyIndices(instance)
+        for geometry in plant.GetCollisionGeometriesForBody(plant.get_body(index))
+    ]
+    _filter_collisions(scene_graph, robot=robot, table=table, solids=solids, feet=feet)
+    return Plant(plant, scene_graph, arm, hand_, bodies)
+
+
+def _add_robot(
+    plant: MultibodyPlant, scene: Scene
+) -> tuple[ModelInstanceIndex, ModelInstanceIndex]:
+    from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
+    from pydrake.multibody.parsing import Parser
+
+    folder = resources.files("sim") / "robots"
+    parser = Parser(plant)
+    (arm,) = parser.AddModelsFromString((folder / "lwr_arm.urdf").read_text("utf-8"), "urdf")
+    (hand_,) = parser.AddModelsFromString(
+        (folder / "four_finger_hand.urdf").read_text("utf-8"), "urdf"
+    )
+    X_WA = RigidTransform(
+        RollPitchYaw(np.radians(scene.robot.base_rpy_deg)), np.array(scene.robot.base_m)
+    )
+    plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("arm_base"), X_WA)
+    X_FP = RigidTransform(RotationMatrix(hand.R_FP), np.array([0, 0, hand.FLANGE_TO_PALM]))
+    plant.WeldFrames(plant.GetFrameByName("arm_link_7"), plant.GetFrameByName("palm"), X_FP)
+    # Gravity compensation of the arm and hand is taken as perfect.
+    for instance in (arm, hand_):
+        plant.set_gravity_enabled(instance, False)
+    return arm, hand_
+
+
+def _add_table(plant: MultibodyPlant, scene: Scene) -> GeometryId:
+    from pydrake.geometry import Box
+    from pydrake.math import RigidTransform
+
+    table = scene.table
+    shape = Box(*table.size_m, table.thickness_m)
+    X_WT = RigidTransform(np.array([*table.centre_m, -table.thickness_m / 2]))
+    world = plant.world_body()
+    plant.RegisterVisualGeometry(world, X_WT, shape, "table", np.array([0.62, 0.52, 0.42, 1.0]))
+    return plant.RegisterCollisionGeometry(world, X_WT, shape, "table", _surface(ROUGH))
+
+
+def _add_object(
+    plant: MultibodyPlant, item: SceneObject
+) -> tuple[RigidBody, GeometryId, list[GeometryId]]:
+    """Adds a box; returns its body, its solid and the spheres on which it stands or lies."""
+    from pydrake.geometry import Box, Sphere
+    from pydrake.math import RigidTransform
+
+    truth = item.truth
+    width, depth, height = truth.size_m
+    body = plant.AddRigidBody(item.name, plant.AddModelInstance(item.name), _inertia(truth))
+    X_BG = RigidTransform(np.array([0.0, 0.0, height / 2]))
+    box = Box(width, depth, height)
+    plant.RegisterVisualGeometry(body, X_BG, box, "carton", np.array([*truth.colour, 1.0]))
+    solid = plant.RegisterCollisionGeometry(
+        body, X_BG, box, "solid", _surface(truth.friction_finger / 2)
+    )
+    r = _CORNER_RADIUS
+    base = [(x - r * np.sign(x), y - r * np.sign(y), r) for x, y in truth.support]
+    top = [
+        (sx * (width / 2 - r), sy * (depth / 2 - r), height - r) for sx in (-1, 1) for sy in (-1, 1)
+    ]
+    feet = [
+        plant.RegisterCollisionGeometry(
+            body,
+            RigidTransform(np.array(p)),
+            Sphere(r),
+            f"foot_{i}",
+            _surface(truth.friction_table / 2),
+        )
+        for i, p in enumerate(base + top)
+    ]
+    return body, solid, feet
+
+
+def _inertia(truth: Truth) -> SpatialInertia:
+    """Mass spread as in a solid box, about the true centre of mass."""
+    from pydrake.multibody.tree import SpatialInertia, UnitInertia
+
+    G_BBcm = UnitInertia.SolidBox(*truth.size_m)
+    p_BBcm = np.array(truth.centre_of_mass)
+    G_BBo = G_BBcm.ShiftFromCenterOfMass(p_BBcm)
+    return SpatialInertia(truth.mass_kg, p_BBcm, G_BBo)
+
+
+def _surface(friction: float) -> ProximityProperties:
+    from pydrake.geometry import AddContactMaterial, ProximityProperties
+    from pydrake.multibody.plant import CoulombFriction
+
+    properties = ProximityProperties()
+    AddContactMaterial(
+        dissipation=_DISSIPATION,
+        point_stiffness=_STIFFNESS,
+        friction=CoulombFriction(friction, friction),
+        properties=properties,
+    )
+    return properties
+
+
+def _filter_collisions(
+    scene_graph: SceneGraph,
+    *,
+    robot: list[GeometryId],
+    table: GeometryId,
+    solids: list[GeometryId],
+    feet: list[GeometryId],
+) -> None:
+    """Feet touch the table only, solids everything but the table, the robot not itself."""
+    from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
+
+    pairs = CollisionFilterDeclaration()
+    pairs.ExcludeBetween(GeometrySet(solids), GeometrySet(table))
+    pairs.ExcludeBetween(GeometrySet(feet), GeometrySet(robot))
+    pairs.ExcludeBetween(GeometrySet(feet), GeometrySet(solids))
+    pairs.ExcludeWithin(GeometrySet(feet))
+    pairs.ExcludeWithin(GeometrySet(robot))
+    scene_graph.collision_filter_manager().Apply(pairs)
+
+
+def initial_pose(item: SceneObject) -> RigidTransform:
+    """Pose X_WB in which an object stands at the start."""
+    from pydrake.math import RigidTransform, RotationMatrix
+
+    pose = item.pose
+    R_WB = RotationMatrix.MakeZRotation(np.radians(pose.yaw_deg))
+    return RigidTransform(R_WB, np.array([pose.x_m, pose.y_m, 0.0]))

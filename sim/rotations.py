@@ -1,0 +1,58 @@
+"""Rotations about the coordinate axes and about given ones, for whole arrays of angles."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def axis_rotation(axis: ArrayLike, angle: ArrayLike) -> Array:
+    """Rotation by an angle about a unit axis (Rodrigues' formula).
+
+    Args:
+        axis: unit vectors, shape (..., 3).
+        angle: shape (...) [rad].
+
+    Returns:
+        Shape (..., 3, 3).
+    """
+    a = np.asarray(axis, dtype=float)
+    t = np.asarray(angle, dtype=float)[..., None, None]
+    zero = np.zeros(a.shape[:-1])
+    K = np.stack(
+        [
+            np.stack([zero, -a[..., 2], a[..., 1]], axis=-1),
+            np.stack([a[..., 2], zero, -a[..., 0]], axis=-1),
+            np.stack([-a[..., 1], a[..., 0], zero], axis=-1),
+        ],
+        axis=-2,
+    )
+    return np.eye(3) + np.sin(t) * K + (1.0 - np.cos(t)) * (K @ K)
+
+
+def rot_x(angle: ArrayLike) -> Array:
+    """Rotation about x, shape (..., 3, 3) for angles of shape (...)."""
+    return axis_rotation([1.0, 0.0, 0.0], angle)
+
+
+def rot_y(angle: ArrayLike) -> Array:
+    """Rotation about y, shape (..., 3, 3) for angles of shape (...)."""
+    return axis_rotation([0.0, 1.0, 0.0], angle)
+
+
+def rot_z(angle: ArrayLike) -> Array:
+    """Rotation about z, shape (..., 3, 3) for angles of shape (...)."""
+    return axis_rotation([0.0, 0.0, 1.0], angle)
+
+
+def yaw_of(R: ArrayLike) -> Array:
+    """Heading of a rotation's x axis in the horizontal plane, shape (...) [rad]."""
+    matrix = np.asarray(R, dtype=float)
+    return np.arctan2(matrix[..., 1, 0], matrix[..., 0, 0])
+
+
+def wrap(angle: ArrayLike) -> Array:
+    """Angle brought into [−π, π) [rad]."""
+    return (np.asarray(angle, dtype=float) + np.pi) % (2.0 * np.pi) - np.pi
