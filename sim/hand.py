@@ -66,7 +66,28 @@ def finger_points(finger: str, angles: Angles) -> Array:
     return np.array(points)
 
 
-@dataclass(frozen=True)
+def finger_jacobian(finger: str, angles: Angles, p_PC: Array) -> Array:
+    """Velocity of a point of the distal link per rate of each measured joint, alone.
+
+    The distal joint's share is left out: a torque sensor measures the moment about its own axis.
+
+    Args:
+        finger: one of `FINGERS`.
+        angles: abduction, proximal and middle flexion [rad].
+        p_PC: the point in P, shape (3,) [m].
+
+    Returns:
+        Columns of abduction, proximal and middle joint, shape (3, 3) [m].
+    """
+    base, middle = finger_points(finger, angles)[:2]
+    R = (_THUMB_R if finger == "thumb" else np.eye(3)) @ rot_x(angles[0])
+    axes = (R[:, 0], R[:, 1], R[:, 1])
+    return np.column_stack(
+        [np.cross(a, p_PC - o) for a, o in zip(axes, (base, base, middle), strict=True)]
+    )
+
+
+@dataclass(frozen=True, eq=False)
 class Posture:
     """Joint angles of the whole hand and the fingers whose tips push.
 
@@ -91,20 +112,24 @@ class Posture:
         return np.array([a for finger in FINGERS for a in self.angles[finger]])
 
 
+# Proximal and middle flexion [rad]. A finger stretched back at its base and bent at its middle
+# presses with the pad and clear of the palm, and its torque sensors feel the push well.
 _FLEXIONS: Mapping[str, tuple[float, float]] = {
-    "straight": (0.05, 0.15),
-    "soft": (0.20, 0.25),
-    "half": (0.45, 0.45),
-    "bent": (0.80, 0.20),
-    "back": (-0.25, 0.35),
+    "arched back": (-0.60, 0.50),
+    "arched": (-0.40, 0.70),
+    "hooked": (-0.60, 1.00),
+    "stretched back": (-0.60, 0.30),
+    "straight": (-0.20, 0.40),
+    "bent": (0.20, 0.50),
 }
 
 
 def _posture(name: str, pushing: Mapping[str, Angles]) -> Posture:
-    angles = {finger: CURLED for finger in FINGERS} | {"thumb": THUMB_AWAY} | dict(pushing)
+    angles = dict.fromkeys(FINGERS, CURLED) | {"thumb": THUMB_AWAY} | dict(pushing)
     return Posture(name, angles, tuple(pushing))
 
 
+@functools.cache
 def one_finger_postures() -> tuple[Posture, ...]:
     """Postures that push with the tip of the index, middle or ring finger."""
     return tuple(
@@ -114,6 +139,7 @@ def one_finger_postures() -> tuple[Posture, ...]:
     )
 
 
+@functools.cache
 def two_finger_postures(spread: float) -> tuple[Posture, ...]:
     """Postures that push with index and ring, their tips a given distance apart.
 

@@ -225,7 +225,8 @@ def load_scene(name_or_path: str | Path) -> Scene:
         try:
             text = source.read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
-            raise SceneError("unknown_scene", f"cannot read scene file {source}: {error}") from error
+            message = f"cannot read scene file {source}: {error}"
+            raise SceneError("unknown_scene", message) from error
     return parse_scene(text, source=str(name_or_path))
 
 

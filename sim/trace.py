@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 EndReason = Literal[
-    "stroke",       # the stroke was travelled
-    "toppled",      # the object was seen to pass its angle of no return
-    "force",        # the force limit was reached and nothing moved any more
-    "speed",        # the object or the finger became faster than allowed
-    "guard",        # a guard of the push stopped it (see `detail`)
-    "no_touch",     # the guarded approach ended without contact
+    "stroke",  # the stroke was travelled
+    "toppled",  # the object was seen to pass its angle of no return
+    "force",  # the force limit was reached and nothing moved any more
+    "speed",  # the object or the finger became faster than allowed
+    "guard",  # a guard of the push stopped it (see `detail`)
+    "no_touch",  # the guarded approach ended without contact
     "unreachable",  # the hand could not get to the contact
 ]
 
