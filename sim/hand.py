@@ -29,8 +29,9 @@ R_FP = np.diag([-1.0, -1.0, 1.0])
 """Orientation of the palm in the flange frame."""
 
 FINGERS = ("index", "middle", "ring", "thumb")
+FINGER_JOINTS = ("abduction", "proximal", "middle", "distal")
 JOINT_NAMES = tuple(
-    f"{finger}_{joint}" for finger in FINGERS for joint in ("abduction", "proximal", "middle")
+    f"{finger}_{joint}" for finger in FINGERS for joint in FINGER_JOINTS[:3]
 )
 
 _THUMB_LEAN = np.radians(27.0)
@@ -112,6 +113,9 @@ class Posture:
         return np.array([a for finger in FINGERS for a in self.angles[finger]])
 
 
+RESTING = Posture("resting", dict.fromkeys(FINGERS, CURLED) | {"thumb": THUMB_AWAY}, ())
+"""The hand while it waits."""
+
 # Proximal and middle flexion [rad]. A finger stretched back at its base and bent at its middle
 # presses with the pad and clear of the palm, and its torque sensors feel the push well.
 _FLEXIONS: Mapping[str, tuple[float, float]] = {
@@ -125,8 +129,7 @@ _FLEXIONS: Mapping[str, tuple[float, float]] = {
 
 
 def _posture(name: str, pushing: Mapping[str, Angles]) -> Posture:
-    angles = dict.fromkeys(FINGERS, CURLED) | {"thumb": THUMB_AWAY} | dict(pushing)
-    return Posture(name, angles, tuple(pushing))
+    return Posture(name, {**RESTING.angles, **pushing}, tuple(pushing))
 
 
 @functools.cache

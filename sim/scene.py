@@ -147,9 +147,13 @@ class Vision(_Part):
 
 
 class TorqueSensor(_Part):
-    """The finger joints' torque sensors: white noise per sample."""
+    """The finger joints' torque sensors: white noise on every sample.
+
+    The robot's controller reads the mean of the samples since its last step.
+    """
 
     noise_nm: NonNegative = 0.005
+    rate_hz: Positive = 1000.0
 
 
 class Scene(_Part):

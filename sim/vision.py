@@ -1,0 +1,128 @@
+"""The port through which object poses reach the robot: at a rate, late, with white noise.
+
+Frames: poses are X_WB; noise on the position is in W, noise on the orientation a rotation about
+W's axes. Every frame shows all objects and draws its noise in their order, so that the same seed
+and the same times give the same frames.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections import deque
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.state import PlanarPose
+from sim.rotations import Array, rot_x, rot_y, rot_z, yaw_of
+from sim.scene import Scene, Vision
+
+_SAME_TIME = 1e-9
+"""Times that differ by less are equal [s]; far below any step, far above rounding."""
+
+
+@dataclass(frozen=True)
+class SeenPose:
+    """A pose as seen: R_WB, shape (3, 3), and p_WB, shape (3,) [m]."""
+
+    R_WB: Array
+    p_WB: Array
+
+    @property
+    def tilt(self) -> float:
+        """Angle between B's z axis and the vertical [rad]."""
+        return float(np.arccos(np.clip(self.R_WB[2, 2], -1.0, 1.0)))
+
+
+@dataclass(frozen=True)
+class Frame:
+    """What the camera saw at `time` [s]; it can be read from `arrival` [s] on."""
+
+    time: float
+    arrival: float
+    poses: Mapping[str, SeenPose]
+
+
+class VisionPort:
+    """Frames of all objects, in order of time.
+
+    Args:
+        vision: noise, rate and delay.
+        names: objects, in the order in which noise is drawn.
+        rng: source of the noise.
+    """
+
+    def __init__(self, vision: Vision, names: Iterable[str], rng: np.random.Generator) -> None:
+        self.vision = vision
+        self.names = tuple(names)
+        self._rng = rng
+        self._frames: deque[Frame] = deque()
+        self._taken = 0
+
+    def observe(self, time: float, poses: Mapping[str, tuple[Array, Array]]) -> None:
+        """Takes a frame if one is due; `poses` are the true R_WB and p_WB at `time`."""
+        while self._taken / self.vision.rate_hz <= time + _SAME_TIME:
+            self._taken += 1
+            seen = {name: self._seen(*poses[name]) for name in self.names}
+            self._frames.append(Frame(time, time + self.vision.delay_s, seen))
+
+    def arrived(self, time: float) -> list[Frame]:
+        """Frames that can be read by `time` and were not read before."""
+        ready = []
+        while self._frames and self._frames[0].arrival <= time + _SAME_TIME:
+            ready.append(self._frames.popleft())
+        return ready
+
+    def _seen(self, R_WB: Array, p_WB: Array) -> SeenPose:
+        shift = self._rng.normal(0.0, self.vision.position_noise_m, 3)
+        x, y, z = self._rng.normal(0.0, np.radians(self.vision.angle_noise_deg), 3)
+        return SeenPose(rot_z(z) @ rot_y(y) @ rot_x(x) @ R_WB, p_WB + shift)
+
+
+def mean_pose(poses: Iterable[SeenPose]) -> PlanarPose:
+    """Mean of several views of an object that stands still."""
+    seen = list(poses)
+    x, y, _ = np.mean([pose.p_WB for pose in seen], axis=0)
+    yaw = yaw_of(np.mean([pose.R_WB for pose in seen], axis=0))
+    return PlanarPose(float(x), float(y), float(yaw))
+
+
+def vision_rng(seed: int) -> np.random.Generator:
+    """Source of the camera's noise in a world of that seed."""
+    return np.random.default_rng([seed, 1])
+
+
+def first_look(scene: Scene, seconds: float, *, seed: int) -> dict[str, PlanarPose]:
+    """What the robot sees at the very start, without a simulation: everything stands still.
+
+    It is what `DrakeWorld.look` returns as its first answer in a world of the same seed, but for
+    the micrometres by which objects settle.
+
+    Args:
+        scene: where things stand.
+        seconds: how long to look [s].
+        seed: of the world.
+    """
+    port = VisionPort(scene.vision, scene.names, vision_rng(seed))
+    poses = {
+        item.name: (
+            rot_z(np.radians(item.pose.yaw_deg)),
+            np.array([item.pose.x_m, item.pose.y_m, 0.0]),
+        )
+        for item in scene.objects
+    }
+    frames: list[Frame] = []
+    for tick in itertools.count():
+        time = tick / scene.control_rate_hz
+        port.observe(time, poses)
+        frames += port.arrived(time)
+        if frames and time + _SAME_TIME > seconds:
+            break
+    return averaged(frames)
+
+
+def averaged(frames: Iterable[Frame]) -> dict[str, PlanarPose]:
+    """Mean pose of each object over frames in which everything stands still."""
+    seen = list(frames)
+    return {name: mean_pose(f.poses[name] for f in seen) for name in seen[0].poses}
