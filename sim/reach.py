@@ -123,7 +123,7 @@ def _feeling(posture: Posture, R_DP: Array) -> float:
 
 
 @dataclass(frozen=True)
-class _Way:
+class Way:
     """Where the midpoint of the fingertips goes in W.
 
     Attributes:
@@ -137,7 +137,7 @@ class _Way:
     end: Array
 
     @classmethod
-    def of(cls, push: Push, target: SeenObject) -> _Way:
+    def of(cls, push: Push, target: SeenObject) -> Way:
         outward = np.array(push.normal_W)
         contact = target.pose.R_WB @ np.array(push.p_BC) + target.pose.p_WB
         touch = contact + TIP_RADIUS * outward
@@ -180,7 +180,7 @@ class ArmReach:
 
     def stance(self, push: Push, state: WorldState) -> tuple[Stance, ReachAnswer] | ReachAnswer:
         """The best stance for a push, or why there is none."""
-        way = _Way.of(push, state.objects[push.object])
+        way = Way.of(push, state.objects[push.object])
         if push.p_BC[2] < self.lowest_height - 1e-9:
             return _no("table", f"the finger would touch the table {1e3 * push.p_BC[2]:.0f} mm up")
         free, stopped = _clear_hands(_hands(push.fingers, push.spread), way, state, push)
@@ -194,7 +194,7 @@ class ArmReach:
                 return stance, ReachAnswer(ok=True, margin=margin)
         return _no("approach", "arm or hand would hit something on the way to the contact")
 
-    def _solutions(self, hands: _Hands, way: _Way) -> list[tuple[float, Stance]]:
+    def _solutions(self, hands: _Hands, way: Way) -> list[tuple[float, Stance]]:
         """The best of what the arm's kinematics allow: room to the limits and stance."""
         n = len(hands) * len(_ELBOWS)
         hand, elbow = np.divmod(np.arange(n), len(_ELBOWS))
@@ -255,7 +255,7 @@ class ArmReach:
         usable = valid & (room > _LIMIT_MARGIN) & (np.abs(q[..., 5]) > _WRIST_BEND)
         return q.reshape(n, w, 8, 7), usable.reshape(n, w, 8)
 
-    def _way_is_free(self, stance: Stance, way: _Way, state: WorldState) -> bool:
+    def _way_is_free(self, stance: Stance, way: Way, state: WorldState) -> bool:
         """Whether hand and arm stay clear of everything from home to the end of the stroke."""
         above = np.array([*way.start[:2], stance.lift])
         descent = above + np.linspace(0.0, 1.0, 4)[:, None] * (way.start - above)
@@ -297,7 +297,7 @@ def _distance_to(robot: Array, seen: SeenObject) -> Array:
 
 
 def _clear_hands(
-    hands: _Hands, way: _Way, state: WorldState, push: Push
+    hands: _Hands, way: Way, state: WorldState, push: Push
 ) -> tuple[_Hands, frozenset[str]]:
     """The hands that stay clear of everything during the push, and what stops the others."""
     clear = np.zeros(len(hands), dtype=bool)
@@ -312,7 +312,7 @@ def _clear_hands(
 
 
 def _clear(
-    posture: Posture, R_WP: Array, tip: Array, way: _Way, state: WorldState, push: Push
+    posture: Posture, R_WP: Array, tip: Array, way: Way, state: WorldState, push: Push
 ) -> tuple[NDArray[np.bool_], set[str]]:
     ok, stopped = np.ones(len(R_WP), dtype=bool), set()
 

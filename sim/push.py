@@ -1,0 +1,299 @@
+"""The push itself: a guarded touch, then force and speed together until an end or a guard.
+
+Law: the fingertips' command advances along the movement vector at
+
+    ṡ = clip(k (F_limit(t) − F_felt), −v, v)
+
+F_felt is the sum of the fingers' forces along the vector, F_limit rises from the touch to the
+plan's force, and v from a slow start, while the object still stands, to the plan's speed; near the
+end of the stroke v falls with what remains. The stroke is measured at the fingertips. Two fingers
+keep the object's heading by themselves; one finger is steered by `sim.steering`.
+
+Guards: a tilt that was not asked for, sliding where a tilt was asked for, a lost contact, a
+speed beyond the plan's, a push that lasts too long.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from planner.plan import Plan
+from planner.state import WorldState
+from sim.fingers import Touch
+from sim.reach import STANDOFF, Way
+from sim.recorder import Recorder
+from sim.rotations import Array
+from sim.stance import Stance
+from sim.steering import LineKeeper, PushedBox
+from sim.trace import EndReason
+
+TOUCH_SPEED = 0.015
+"""Of the guarded approach [m/s]."""
+
+TOUCH_FORCE = 0.6
+"""Felt force that counts as a touch, less for an object that half of it would move [N]."""
+
+TOUCH_BEYOND = 0.015
+"""Travel beyond the expected face after which there is nothing to touch [m]."""
+
+_FILTER = 0.04  # time constant of the felt force [s]
+_ADMITTANCE = 0.04  # k [m/s/N]; stable against the fingers' 550 N/m each behind the filter
+_RAMP = 2.0  # time in which the force limit rises [s]
+_ACCELERATION = 0.2  # [m/s²]
+_STARTING_SPEED = 0.012  # before the object is seen to move by the fingertips [m/s]
+_MOVED = 0.002  # travel of the fingertips that shows it [m]
+_BRAKING = 1.5  # speed per remaining distance near the end of the stroke [1/s]
+_SLOWEST = 0.008  # [m/s]
+_HOLD = 4.0  # rate at which deviations across the vector are corrected [1/s]
+_HOLD_MOST = 0.010  # largest such correction [m]
+
+_SEEN_SHARE = 0.35  # weight of a new camera frame in the seen tilt
+_TILT_SHARE = 0.35  # a push that must not tilt stops at this share of the angle of no return
+_FALLING = np.radians(11.0)  # tilt beyond the angle of no return at which it is left to fall
+_SLIDES_AFTER = 0.03  # travel after which a topple must show some tilt [m]
+_SLIDES_SHARE = 0.35  # of the tilt that turning about the far edge would show by then
+_STUCK_SPEED = 0.001  # [m/s]
+_STUCK_TIME = 0.8  # [s]
+_LOST_TIME = 0.6  # [s]
+_LOST_SHARE = 0.1  # of the onset force: less is no contact
+
+
+class PushControl:
+    """One push, from before the face to its end.
+
+    Args:
+        plan: what to do.
+        recorder: through which the world is stepped.
+        stance: of arm and hand.
+        way: of the fingertips.
+        state: what is believed.
+        tell: progress.
+
+    Attributes:
+        commanded: where T was last commanded to be, in W, shape (3,) [m].
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        recorder: Recorder,
+        stance: Stance,
+        way: Way,
+        state: WorldState,
+        tell: Callable[[str, float, str], None],
+    ) -> None:
+        self.plan = plan
+        self.recorder = recorder
+        self.stance = stance
+        self.way = way
+        self.tell = tell
+        self.commanded = way.start
+        self._target = state.objects[plan.push.object]
+        self._period = recorder.world.period
+        self._u = np.array(plan.push.direction_W)
+        self._forces = np.zeros(plan.push.fingers)
+        self._tilt = 0.0
+
+    # -- touch ---------------------------------------------------------------------------------
+
+    def touch(self) -> None:
+        """Approaches along the normal until the face is felt.
+
+        Raises:
+            Failure: nothing is felt where the face should be.
+        """
+        from sim.execution import Failure
+
+        self.recorder.phase = "touch"
+        self.recorder.force_limit = self._touch_force
+        travel, most = 0.0, STANDOFF + TOUCH_BEYOND
+        while not self._touched():
+            if travel > most:
+                raise Failure("no_touch", f"nothing was felt within {1e3 * most:.0f} mm")
+            travel += TOUCH_SPEED * self._period
+            self._step(self.way.start + travel * self.way.inward, self.way.inward)
+
+    @property
+    def _touch_force(self) -> float:
+        return min(TOUCH_FORCE, 0.5 * self.plan.prediction.onset)
+
+    def _touched(self) -> bool:
+        """All fingers, or so much force that one of them alone would soon move the object."""
+        enough = self._touch_force
+        total, least = self._forces.sum(), self._forces.min()
+        return bool((total > enough and least > 0.25 * enough) or total > 1.5 * enough)
+
+    # -- push ----------------------------------------------------------------------------------
+
+    def push(self) -> tuple[EndReason, str]:
+        """Pushes until an end or a guard; returns which and why."""
+        push = self.plan.push
+        self.tell("push", self.recorder.world.time, f"pushing with at most {push.force_limit:.1f} N")
+        self.recorder.phase = "push"
+        started = self.recorder.world.time
+        here = self._here
+        origin, command = here.midpoint, self.commanded
+        steering = self._steering(here) if push.fingers == 1 and push.ends_on == "stroke" else None
+        correction, across, slope = np.zeros(3), np.zeros(3), 0.0
+        sideways = np.array([-self._u[1], self._u[0], 0.0])
+        speed, felt_first = _STARTING_SPEED, float(self._forces.sum())
+        watch = _Watch(self.plan, self._period)
+        while True:
+            elapsed = self.recorder.world.time - started
+            here = self._here
+            travel = float((here.midpoint - origin) @ self._u)
+            end = watch.end(elapsed, travel, float(self._forces.sum()), self._tilt)
+            if end is not None:
+                return end
+            if steering is not None:
+                self._inform(steering, here)
+                slope = steering.slope(push.stroke - travel)
+            limit = min(1.0, elapsed / _RAMP) * (push.force_limit - felt_first) + felt_first
+            self.recorder.force_limit = max(limit, felt_first)
+            speed = self._speed(speed, travel)
+            advance = np.clip(_ADMITTANCE * (limit - self._forces.sum()), -speed, speed)
+            step = advance * self._period * (self._u + slope * sideways) / np.hypot(1.0, slope)
+            command = command + step
+            across = across + step - (step @ self._u) * self._u
+            off = (here.midpoint - origin) - travel * self._u - across
+            correction = correction - _HOLD * self._period * off
+            correction *= min(1.0, _HOLD_MOST / max(float(np.linalg.norm(correction)), 1e-9))
+            self._step(command + correction, self._u)
+
+    def _speed(self, before: float, travel: float) -> float:
+        """Largest speed now: slow until something moves, then up to the plan's, slow at the end."""
+        push = self.plan.push
+        if travel < _MOVED:
+            return min(_STARTING_SPEED, push.speed)
+        allowed = min(push.speed, before + _ACCELERATION * self._period)
+        if push.ends_on == "stroke":
+            allowed = min(allowed, max(_SLOWEST, _BRAKING * (push.stroke - travel)))
+        return allowed
+
+    @property
+    def _here(self) -> Touch:
+        assert self.recorder.touch is not None, "the recorder knows the pushing fingers"
+        return self.recorder.touch
+
+    def _step(self, tip: Array, along: Array) -> None:
+        """Commands T to a point and takes in what was felt along a direction, and seen."""
+        self.commanded = tip
+        self.recorder.step(self.stance.joints(tip), self.stance.posture.joints)
+        share = min(1.0, self._period / _FILTER)
+        self._forces += share * (self._here.forces @ along - self._forces)
+        for frame in self.recorder.frames:
+            up = frame.poses[self.plan.push.object].R_WB[:, 2]
+            self._tilt += _SEEN_SHARE * (float(np.arctan2(up @ self._u, up[2])) - self._tilt)
+
+    # -- steering ------------------------------------------------------------------------------
+
+    def _steering(self, here: Touch) -> LineKeeper:
+        """Steering from what is believed at the touch."""
+        pose, model = self._target.pose, self._target.model
+        vision = self.recorder.world.scene.vision
+        frames = max(1.0, vision.rate_hz)  # of the look before, which lasted a second
+        depth = abs(pose.R_WB.T @ self.way.inward) @ np.array(model.size) / 2.0
+        inward = float(np.arctan2(self.way.inward[1], self.way.inward[0]))
+        from sim.hand import TIP_RADIUS
+
+        angle = np.radians(vision.angle_noise_deg)
+        return LineKeeper(
+            PushedBox(float(depth) + TIP_RADIUS, model.friction_radius),
+            float(np.arctan2(self._u[1], self._u[0])),
+            here.midpoint[:2],
+            (pose.x, pose.y, inward),
+            deviations=(
+                angle / np.sqrt(frames) + 0.003,
+                vision.position_noise_m / np.sqrt(frames) + 0.0005,
+            ),
+            camera=(vision.position_noise_m, angle),
+        )
+
+    def _inform(self, steering: LineKeeper, here: Touch) -> None:
+        steering.moved(self.recorder.world.time, here.midpoint[:2])
+        for frame in self.recorder.frames:
+            steering.seen(frame.time, frame.poses[self.plan.push.object])
+
+
+class _Watch:
+    """Ends and guards of a push.
+
+    Args:
+        plan: what was to happen.
+        period: of a control step [s].
+    """
+
+    def __init__(self, plan: Plan, period: float) -> None:
+        self._push = plan.push
+        self._prediction = plan.prediction
+        self._period = period
+        self._before = 0.0
+        self._speed = 0.0
+        self._stuck = 0.0
+        self._lost = 0.0
+        self._longest = 10.0 + 3.0 * plan.push.stroke / plan.push.speed
+
+    def end(
+        self, elapsed: float, travel: float, felt: float, tilt: float
+    ) -> tuple[EndReason, str] | None:
+        """Why the push ends now; None if it goes on.
+
+        Args:
+            elapsed: since its start [s].
+            travel: of the fingertips along the vector [m].
+            felt: force along the vector, filtered [N].
+            tilt: seen tilt along the vector, filtered [rad].
+        """
+        self._speed += 0.2 * ((travel - self._before) / self._period - self._speed)
+        self._before = travel
+        topple = self._push.ends_on == "toppled"
+        return (
+            (self._toppled(travel, tilt) if topple else self._stroke(travel, tilt))
+            or self._force(elapsed, felt)
+            or self._too_fast()
+            or (None if topple else self._contact_lost(travel, felt))
+            or self._too_long(elapsed)
+        )
+
+    def _stroke(self, travel: float, tilt: float) -> tuple[EndReason, str] | None:
+        if travel >= self._push.stroke:
+            return "stroke", f"the fingertips travelled {1e3 * travel:.0f} mm"
+        if tilt > _TILT_SHARE * self._prediction.stay_on_base_angle:
+            return "guard", f"the object was seen to tilt by {np.degrees(tilt):.0f}°"
+        return None
+
+    def _toppled(self, travel: float, tilt: float) -> tuple[EndReason, str] | None:
+        if tilt > self._prediction.stay_on_base_angle + _FALLING:
+            return "toppled", f"it was seen tilted by {np.degrees(tilt):.0f}° and falls by itself"
+        if travel >= self._push.stroke:
+            return "stroke", f"it does not fall after {1e3 * travel:.0f} mm"
+        expected = np.arctan2(travel, self._push.p_BC[2])
+        if travel > _SLIDES_AFTER and tilt < _SLIDES_SHARE * expected:
+            return "guard", f"it slides instead of tilting, {1e3 * travel:.0f} mm so far"
+        return None
+
+    def _force(self, elapsed: float, felt: float) -> tuple[EndReason, str] | None:
+        still = elapsed > _RAMP and abs(self._speed) < _STUCK_SPEED
+        self._stuck = self._stuck + self._period if still else 0.0
+        if self._stuck > _STUCK_TIME:
+            return "force", f"it does not move with {felt:.1f} N"
+        return None
+
+    def _too_fast(self) -> tuple[EndReason, str] | None:
+        if self._speed > 2.0 * self._push.speed + 0.03:
+            return "speed", f"the fingertips became {1e3 * self._speed:.0f} mm/s fast"
+        return None
+
+    def _contact_lost(self, travel: float, felt: float) -> tuple[EndReason, str] | None:
+        lost = travel > _MOVED and felt < _LOST_SHARE * self._prediction.onset
+        self._lost = self._lost + self._period if lost else 0.0
+        if self._lost > _LOST_TIME:
+            return "guard", "the fingertips lost the object"
+        return None
+
+    def _too_long(self, elapsed: float) -> tuple[EndReason, str] | None:
+        if elapsed > self._longest:
+            return "guard", f"the push took longer than {self._longest:.0f} s"
+        return None

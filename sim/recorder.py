@@ -1,0 +1,120 @@
+"""Steps the world and keeps what the robot saw, felt and did at each step."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sim.fingers import Touch, feel
+from sim.trace import Trace
+from sim.vision import averaged
+
+if TYPE_CHECKING:
+    from planner.plan import Push
+    from planner.state import PlanarPose
+    from sim.rotations import Array
+    from sim.stance import Mount
+    from sim.trace import EndReason
+    from sim.vision import Frame, SeenPose
+    from sim.world import DrakeWorld
+
+
+class Recorder:
+    """The world as the robot goes through it, written down.
+
+    Args:
+        world: that is stepped.
+        mount: of the arm.
+        normal_W: outward normal of the touched face in W, shape (3,).
+
+    Attributes:
+        phase: what is being done now; see `Trace.phase`.
+        fingers: the fingers that push.
+        force_limit: in force now [N].
+        touch: what the fingers felt last; None until there are any.
+        frames: camera frames that arrived with the last step.
+    """
+
+    def __init__(self, world: DrakeWorld, mount: Mount, normal_W: Array) -> None:
+        self.world = world
+        self.phase = "look"
+        self.fingers: tuple[str, ...] = ()
+        self.force_limit = 0.0
+        self.touch: Touch | None = None
+        self.frames: list[Frame] = []
+        self._mount = mount
+        self._inward_W = -normal_W
+        self._first = len(world.history)
+        self._contacts = len(world.contacts)
+        self._newest: dict[str, SeenPose] = {}
+        self._phases: list[str] = []
+        self._limits: list[float] = []
+        self._touches: list[Touch | None] = []
+        self._seen: list[dict[str, SeenPose]] = []
+
+    def step(self, q_arm: Array, q_hand: Array) -> None:
+        """Commands joint angles, lets a control period pass, reads the sensors."""
+        self.world.step(q_arm, q_hand)
+        self.frames = self.world.frames()
+        if self.frames:
+            self._newest = dict(self.frames[-1].poses)
+        if self.fingers:
+            self.touch = feel(self.world, self._mount, self.fingers, self._inward_W)
+        self._phases.append(self.phase)
+        self._limits.append(self.force_limit)
+        self._touches.append(self.touch)
+        self._seen.append(self._newest)
+
+    def look(self, seconds: float) -> dict[str, PlanarPose]:
+        """Waits and averages what the camera shows; see `DrakeWorld.look`."""
+        frames = self.world.frames()
+        steps = round(seconds / self.world.period)
+        while steps > 0 or not frames:
+            self.step(*self.world.commanded)
+            frames += self.frames
+            steps -= 1
+        return averaged(frames)
+
+    def trace(self, push: Push, *, end: EndReason, detail: str) -> Trace:
+        """Everything since the start as a trace."""
+        samples = self.world.history[self._first :]
+        n, k = len(samples), len(self.fingers)
+        tips, forces = np.zeros((n, k, 3)), np.zeros((n, k, 3))
+        touches = [touch for touch in self._touches if touch is not None]
+        for i, touch in enumerate(self._touches):
+            known = touch or touches[0] if touches else None
+            if known is not None:
+                tips[i] = known.tips
+            if touch is not None:
+                forces[i] = touch.forces
+        names = self.world.scene.names
+        first = next((seen for seen in self._seen if seen), {})
+        return Trace(
+            time=np.array([sample.time for sample in samples]),
+            phase=np.array(self._phases),
+            poses={name: np.array([s.poses[name] for s in samples]) for name in names},
+            seen={
+                name: np.array([_as_row((seen or first)[name]) for seen in self._seen])
+                for name in names
+            },
+            joints=np.array([sample.joints for sample in samples]),
+            joint_names=self.world.joint_names,
+            tips={finger: tips[:, i] for i, finger in enumerate(self.fingers)},
+            felt={finger: forces[:, i] for i, finger in enumerate(self.fingers)},
+            force_limit=np.array(self._limits),
+            contacts=tuple(self.world.contacts[self._contacts :]),
+            pushed=push.object,
+            direction=np.array(push.direction_W),
+            end=end,
+            detail=detail,
+            seed=self.world.seed,
+        )
+
+
+def _as_row(pose: SeenPose) -> Array:
+    """Quaternion (w, x, y, z) and position of a pose, shape (7,)."""
+    from scipy.spatial.transform import Rotation
+
+    x, y, z, w = Rotation.from_matrix(pose.R_WB).as_quat()
+    return np.array([w, x, y, z, *pose.p_WB])
