@@ -1,7 +1,7 @@
 """What the robot feels with its pushing fingers: where the tips are and what they press.
 
 Model: a fingertip touches with the point of its sphere that faces the object, and its joints'
-torques balance the force there: τ = −Jᵀ f, J at that point and not at the sphere's centre.
+torques balance the force there: τ = Jᵀ f, J at that point and not at the sphere's centre.
 
 Frames: P is the palm, T a fingertip's centre; forces are those on the object, in W.
 """
@@ -54,7 +54,7 @@ def feel(
         angles = world.finger_angles(finger)
         p_PT = finger_points(finger, angles)[3]
         J = finger_jacobian(finger, angles, p_PT + TIP_RADIUS * R_WP.T @ inward_W)
-        f_P = np.linalg.solve(J.T, -world.finger_torques(finger))
+        f_P = np.linalg.solve(J.T, world.finger_torques(finger))
         tips.append(R_WP @ p_PT + p_WP)
         forces.append(R_WP @ f_P)
     return Touch(np.array(tips), np.array(forces))
