@@ -25,8 +25,7 @@ from planner.state import PlanarPose, SeenObject, TableState, WorldState
 from sim.scene import Scene, SceneObject, load_scene
 
 if TYPE_CHECKING:
-    from planner.reach import Reach
-    from sim import DrakeWorld
+    from sim import ArmReach, DrakeWorld
     from sim.trace import Trace
 
 Progress = Callable[[str, float, str], None]
@@ -66,7 +65,7 @@ class Controller:
         self.seed = seed
         self.defaults = defaults
         self._world: DrakeWorld | None = None
-        self._reach: Reach | None = None
+        self._reach: ArmReach | None = None
 
     @property
     def world(self) -> DrakeWorld:
@@ -78,7 +77,7 @@ class Controller:
         return self._world
 
     @property
-    def reach(self) -> Reach:
+    def reach(self) -> ArmReach:
         """Answers whether the hand gets somewhere."""
         if self._reach is None:
             from sim import ArmReach
@@ -149,7 +148,7 @@ class Controller:
         """
         from sim import execute
 
-        return execute(plan, self.world, progress=progress)
+        return execute(plan, self.world, self.models, reach=self.reach, progress=progress)
 
     def check(self, frame: Frame, trace: Trace) -> tuple[Check, ...]:
         """A verdict for each clause of a frame."""
