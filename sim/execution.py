@@ -163,8 +163,8 @@ class _Run:
         self.recorder.force_limit = 0.0
         self.tell("retreat", self.world.time, "leaving the object")
         off = tip - BACK * way.inward
-        for target in (off, way.start):
-            for point in self._line(self._tip, target):
+        for start, target in ((tip, off), (off, way.start)):
+            for point in self._line(start, target):
                 self._go(stance, point)
 
     def come_home(self, end: EndReason) -> None:
@@ -190,7 +190,6 @@ class _Run:
         )
 
     def _go(self, stance: Stance, tip: Array) -> None:
-        self._tip = tip
         self.recorder.step(stance.joints(tip), stance.posture.joints)
 
     def _move_joints(self, q_arm: Array, q_hand: Array) -> None:

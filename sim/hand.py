@@ -22,6 +22,9 @@ LINKS = (0.0678, 0.030, 0.0295)
 
 TIP_RADIUS = 0.010
 LINK_RADIUS = 0.010
+JOINT_STIFFNESS = 8.0
+"""Of the impedance control of each finger joint [N·m/rad]."""
+
 FLANGE_TO_PALM = 0.03
 """Distance from the flange to the palm's origin, along z [m]; the palm is turned by π about it."""
 
@@ -67,6 +70,14 @@ def finger_points(finger: str, angles: Angles) -> Array:
     return np.array(points)
 
 
+def _columns(finger: str, angles: Angles, p_PC: Array) -> Array:
+    """Velocity of a point of the distal link per rate of each of the four joints, shape (3, 4)."""
+    base, middle, distal = finger_points(finger, angles)[:3]
+    R = (_THUMB_R if finger == "thumb" else np.eye(3)) @ rot_x(angles[0])
+    axes, origins = (R[:, 0], R[:, 1], R[:, 1], R[:, 1]), (base, base, middle, distal)
+    return np.cross(axes, p_PC - np.array(origins)).T
+
+
 def finger_jacobian(finger: str, angles: Angles, p_PC: Array) -> Array:
     """Velocity of a point of the distal link per rate of each measured joint, alone.
 
@@ -80,12 +91,22 @@ def finger_jacobian(finger: str, angles: Angles, p_PC: Array) -> Array:
     Returns:
         Columns of abduction, proximal and middle joint, shape (3, 3) [m].
     """
-    base, middle = finger_points(finger, angles)[:2]
-    R = (_THUMB_R if finger == "thumb" else np.eye(3)) @ rot_x(angles[0])
-    axes = (R[:, 0], R[:, 1], R[:, 1])
-    return np.column_stack(
-        [np.cross(a, p_PC - o) for a, o in zip(axes, (base, base, middle), strict=True)]
-    )
+    return _columns(finger, angles, p_PC)[:, :3]
+
+
+def fingertip_stiffness(finger: str, angles: Angles, p_PC: Array) -> Array:
+    """Force at a point of the distal link per displacement, (J k⁻¹ Jᵀ)⁻¹, in P [N/m].
+
+    Args:
+        finger: one of `FINGERS`.
+        angles: abduction, proximal and middle flexion [rad].
+        p_PC: the point in P, shape (3,) [m].
+
+    Returns:
+        Shape (3, 3); J includes the distal joint, which follows the middle one.
+    """
+    J = _columns(finger, angles, p_PC) @ np.vstack([np.eye(3), [0.0, 0.0, 1.0]])
+    return np.asarray(np.linalg.inv(J @ J.T / JOINT_STIFFNESS))
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,15 +137,17 @@ class Posture:
 RESTING = Posture("resting", dict.fromkeys(FINGERS, CURLED) | {"thumb": THUMB_AWAY}, ())
 """The hand while it waits."""
 
-# Proximal and middle flexion [rad]. A finger stretched back at its base and bent at its middle
-# presses with the pad and clear of the palm, and its torque sensors feel the push well.
+# Proximal and middle flexion [rad]: fingers stretched back at the base and bent towards the tip
+# press clear of the palm, and hooked ones are about as stiff across as along.
 _FLEXIONS: Mapping[str, tuple[float, float]] = {
-    "arched back": (-0.60, 0.50),
-    "arched": (-0.40, 0.70),
-    "hooked": (-0.60, 1.00),
-    "stretched back": (-0.60, 0.30),
-    "straight": (-0.20, 0.40),
-    "bent": (0.20, 0.50),
+    "arched": (-0.40, 0.50),
+    "arched back": (-0.65, 0.50),
+    "bent back": (-0.65, 0.70),
+    "bent": (-0.40, 0.70),
+    "straight": (0.0, 0.50),
+    "hooked back": (-0.65, 1.10),
+    "hooked": (-0.20, 0.90),
+    "closed": (-0.40, 1.30),
 }
 
 

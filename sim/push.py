@@ -2,11 +2,12 @@
 
 Law: the fingertips' command advances along the movement vector at
 
-    ṡ = clip(k (F_limit(t) − F_felt), −v, v)
+    ṡ = v clip((F_limit(t) − F_felt) / band, −1, 1)
 
-F_felt is the sum of the fingers' forces along the vector, F_limit rises from the touch to the
-plan's force, and v from a slow start, while the object still stands, to the plan's speed; near the
-end of the stroke v falls with what remains. The stroke is measured at the fingertips. Two fingers
+F_felt is the sum of the fingers' forces along the vector and F_limit rises from the touch to the
+plan's force. While the object stands, v is so low that the fingers' stiffness raises the force at a
+bounded rate; once it moves, v rises to the plan's speed; near the end of the stroke it falls with
+what remains. The stroke is measured at the fingertips. Two fingers
 keep the object's heading by themselves; one finger is steered by `sim.steering`.
 
 Guards: a tilt that was not asked for, sliding where a tilt was asked for, a lost contact, a
@@ -19,7 +20,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from planner.plan import Plan
+from planner.plan import Plan, Push
 from planner.state import WorldState
 from sim.fingers import Touch
 from sim.reach import STANDOFF, Way
@@ -39,11 +40,13 @@ TOUCH_BEYOND = 0.015
 """Travel beyond the expected face after which there is nothing to touch [m]."""
 
 _FILTER = 0.04  # time constant of the felt force [s]
-_ADMITTANCE = 0.04  # k [m/s/N]; stable against the fingers' 550 N/m each behind the filter
+_BAND, _SMALLEST_BAND = 0.2, 0.4  # share of the limit, and [N]
 _RAMP = 2.0  # time in which the force limit rises [s]
 _ACCELERATION = 0.2  # [m/s²]
-_STARTING_SPEED = 0.012  # before the object is seen to move by the fingertips [m/s]
-_MOVED = 0.002  # travel of the fingertips that shows it [m]
+_FORCE_RATE = 10.0  # of an object that stands [N/s]
+_FASTEST_START = 0.012  # before the object moves [m/s]
+_MOVED = 0.002  # travel of the fingertips that shows that the object moves [m]
+_FOLLOWS = 0.3  # share of the commanded speed with which a moving object follows
 _BRAKING = 1.5  # speed per remaining distance near the end of the stroke [1/s]
 _SLOWEST = 0.008  # [m/s]
 _HOLD = 4.0  # rate at which deviations across the vector are corrected [1/s]
@@ -58,6 +61,11 @@ _STUCK_SPEED = 0.001  # [m/s]
 _STUCK_TIME = 0.8  # [s]
 _LOST_TIME = 0.6  # [s]
 _LOST_SHARE = 0.1  # of the onset force: less is no contact
+
+
+def band(push: Push) -> float:
+    """Force below the limit over which the speed falls to zero [N]."""
+    return max(_BAND * push.force_limit, _SMALLEST_BAND)
 
 
 class PushControl:
@@ -138,7 +146,8 @@ class PushControl:
         steering = self._steering(here) if push.fingers == 1 and push.ends_on == "stroke" else None
         correction, across, slope = np.zeros(3), np.zeros(3), 0.0
         sideways = np.array([-self._u[1], self._u[0], 0.0])
-        speed, felt_first = _STARTING_SPEED, float(self._forces.sum())
+        start = min(_FASTEST_START, push.speed, _FORCE_RATE / self.stance.stiffness(self._u))
+        speed, felt_first = start, float(self._forces.sum())
         watch = _Watch(self.plan, self._period)
         while True:
             elapsed = self.recorder.world.time - started
@@ -152,8 +161,9 @@ class PushControl:
                 slope = steering.slope(push.stroke - travel)
             limit = min(1.0, elapsed / _RAMP) * (push.force_limit - felt_first) + felt_first
             self.recorder.force_limit = max(limit, felt_first)
-            speed = self._speed(speed, travel)
-            advance = np.clip(_ADMITTANCE * (limit - self._forces.sum()), -speed, speed)
+            speed = self._speed(speed, start, travel, watch.speed)
+            room = (limit - self._forces.sum()) / band(push)
+            advance = speed * float(np.clip(room, -1.0, 1.0))
             step = advance * self._period * (self._u + slope * sideways) / np.hypot(1.0, slope)
             command = command + step
             across = across + step - (step @ self._u) * self._u
@@ -162,11 +172,18 @@ class PushControl:
             correction *= min(1.0, _HOLD_MOST / max(float(np.linalg.norm(correction)), 1e-9))
             self._step(command + correction, self._u)
 
-    def _speed(self, before: float, travel: float) -> float:
-        """Largest speed now: slow until something moves, then up to the plan's, slow at the end."""
+    def _speed(self, before: float, start: float, travel: float, measured: float) -> float:
+        """Largest speed now: slow until something moves, then up to the plan's, slow at the end.
+
+        Args:
+            before: the one of the step before [m/s].
+            start: while the object stands [m/s].
+            travel: of the fingertips [m].
+            measured: speed of the fingertips [m/s].
+        """
         push = self.plan.push
-        if travel < _MOVED:
-            return min(_STARTING_SPEED, push.speed)
+        if travel < _MOVED or (measured < _FOLLOWS * before and before > 2.0 * _SLOWEST):
+            return start
         allowed = min(push.speed, before + _ACCELERATION * self._period)
         if push.ends_on == "stroke":
             allowed = min(allowed, max(_SLOWEST, _BRAKING * (push.stroke - travel)))
@@ -223,6 +240,9 @@ class _Watch:
     Args:
         plan: what was to happen.
         period: of a control step [s].
+
+    Attributes:
+        speed: of the fingertips along the vector, filtered [m/s].
     """
 
     def __init__(self, plan: Plan, period: float) -> None:
@@ -230,7 +250,7 @@ class _Watch:
         self._prediction = plan.prediction
         self._period = period
         self._before = 0.0
-        self._speed = 0.0
+        self.speed = 0.0
         self._stuck = 0.0
         self._lost = 0.0
         self._longest = 10.0 + 3.0 * plan.push.stroke / plan.push.speed
@@ -246,7 +266,7 @@ class _Watch:
             felt: force along the vector, filtered [N].
             tilt: seen tilt along the vector, filtered [rad].
         """
-        self._speed += 0.2 * ((travel - self._before) / self._period - self._speed)
+        self.speed += 0.2 * ((travel - self._before) / self._period - self.speed)
         self._before = travel
         topple = self._push.ends_on == "toppled"
         return (
@@ -275,15 +295,16 @@ class _Watch:
         return None
 
     def _force(self, elapsed: float, felt: float) -> tuple[EndReason, str] | None:
-        still = elapsed > _RAMP and abs(self._speed) < _STUCK_SPEED
+        all_of_it = elapsed > _RAMP and felt > self._push.force_limit - band(self._push)
+        still = all_of_it and abs(self.speed) < _STUCK_SPEED
         self._stuck = self._stuck + self._period if still else 0.0
         if self._stuck > _STUCK_TIME:
             return "force", f"it does not move with {felt:.1f} N"
         return None
 
     def _too_fast(self) -> tuple[EndReason, str] | None:
-        if self._speed > 2.0 * self._push.speed + 0.03:
-            return "speed", f"the fingertips became {1e3 * self._speed:.0f} mm/s fast"
+        if self.speed > 2.0 * self._push.speed + 0.03:
+            return "speed", f"the fingertips became {1e3 * self.speed:.0f} mm/s fast"
         return None
 
     def _contact_lost(self, travel: float, felt: float) -> tuple[EndReason, str] | None:

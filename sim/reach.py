@@ -4,8 +4,8 @@ Model: the hand keeps its posture and orientation during a push, square to the t
 postures, tilts along the push, sides and rolls are tried at once: first those whose spheres stay
 clear of the pushed box and the table, then, for these, the arm's eight closed-form solutions over
 a ring of elbow angles at the points of the way. What is continuous, away from the joint limits
-and clear of every object is ranked by the room that is left to the limits and by how well the
-fingers' torque sensors feel the push.
+and clear of every object is ranked by the room that is left to the limits. Only hands are tried
+whose torque sensors feel the push and whose fingers press straight when loaded.
 
 The way: home, a point above the start, down to 3 cm before the face, to the face, the stroke;
 and back the same way, which is known to be free.
@@ -29,6 +29,7 @@ from sim.hand import (
     TIP_RADIUS,
     Posture,
     finger_jacobian,
+    fingertip_stiffness,
     one_finger_postures,
     two_finger_postures,
 )
@@ -49,7 +50,7 @@ OBJECT_CLEARANCE = 0.012
 
 _FACE_CLEARANCE = 0.0005  # of all but the fingertips from the pushed face [m]
 
-_TILTS = np.radians(np.arange(-60.0, 81.0, 10.0))
+_TILTS = np.radians(np.arange(-60.0, 83.0, 7.5))
 _SIDES = {1: np.radians([0.0, -30.0, 30.0]), 2: np.radians([0.0])}
 _ELBOWS = np.radians(np.arange(-180.0, 180.0, 15.0))
 _LIFTS = np.array([0.36, 0.30, 0.24, 0.18])
@@ -62,8 +63,12 @@ _WRIST_BEND = 0.15  # |q6| stays above this, away from the singularity [rad]
 
 # 1 / lever with which the sensors feel the push [1/m]: 60 makes 1.6 mN·m a noise of 0.1 N.
 _COARSEST_FEELING = 60.0
-_MOST_HANDS = 60  # hands that the arm's kinematics are asked for, the clearest feeling first
+_MOST_HANDS = 60  # hands that the arm's kinematics are asked for, the best first
 _SOLVED = 240  # solutions at both ends of the stroke that are followed along the way
+# Loaded along the push, a slanted finger also presses up or down. Pressing down makes the object
+# heavier on the table, which makes it move in jerks.
+_LARGEST_SKEW = 0.35
+
 _CHECKED = 24  # solutions whose whole way is checked for collisions, best first
 
 
@@ -94,7 +99,7 @@ class _Hands:
 
 @functools.cache
 def _hands(fingers: int, spread: float) -> _Hands:
-    """Everything in which a hand may push and feels the push, the clearest feeling first."""
+    """Everything in which a hand may push, the best first."""
     tilt, side, roll = (
         a.ravel()
         for a in np.meshgrid(_TILTS, _SIDES[fingers], np.array([0.0, np.pi]), indexing="ij")
@@ -105,21 +110,29 @@ def _hands(fingers: int, spread: float) -> _Hands:
     postures = one_finger_postures() if fingers == 1 else two_finger_postures(spread)
     which = np.repeat(np.arange(len(postures)), len(turned))
     R_DP = np.tile(turned, (len(postures), 1, 1))
-    feeling = np.array([_feeling(postures[i], R) for i, R in zip(which, R_DP, strict=True)])
-    felt = np.argsort(feeling)[: np.count_nonzero(feeling < _COARSEST_FEELING)]
-    return _Hands(postures, which[felt], R_DP[felt])
+    quality = [_quality(postures[i], R) for i, R in zip(which, R_DP, strict=True)]
+    coarse, skew = np.array(quality).T
+    good = np.flatnonzero((coarse < _COARSEST_FEELING) & (skew < _LARGEST_SKEW))
+    order = good[np.argsort(skew[good] + coarse[good] / 200.0)]
+    return _Hands(postures, which[order], R_DP[order])
 
 
-def _feeling(posture: Posture, R_DP: Array) -> float:
-    """Noise of the felt push per noise of a torque sensor [1/m], the worst pushing finger."""
+def _quality(posture: Posture, R_DP: Array) -> tuple[float, float]:
+    """How well a hand pushes along D's x axis, its worst finger.
+
+    Returns:
+        Noise of the felt push per noise of a torque sensor [1/m], and the vertical force per
+        force along the push while the fingertip sticks to the face.
+    """
     into_face = R_DP[0]  # D's x axis in P
-    worst = 0.0
+    coarse = skew = 0.0
     for finger, tip in zip(posture.pushing, posture.tips, strict=True):
-        J = finger_jacobian(finger, posture.angles[finger], tip + TIP_RADIUS * into_face)
-        if abs(np.linalg.det(J)) < 1e-9:
-            return np.inf
-        worst = max(worst, float(np.linalg.norm(np.linalg.solve(J, into_face))))
-    return worst
+        angles, p_PC = posture.angles[finger], tip + TIP_RADIUS * into_face
+        J = finger_jacobian(finger, angles, p_PC)
+        force = R_DP @ fingertip_stiffness(finger, angles, p_PC) @ into_face
+        coarse = max(coarse, float(np.linalg.norm(np.linalg.solve(J, into_face))))
+        skew = max(skew, abs(float(force[2] / force[0])))
+    return coarse, skew
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim import arm
-from sim.hand import FLANGE_TO_PALM, R_FP, Posture
+from sim.hand import FLANGE_TO_PALM, R_FP, TIP_RADIUS, Posture, fingertip_stiffness
 from sim.rotations import Array, rot_x, rot_y, rot_z
 from sim.scene import Robot
 
@@ -80,3 +80,12 @@ class Stance:
             at = ", ".join(f"{1e3 * x:.0f}" for x in p_WT)
             raise UnreachableError(f"the arm does not bring the fingertips to ({at}) mm")
         return np.asarray(q[0, self.branch])
+
+    def stiffness(self, direction_W: Array) -> float:
+        """Force per displacement of the pushing fingers along a unit direction in W [N/m]."""
+        along = self.R_WP.T @ direction_W
+        stiffness = 0.0
+        for finger, tip in zip(self.posture.pushing, self.posture.tips, strict=True):
+            K = fingertip_stiffness(finger, self.posture.angles[finger], tip + TIP_RADIUS * along)
+            stiffness += float(along @ K @ along)
+        return stiffness
