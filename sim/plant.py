@@ -1,6 +1,7 @@
 """The simulated world as a Drake diagram: robot, table and objects.
 
-Model: point contact and the SAP solver, which holds still below the friction threshold. Objects
+Model: point contact, lagged approximation; with "sap" a sliding fingertip chatters (2.3 N of
+standard deviation in a push of 3.6 N, against 0.07 N). Objects
 are boxes that touch the table with small spheres at their support points (a box geometry yields
 one contact point only); the box itself touches everything but the table.
 
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from pydrake.systems.framework import DiagramBuilder
 
 ROUGH = 1e9  # with this coefficient on one side, a pair has twice the other side's
+_STICTION = 1e-4  # slip speed up to which friction counts as sticking [m/s]
 _CORNER_RADIUS = 1e-4
 _STIFFNESS, _DISSIPATION = 1e6, 20.0
 
@@ -51,7 +53,8 @@ def add_plant(builder: DiagramBuilder, scene: Scene) -> Plant:
     config = MultibodyPlantConfig(
         time_step=scene.time_step_s,
         contact_model="point",
-        discrete_contact_approximation="sap",
+        discrete_contact_approximation="lagged",
+        stiction_tolerance=_STICTION,
         use_sampled_output_ports=False,
     )
     plant, scene_graph = AddMultibodyPlant(config, builder)

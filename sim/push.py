@@ -33,6 +33,9 @@ from sim.trace import EndReason
 TOUCH_SPEED = 0.015
 """Of the guarded approach [m/s]."""
 
+PAUSE = 0.3
+"""Before the touch, until the fingers hang still and feel nothing [s]."""
+
 TOUCH_FORCE = 0.6
 """Felt force that counts as a touch, less for an object that half of it would move [N]."""
 
@@ -116,6 +119,8 @@ class PushControl:
 
         self.recorder.phase = "touch"
         self.recorder.force_limit = self._touch_force
+        for _ in range(round(PAUSE / self._period)):
+            self._step(self.way.start, self.way.inward)
         travel, most = 0.0, STANDOFF + TOUCH_BEYOND
         while not self._touched():
             if travel > most:
