@@ -26,8 +26,9 @@ from sim.vision import SeenPose
 
 _STEPS = 16  # of the remaining way in the least squares
 _SHORTEST = 0.03  # remaining way over which it is solved at least [m]
-_LATERAL_WEIGHT = 1.0 / 0.002  # [1/m]
-_HEADING_WEIGHT = 1.0 / np.radians(0.7)  # [1/rad]
+_LATERAL_WEIGHT = 1.0 / 0.005  # at the end [1/m]
+_HEADING_WEIGHT = 1.0 / np.radians(0.7)  # at the end [1/rad]
+_WAY_WEIGHT = 1.0 / np.radians(1.5)  # of the heading on the way, root mean square [1/rad]
 _INPUT_WEIGHT = 2.0
 _LARGEST_SLOPE = 0.4  # relative to θ: inside the friction cone, so that the tip sticks
 
@@ -160,16 +161,19 @@ class LineKeeper:
         A = np.array([[1.0, a * alpha * step], [0.0, 1.0 + alpha * step]])
         B = np.array([(1.0 - a * alpha) * step, -alpha * step])
         drift = -beta * now.contact * step * np.array([a, 1.0])
-        end = np.array([middle[1] - self._line, now.heading])
-        G = np.zeros((2, _STEPS))
+        wanted = np.array([0.0, self._wanted])
+        state, G = np.array([middle[1] - self._line, now.heading]), np.zeros((2, _STEPS))
+        rows, missed = [_INPUT_WEIGHT / np.sqrt(_STEPS) * np.eye(_STEPS)], [np.zeros(_STEPS)]
         for i in range(_STEPS):
-            end = A @ end + drift
-            G = A @ G
+            state, G = A @ state + drift, A @ G
             G[:, i] = B
+            weight = _WAY_WEIGHT / np.sqrt(_STEPS)
+            rows.append(weight * G[1:])
+            missed.append(weight * (state - wanted)[1:])
         weights = np.array([_LATERAL_WEIGHT, _HEADING_WEIGHT])
-        rows = np.vstack([weights[:, None] * G, _INPUT_WEIGHT / np.sqrt(_STEPS) * np.eye(_STEPS)])
-        missed = end - np.array([0.0, self._wanted])
-        u = np.linalg.lstsq(rows, np.concatenate([-weights * missed, np.zeros(_STEPS)]))[0][0]
+        rows.append(weights[:, None] * G)
+        missed.append(weights * (state - wanted))
+        u = np.linalg.lstsq(np.vstack(rows), -np.concatenate(missed))[0][0]
         return float(np.clip(u, now.heading - _LARGEST_SLOPE, now.heading + _LARGEST_SLOPE))
 
 
