@@ -131,7 +131,7 @@ def known_error(raised: Exception) -> ControlError | None:
     # Late: a failing command must not load stages that it never reached.
     from grammar import ParseError
     from objectmodels import ModelError
-    from sim.scene import SceneError
+    from sim.errors import SimError
 
     if isinstance(raised, ParseError):
         info = ErrorInfo(
@@ -149,7 +149,7 @@ def known_error(raised: Exception) -> ControlError | None:
             path=raised.path,
             family="model",
         )
-    elif isinstance(raised, SceneError):
+    elif isinstance(raised, SimError):
         info = ErrorInfo(
             code=raised.code,
             message=raised.message,

@@ -117,7 +117,7 @@ class Result(BaseModel):
             return ()
         from planner.explain import explain
 
-        return explain(self.frames[self.planned - 1], self.plan)
+        return explain(self.frames[self.planned - 1], self.plan, self.text)
 
     def report(self) -> str:
         """The result as a text to read."""

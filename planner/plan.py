@@ -132,11 +132,11 @@ class Plan(_Value):
 
 
 RefusalReason = Literal[
-    "impossible",       # no push on this object does it, whoever pushes
-    "out_of_reach",     # pushes exist, but the hand does not get there
-    "blocked",          # pushes exist, but something stands in the way
-    "too_uncertain",    # the model's uncertainty leaves the outcome open
-    "unsupported",      # this robot, or this version, lacks a named capability
+    "impossible",  # no push on this object does it, whoever pushes
+    "out_of_reach",  # pushes exist, but the hand does not get there
+    "blocked",  # pushes exist, but something stands in the way
+    "too_uncertain",  # the model's uncertainty leaves the outcome open
+    "unsupported",  # this robot, or this version, lacks a named capability
 ]
 
 

@@ -47,6 +47,10 @@ class Reach(Protocol):
     max_force: float
     """Largest force that one fingertip can exert [N]."""
 
+    force_skew: float
+    """Largest vertical force at a fingertip per force along the push while the tip sticks: what the
+    hand's own stiffness lets it transmit, whatever friction would allow."""
+
     lowest_height: float
     """Lowest contact height above the table that a fingertip reaches anywhere [m]."""
 

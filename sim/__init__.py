@@ -3,9 +3,12 @@
 Drake is imported when a world is built, not with this package.
 """
 
+from sim.errors import PictureError, SceneError, SimError
 from sim.execution import execute
+from sim.picture import save_picture
 from sim.reach import ArmReach
-from sim.scene import Scene, SceneError, load_scene
+from sim.replay import save_replay
+from sim.scene import Scene, load_scene
 from sim.trace import Trace
 from sim.vision import first_look
 from sim.world import DrakeWorld
@@ -13,10 +16,14 @@ from sim.world import DrakeWorld
 __all__ = [
     "ArmReach",
     "DrakeWorld",
+    "PictureError",
     "Scene",
     "SceneError",
+    "SimError",
     "Trace",
     "execute",
     "first_look",
     "load_scene",
+    "save_picture",
+    "save_replay",
 ]

@@ -21,7 +21,7 @@ from planner.reach import ReachAnswer
 from planner.state import SeenObject, WorldState
 from sim.attractor import attracted
 from sim.hand import RESTING
-from sim.push import PushControl
+from sim.push import EarlyEndError, PushControl
 from sim.reach import ArmReach, Way
 from sim.recorder import Recorder
 from sim.rotations import Array
@@ -50,20 +50,6 @@ SETTLE = {"stroke": 0.5, "toppled": 1.5}
 """Time that an object gets to come to rest [s]."""
 
 
-class Failure(Exception):
-    """An execution cannot go on.
-
-    Attributes:
-        end: how the trace ends.
-        detail: why, in words.
-    """
-
-    def __init__(self, end: EndReason, detail: str) -> None:
-        super().__init__(detail)
-        self.end = end
-        self.detail = detail
-
-
 def execute(
     plan: Plan,
     world: DrakeWorld,
@@ -87,8 +73,8 @@ def execute(
     run = _Run(plan, world, models, reach or ArmReach(world.scene), progress or _silent)
     try:
         end, detail = run.push()
-    except Failure as failure:
-        end, detail = failure.end, failure.detail
+    except EarlyEndError as early:
+        end, detail = early.end, early.detail
     run.come_home(end)
     return run.recorder.trace(plan.push, end=end, detail=detail)
 
@@ -141,7 +127,7 @@ class _Run:
         push = self.plan.push
         answer = self.reach.stance(push, state)
         if isinstance(answer, ReachAnswer):
-            raise Failure("unreachable", answer.message)
+            raise EarlyEndError("unreachable", answer.message)
         return answer[0], Way.of(push, state.objects[push.object])
 
     def _approach(self, stance: Stance, way: Way) -> None:

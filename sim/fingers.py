@@ -37,9 +37,7 @@ class Touch:
         return middle
 
 
-def feel(
-    world: DrakeWorld, mount: Mount, fingers: tuple[str, ...], inward_W: Array
-) -> Touch:
+def feel(world: DrakeWorld, mount: Mount, fingers: tuple[str, ...], inward_W: Array) -> Touch:
     """Reads the fingers' joint sensors.
 
     Args:

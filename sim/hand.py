@@ -33,9 +33,7 @@ R_FP = np.diag([-1.0, -1.0, 1.0])
 
 FINGERS = ("index", "middle", "ring", "thumb")
 FINGER_JOINTS = ("abduction", "proximal", "middle", "distal")
-JOINT_NAMES = tuple(
-    f"{finger}_{joint}" for finger in FINGERS for joint in FINGER_JOINTS[:3]
-)
+JOINT_NAMES = tuple(f"{finger}_{joint}" for finger in FINGERS for joint in FINGER_JOINTS[:3])
 
 _THUMB_LEAN = np.radians(27.0)
 _BASES: Mapping[str, Array] = {

@@ -23,6 +23,7 @@ import numpy as np
 from planner.plan import Plan, Push
 from planner.state import WorldState
 from sim.fingers import Touch
+from sim.hand import TIP_RADIUS
 from sim.reach import STANDOFF, Way
 from sim.recorder import Recorder
 from sim.rotations import Array
@@ -64,6 +65,20 @@ _STUCK_SPEED = 0.001  # [m/s]
 _STUCK_TIME = 0.8  # [s]
 _LOST_TIME = 0.6  # [s]
 _LOST_SHARE = 0.1  # of the onset force: less is no contact
+
+
+class EarlyEndError(Exception):
+    """An execution cannot go on.
+
+    Attributes:
+        end: how the trace ends.
+        detail: why, in words.
+    """
+
+    def __init__(self, end: EndReason, detail: str) -> None:
+        super().__init__(detail)
+        self.end = end
+        self.detail = detail
 
 
 def band(push: Push) -> float:
@@ -113,10 +128,8 @@ class PushControl:
         """Approaches along the normal until the face is felt.
 
         Raises:
-            Failure: nothing is felt where the face should be.
+            EarlyEndError: nothing is felt where the face should be.
         """
-        from sim.execution import Failure
-
         self.recorder.phase = "touch"
         self.recorder.force_limit = self._touch_force
         for _ in range(round(PAUSE / self._period)):
@@ -124,7 +137,7 @@ class PushControl:
         travel, most = 0.0, STANDOFF + TOUCH_BEYOND
         while not self._touched():
             if travel > most:
-                raise Failure("no_touch", f"nothing was felt within {1e3 * most:.0f} mm")
+                raise EarlyEndError("no_touch", f"nothing was felt within {1e3 * most:.0f} mm")
             travel += TOUCH_SPEED * self._period
             self._step(self.way.start + travel * self.way.inward, self.way.inward)
 
@@ -143,7 +156,9 @@ class PushControl:
     def push(self) -> tuple[EndReason, str]:
         """Pushes until an end or a guard; returns which and why."""
         push = self.plan.push
-        self.tell("push", self.recorder.world.time, f"pushing with at most {push.force_limit:.1f} N")
+        self.tell(
+            "push", self.recorder.world.time, f"pushing with at most {push.force_limit:.1f} N"
+        )
         self.recorder.phase = "push"
         started = self.recorder.world.time
         here = self._here
@@ -218,8 +233,6 @@ class PushControl:
         frames = max(1.0, vision.rate_hz)  # of the look before, which lasted a second
         depth = abs(pose.R_WB.T @ self.way.inward) @ np.array(model.size) / 2.0
         inward = float(np.arctan2(self.way.inward[1], self.way.inward[0]))
-        from sim.hand import TIP_RADIUS
-
         angle = np.radians(vision.angle_noise_deg)
         return LineKeeper(
             PushedBox(float(depth) + TIP_RADIUS, model.friction_radius),

@@ -151,6 +151,7 @@ class Way:
 
     @classmethod
     def of(cls, push: Push, target: SeenObject) -> Way:
+        """The way of a push on an object that is seen somewhere."""
         outward = np.array(push.normal_W)
         contact = target.pose.R_WB @ np.array(push.p_BC) + target.pose.p_WB
         touch = contact + TIP_RADIUS * outward
@@ -159,6 +160,7 @@ class Way:
 
     @property
     def R_WD(self) -> Array:
+        """Orientation of the push's frame D, shape (3, 3)."""
         return rot_z(np.arctan2(self.inward[1], self.inward[0]))
 
     def points(self) -> Array:
@@ -174,12 +176,14 @@ class ArmReach:
         fingertip_radius: [m].
         finger_spread: distance between the fingertips of a two-finger push [m].
         max_force: of one fingertip [N].
+        force_skew: largest vertical force per force along the push.
         lowest_height: of a contact above the table [m].
     """
 
     fingertip_radius = TIP_RADIUS
     finger_spread = FINGER_SPREAD
     max_force = MAX_FORCE
+    force_skew = _LARGEST_SKEW
     lowest_height = TIP_RADIUS + 0.015
 
     def __init__(self, scene: Scene) -> None:

@@ -17,27 +17,13 @@ from typing import Annotated, Literal
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from sim.errors import SceneError
+
 Positive = Annotated[float, Field(gt=0)]
 NonNegative = Annotated[float, Field(ge=0)]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 Point2 = tuple[float, float]
 Point3 = tuple[float, float, float]
-
-
-class SceneError(Exception):
-    """A scene cannot be read.
-
-    Attributes:
-        code: `unknown_scene` or `bad_scene`.
-        message: what is wrong, with the file and the key.
-        suggestions: what would be possible instead.
-    """
-
-    def __init__(self, code: str, message: str, suggestions: tuple[str, ...] = ()) -> None:
-        super().__init__(message)
-        self.code = code
-        self.message = message
-        self.suggestions = suggestions
 
 
 class _Part(BaseModel):

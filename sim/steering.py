@@ -98,7 +98,9 @@ class LineKeeper:
         self._direction = direction
         self._box = box
         self._P = np.diag(np.square(deviations))
-        self._R = np.diag(np.square([camera[0], camera[0], max(camera[1], 1e-4)])) + 1e-12 * np.eye(3)
+        self._R = np.diag(np.square([camera[0], camera[0], max(camera[1], 1e-4)])) + 1e-12 * np.eye(
+            3
+        )
         x, y, normal = seen
         self._normal = normal
         heading = float(wrap(normal - direction))

@@ -1,0 +1,272 @@
+"""What a frame asks of a push: goal, direction, distance, and limits on contact, force and speed.
+
+It is the middle of the way from words to controller: names of directions, faces, regions and
+degrees become headings, heights, newtons and metres per second. What this version has no
+controller for is refused here, by the name of the capability.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from grammar import frames as g
+from planner.directions import FACE_OF_PUSH, HEADINGS, bisector, heading_of
+from planner.plan import DefaultUsed, FaceName, Refusal
+
+if TYPE_CHECKING:
+    from planner.defaults import Defaults
+    from planner.state import SeenObject, WorldState
+
+_GOALS = {
+    "place": "placing objects at places",
+    "rotate": "turning objects",
+    "tilt": "tilting objects and letting them return",
+    "upright": "standing objects up",
+    "lift": "lifting objects",
+    "open": "opening objects",
+    "close": "closing objects",
+    "pour": "pouring",
+    "parameters": "finding out parameters by touching",
+}
+_CONSTRAINTS = {
+    "no_slide": "keeping an object from sliding",
+    "no_spill": "keeping an object from spilling",
+    "min_force": "pushing with at least a force",
+    "force": "pushing with exactly a force",
+    "hard": "pushing hard",
+    "fast": "pushing fast",
+    "speed": "keeping an exact speed",
+    "max_duration": "limiting the duration",
+    "until": "stopping at an event",
+}
+
+
+class RefusedError(Exception):
+    """Planning ends with a refusal; it never leaves the planner."""
+
+    def __init__(self, refusal: Refusal) -> None:
+        super().__init__(refusal.message)
+        self.refusal = refusal
+
+
+def unsupported(capability: str, message: str, spans: g.Spans, *instead: str) -> RefusedError:
+    """A refusal because this robot, or this version, lacks a capability."""
+    return RefusedError(
+        Refusal(
+            reason="unsupported",
+            message=message,
+            capability=capability,
+            spans=spans,
+            suggestions=instead,
+        )
+    )
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a push must do, as numbers.
+
+    Attributes:
+        outcome: wanted class at the onset.
+        heading: direction of motion or of the fall in W [rad]; None if any will do.
+        distance: to be moved [m]; the most if the goal is to topple.
+        face: side face to be touched; None if any will do.
+        low, high: contact heights allowed [m].
+        region: words for the heights, if the sentence restricts them.
+        max_force: largest force [N]; inf if not said.
+        speed: largest speed [m/s].
+        fingers: how many fingertips may push.
+        contact_spans: words that restrict the contact.
+        force_spans: words that restrict the force.
+        avoid: objects that must not be touched, by their names in the scene.
+        defaults: what the sentence left open.
+    """
+
+    outcome: Literal["slide", "topple"]
+    heading: float | None
+    distance: float
+    low: float
+    high: float
+    speed: float
+    face: FaceName | None = None
+    region: str | None = None
+    max_force: float = np.inf
+    fingers: tuple[Literal[1, 2], ...] = (2, 1)
+    contact_spans: g.Spans = ()
+    force_spans: g.Spans = ()
+    avoid: tuple[str, ...] = ()
+    defaults: tuple[DefaultUsed, ...] = ()
+
+
+def read(frame: g.Frame, state: WorldState, defaults: Defaults) -> Asked:
+    """What a frame asks.
+
+    Raises:
+        RefusedError: it asks for something that this version cannot do.
+    """
+    if frame.query or frame.dialogue or frame.object is None or frame.object.id is None:
+        raise unsupported(
+            "answering questions", "this version carries out commands only", frame.spans
+        )
+    target = state.objects[frame.object.id]
+    asked = _goal(frame, target, state, defaults)
+    for clause in frame.constraints:
+        asked = _constrained(asked, clause, target, defaults)
+    return asked
+
+
+def _goal(frame: g.Frame, target: SeenObject, state: WorldState, defaults: Defaults) -> Asked:
+    goal = frame.goal
+    low, high = 0.0, target.model.size[2]
+    if isinstance(goal, g.Topple):
+        heading = HEADINGS[goal.direction] if goal.direction else None
+        speed = DefaultUsed(name="speed", value=defaults.speed, unit="m/s", reason="no speed said")
+        return Asked("topple", heading, np.inf, low, high, defaults.speed, defaults=(speed,))
+    if not isinstance(goal, g.Displace) or frame.action == "pull":
+        what = "pulling objects" if frame.action == "pull" else _GOALS.get(goal.kind, goal.kind)
+        message = f"this version of the robot has no controller for {what}"
+        raise unsupported(what, message, goal.spans or frame.spans, "push, slide or topple it")
+    heading, used = _heading(goal, target, state), []
+    if heading is None:
+        heading = HEADINGS["away"]
+        used.append(
+            DefaultUsed(name="direction", value=0.0, unit="rad", reason="no direction said: away")
+        )
+    distance, reason = _distance(goal, defaults)
+    if reason:
+        used.append(DefaultUsed(name="distance", value=distance, unit="m", reason=reason))
+    used.append(DefaultUsed(name="speed", value=defaults.speed, unit="m/s", reason="no speed said"))
+    return Asked("slide", heading, distance, low, high, defaults.speed, defaults=tuple(used))
+
+
+def _heading(goal: g.Displace, target: SeenObject, state: WorldState) -> float | None:
+    if goal.heading is not None:
+        return goal.heading
+    if goal.toward is not None and goal.toward.id is not None:
+        there = state.objects[goal.toward.id].pose.p_WB
+        return heading_of(there - target.pose.p_WB)
+    if isinstance(goal.direction, tuple):
+        return bisector(goal.direction)
+    return HEADINGS[goal.direction] if goal.direction else None
+
+
+def _distance(goal: g.Displace, defaults: Defaults) -> tuple[float, str | None]:
+    """The distance to plan for [m], and why it is a default, if it is one."""
+    if isinstance(goal.distance, g.RelativeLength) or goal.fraction is not None:
+        raise unsupported(
+            "distances measured in objects",
+            "this version measures distances in units of length only",
+            goal.spans,
+            "say the distance in centimetres",
+        )
+    if goal.distance is not None:
+        # A bound is kept with the tolerance to spare.
+        spare = {"exact": 0.0, "at_least": 1.0, "at_most": -1.0}[goal.bound]
+        spare *= min(defaults.distance_tolerance, 0.5 * goal.distance)
+        return goal.distance + spare, None
+    if goal.amount == "little":
+        return defaults.distance_little, "“a little”"
+    if goal.amount == "lot":
+        return defaults.distance_lot, "“a lot”"
+    return defaults.distance, "no distance said"
+
+
+def _constrained(
+    asked: Asked, clause: g.Constraint, target: SeenObject, defaults: Defaults
+) -> Asked:
+    match clause:
+        case g.NoTopple():
+            if asked.outcome == "topple":
+                message = "it cannot topple and not topple"
+                raise RefusedError(
+                    Refusal(reason="impossible", message=message, spans=clause.spans)
+                )
+        case g.NoTilt() | g.NoTurn() | g.NoLift():
+            pass  # a push that slides straight does none of it; checked afterwards
+        case g.NoTouch():
+            if clause.object is not None and clause.object.id is not None:
+                return replace(asked, avoid=(*asked.avoid, clause.object.id))
+        case g.MaxForce():
+            limit = min(asked.max_force, clause.value)
+            return replace(asked, max_force=limit, force_spans=clause.spans)
+        case g.MaxSpeed():
+            return _slower(asked, clause.value)
+        case g.Gentle() | g.Slow():
+            return _slower(asked, defaults.speed_gentle)
+        case g.MaxDistance():
+            return replace(asked, distance=min(asked.distance, clause.value))
+        case g.ContactRegion():
+            return _contact(asked, clause, target, defaults)
+        case g.Effector():
+            return _effector(asked, clause)
+        case _:
+            what = _CONSTRAINTS.get(clause.kind, clause.kind.replace("_", " "))
+            message = f"this version of the robot has no controller for {what}"
+            raise unsupported(what, message, clause.spans)
+    return asked
+
+
+def _slower(asked: Asked, speed: float) -> Asked:
+    """A speed that the sentence gave is no default any more."""
+    used = tuple(d for d in asked.defaults if d.name != "speed")
+    return replace(asked, speed=min(asked.speed, speed), defaults=used)
+
+
+def _contact(
+    asked: Asked, clause: g.ContactRegion, target: SeenObject, defaults: Defaults
+) -> Asked:
+    spans = asked.contact_spans + clause.spans
+    height = target.model.size[2]
+    if clause.face == "top":
+        raise unsupported(
+            "pushing on the top face",
+            "this robot pushes objects on their side faces; the top face is not one",
+            clause.spans,
+            "say “at the top” for the upper third of a side face",
+        )
+    if clause.face is not None:
+        asked = replace(asked, face=clause.face)
+        if asked.outcome == "topple" and asked.heading is None:
+            push = next(d for d, face in FACE_OF_PUSH.items() if face == clause.face)
+            asked = replace(asked, heading=HEADINGS[push])
+    if clause.region is not None:
+        third = {"bottom": 0, "middle": 1, "top": 2}[clause.region]
+        low, high = third * height / 3.0, (third + 1) * height / 3.0
+        asked = replace(asked, low=low, high=high, region=f"at the {clause.region}")
+    if clause.height is not None:
+        value = clause.height.value
+        at = value if clause.height.origin == "table" else height - value
+        near = 0.5 * defaults.height_tolerance
+        region = f"{1e3 * at:.0f} mm above the table"
+        asked = replace(asked, low=at - near, high=at + near, region=region)
+    return replace(asked, contact_spans=spans)
+
+
+def _effector(asked: Asked, clause: g.Effector) -> Asked:
+    if clause.side == "left":
+        raise unsupported(
+            "a second (left) hand",
+            "this robot has one hand, a right one",
+            clause.spans,
+            "leave out which hand, or say the right one",
+        )
+    if clause.tool == "arm" or (clause.tool == "hand" and clause.side is None):
+        raise unsupported(
+            f"pushing with the {clause.tool}",
+            f"this robot pushes with its fingertips, not with the {clause.tool}",
+            clause.spans,
+            "say “with one finger” or “with two fingers”",
+        )
+    if clause.tool == "finger" and clause.count is not None:
+        if clause.count > 2:
+            raise unsupported(
+                f"pushing with {clause.count} fingers",
+                "this robot pushes with one or two fingertips",
+                clause.spans,
+            )
+        fingers = 2 if clause.count == 2 else 1
+        return replace(asked, fingers=(fingers,))
+    return asked

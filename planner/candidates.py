@@ -1,0 +1,161 @@
+"""Contact points over the side faces, and what the object model says of each.
+
+Model: a fingertip may transmit any force in its friction cone, so a contact counts only if the
+wanted outcome holds for all of them. First the whole cone is taken; if nothing is left, the part
+of it that the hand's stiffness allows (`Reach.force_skew`), which the plan then says. The
+parameters are taken at two standard deviations, then at fewer if the outcome still has the
+probability that is asked.
+
+Frames: contacts are in B; heights above the table.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from objectmodels import BoxModel, ConeThresholds, Face
+    from planner.asked import Asked
+    from planner.defaults import Defaults
+    from planner.reach import Reach
+
+Array = NDArray[np.float64]
+
+_HEIGHT_STEP = 0.004
+_SIDESTEPS = {1: (0.0,), 2: (0.0, 0.01, -0.01, 0.02, -0.02)}
+_RATED = 12  # contacts whose probability is computed and the reach may be asked for
+_APART = 0.0095  # distance between two of them [m]
+
+
+@dataclass(frozen=True)
+class Side:
+    """A side face as a place to push: the face in B and its inward normal's heading in W [rad]."""
+
+    face: Face
+    heading: float
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """Contacts of one face with one number of fingers, n of them, and their thresholds.
+
+    Attributes:
+        side: the face.
+        fingers: how many fingertips push.
+        points: contacts (midpoints of two) in B, shape (n, 3) [m].
+        lateral: room to the nearest edge of the face, shape (n,) [m].
+        cone: thresholds over the friction cone at `sigmas`.
+        sigmas: standard deviations that the worst case takes.
+        guarded: whether the cone is that of the hand's stiffness instead of friction's.
+        chosen: contacts whose outcome is as wanted, the best first.
+        probability: of the wanted outcome, for the chosen ones.
+    """
+
+    side: Side
+    fingers: Literal[1, 2]
+    points: Array
+    lateral: Array
+    cone: ConeThresholds
+    sigmas: float
+    guarded: bool
+    chosen: NDArray[np.intp]
+    probability: Array
+
+
+def grid(side: Side, fingers: int, low: float, high: float, reach: Reach) -> tuple[Array, Array]:
+    """Contacts of a face: points in B, shape (n, 3) [m], and room to its edges, shape (n,) [m]."""
+    face = side.face
+    low = max(low, reach.lowest_height)
+    high = min(high, face.height - reach.fingertip_radius)
+    room = face.width / 2 - reach.fingertip_radius
+    room -= reach.finger_spread / 2 if fingers == 2 else 0.0
+    lateral = np.array([y for y in _SIDESTEPS[fingers] if abs(y) <= room + 1e-9])
+    if high < low - 1e-9 or not len(lateral):
+        return np.empty((0, 3)), np.empty(0)
+    heights = np.linspace(low, high, max(1, round((high - low) / _HEIGHT_STEP)) + 1)
+    z, y = (a.ravel() for a in np.meshgrid(heights, lateral, indexing="ij"))
+    base = np.array([face.centre[0], face.centre[1], 0.0])
+    points = base + y[:, None] * np.array(face.tangent) + z[:, None] * np.array([0.0, 0.0, 1.0])
+    return points, room - np.abs(y)
+
+
+def rated(
+    model: BoxModel,
+    sides: list[Side],
+    asked: Asked,
+    reach: Reach,
+    defaults: Defaults,
+) -> tuple[list[Contacts], int]:
+    """Contacts at which the wanted outcome is sure enough, and how many were evaluated."""
+    held = model.model_copy(
+        update={
+            "finger_friction": min(reach.force_skew, model.finger_friction),
+            "finger_friction_sd": 0.0,
+        }
+    )
+    evaluated = 0
+    for believed, guarded in ((model, False), (held, True)):
+        for sigmas in (defaults.sigmas, defaults.sigmas / 2, 0.0):
+            found = []
+            for side in sides:
+                for fingers in asked.fingers:
+                    points, lateral = grid(side, fingers, asked.low, asked.high, reach)
+                    evaluated += len(points) if sigmas == defaults.sigmas and not guarded else 0
+                    if len(points):
+                        found.append(
+                            _rate(
+                                believed, side, fingers, points, lateral,
+                                sigmas=sigmas, guarded=guarded, outcome=asked.outcome,
+                                # Within the sigmas the outcome is sure; below it must be likely.
+                                least=0.0 if sigmas == defaults.sigmas else defaults.probability,
+                            )
+                        )  # fmt: skip
+            found = [contacts for contacts in found if len(contacts.chosen)]
+            if found:
+                return found, evaluated
+    return [], evaluated
+
+
+def _rate(
+    model: BoxModel,
+    side: Side,
+    fingers: Literal[1, 2],
+    points: Array,
+    lateral: Array,
+    *,
+    sigmas: float,
+    guarded: bool,
+    outcome: Literal["slide", "topple"],
+    least: float,
+) -> Contacts:
+    normals = np.tile(np.array(side.face.normal), (len(points), 1))
+    cone = model.cone_thresholds(points, normals, sigmas=sigmas, yaw=fingers == 1)
+    holds = cone.slides if outcome == "slide" else cone.topples
+    margin = cone.slide_margin if outcome == "slide" else cone.topple_margin
+    # Middle contacts first: off the middle the box turns, or one finger carries more.
+    order = np.argsort(-np.where(holds, margin, -np.inf) + 1e-3 * np.abs(lateral - lateral.max()))
+    chosen = _apart(points, order[: np.count_nonzero(holds)])
+    probability = np.empty(0)
+    if len(chosen):
+        few = model.cone_thresholds(
+            points[chosen], normals[chosen], sigmas=sigmas, yaw=fingers == 1
+        )
+        probability = few.probability_slide if outcome == "slide" else few.probability_topple
+        likely = probability >= least
+        chosen, probability = chosen[likely], probability[likely]
+    return Contacts(side, fingers, points, lateral, cone, sigmas, guarded, chosen, probability)
+
+
+def _apart(points: Array, order: NDArray[np.intp]) -> NDArray[np.intp]:
+    """The first of an order of contacts, each away from those before it."""
+    taken: list[int] = []
+    for i in order:
+        if len(taken) == _RATED:
+            break
+        if all(np.linalg.norm(points[i] - points[k]) > _APART for k in taken):
+            taken.append(int(i))
+    return np.array(taken, dtype=np.intp)

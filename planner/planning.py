@@ -1,0 +1,340 @@
+"""From a frame to a push whose predicted outcome satisfies it, or to a refusal with numbers.
+
+The way: what is asked (`planner.asked`), the faces that a push in that direction touches, free way
+on the table, contacts whose outcome is as wanted whatever the finger transmits
+(`planner.candidates`), the force that they need, and last, in the order of their margins, whether
+the hand gets there. What a step leaves empty is the reason of the refusal.
+
+Frames: W is the world, B the object. Sources of the physics: `objectmodels`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from planner import refusals
+from planner.asked import Asked, RefusedError, read
+from planner.candidates import Contacts, Side, rated
+from planner.defaults import DEFAULTS, Defaults
+from planner.directions import angle_between, face_name, heading_of, unit
+from planner.footprints import footprint, free_travel, landing_strip, overlaps, travel_to_edge
+from planner.plan import Margins, Plan, Prediction, Push, Refusal
+
+if TYPE_CHECKING:
+    from grammar.frames import Frame
+    from planner.reach import Reach, ReachAnswer
+    from planner.state import SeenObject, WorldState
+
+OBLIQUE = math.radians(17.5)
+"""Largest angle between a push and the inward normal of the face; beyond it the tip slips off."""
+
+UNCLEAR_FACE = math.radians(40.0)
+"""A face turned by more from the direction of its name is within 5° of the next name."""
+
+CLEARANCE = 0.01
+"""Distance that a moving object keeps from others and from the table's edge [m]."""
+
+_ASKED = 10  # contacts that the reach is asked for, before it counts as out of reach
+_FALLING = math.radians(11.0)  # beyond the angle of no return a toppling box is let go
+_SLACK = 0.03  # travel of a topple beyond what the model says, for what it does not know [m]
+
+
+def plan(
+    frame: Frame, state: WorldState, reach: Reach, *, defaults: Defaults = DEFAULTS
+) -> Plan | Refusal:
+    """Finds the push that satisfies a frame with the largest margin.
+
+    Args:
+        frame: what is asked, its objects resolved to names in `state`.
+        state: what the robot believes.
+        reach: whether the hand gets somewhere.
+        defaults: what a clause means when the sentence does not say more.
+
+    Returns:
+        A plan, or the reason why there is none.
+    """
+    try:
+        asked = read(frame, state, defaults)
+        assert frame.object is not None
+        assert frame.object.id is not None
+        target = state.objects[frame.object.id]
+        sides = _sides(asked, target)
+        sides = _with_free_way(sides, asked, target, state)
+        found, considered = rated(target.model, sides, asked, reach, defaults)
+        if not found:
+            raise RefusedError(refusals.no_contact(asked, target, sides, reach, defaults))
+        found = _strong_enough(found, asked, target, reach)
+        return _reachable(found, considered, asked, target, state, reach, defaults)
+    except RefusedError as refused:
+        return refused.refusal
+
+
+# -- where ------------------------------------------------------------------------------------
+
+
+def _sides(asked: Asked, target: SeenObject) -> list[Side]:
+    """Faces that a push as asked may touch, the straightest first."""
+    sides = []
+    for face in target.model.faces():
+        outward = target.pose.R_WB @ np.array(face.normal)
+        name, off = face_name(outward)
+        if asked.face is not None:
+            if abs(off) > UNCLEAR_FACE:
+                raise RefusedError(refusals.unclear_face(asked, target, off))
+            if name != asked.face:
+                continue
+        sides.append(Side(face, heading_of(-outward)))
+    if asked.heading is None:
+        return sides
+    straightest = min(sides, key=lambda s: abs(angle_between(s.heading, asked.heading or 0.0)))
+    oblique = angle_between(asked.heading, straightest.heading)
+    if abs(oblique) > OBLIQUE:
+        raise RefusedError(refusals.oblique(asked, target, straightest, oblique))
+    return [straightest]
+
+
+def _direction(asked: Asked, side: Side) -> np.ndarray:
+    """Unit direction of the push in W; a topple is pushed square to the face."""
+    if asked.outcome == "slide" and asked.heading is not None:
+        return unit(asked.heading)
+    return unit(side.heading)
+
+
+def _with_free_way(
+    sides: list[Side], asked: Asked, target: SeenObject, state: WorldState
+) -> list[Side]:
+    """The faces from which the object moves or falls without hitting anything."""
+    free, refusal = [], None
+    for side in sides:
+        u = _direction(asked, side)
+        if asked.outcome == "slide":
+            refusal = _slide_blocked(asked, target, state, u)
+        else:
+            refusal = _fall_blocked(target, state, u)
+        if refusal is None:
+            free.append(side)
+    if not free:
+        assert refusal is not None
+        raise RefusedError(refusal)
+    return free
+
+
+def _slide_blocked(
+    asked: Asked, target: SeenObject, state: WorldState, u: np.ndarray
+) -> Refusal | None:
+    here = footprint(target)
+    room = travel_to_edge(here, state.table, u[:2], CLEARANCE)
+    if room < asked.distance:
+        return refusals.off_the_table(asked, target, room)
+    for other in _others(target, state):
+        free = free_travel(here, footprint(other), u[:2], CLEARANCE)
+        if free < asked.distance:
+            return refusals.in_the_way(asked, target, other, free)
+    return None
+
+
+def _fall_blocked(target: SeenObject, state: WorldState, u: np.ndarray) -> Refusal | None:
+    strip = landing_strip(target, u)
+    if travel_to_edge(strip, state.table, u[:2], 0.0) < CLEARANCE:
+        return refusals.falls_off(target)
+    for other in _others(target, state):
+        if overlaps(strip, footprint(other), CLEARANCE):
+            return refusals.falls_on(target, other)
+    return None
+
+
+def _others(target: SeenObject, state: WorldState) -> list[SeenObject]:
+    return [seen for name, seen in state.objects.items() if name != target.name]
+
+
+# -- how hard ---------------------------------------------------------------------------------
+
+
+def _needed(contacts: Contacts, target: SeenObject, outcome: str, i: int) -> float:
+    """Largest force that the motion may need, mass included [N]."""
+    model, cone = target.model, contacts.cone
+    force = cone.slide_max[i] if outcome == "slide" else cone.topple_max[i]
+    return float(force) * (1.0 + contacts.sigmas * model.mass_sd / model.mass)
+
+
+def _strong_enough(
+    found: list[Contacts], asked: Asked, target: SeenObject, reach: Reach
+) -> list[Contacts]:
+    """The contacts at which the allowed force suffices."""
+    strong, least = [], math.inf
+    for contacts in found:
+        needed = np.array([_needed(contacts, target, asked.outcome, i) for i in contacts.chosen])
+        least = min(least, float(needed.min()))
+        enough = needed <= min(asked.max_force, contacts.fingers * reach.max_force)
+        if enough.any():
+            strong.append(_only(contacts, enough))
+    if not strong:
+        raise RefusedError(refusals.too_weak(asked, target, least, reach))
+    return strong
+
+
+def _only(contacts: Contacts, which: np.ndarray) -> Contacts:
+    from dataclasses import replace
+
+    return replace(contacts, chosen=contacts.chosen[which], probability=contacts.probability[which])
+
+
+# -- can the hand get there -------------------------------------------------------------------
+
+
+def _reachable(
+    found: list[Contacts],
+    considered: int,
+    asked: Asked,
+    target: SeenObject,
+    state: WorldState,
+    reach: Reach,
+    defaults: Defaults,
+) -> Plan | Refusal:
+    """The best contact that the hand reaches, or what stops it."""
+    answers: list[ReachAnswer] = []
+    satisfying = sum(len(contacts.chosen) for contacts in found)
+    for contacts, k in _in_order(found, asked)[:_ASKED]:
+        push = _push(contacts, k, asked, target, reach, defaults)
+        answer = reach(push, state)
+        if answer.ok:
+            return Plan(
+                push=push,
+                prediction=_prediction(contacts, k, asked, target),
+                margins=_margins(contacts, k, asked, target, push),
+                displacement=_displacement(push),
+                defaults=asked.defaults,
+                considered=considered,
+                satisfying=satisfying,
+                notes=_notes(contacts, push, asked, target, len(answers)),
+            )
+        answers.append(answer)
+    return refusals.no_reach(target, answers)
+
+
+def _in_order(found: list[Contacts], asked: Asked) -> list[tuple[Contacts, int]]:
+    """Contacts of all faces by rank: two fingers first, then by margin, in turn over the faces."""
+    order = []
+    for contacts in found:
+        for rank, k in enumerate(range(len(contacts.chosen))):
+            oblique = 0.0
+            if asked.heading is None:
+                # Falling along the robot's own axes is easiest to watch; away comes first.
+                oblique = abs(contacts.side.heading)
+            order.append((-contacts.fingers, rank, oblique, id(contacts), contacts, k))
+    order.sort(key=lambda each: each[:4])
+    return [(contacts, k) for *_, contacts, k in order]
+
+
+def _push(
+    contacts: Contacts,
+    k: int,
+    asked: Asked,
+    target: SeenObject,
+    reach: Reach,
+    defaults: Defaults,
+) -> Push:
+    i = int(contacts.chosen[k])
+    outward = target.pose.R_WB @ np.array(contacts.side.face.normal)
+    needed = _needed(contacts, target, asked.outcome, i)
+    limit = min(needed * (1.0 + defaults.force_reserve), asked.max_force)
+    if asked.outcome == "slide":
+        # A blocked object must not be tipped by what is left of the force.
+        limit = min(limit, needed + float(contacts.cone.slide_margin[i]))
+    limit = min(limit, contacts.fingers * reach.max_force)
+    return Push(
+        object=target.name,
+        face=face_name(outward)[0],
+        p_BC=_triple(contacts.points[i]),
+        normal_W=_triple(outward),
+        direction_W=_triple(_direction(asked, contacts.side)),
+        force_limit=limit,
+        speed=asked.speed,
+        stroke=_stroke(contacts, i, asked, target),
+        fingers=contacts.fingers,
+        spread=reach.finger_spread if contacts.fingers == 2 else 0.0,
+        ends_on="stroke" if asked.outcome == "slide" else "toppled",
+    )
+
+
+def _stroke(contacts: Contacts, i: int, asked: Asked, target: SeenObject) -> float:
+    if asked.outcome == "slide":
+        return asked.distance
+    inward = -np.array(contacts.side.face.normal)
+    angle = target.model.angle_of_no_return(inward, sigmas=-contacts.sigmas) + _FALLING
+    height = float(contacts.points[i, 2])
+    return min(target.model.topple_stroke(inward, height, angle) + _SLACK, asked.distance)
+
+
+def _displacement(push: Push) -> tuple[float, float, float] | None:
+    if push.ends_on != "stroke":
+        return None
+    return _triple(push.stroke * np.array(push.direction_W))
+
+
+def _triple(v: np.ndarray) -> tuple[float, float, float]:
+    x, y, z = v.tolist()
+    return x, y, z
+
+
+# -- why it works -----------------------------------------------------------------------------
+
+
+def _prediction(contacts: Contacts, k: int, asked: Asked, target: SeenObject) -> Prediction:
+    i, model = int(contacts.chosen[k]), target.model
+    inward = -np.array(contacts.side.face.normal)
+    nominal = model.thresholds(contacts.points[[i]], inward[None])
+    cone = contacts.cone
+    worst = cone.height_below[i] if asked.outcome == "slide" else cone.height_above[i]
+    return Prediction(
+        outcome=asked.outcome,
+        onset=float(nominal.onset[0]),
+        slide_force=_finite(nominal.slide[0]),
+        topple_force=_finite(nominal.topple[0]),
+        critical_height=_finite(cone.critical_height[i]),
+        critical_height_worst=_finite(worst),
+        probability=float(contacts.probability[k]),
+        stay_on_base_angle=model.angle_of_no_return(inward),
+    )
+
+
+def _margins(contacts: Contacts, k: int, asked: Asked, target: SeenObject, push: Push) -> Margins:
+    i, cone, height = int(contacts.chosen[k]), contacts.cone, target.model.size[2]
+    z = float(contacts.points[i, 2])
+    if asked.outcome == "slide":
+        force, room = float(cone.slide_margin[i]), min(float(cone.height_below[i]), height) - z
+    else:
+        force, room = float(cone.topple_margin[i]), z - max(float(cone.height_above[i]), 0.0)
+    return Margins(
+        # What never happens has no threshold: the object's weight is then far enough.
+        force=min(force, target.model.weight),
+        height=room,
+        lateral=float(contacts.lateral[i]),
+        sigmas=contacts.sigmas,
+        force_limit=push.force_limit - _needed(contacts, target, asked.outcome, i),
+    )
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def _notes(
+    contacts: Contacts, push: Push, asked: Asked, target: SeenObject, refused: int
+) -> tuple[str, ...]:
+    notes = []
+    if asked.region is not None:
+        notes.append(f"the sentence asks for a contact {asked.region}")
+    if push.fingers == 1 and 2 in asked.fingers:
+        notes.append("one finger, since two do not fit there")
+    if contacts.guarded:
+        notes.append(
+            "held for the forces that the hand's stiffness allows, not for the whole friction cone"
+        )
+    if refused:
+        better = "contact was" if refused == 1 else "contacts were"
+        notes.append(f"{refused} better {better} out of reach")
+    return tuple(notes)

@@ -1,0 +1,60 @@
+"""A scene that is only looked at: robot and objects are put where a trace says they were."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sim.plant import Plant, add_plant
+from sim.scene import Scene
+
+if TYPE_CHECKING:
+    from pydrake.systems.framework import Context, Diagram, DiagramBuilder
+
+    from sim.trace import Trace
+
+
+class Stage:
+    """A diagram without motion of its own.
+
+    Args:
+        scene: what stands there.
+        furnish: adds what looks at it (a camera, a visualizer) to the diagram.
+
+    Attributes:
+        diagram: with what `furnish` added.
+        context: of the diagram.
+    """
+
+    def __init__(self, scene: Scene, furnish: Callable[[DiagramBuilder, Plant], None]) -> None:
+        from pydrake.systems.framework import DiagramBuilder
+
+        builder = DiagramBuilder()
+        self._model = add_plant(builder, scene)
+        furnish(builder, self._model)
+        self.diagram: Diagram = builder.Build()
+        self.context: Context = self.diagram.CreateDefaultContext()
+        self._plant_context = self._model.plant.GetMyMutableContextFromRoot(self.context)
+
+    def show(self, trace: Trace, sample: int) -> None:
+        """Puts everything where it was at a sample of a trace."""
+        from pydrake.common.eigen_geometry import Quaternion
+        from pydrake.math import RigidTransform, RotationMatrix
+
+        plant, context = self._model.plant, self._plant_context
+        self.context.SetTime(float(trace.time[sample] - trace.time[0]))
+        for name, angle in zip(trace.joint_names, trace.joints[sample], strict=True):
+            plant.GetJointByName(name).set_angle(context, angle)
+        for name, body in self._model.bodies.items():
+            pose = trace.poses[name][sample]
+            wxyz = pose[:4] / np.linalg.norm(pose[:4])
+            X_WB = RigidTransform(RotationMatrix(Quaternion(wxyz)), pose[4:])
+            plant.SetFreeBodyPose(context, body, X_WB)
+
+
+def samples(trace: Trace, rate: float) -> list[int]:
+    """Samples of a trace nearest to a frame rate [1/s], the first and the last among them."""
+    wanted = np.append(np.arange(trace.time[0], trace.time[-1], 1.0 / rate), trace.time[-1])
+    return [int(i) for i in np.searchsorted(trace.time, wanted - 1e-9)]
