@@ -87,8 +87,10 @@ def _prediction(plan: Plan) -> str:
 def _safety(plan: Plan) -> str:
     """How far the push is from the outcome that it must not have."""
     margins = plan.margins
+    plural = "" if margins.sigmas == 1 else "s"
     case = (
-        f"in the worst case of {margins.sigmas:g} standard deviations, whichever way it is pressed"
+        f"in the worst case of {margins.sigmas:g} standard deviation{plural}, "
+        "whichever way it is pressed"
     )
     if plan.prediction.critical_height is None:
         return f"no push on this face topples it; {quantity(margins.force, 'N')} to spare, {case}."

@@ -18,6 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from objectmodels import BoxModel, ConeThresholds, Face
     from planner.asked import Asked
     from planner.defaults import Defaults
@@ -28,7 +30,7 @@ Array = NDArray[np.float64]
 _HEIGHT_STEP = 0.004
 _SIDESTEPS = {1: (0.0,), 2: (0.0, 0.01, -0.01, 0.02, -0.02)}
 _RATED = 12  # contacts whose probability is computed and the reach may be asked for
-_APART = 0.0095  # distance between two of them [m]
+_APART = 0.0035  # distance between two of them [m]
 
 
 @dataclass(frozen=True)
@@ -84,40 +86,33 @@ def grid(side: Side, fingers: int, low: float, high: float, reach: Reach) -> tup
 
 
 def rated(
-    model: BoxModel,
-    sides: list[Side],
-    asked: Asked,
-    reach: Reach,
-    defaults: Defaults,
-) -> tuple[list[Contacts], int]:
-    """Contacts at which the wanted outcome is sure enough, and how many were evaluated."""
+    model: BoxModel, sides: list[Side], asked: Asked, reach: Reach, defaults: Defaults
+) -> Iterator[list[Contacts]]:
+    """Contacts at which the wanted outcome is sure enough, from the surest case to the least."""
     held = model.model_copy(
         update={
             "finger_friction": min(reach.force_skew, model.finger_friction),
             "finger_friction_sd": 0.0,
         }
     )
-    evaluated = 0
+    grids = [
+        (side, fingers, *grid(side, fingers, asked.low, asked.high, reach))
+        for side in sides
+        for fingers in asked.fingers
+    ]
     for believed, guarded in ((model, False), (held, True)):
         for sigmas in (defaults.sigmas, defaults.sigmas / 2, 0.0):
-            found = []
-            for side in sides:
-                for fingers in asked.fingers:
-                    points, lateral = grid(side, fingers, asked.low, asked.high, reach)
-                    evaluated += len(points) if sigmas == defaults.sigmas and not guarded else 0
-                    if len(points):
-                        found.append(
-                            _rate(
-                                believed, side, fingers, points, lateral,
-                                sigmas=sigmas, guarded=guarded, outcome=asked.outcome,
-                                # Within the sigmas the outcome is sure; below it must be likely.
-                                least=0.0 if sigmas == defaults.sigmas else defaults.probability,
-                            )
-                        )  # fmt: skip
-            found = [contacts for contacts in found if len(contacts.chosen)]
-            if found:
-                return found, evaluated
-    return [], evaluated
+            # Within all sigmas the outcome is sure; within fewer it must also be likely.
+            least = 0.0 if sigmas == defaults.sigmas else defaults.probability
+            found = [
+                _rate(
+                    believed, side, fingers, points, lateral,
+                    sigmas=sigmas, guarded=guarded, outcome=asked.outcome, least=least,
+                )
+                for side, fingers, points, lateral in grids
+                if len(points)
+            ]  # fmt: skip
+            yield [contacts for contacts in found if len(contacts.chosen)]
 
 
 def _rate(

@@ -28,6 +28,9 @@ HEADINGS: dict[str, float] = {
 }
 """Heading of each named direction [rad]."""
 
+NAMED = math.radians(5.0)
+"""A direction is called by a name that is at most so far off [rad]."""
+
 FACE_HEADINGS: dict[FaceName, float] = {
     "back": 0.0,
     "left": math.pi / 2,
@@ -67,10 +70,13 @@ def bisector(names: Sequence[str]) -> float | None:
 
 
 def phrase(heading: float) -> str:
-    """A heading in words, as a place to move to: "away", "to the left", "at heading 30°"."""
+    """A heading in words, as a place to move to: "away", "to the left", "at heading 30°".
+
+    A direction within `NAMED` of a named one bears its name.
+    """
     words = {"away": "away", "toward": "toward the robot", "left": "to the left"}
     for name, exact in HEADINGS.items():
-        if abs(angle_between(heading, exact)) < 1e-6:
+        if abs(angle_between(heading, exact)) < NAMED:
             return words.get(name, "to the right")
     return f"at heading {math.degrees(heading):.0f}°"
 

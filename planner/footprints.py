@@ -55,7 +55,8 @@ def free_travel(moving: Array, standing: Array, direction: Array, clearance: flo
     """How far a polygon can be translated before it comes closer to another than a clearance.
 
     Args:
-        moving, standing: corners of convex polygons in W, shapes (n, 2), (k, 2) [m].
+        moving: corners of a convex polygon in W, shape (n, 2) [m].
+        standing: those of another, shape (k, 2) [m].
         direction: unit direction of the travel, shape (2,).
         clearance: distance to be kept, along the edges' normals [m].
 

@@ -11,6 +11,8 @@ Frames: W is the world, B the object. Sources of the physics: `objectmodels`.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from statistics import NormalDist
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,7 +39,8 @@ UNCLEAR_FACE = math.radians(40.0)
 CLEARANCE = 0.01
 """Distance that a moving object keeps from others and from the table's edge [m]."""
 
-_ASKED = 10  # contacts that the reach is asked for, before it counts as out of reach
+_ASKED = 8  # contacts of one case that the reach is asked for
+_ASKED_IN_ALL = 24  # after so many it counts as out of reach
 _FALLING = math.radians(11.0)  # beyond the angle of no return a toppling box is let go
 _SLACK = 0.03  # travel of a topple beyond what the model says, for what it does not know [m]
 
@@ -63,13 +66,47 @@ def plan(
         target = state.objects[frame.object.id]
         sides = _sides(asked, target)
         sides = _with_free_way(sides, asked, target, state)
-        found, considered = rated(target.model, sides, asked, reach, defaults)
-        if not found:
-            raise RefusedError(refusals.no_contact(asked, target, sides, reach, defaults))
-        found = _strong_enough(found, asked, target, reach)
-        return _reachable(found, considered, asked, target, state, reach, defaults)
+        return _best(sides, asked, target, state, reach, defaults)
     except RefusedError as refused:
         return refused.refusal
+
+
+def _best(
+    sides: list[Side],
+    asked: Asked,
+    target: SeenObject,
+    state: WorldState,
+    reach: Reach,
+    defaults: Defaults,
+) -> Plan | Refusal:
+    """The contact with the largest margin that the hand reaches, or what stops it."""
+    answers: list[ReachAnswer] = []
+    any_contact = False
+    for found in rated(target.model, sides, asked, reach, defaults):
+        any_contact |= bool(found)
+        strong = _strong_enough(found, asked, target, reach, defaults)
+        for contacts, k in _in_order(strong, asked)[:_ASKED]:
+            push = _push(contacts, k, asked, target, reach, defaults)
+            answer = reach(push, state)
+            if answer.ok:
+                notes = _notes(contacts, push, asked, len(answers))
+                return Plan(
+                    push=push,
+                    prediction=_prediction(contacts, k, asked, target),
+                    margins=_margins(contacts, k, asked, target, push, defaults),
+                    displacement=_displacement(push),
+                    defaults=asked.defaults,
+                    considered=sum(len(each.points) for each in found),
+                    satisfying=sum(len(each.chosen) for each in found),
+                    notes=notes,
+                )
+            answers.append(answer)
+            if len(answers) == _ASKED_IN_ALL:
+                return refusals.no_reach(target, answers)
+    if answers:
+        return refusals.no_reach(target, answers)
+    assert not any_contact, "a contact that is strong enough is asked for"
+    return refusals.no_contact(asked, target, sides, reach, defaults)
 
 
 # -- where ------------------------------------------------------------------------------------
@@ -153,66 +190,40 @@ def _others(target: SeenObject, state: WorldState) -> list[SeenObject]:
 # -- how hard ---------------------------------------------------------------------------------
 
 
-def _needed(contacts: Contacts, target: SeenObject, outcome: str, i: int) -> float:
-    """Largest force that the motion may need, mass included [N]."""
-    model, cone = target.model, contacts.cone
-    force = cone.slide_max[i] if outcome == "slide" else cone.topple_max[i]
-    return float(force) * (1.0 + contacts.sigmas * model.mass_sd / model.mass)
+def _needed(contacts: Contacts, i: int, asked: Asked, target: SeenObject, d: Defaults) -> float:
+    """Force along the push that the motion needs, with the probability that plans must have [N]."""
+    model = target.model
+    if asked.outcome == "topple":
+        largest = float(contacts.cone.topple_max[i])
+        return largest * (1.0 + contacts.sigmas * model.mass_sd / model.mass)
+    inward = -np.array([contacts.side.face.normal])
+    nominal = float(model.thresholds(contacts.points[[i]], inward).slide[0])
+    share = math.hypot(model.friction_sd / model.friction, model.mass_sd / model.mass)
+    return nominal * (1.0 + NormalDist().inv_cdf(d.probability) * share)
 
 
 def _strong_enough(
-    found: list[Contacts], asked: Asked, target: SeenObject, reach: Reach
+    found: list[Contacts], asked: Asked, target: SeenObject, reach: Reach, d: Defaults
 ) -> list[Contacts]:
-    """The contacts at which the allowed force suffices."""
+    """The contacts at which the allowed force suffices.
+
+    Raises:
+        RefusedError: it suffices at none of them.
+    """
     strong, least = [], math.inf
     for contacts in found:
-        needed = np.array([_needed(contacts, target, asked.outcome, i) for i in contacts.chosen])
+        needed = np.array([_needed(contacts, i, asked, target, d) for i in contacts.chosen])
         least = min(least, float(needed.min()))
         enough = needed <= min(asked.max_force, contacts.fingers * reach.max_force)
         if enough.any():
-            strong.append(_only(contacts, enough))
-    if not strong:
+            chosen, probability = contacts.chosen[enough], contacts.probability[enough]
+            strong.append(replace(contacts, chosen=chosen, probability=probability))
+    if found and not strong:
         raise RefusedError(refusals.too_weak(asked, target, least, reach))
     return strong
 
 
-def _only(contacts: Contacts, which: np.ndarray) -> Contacts:
-    from dataclasses import replace
-
-    return replace(contacts, chosen=contacts.chosen[which], probability=contacts.probability[which])
-
-
-# -- can the hand get there -------------------------------------------------------------------
-
-
-def _reachable(
-    found: list[Contacts],
-    considered: int,
-    asked: Asked,
-    target: SeenObject,
-    state: WorldState,
-    reach: Reach,
-    defaults: Defaults,
-) -> Plan | Refusal:
-    """The best contact that the hand reaches, or what stops it."""
-    answers: list[ReachAnswer] = []
-    satisfying = sum(len(contacts.chosen) for contacts in found)
-    for contacts, k in _in_order(found, asked)[:_ASKED]:
-        push = _push(contacts, k, asked, target, reach, defaults)
-        answer = reach(push, state)
-        if answer.ok:
-            return Plan(
-                push=push,
-                prediction=_prediction(contacts, k, asked, target),
-                margins=_margins(contacts, k, asked, target, push),
-                displacement=_displacement(push),
-                defaults=asked.defaults,
-                considered=considered,
-                satisfying=satisfying,
-                notes=_notes(contacts, push, asked, target, len(answers)),
-            )
-        answers.append(answer)
-    return refusals.no_reach(target, answers)
+# -- the push ---------------------------------------------------------------------------------
 
 
 def _in_order(found: list[Contacts], asked: Asked) -> list[tuple[Contacts, int]]:
@@ -239,12 +250,12 @@ def _push(
 ) -> Push:
     i = int(contacts.chosen[k])
     outward = target.pose.R_WB @ np.array(contacts.side.face.normal)
-    needed = _needed(contacts, target, asked.outcome, i)
-    limit = min(needed * (1.0 + defaults.force_reserve), asked.max_force)
-    if asked.outcome == "slide":
-        # A blocked object must not be tipped by what is left of the force.
-        limit = min(limit, needed + float(contacts.cone.slide_margin[i]))
-    limit = min(limit, contacts.fingers * reach.max_force)
+    needed = _needed(contacts, i, asked, target, defaults)
+    limit = min(
+        needed * (1.0 + defaults.force_reserve),
+        asked.max_force,
+        contacts.fingers * reach.max_force,
+    )
     return Push(
         object=target.name,
         face=face_name(outward)[0],
@@ -301,7 +312,9 @@ def _prediction(contacts: Contacts, k: int, asked: Asked, target: SeenObject) ->
     )
 
 
-def _margins(contacts: Contacts, k: int, asked: Asked, target: SeenObject, push: Push) -> Margins:
+def _margins(
+    contacts: Contacts, k: int, asked: Asked, target: SeenObject, push: Push, d: Defaults
+) -> Margins:
     i, cone, height = int(contacts.chosen[k]), contacts.cone, target.model.size[2]
     z = float(contacts.points[i, 2])
     if asked.outcome == "slide":
@@ -314,7 +327,7 @@ def _margins(contacts: Contacts, k: int, asked: Asked, target: SeenObject, push:
         height=room,
         lateral=float(contacts.lateral[i]),
         sigmas=contacts.sigmas,
-        force_limit=push.force_limit - _needed(contacts, target, asked.outcome, i),
+        force_limit=push.force_limit - _needed(contacts, i, asked, target, d),
     )
 
 
@@ -322,9 +335,7 @@ def _finite(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def _notes(
-    contacts: Contacts, push: Push, asked: Asked, target: SeenObject, refused: int
-) -> tuple[str, ...]:
+def _notes(contacts: Contacts, push: Push, asked: Asked, refused: int) -> tuple[str, ...]:
     notes = []
     if asked.region is not None:
         notes.append(f"the sentence asks for a contact {asked.region}")

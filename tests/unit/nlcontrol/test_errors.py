@@ -11,7 +11,7 @@ from nlcontrol import errors
 from nlcontrol.errors import ControlError, ErrorInfo, error, known_error, refusal_error, translated
 from objectmodels import ModelError
 from planner.plan import Refusal, RefusalReason
-from sim.scene import SceneError
+from sim import SceneError
 
 
 def test_every_status_is_one_of_the_contract() -> None:
