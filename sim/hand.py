@@ -107,6 +107,19 @@ def fingertip_stiffness(finger: str, angles: Angles, p_PC: Array) -> Array:
     return np.asarray(np.linalg.inv(J @ J.T / JOINT_STIFFNESS))
 
 
+def coarseness(finger: str, angles: Angles, p_PC: Array, along_P: Array) -> float:
+    """Noise of the force felt along a unit direction per noise of a torque sensor [1/m].
+
+    Args:
+        finger: one of `FINGERS`.
+        angles: abduction, proximal and middle flexion [rad].
+        p_PC: where the finger touches, in P, shape (3,) [m].
+        along_P: the direction in P, shape (3,).
+    """
+    J = finger_jacobian(finger, angles, p_PC)
+    return float(np.linalg.norm(np.linalg.solve(J, along_P)))
+
+
 @dataclass(frozen=True, eq=False)
 class Posture:
     """Joint angles of the whole hand and the fingers whose tips push.

@@ -44,7 +44,8 @@ TOUCH_BEYOND = 0.015
 """Travel beyond the expected face after which there is nothing to touch [m]."""
 
 _FILTER = 0.04  # time constant of the felt force [s]
-_BAND, _SMALLEST_BAND = 0.2, 0.4  # share of the limit, and [N]
+_NOISES = 6.0  # standard deviations of noise that do not count as a touch
+_BAND, _SMALLEST_BAND = 0.2, 0.1  # share of the limit, and [N]
 _RAMP = 2.0  # time in which the force limit rises [s]
 _ACCELERATION = 0.2  # [m/s²]
 _FORCE_RATE = 10.0  # of an object that stands [N/s]
@@ -121,6 +122,7 @@ class PushControl:
         self._u = np.array(plan.push.direction_W)
         self._forces = np.zeros(plan.push.fingers)
         self._tilt = 0.0
+        self._share = min(1.0, self._period / _FILTER)
 
     # -- touch ---------------------------------------------------------------------------------
 
@@ -132,6 +134,7 @@ class PushControl:
         """
         self.recorder.phase = "touch"
         self.recorder.force_limit = self._touch_force
+        self._share = self._touch_share()
         for _ in range(round(PAUSE / self._period)):
             self._step(self.way.start, self.way.inward)
         travel, most = 0.0, STANDOFF + TOUCH_BEYOND
@@ -140,6 +143,16 @@ class PushControl:
                 raise EarlyEndError("no_touch", f"nothing was felt within {1e3 * most:.0f} mm")
             travel += TOUCH_SPEED * self._period
             self._step(self.way.start + travel * self.way.inward, self.way.inward)
+        self._share = min(1.0, self._period / _FILTER)
+
+    def _touch_share(self) -> float:
+        """Weight of a new sample with which the noise stays well below the touch force."""
+        sensor = self.recorder.world.scene.torque_sensor
+        samples = max(1.0, sensor.rate_hz * self._period)
+        noise = self.stance.coarseness(self.way.inward) * sensor.noise_nm / np.sqrt(samples)
+        quiet = (self._touch_force / max(_NOISES * noise, 1e-9)) ** 2
+        # An exponential filter of weight s lets s / (2 − s) of the variance through.
+        return min(1.0, self._period / _FILTER, 2.0 * quiet / (1.0 + quiet))
 
     @property
     def _touch_force(self) -> float:
@@ -218,8 +231,7 @@ class PushControl:
         """Commands T to a point and takes in what was felt along a direction, and seen."""
         self.commanded = tip
         self.recorder.step(self.stance.joints(tip), self.stance.posture.joints)
-        share = min(1.0, self._period / _FILTER)
-        self._forces += share * (self._here.forces @ along - self._forces)
+        self._forces += self._share * (self._here.forces @ along - self._forces)
         for frame in self.recorder.frames:
             up = frame.poses[self.plan.push.object].R_WB[:, 2]
             self._tilt += _SEEN_SHARE * (float(np.arctan2(up @ self._u, up[2])) - self._tilt)

@@ -28,7 +28,7 @@ from sim import arm, spheres
 from sim.hand import (
     TIP_RADIUS,
     Posture,
-    finger_jacobian,
+    coarseness,
     fingertip_stiffness,
     one_finger_postures,
     two_finger_postures,
@@ -69,6 +69,7 @@ _SOLVED = 240  # solutions at both ends of the stroke that are followed along th
 # heavier on the table, which makes it move in jerks.
 _LARGEST_SKEW = 0.35
 
+_CHECK_STEP = 0.05  # largest change of a joint between two poses checked in free motion [rad]
 _CHECKED = 24  # solutions whose whole way is checked for collisions, best first
 
 
@@ -128,9 +129,8 @@ def _quality(posture: Posture, R_DP: Array) -> tuple[float, float]:
     coarse = skew = 0.0
     for finger, tip in zip(posture.pushing, posture.tips, strict=True):
         angles, p_PC = posture.angles[finger], tip + TIP_RADIUS * into_face
-        J = finger_jacobian(finger, angles, p_PC)
         force = R_DP @ fingertip_stiffness(finger, angles, p_PC) @ into_face
-        coarse = max(coarse, float(np.linalg.norm(np.linalg.solve(J, into_face))))
+        coarse = max(coarse, coarseness(finger, angles, p_PC, into_face))
         skew = max(skew, abs(float(force[2] / force[0])))
     return coarse, skew
 
@@ -275,9 +275,10 @@ class ArmReach:
     def _way_is_free(self, stance: Stance, way: Way, state: WorldState) -> bool:
         """Whether hand and arm stay clear of everything from home to the end of the stroke."""
         above = np.array([*way.start[:2], stance.lift])
-        descent = above + np.linspace(0.0, 1.0, 4)[:, None] * (way.start - above)
+        descent = above + np.linspace(0.0, 1.0, 6)[:, None] * (way.start - above)
         q_descent = np.array([stance.joints(p) for p in descent])
-        t = np.linspace(0.0, 1.0, 13)[:-1, None]
+        turned = float(np.abs(q_descent[0] - self.home).max())
+        t = np.linspace(0.0, 1.0, int(np.ceil(turned / _CHECK_STEP)) + 1)[:-1, None]
         transit = np.vstack([self.home + t * (q_descent[0] - self.home), q_descent])
         if not self._is_clear(transit, stance.posture, state):
             return False
@@ -288,7 +289,8 @@ class ArmReach:
     def _is_clear(self, q: Array, posture: Posture, state: WorldState) -> bool:
         """Whether hand and arm keep their distance from objects and table in all arm poses."""
         R_WP, p_WP = self.mount.palm(q)
-        hand = spheres.placed(spheres.hand_spheres(posture), R_WP, p_WP)
+        whole = np.vstack([spheres.hand_spheres(posture), spheres.tip_spheres(posture)])
+        hand = spheres.placed(whole, R_WP, p_WP)
         return _are_clear(hand, state) and _are_clear(self._arm(q), state)
 
     def _arm(self, q: Array) -> Array:

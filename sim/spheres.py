@@ -60,6 +60,11 @@ def hand_spheres(posture: Posture) -> Array:
     return np.vstack(parts)
 
 
+def tip_spheres(posture: Posture) -> Array:
+    """Spheres of the pushing fingertips in P, shape (k, 4)."""
+    return np.column_stack([posture.tips, np.full(len(posture.tips), TIP_RADIUS)])
+
+
 def _palm_spheres() -> Array:
     y, z = np.meshgrid(np.linspace(-0.036, 0.036, 4), np.linspace(0.010, 0.105, 5))
     palm = np.column_stack([np.zeros(y.size), y.ravel(), z.ravel()])

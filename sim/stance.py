@@ -11,7 +11,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim import arm
-from sim.hand import FLANGE_TO_PALM, R_FP, TIP_RADIUS, Posture, fingertip_stiffness
+from sim.hand import (
+    FLANGE_TO_PALM,
+    R_FP,
+    TIP_RADIUS,
+    Angles,
+    Posture,
+    coarseness,
+    fingertip_stiffness,
+)
 from sim.rotations import Array, rot_x, rot_y, rot_z
 from sim.scene import Robot
 
@@ -84,8 +92,17 @@ class Stance:
     def stiffness(self, direction_W: Array) -> float:
         """Force per displacement of the pushing fingers along a unit direction in W [N/m]."""
         along = self.R_WP.T @ direction_W
-        stiffness = 0.0
-        for finger, tip in zip(self.posture.pushing, self.posture.tips, strict=True):
-            K = fingertip_stiffness(finger, self.posture.angles[finger], tip + TIP_RADIUS * along)
-            stiffness += float(along @ K @ along)
-        return stiffness
+        each = [along @ fingertip_stiffness(*c) @ along for c in self._contacts(along)]
+        return float(sum(each))
+
+    def coarseness(self, direction_W: Array) -> float:
+        """Noise of the force felt by all fingers per noise of a torque sensor [1/m]."""
+        along = self.R_WP.T @ direction_W
+        return float(np.linalg.norm([coarseness(*c, along) for c in self._contacts(along)]))
+
+    def _contacts(self, along_P: Array) -> list[tuple[str, Angles, Array]]:
+        """Finger, angles and contact point in P of each pushing finger."""
+        return [
+            (finger, self.posture.angles[finger], tip + TIP_RADIUS * along_P)
+            for finger, tip in zip(self.posture.pushing, self.posture.tips, strict=True)
+        ]
