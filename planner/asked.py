@@ -267,6 +267,5 @@ def _effector(asked: Asked, clause: g.Effector) -> Asked:
                 "this robot pushes with one or two fingertips",
                 clause.spans,
             )
-        fingers = 2 if clause.count == 2 else 1
-        return replace(asked, fingers=(fingers,))
+        return replace(asked, fingers=(2,) if clause.count == 2 else (1,))
     return asked

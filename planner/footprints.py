@@ -26,7 +26,7 @@ def footprint(seen: SeenObject) -> Array:
     """Corners of an object's base in W, counter-clockwise, shape (4, 2) [m]."""
     half = 0.5 * np.asarray(seen.model.size[:2])
     corners = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-    return corners @ seen.pose.R_WB[:2, :2].T + seen.pose.p_WB[:2]
+    return np.asarray(corners @ seen.pose.R_WB[:2, :2].T + seen.pose.p_WB[:2])
 
 
 def landing_strip(seen: SeenObject, direction_W: Array) -> Array:
@@ -48,7 +48,7 @@ def landing_strip(seen: SeenObject, direction_W: Array) -> Array:
 def _normals(polygon: Array) -> Array:
     edges = np.roll(polygon, -1, axis=0) - polygon
     normals = np.column_stack([edges[:, 1], -edges[:, 0]])
-    return normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.asarray(normals / np.linalg.norm(normals, axis=1, keepdims=True))
 
 
 def free_travel(moving: Array, standing: Array, direction: Array, clearance: float) -> float:

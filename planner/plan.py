@@ -152,10 +152,14 @@ class Refusal(_Value):
         suggestions: what would be possible instead, as plain phrases.
     """
 
-    status: Literal["refused", "unsupported"] = "refused"
     reason: RefusalReason
     message: str
     numbers: dict[str, float] = {}
     capability: str | None = None
     spans: tuple[tuple[int, int], ...] = ()
     suggestions: tuple[str, ...] = ()
+
+    @property
+    def status(self) -> Literal["refused", "unsupported"]:
+        """Whether the sentence cannot be done, or this robot lacks a capability."""
+        return "unsupported" if self.reason == "unsupported" else "refused"

@@ -340,7 +340,7 @@ def _notes(contacts: Contacts, push: Push, asked: Asked, refused: int) -> tuple[
     if asked.region is not None:
         notes.append(f"the sentence asks for a contact {asked.region}")
     if push.fingers == 1 and 2 in asked.fingers:
-        notes.append("one finger, since two do not fit there")
+        notes.append("one finger, since two do not reach it")
     if contacts.guarded:
         notes.append(
             "held for the forces that the hand's stiffness allows, not for the whole friction cone"

@@ -56,7 +56,7 @@ def forward(q: Array) -> tuple[Array, Array, Array]:
 def _perpendicular(v: Array, unit: Array) -> Array:
     """Unit vector of v's part perpendicular to `unit`, shapes (..., 3)."""
     rest = v - unit * np.sum(v * unit, axis=-1, keepdims=True)
-    return rest / np.maximum(np.linalg.norm(rest, axis=-1, keepdims=True), 1e-9)
+    return np.asarray(rest / np.maximum(np.linalg.norm(rest, axis=-1, keepdims=True), 1e-9))
 
 
 def _frame(first: Array, second: Array) -> Array:

@@ -98,7 +98,8 @@ class _Run:
         self.reach = reach
         self.tell = progress
         self.recorder = Recorder(world, reach.mount, np.array(plan.push.normal_W))
-        self.back: list[Array] = []  # joint angles that lead home, the last one first
+        self.descent: list[Array] = []  # arm angles from above the start down to it
+        self.way_home: list[Array] = []  # arm angles between home and there, in order
 
     def push(self) -> tuple[EndReason, str]:
         """Looks, goes there and pushes; returns how that ended."""
@@ -136,12 +137,14 @@ class _Run:
         above = np.array([*way.start[:2], stance.lift])
         self.recorder.phase = "transit"
         self.recorder.fingers = stance.posture.pushing
-        self._move_joints(stance.joints(above), stance.posture.joints)
+        for q in (*stance.via, stance.joints(above)):
+            self.way_home.append(self.world.commanded[0])
+            self._move_joints(q, stance.posture.joints)
         self.tell("approach", self.world.time, "down to the object")
         self.recorder.phase = "approach"
         for point in self._line(above, way.start):
             self._go(stance, point)
-            self.back.append(self.world.commanded[0])
+            self.descent.append(self.world.commanded[0])
 
     def _leave(self, stance: Stance, tip: Array, way: Way) -> None:
         """Off the face, and back along the way that was free."""
@@ -156,9 +159,11 @@ class _Run:
     def come_home(self, end: EndReason) -> None:
         """Back home, and a while for everything to come to rest."""
         self.recorder.phase = "retreat"
-        for q in reversed(self.back):
+        for q in reversed(self.descent):
             self.recorder.step(q, self.world.commanded[1])
-        self._move_joints(self.reach.home, RESTING.joints)
+        for q in reversed(self.way_home):
+            last = q is self.way_home[0]
+            self._move_joints(q, RESTING.joints if last else self.world.commanded[1])
         self.tell("settle", self.world.time, "letting everything come to rest")
         self.recorder.phase = "settle"
         for _ in range(round(SETTLE.get(end, SETTLE["stroke"]) / self.world.period)):

@@ -152,7 +152,7 @@ class PushControl:
         noise = self.stance.coarseness(self.way.inward) * sensor.noise_nm / np.sqrt(samples)
         quiet = (self._touch_force / max(_NOISES * noise, 1e-9)) ** 2
         # An exponential filter of weight s lets s / (2 − s) of the variance through.
-        return min(1.0, self._period / _FILTER, 2.0 * quiet / (1.0 + quiet))
+        return float(min(1.0, self._period / _FILTER, 2.0 * quiet / (1.0 + quiet)))
 
     @property
     def _touch_force(self) -> float:

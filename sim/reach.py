@@ -7,8 +7,8 @@ a ring of elbow angles at the points of the way. What is continuous, away from t
 and clear of every object is ranked by the room that is left to the limits. Only hands are tried
 whose torque sensors feel the push and whose fingers press straight when loaded.
 
-The way: home, a point above the start, down to 3 cm before the face, to the face, the stroke;
-and back the same way, which is known to be free.
+The way: home, over obstacles where needed, a point above the start, down to 3 cm before the face,
+to the face, the stroke; and back the same way, which is known to be free.
 
 Frames: see `sim.stance`. Objects are where and what the robot believes, never what is true.
 """
@@ -16,7 +16,8 @@ Frames: see `sim.stance`. Objects are where and what the robot believes, never w
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
+import itertools
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +71,7 @@ _SOLVED = 240  # solutions at both ends of the stroke that are followed along th
 _LARGEST_SKEW = 0.35
 
 _CHECK_STEP = 0.05  # largest change of a joint between two poses checked in free motion [rad]
+_RAISED = (0.0, 0.4, 0.8, 1.2)  # ways around obstacles: how far the arm swings up halfway [rad]
 _CHECKED = 24  # solutions whose whole way is checked for collisions, best first
 
 
@@ -207,8 +209,9 @@ class ArmReach:
         if not found:
             return _no("kinematics", "the arm does not reach along the whole way of the push")
         for margin, stance in found:
-            if self._way_is_free(stance, way, state):
-                return stance, ReachAnswer(ok=True, margin=margin)
+            free_stance = self._free_way(stance, way, state)
+            if free_stance is not None:
+                return free_stance, ReachAnswer(ok=True, margin=margin)
         return _no("approach", "arm or hand would hit something on the way to the contact")
 
     def _solutions(self, hands: _Hands, way: Way) -> list[tuple[float, Stance]]:
@@ -272,19 +275,34 @@ class ArmReach:
         usable = valid & (room > _LIMIT_MARGIN) & (np.abs(q[..., 5]) > _WRIST_BEND)
         return q.reshape(n, w, 8, 7), usable.reshape(n, w, 8)
 
-    def _way_is_free(self, stance: Stance, way: Way, state: WorldState) -> bool:
-        """Whether hand and arm stay clear of everything from home to the end of the stroke."""
+    def _free_way(self, stance: Stance, way: Way, state: WorldState) -> Stance | None:
+        """The stance with a way from home on which hand and arm stay clear of everything."""
         above = np.array([*way.start[:2], stance.lift])
         descent = above + np.linspace(0.0, 1.0, 6)[:, None] * (way.start - above)
         q_descent = np.array([stance.joints(p) for p in descent])
-        turned = float(np.abs(q_descent[0] - self.home).max())
-        t = np.linspace(0.0, 1.0, int(np.ceil(turned / _CHECK_STEP)) + 1)[:-1, None]
-        transit = np.vstack([self.home + t * (q_descent[0] - self.home), q_descent])
-        if not self._is_clear(transit, stance.posture, state):
-            return False
         # During the stroke the hand's own clearance is known; the arm and the pushed box are left.
         q_push = np.array([stance.joints(p) for p in (way.touch, way.end)])
-        return _are_clear(self._arm(q_push), state)
+        if not self._is_clear(q_descent, stance.posture, state):
+            return None
+        if not _are_clear(self._arm(q_push), state):
+            return None
+        for raised in _RAISED:
+            via = self._via(q_descent[0], raised)
+            legs = np.vstack([self.home, *via, q_descent[0]])
+            if self._is_clear(_along(legs), stance.posture, state):
+                return replace(stance, via=via)
+        return None
+
+    def _via(self, q: Array, raised: float) -> tuple[Array, ...]:
+        """Arm angles halfway home, changed by so much in the direction that lifts the hand most."""
+        if raised == 0.0:
+            return ()
+        middle = 0.5 * (self.home + q)
+        nudge = 1e-4
+        _, p_WP = self.mount.palm(np.vstack([middle, middle + nudge * np.eye(7)]))
+        uphill = (p_WP[1:, 2] - p_WP[0, 2]) / nudge
+        via = middle + raised * uphill / np.linalg.norm(uphill)
+        return (np.clip(via, -arm.LIMITS + _LIMIT_MARGIN, arm.LIMITS - _LIMIT_MARGIN),)
 
     def _is_clear(self, q: Array, posture: Posture, state: WorldState) -> bool:
         """Whether hand and arm keep their distance from objects and table in all arm poses."""
@@ -296,6 +314,15 @@ class ArmReach:
     def _arm(self, q: Array) -> Array:
         """The arm's spheres in W, shape (n, k, 4)."""
         return spheres.placed(spheres.arm_spheres(q), self.mount.R_WA, self.mount.p_WA)
+
+
+def _along(legs: Array) -> Array:
+    """Arm poses along straight legs in joint space, close enough to be checked one by one."""
+    poses = []
+    for start, end in itertools.pairwise(legs):
+        n = int(np.ceil(np.abs(end - start).max() / _CHECK_STEP)) + 1
+        poses.append(start + np.linspace(0.0, 1.0, n)[:, None] * (end - start))
+    return np.vstack(poses)
 
 
 def _are_clear(robot: Array, state: WorldState) -> bool:

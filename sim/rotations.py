@@ -29,7 +29,7 @@ def axis_rotation(axis: ArrayLike, angle: ArrayLike) -> Array:
         ],
         axis=-2,
     )
-    return np.eye(3) + np.sin(t) * K + (1.0 - np.cos(t)) * (K @ K)
+    return np.asarray(np.eye(3) + np.sin(t) * K + (1.0 - np.cos(t)) * (K @ K))
 
 
 def rot_x(angle: ArrayLike) -> Array:
@@ -50,7 +50,7 @@ def rot_z(angle: ArrayLike) -> Array:
 def yaw_of(R: ArrayLike) -> Array:
     """Heading of a rotation's x axis in the horizontal plane, shape (...) [rad]."""
     matrix = np.asarray(R, dtype=float)
-    return np.arctan2(matrix[..., 1, 0], matrix[..., 0, 0])
+    return np.asarray(np.arctan2(matrix[..., 1, 0], matrix[..., 0, 0]))
 
 
 def wrap(angle: ArrayLike) -> Array:

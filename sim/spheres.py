@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Iterable
 
 import numpy as np
 
@@ -120,8 +119,3 @@ def distance_to_box(spheres: Array, low: Array, high: Array) -> Array:
 def height_above_table(spheres: Array) -> Array:
     """Distance of spheres from the plane z = 0, shape (...) [m]."""
     return np.asarray(spheres[..., 2] - spheres[..., 3])
-
-
-def smallest(distances: Iterable[Array]) -> Array:
-    """Smallest of several distances, each reduced over its last axis."""
-    return np.minimum.reduce([d.min(axis=-1) for d in distances])

@@ -66,6 +66,7 @@ class Stance:
         elbow: angle of the elbow [rad].
         branch: which of the arm's eight solutions.
         lift: height of T from which the hand descends [m].
+        via: arm angles between home and there, around obstacles.
     """
 
     mount: Mount
@@ -74,6 +75,7 @@ class Stance:
     elbow: float
     branch: int
     lift: float
+    via: tuple[Array, ...] = ()
 
     def joints(self, p_WT: Array) -> Array:
         """Arm angles that bring T to a point in W, shape (7,) [rad].

@@ -82,19 +82,19 @@ class Trace:
     def displacement(self, name: str) -> Array:
         """Displacement p_WB(end) − p_WB(start) of an object, shape (3,) [m]."""
         p = self.poses[name][:, 4:]
-        return p[-1] - p[0]
+        return np.asarray(p[-1] - p[0])
 
     def tilt(self, name: str) -> Array:
         """Angle between the object's axis B_z and the vertical over time, shape (n,) [rad]."""
         _, x, y, _ = self.poses[name][:, :4].T
-        return np.arccos(np.clip(1.0 - 2.0 * (x**2 + y**2), -1.0, 1.0))
+        return np.asarray(np.arccos(np.clip(1.0 - 2.0 * (x**2 + y**2), -1.0, 1.0)))
 
     def yaw(self, name: str) -> Array:
         """Heading of B_x over time, relative to the start and unwrapped, shape (n,) [rad]."""
         w, x, y, z = self.poses[name][:, :4].T
         heading = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y**2 + z**2))
-        return np.unwrap(heading) - heading[0]
+        return np.asarray(np.unwrap(heading) - heading[0])
 
     def push_force(self) -> Array:
         """Felt force of all fingers along the push direction over time, shape (n,) [N]."""
-        return np.sum([f @ self.direction for f in self.felt.values()], axis=0)
+        return np.asarray(np.sum([f @ self.direction for f in self.felt.values()], axis=0))

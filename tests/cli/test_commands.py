@@ -105,7 +105,7 @@ def test_plan_as_text_says_where_how_hard_and_why(capsys: pytest.CaptureFixture[
     out = capsys.readouterr().out
     for part in ("I understood: ", "by default: distance 100 mm", " N at ", "above the table"):
         assert part in out
-    assert "Margin" in out
+    assert "Why that is safe: the contact is " in out
 
 
 def test_plan_and_parse_do_not_load_the_simulator() -> None:

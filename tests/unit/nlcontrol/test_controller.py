@@ -32,7 +32,7 @@ class Stage:
         monkeypatch.setattr("sim.execute", self.execute)
         monkeypatch.setattr("sim.DrakeWorld", lambda *_, **__: None)
 
-    def execute(self, plan: Plan, world: object, progress: Any = None) -> Trace:
+    def execute(self, plan: Plan, *_: object, progress: Any = None, **__: object) -> Trace:
         self.executed.append(plan)
         if progress is not None:
             progress("push", 1.0, "in contact")
