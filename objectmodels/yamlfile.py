@@ -58,6 +58,15 @@ for _tag, _pattern, _first in (
     )
 
 
+def parse_yaml(text: str) -> object:
+    """What a YAML text holds.
+
+    Raises:
+        yaml.YAMLError: it is not YAML, or a key is given twice or is not text.
+    """
+    return yaml.load(text, Loader=_Loader)
+
+
 def read_yaml(path: Path) -> dict[str, Any]:
     """The mapping that a YAML file holds.
 
@@ -76,7 +85,7 @@ def read_yaml(path: Path) -> dict[str, Any]:
                 f"is {len(data)} bytes long, at most {MAX_BYTES} are read",
                 path=str(path),
             )
-        content = yaml.load(data.decode("utf-8"), Loader=_Loader)
+        content = parse_yaml(data.decode("utf-8"))
     except OSError as error:
         raise ModelError(
             "unreadable_file", f"cannot be read: {error.strerror}", path=str(path)

@@ -29,7 +29,8 @@ JOINT_NAMES = tuple(f"arm_joint_{i}" for i in range(1, 8))
 
 BRANCHES = 8
 
-_WRIST_SINGULARITY = 0.05  # below this |q6| the axes of joints 5 and 7 nearly coincide [rad]
+# Below these |q2| and |q6| the axes of joints 1 and 3, or 5 and 7, nearly coincide [rad].
+_SHOULDER_SINGULARITY, _WRIST_SINGULARITY = 0.01, 0.05
 _JOINT_TURNS = (rot_z, rot_y, rot_z, lambda q: rot_y(-q), rot_z, rot_y, rot_z)
 
 
@@ -74,7 +75,7 @@ def inverse(R_AF: Array, p_AF: Array, elbow: Array) -> tuple[Array, Array]:
 
     Returns:
         Joint angles, shape (n, 8, 7) [rad], and which of them reach the pose within the joint
-        limits and away from the wrist's singularity, shape (n, 8).
+        limits and away from the singularities, shape (n, 8).
     """
     p_SW = p_AF - FLANGE * R_AF[:, :, 2] - np.array([0.0, 0.0, SHOULDER])
     distance = np.linalg.norm(p_SW, axis=1)
@@ -100,7 +101,10 @@ def inverse(R_AF: Array, p_AF: Array, elbow: Array) -> tuple[Array, Array]:
         q = np.stack([q1, q2, q3, q4, q5, q6, q7], axis=-1)
         solutions.append(q)
         valid.append(
-            reachable & (np.abs(q) < LIMITS).all(axis=1) & (np.abs(q6) > _WRIST_SINGULARITY)
+            reachable
+            & (np.abs(q) < LIMITS).all(axis=1)
+            & (np.abs(q2) > _SHOULDER_SINGULARITY)
+            & (np.abs(q6) > _WRIST_SINGULARITY)
         )
     return np.stack(solutions, axis=1), np.stack(valid, axis=1)
 

@@ -34,6 +34,8 @@ def attracted(
         way = target - point
         distance = float(np.linalg.norm(way))
         if distance < _ARRIVED:
+            if distance > 0.0:
+                yield target.copy()
             return
         # Speed from which it can stop at the target, in whole periods.
         stopping = np.sqrt(2.0 * acceleration * distance + (acceleration * period / 2) ** 2)

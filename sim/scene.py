@@ -17,6 +17,7 @@ from typing import Annotated, Literal
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from objectmodels.yamlfile import parse_yaml
 from sim.errors import SceneError
 
 Positive = Annotated[float, Field(gt=0)]
@@ -227,8 +228,8 @@ def parse_scene(text: str, *, source: str = "scene") -> Scene:
         SceneError: the text is not YAML or not a valid scene; names each key at fault.
     """
     try:
-        data = yaml.safe_load(text)
-    except yaml.YAMLError as error:
+        data = parse_yaml(text)
+    except (yaml.YAMLError, RecursionError) as error:
         raise SceneError("bad_scene", f"{source} is not YAML: {error}") from error
     try:
         return Scene.model_validate(_tuples(data))

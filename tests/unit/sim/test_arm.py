@@ -1,0 +1,163 @@
+"""Kinematics of arm and hand: against Drake's own, against finite differences, and their laws."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from importlib import resources
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from sim import arm, hand
+from sim.plant import Plant, add_plant
+from sim.scene import load_scene
+from sim.stance import Mount
+
+# Both sides compute a few dozen products of numbers of order one.
+ROUNDING = 1e-12
+
+Array = NDArray[np.float64]
+
+
+@pytest.fixture(scope="module")
+def model() -> Plant:
+    from pydrake.systems.framework import DiagramBuilder
+
+    return add_plant(DiagramBuilder(), load_scene("kitchen"))
+
+
+def _urdf(name: str) -> ET.Element:
+    text = (resources.files("sim") / "robots" / f"{name}.urdf").read_text("utf-8")
+    return ET.fromstring(text)
+
+
+def _random_arms(n: int) -> Array:
+    return np.random.default_rng(7).uniform(-1.0, 1.0, (n, 7)) * arm.LIMITS
+
+
+def test_palm_pose_as_in_drake(model: Plant) -> None:
+    mount = Mount.of(load_scene("kitchen").robot)
+    context = model.plant.CreateDefaultContext()
+    for q in _random_arms(20):
+        for name, angle in zip(arm.JOINT_NAMES, q, strict=True):
+            model.plant.GetJointByName(name).set_angle(context, angle)
+        X_WP = model.plant.GetFrameByName("palm").CalcPoseInWorld(context)
+        R_WP, p_WP = mount.palm(q)
+        np.testing.assert_allclose(R_WP, X_WP.rotation().matrix(), rtol=0, atol=ROUNDING)
+        np.testing.assert_allclose(p_WP, X_WP.translation(), rtol=0, atol=ROUNDING)
+
+
+@pytest.mark.parametrize("finger", hand.FINGERS)
+def test_fingertips_as_in_drake(model: Plant, finger: str) -> None:
+    context = model.plant.CreateDefaultContext()
+    angles = (0.1, 0.5, 0.7)
+    for name, angle in zip(hand.FINGER_JOINTS, (*angles, angles[2]), strict=True):
+        model.plant.GetJointByName(f"{finger}_{name}").set_angle(context, angle)
+    palm = model.plant.GetFrameByName("palm")
+    tip = model.plant.GetFrameByName(f"{finger}_tip")
+    p_PT = model.plant.CalcPointsPositions(context, tip, [0.0, 0.0, hand.LINKS[2]], palm).ravel()
+    # The thumb's lean stands in the file with a limited number of digits.
+    np.testing.assert_allclose(hand.finger_points(finger, angles)[3], p_PT, rtol=0, atol=1e-7)
+
+
+@given(
+    q=st.lists(st.floats(-0.95, 0.95), min_size=7, max_size=7),
+    elbow=st.floats(-3.1, 3.1),
+)
+def test_inverse_leads_where_forward_was(q: list[float], elbow: float) -> None:
+    R, p, _ = arm.forward(np.array(q) * arm.LIMITS)
+    solutions, valid = arm.inverse(R[None], p[None], np.array([elbow]))
+    for found in solutions[0][valid[0]]:
+        R_again, p_again, _ = arm.forward(found)
+        # arccos of a direction cosine near ±1 halves the digits.
+        np.testing.assert_allclose(p_again, p, atol=1e-7)
+        np.testing.assert_allclose(R_again, R, atol=1e-6)
+        assert (np.abs(found) <= arm.LIMITS).all()
+
+
+def test_one_of_the_inverses_is_the_arm_itself() -> None:
+    found = 0
+    elbows = np.linspace(-np.pi, np.pi, 721)
+    for q in 0.8 * _random_arms(10):
+        if abs(q[5]) < 0.1:
+            continue
+        R, p, _ = arm.forward(q)
+        n = len(elbows)
+        solutions, valid = arm.inverse(np.repeat(R[None], n, 0), np.repeat(p[None], n, 0), elbows)
+        nearest = np.abs(solutions - q).max(axis=-1)[valid].min()
+        # Elbow angles are half a degree apart, and joints near a stretched arm turn faster.
+        assert nearest < 0.05
+        found += 1
+    assert found >= 8
+
+
+def test_pose_out_of_reach_has_no_solution() -> None:
+    _, valid = arm.inverse(np.eye(3)[None], np.array([[0.0, 0.0, 2.0]]), np.zeros(1))
+    assert not valid.any()
+
+
+@pytest.mark.parametrize("finger", hand.FINGERS)
+def test_jacobian_against_differences(finger: str) -> None:
+    angles, nudge = np.array([0.1, 0.4, 0.8]), 1e-6
+    tip = hand.finger_points(finger, (0.1, 0.4, 0.8))[3]
+    J = hand.finger_jacobian(finger, (0.1, 0.4, 0.8), tip)
+    for joint in range(2):  # the middle joint also moves the distal one, which is left out
+        moved = angles.copy()
+        moved[joint] += nudge
+        a, b, c = moved.tolist()
+        rate = (hand.finger_points(finger, (a, b, c))[3] - tip) / nudge
+        # Forward differences err by the nudge times a curvature of order 0.1 m.
+        np.testing.assert_allclose(J[:, joint], rate, atol=1e-6)
+
+
+def test_stiffness_gives_back_the_force_of_a_spring() -> None:
+    angles, force = (0.05, 0.4, 0.8), np.array([0.02, -0.01, 0.015])
+    tip = hand.finger_points("index", angles)[3]
+    nudge = 1e-6
+    # Move by the joint deflections that the force causes: δ = J k⁻¹ Jᵀ f.
+    J = np.column_stack(
+        [
+            (hand.finger_points("index", tuple(np.array(angles) + nudge * unit))[3] - tip) / nudge
+            for unit in np.eye(3)
+        ]
+    )
+    moved = J @ (J.T @ force) / hand.JOINT_STIFFNESS
+    stiffness = hand.fingertip_stiffness("index", angles, tip)
+    np.testing.assert_allclose(stiffness @ moved, force, rtol=1e-4)  # differences as above
+    np.testing.assert_allclose(stiffness, stiffness.T, rtol=1e-9)
+
+
+def test_limits_are_those_of_the_file() -> None:
+    joints = {j.attrib["name"]: j for j in _urdf("lwr_arm").iter("joint") if j.get("type")}
+    for name, limit in zip(arm.JOINT_NAMES, arm.LIMITS, strict=True):
+        found = joints[name].find("limit")
+        assert found is not None
+        # The file has six digits.
+        assert float(found.attrib["upper"]) == pytest.approx(limit, abs=1e-5)
+        assert float(found.attrib["lower"]) == pytest.approx(-limit, abs=1e-5)
+
+
+def test_finger_stiffness_is_that_of_the_file() -> None:
+    tag = "{http://drake.mit.edu}controller_gains"
+    gains = {float(g.attrib["p"]) for g in _urdf("four_finger_hand").iter(tag)}
+    assert gains == {hand.JOINT_STIFFNESS}
+
+
+@pytest.mark.parametrize("posture", [*hand.one_finger_postures(), *hand.two_finger_postures(0.04)])
+def test_postures_within_the_limits_of_the_file(posture: hand.Posture) -> None:
+    limits = {
+        j.attrib["name"]: limit
+        for j in _urdf("four_finger_hand").iter("joint")
+        if (limit := j.find("limit")) is not None
+    }
+    for name, angle in zip(hand.JOINT_NAMES, posture.joints, strict=True):
+        assert float(limits[name].attrib["lower"]) <= angle <= float(limits[name].attrib["upper"])
+
+
+def test_two_fingers_are_as_far_apart_as_asked() -> None:
+    for posture in hand.two_finger_postures(0.04):
+        # The abduction is solved for the straight finger's length, which is exact.
+        assert np.linalg.norm(posture.tips[0] - posture.tips[1]) == pytest.approx(0.04, abs=1e-9)

@@ -1,0 +1,101 @@
+"""Scene files: what is read, and what is refused with the key at fault."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from sim import SceneError, load_scene
+from sim.scene import built_in_scenes, parse_scene
+
+SCENE = """
+version: 1
+name: small
+robot: {home_deg: [41.0, -95.0, 75.0, -87.0, 110.0, -90.0, 42.0]}
+objects:
+  - name: crate
+    model: ice tea box
+    pose: {x_m: 0.5, y_m: 0.0}
+    truth: {size_m: [0.1, 0.1, 0.2], mass_kg: 1.0, friction_table: 0.4, friction_finger: 0.7}
+"""
+
+
+def test_what_is_left_out_has_a_default() -> None:
+    scene = parse_scene(SCENE)
+    truth = scene.object("crate").truth
+    assert truth.centre_of_mass == (0.0, 0.0, 0.1)
+    assert len(truth.support) == 4
+    assert scene.names == ("crate",)
+
+
+def test_built_in_scenes_load() -> None:
+    assert "kitchen" in built_in_scenes()
+    for name in built_in_scenes():
+        assert load_scene(name).objects
+
+
+def test_truth_of_the_default_scene_differs_from_every_belief() -> None:
+    from objectmodels import Registry
+
+    registry = Registry.default()
+    for item in load_scene("kitchen").objects:
+        believed = registry.get(item.model)
+        assert item.truth.mass_kg != believed.mass
+        assert item.truth.friction_table != believed.friction
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key"),
+    [
+        ("mass_kg: 1.0", "mass_kg: -1.0", "mass_kg"),
+        ("mass_kg: 1.0", "mass_kg: .nan", "mass_kg"),
+        ("mass_kg: 1.0", "mass_kg: no", "mass_kg"),
+        ("mass_kg: 1.0", "mass_kg: 1:30", "mass_kg"),
+        ("mass_kg: 1.0", "mass_kg: 1.0, weight: 3.0", "weight"),
+        ("friction_table: 0.4, ", "", "friction_table"),
+        ("size_m: [0.1, 0.1, 0.2]", "size_m: [0.1, 0.1]", "size_m"),
+        ("version: 1", "version: 2", "version"),
+        ("name: small", "", "name"),
+        ("truth: {", "truth: {centre_of_mass_m: [0.2, 0.0, 0.1], ", "centre_of_mass_m"),
+        ("truth: {", "truth: {support_m: [[0.1, 0.0], [0.0, 0.1]], ", "support_m"),
+    ],
+)
+def test_a_fault_names_its_key(old: str, new: str, key: str) -> None:
+    with pytest.raises(SceneError) as raised:
+        parse_scene(SCENE.replace(old, new), source="my.yaml")
+    assert raised.value.code == "bad_scene"
+    assert "my.yaml" in raised.value.message
+    assert key in raised.value.message
+
+
+def test_numbers_with_an_exponent_are_numbers() -> None:
+    scene = parse_scene(SCENE.replace("mass_kg: 1.0", "mass_kg: 1e0"))
+    assert scene.object("crate").truth.mass_kg == 1.0
+
+
+def test_two_objects_of_one_name() -> None:
+    twice = SCENE + SCENE[SCENE.index("  - name") :].replace("crate", "Crate")
+    with pytest.raises(SceneError, match="unique"):
+        parse_scene(twice)
+
+
+@pytest.mark.parametrize("text", ["", "- 1\n- 2", "{", "objects: 3", "\x00"])
+def test_no_scene_at_all(text: str) -> None:
+    with pytest.raises(SceneError):
+        parse_scene(text)
+
+
+def test_unknown_names_get_a_suggestion(tmp_path: Path) -> None:
+    with pytest.raises(SceneError) as raised:
+        load_scene("kichen")
+    assert raised.value.code == "unknown_scene"
+    assert "kitchen" in " ".join(raised.value.suggestions)
+    with pytest.raises(SceneError, match="missing.yaml"):
+        load_scene(tmp_path / "missing.yaml")
+
+
+def test_a_file_of_ones_own(tmp_path: Path) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text(SCENE, encoding="utf-8")
+    assert load_scene(path) == parse_scene(SCENE)
