@@ -45,7 +45,7 @@ def save_explanation(result: Result, path: Path) -> None:
 
     from nlcontrol.errors import error
 
-    rows = result.explanation()
+    rows = result.explained()
     formats = FigureCanvasAgg.get_supported_filetypes()
     if path.suffix.lstrip(".").lower() not in formats:
         raise error(

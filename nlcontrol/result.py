@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, InstanceOf
@@ -12,11 +12,9 @@ from grammar.frames import Frame
 from nlcontrol import measures
 from nlcontrol.checks import Check
 from nlcontrol.errors import OK, ErrorInfo
+from planner.explain import Row
 from planner.plan import DefaultUsed, Plan, Vector3
 from sim.trace import Trace
-
-if TYPE_CHECKING:
-    from planner.explain import Row
 
 ResultStatus = Literal["done", "planned", "failed", "refused", "not_understood", "unsupported"]
 
@@ -77,6 +75,8 @@ class Result(BaseModel):
         error: why it is not ok.
         scene: name of the scene.
         seed: what everything random was drawn from.
+        explanation: which words became which parameters, if that was asked for.
+        files: what was written, by kind (`replay`, `picture`).
         trace: what happened over time; not a part of the JSON document.
     """
 
@@ -95,6 +95,8 @@ class Result(BaseModel):
     error: ErrorInfo | None = None
     scene: str
     seed: int
+    explanation: tuple[Row, ...] | None = None
+    files: dict[str, str] = {}
     trace: SkipJsonSchema[InstanceOf[Trace] | None] = Field(default=None, exclude=True, repr=False)
 
     @property
@@ -111,7 +113,7 @@ class Result(BaseModel):
         """The result as one JSON document, in SI units; `nlcontrol schema` describes it."""
         return self.model_dump_json(indent=2)
 
-    def explanation(self) -> tuple[Row, ...]:
+    def explained(self) -> tuple[Row, ...]:
         """Which words became which parameters of the controller; empty without a plan."""
         if self.plan is None:
             return ()

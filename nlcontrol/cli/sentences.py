@@ -125,11 +125,11 @@ def _answer(
     with Narrator() as narrate:
         result = controller.say(sentence, plan_only=plan_only, progress=narrate)
     files = _write_files(controller, result, explain=explain, picture=picture, replay=replay)
+    result = result.model_copy(
+        update={"files": files, "explanation": result.explained() if explain else None}
+    )
     if as_json:
-        document = result.model_dump(mode="json")
-        if explain:
-            document["explanation"] = [row.model_dump(mode="json") for row in result.explanation()]
-        print_json({**document, **files})
+        print_json(result.model_dump(mode="json"))
         return result.exit_status
     _print(result, files, explain=explain)
     return result.exit_status
@@ -148,7 +148,7 @@ def _print(result: Result, files: dict[str, str], *, explain: bool) -> None:
         from nlcontrol.explanation import table
 
         click.echo()
-        click.echo(table(result.explanation()))
+        click.echo(table(result.explained()))
     for what, where in files.items():
         click.echo(f"{what.capitalize()}: {where}")
 

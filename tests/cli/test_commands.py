@@ -259,7 +259,7 @@ def test_explanation_as_table_json_and_drawing(
     picture = tmp_path / "words.png"
     status, document = _json(capsys, "plan", SENTENCE, "--explain", "--picture", str(picture))
     assert status == 0
-    assert document["picture"] == str(picture)
+    assert document["files"] == {"picture": str(picture)}
     assert {row["words"] for row in document["explanation"]} >= {"away", "without toppling it"}
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert [p.name for p in tmp_path.iterdir()] == ["words.png"]

@@ -132,7 +132,7 @@ class _Explained:
     text: str
     rows: tuple[_Row, ...]
 
-    def explanation(self) -> tuple[_Row, ...]:
+    def explained(self) -> tuple[_Row, ...]:
         return self.rows
 
 

@@ -27,9 +27,7 @@ def test_attractor_keeps_its_bounds_and_arrives(
     start: list[float], target: list[float], speed: float, acceleration: float
 ) -> None:
     a, b = np.array(start), np.array(target)
-    points = np.array(
-        [a, *attracted(a, b, speed=speed, acceleration=acceleration, period=PERIOD)]
-    )
+    points = np.array([a, *attracted(a, b, speed=speed, acceleration=acceleration, period=PERIOD)])
     np.testing.assert_array_equal(points[-1], b if len(points) > 1 else points[-1])
     assert np.linalg.norm(points[-1] - b) < 1e-6
     velocity = np.diff(points, axis=0) / PERIOD

@@ -91,7 +91,7 @@ def test_unknown_names_get_a_suggestion(tmp_path: Path) -> None:
         load_scene("kichen")
     assert raised.value.code == "unknown_scene"
     assert "kitchen" in " ".join(raised.value.suggestions)
-    with pytest.raises(SceneError, match="missing.yaml"):
+    with pytest.raises(SceneError, match=r"missing\.yaml"):
         load_scene(tmp_path / "missing.yaml")
 
 
