@@ -94,10 +94,7 @@ class Recorder:
             time=np.array([sample.time for sample in samples]),
             phase=np.array(self._phases),
             poses={name: np.array([s.poses[name] for s in samples]) for name in names},
-            seen={
-                name: np.array([_as_row((seen or first)[name]) for seen in self._seen])
-                for name in names
-            },
+            seen={name: _rows([(seen or first)[name] for seen in self._seen]) for name in names},
             joints=np.array([sample.joints for sample in samples]),
             joint_names=self.world.joint_names,
             tips={finger: tips[:, i] for i, finger in enumerate(self.fingers)},
@@ -112,9 +109,9 @@ class Recorder:
         )
 
 
-def _as_row(pose: SeenPose) -> Array:
-    """Quaternion (w, x, y, z) and position of a pose, shape (7,)."""
+def _rows(poses: list[SeenPose]) -> Array:
+    """Quaternions (w, x, y, z) and positions of poses, shape (n, 7)."""
     from scipy.spatial.transform import Rotation
 
-    x, y, z, w = Rotation.from_matrix(pose.R_WB).as_quat()
-    return np.array([w, x, y, z, *pose.p_WB])
+    xyzw = Rotation.from_matrix(np.array([pose.R_WB for pose in poses])).as_quat()
+    return np.column_stack([xyzw[:, 3], xyzw[:, :3], np.array([pose.p_WB for pose in poses])])

@@ -32,19 +32,31 @@ def axis_rotation(axis: ArrayLike, angle: ArrayLike) -> Array:
     return np.asarray(np.eye(3) + np.sin(t) * K + (1.0 - np.cos(t)) * (K @ K))
 
 
+def _about(axis: int, angle: ArrayLike) -> Array:
+    """Rotation about a coordinate axis; filled in directly, since control makes many of them."""
+    t = np.asarray(angle, dtype=float)
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    R = np.zeros((*t.shape, 3, 3))
+    R[..., axis, axis] = 1.0
+    R[..., i, i] = R[..., j, j] = np.cos(t)
+    R[..., j, i] = np.sin(t)
+    R[..., i, j] = -R[..., j, i]
+    return R
+
+
 def rot_x(angle: ArrayLike) -> Array:
     """Rotation about x, shape (..., 3, 3) for angles of shape (...)."""
-    return axis_rotation([1.0, 0.0, 0.0], angle)
+    return _about(0, angle)
 
 
 def rot_y(angle: ArrayLike) -> Array:
     """Rotation about y, shape (..., 3, 3) for angles of shape (...)."""
-    return axis_rotation([0.0, 1.0, 0.0], angle)
+    return _about(1, angle)
 
 
 def rot_z(angle: ArrayLike) -> Array:
     """Rotation about z, shape (..., 3, 3) for angles of shape (...)."""
-    return axis_rotation([0.0, 0.0, 1.0], angle)
+    return _about(2, angle)
 
 
 def yaw_of(R: ArrayLike) -> Array:

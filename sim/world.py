@@ -25,7 +25,7 @@ from sim.trace import ContactEvent
 from sim.vision import Frame, VisionPort, averaged, vision_rng
 
 if TYPE_CHECKING:
-    from pydrake.multibody.tree import RevoluteJoint
+    from pydrake.multibody.tree import BodyIndex, RevoluteJoint
 
 _SEPARATED = 0.1
 """Two bodies that were apart for less are taken as having touched all the time [s]."""
@@ -60,6 +60,7 @@ class DrakeWorld:
         history: what happened, a sample per control step.
         contacts: touches, in order of time.
         joint_names: of `Sample.joints`.
+        simulator: of the diagram; for measuring its cost, not for control.
     """
 
     def __init__(self, scene: Scene, *, seed: int = 0) -> None:
@@ -72,9 +73,9 @@ class DrakeWorld:
         builder = DiagramBuilder()
         self._model = add_plant(builder, scene)
         self._plant = self._model.plant
-        self._simulator = Simulator(builder.Build())
+        self.simulator = Simulator(builder.Build())
         self._context = self._plant.GetMyMutableContextFromRoot(
-            self._simulator.get_mutable_context()
+            self.simulator.get_mutable_context()
         )
         self._arm_joints = [self._joint(name) for name in arm.JOINT_NAMES]
         self._finger_joints = {
@@ -84,6 +85,7 @@ class DrakeWorld:
         joints = [*self._arm_joints, *(j for f in FINGERS for j in self._finger_joints[f])]
         self._joints = joints
         self.joint_names = tuple(joint.name() for joint in joints)
+        self._names = ["table", *(self._plant.get_body(i).name() for i in self._bodies()[1:])]
         self._vision = VisionPort(scene.vision, scene.names, vision_rng(seed))
         self._torque_rng = np.random.default_rng([seed, 2])
         self._steps = 0
@@ -92,6 +94,12 @@ class DrakeWorld:
         self._touching: dict[tuple[str, str], float] = {}
         self._frames: list[Frame] = []
         self._start()
+
+    def _bodies(self) -> list[BodyIndex]:
+        """All bodies; the first is the world, which is the table."""
+        from pydrake.multibody.tree import BodyIndex
+
+        return [BodyIndex(i) for i in range(self._plant.num_bodies())]
 
     def _joint(self, name: str) -> RevoluteJoint:
         return self._plant.GetJointByName(name)
@@ -107,7 +115,7 @@ class DrakeWorld:
             for joint, angle in zip(self._finger_joints[finger], angles, strict=True):
                 joint.set_angle(self._context, angle)
         self._command(self._q_arm, self._q_hand)
-        self._simulator.Initialize()
+        self.simulator.Initialize()
         self._observe()
 
     @property
@@ -130,7 +138,7 @@ class DrakeWorld:
         """
         self._command(q_arm, q_hand)
         self._steps += 1
-        self._simulator.AdvanceTo(self.time)
+        self.simulator.AdvanceTo(self.time)
         self._observe()
 
     def _command(self, q_arm: Array, q_hand: Array) -> None:
@@ -209,14 +217,12 @@ class DrakeWorld:
         results = self._plant.get_contact_results_output_port().Eval(self._context)
         for i in range(results.num_point_pair_contacts()):
             info = results.point_pair_contact_info(i)
-            pair = sorted((self._name(info.bodyA_index()), self._name(info.bodyB_index())))
-            if "table" in pair and any(name in self._model.bodies for name in pair):
+            a, b = self._names[int(info.bodyA_index())], self._names[int(info.bodyB_index())]
+            if (a == "table" and b in self._model.bodies) or (
+                b == "table" and a in self._model.bodies
+            ):
                 continue
-            touching = (pair[0], pair[1])
+            touching = (a, b) if a < b else (b, a)
             if self.time - self._touching.get(touching, -np.inf) > _SEPARATED:
                 self.contacts.append(ContactEvent(self.time, *touching))
             self._touching[touching] = self.time
-
-    def _name(self, index: object) -> str:
-        body = self._plant.get_body(index)
-        return "table" if body.index() == self._plant.world_body().index() else str(body.name())
