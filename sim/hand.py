@@ -69,55 +69,59 @@ def finger_points(finger: str, angles: Angles) -> Array:
 
 
 def _columns(finger: str, angles: Angles, p_PC: Array) -> Array:
-    """Velocity of a point of the distal link per rate of each of the four joints, shape (3, 4)."""
+    """Velocity of points of the distal link per rate of each of the four joints, (..., 3, 4)."""
     base, middle, distal = finger_points(finger, angles)[:3]
     R = (_THUMB_R if finger == "thumb" else np.eye(3)) @ rot_x(angles[0])
-    axes, origins = (R[:, 0], R[:, 1], R[:, 1], R[:, 1]), (base, base, middle, distal)
-    return np.cross(axes, p_PC - np.array(origins)).T
+    axes = np.array([R[:, 0], R[:, 1], R[:, 1], R[:, 1]])
+    arms = p_PC[..., None, :] - np.array([base, base, middle, distal])
+    return np.swapaxes(np.cross(axes, arms), -1, -2)
 
 
 def finger_jacobian(finger: str, angles: Angles, p_PC: Array) -> Array:
-    """Velocity of a point of the distal link per rate of each measured joint, alone.
+    """Velocity of points of the distal link per rate of each measured joint, alone.
 
     The distal joint's share is left out: a torque sensor measures the moment about its own axis.
 
     Args:
         finger: one of `FINGERS`.
         angles: abduction, proximal and middle flexion [rad].
-        p_PC: the point in P, shape (3,) [m].
+        p_PC: the points in P, shape (..., 3) [m].
 
     Returns:
-        Columns of abduction, proximal and middle joint, shape (3, 3) [m].
+        Columns of abduction, proximal and middle joint, shape (..., 3, 3) [m].
     """
-    return _columns(finger, angles, p_PC)[:, :3]
+    return _columns(finger, angles, p_PC)[..., :3]
 
 
 def fingertip_stiffness(finger: str, angles: Angles, p_PC: Array) -> Array:
-    """Force at a point of the distal link per displacement, (J k⁻¹ Jᵀ)⁻¹, in P [N/m].
+    """Force at points of the distal link per displacement, (J k⁻¹ Jᵀ)⁻¹, in P [N/m].
 
     Args:
         finger: one of `FINGERS`.
         angles: abduction, proximal and middle flexion [rad].
-        p_PC: the point in P, shape (3,) [m].
+        p_PC: the points in P, shape (..., 3) [m].
 
     Returns:
-        Shape (3, 3); J includes the distal joint, which follows the middle one.
+        Shape (..., 3, 3); J includes the distal joint, which follows the middle one.
     """
     J = _columns(finger, angles, p_PC) @ np.vstack([np.eye(3), [0.0, 0.0, 1.0]])
-    return np.asarray(np.linalg.inv(J @ J.T / JOINT_STIFFNESS))
+    return np.asarray(np.linalg.inv(J @ np.swapaxes(J, -1, -2) / JOINT_STIFFNESS))
 
 
-def coarseness(finger: str, angles: Angles, p_PC: Array, along_P: Array) -> float:
-    """Noise of the force felt along a unit direction per noise of a torque sensor [1/m].
+def coarseness(finger: str, angles: Angles, p_PC: Array, along_P: Array) -> Array:
+    """Noise of the force felt along unit directions per noise of a torque sensor [1/m].
 
     Args:
         finger: one of `FINGERS`.
         angles: abduction, proximal and middle flexion [rad].
-        p_PC: where the finger touches, in P, shape (3,) [m].
-        along_P: the direction in P, shape (3,).
+        p_PC: where the finger touches, in P, shape (..., 3) [m].
+        along_P: the directions in P, shape (..., 3).
+
+    Returns:
+        Shape (...).
     """
     J = finger_jacobian(finger, angles, p_PC)
-    return float(np.linalg.norm(np.linalg.solve(J, along_P)))
+    return np.asarray(np.linalg.norm(np.linalg.solve(J, along_P[..., None])[..., 0], axis=-1))
 
 
 @dataclass(frozen=True, eq=False)

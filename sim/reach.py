@@ -113,27 +113,27 @@ def _hands(fingers: int, spread: float) -> _Hands:
     postures = one_finger_postures() if fingers == 1 else two_finger_postures(spread)
     which = np.repeat(np.arange(len(postures)), len(turned))
     R_DP = np.tile(turned, (len(postures), 1, 1))
-    quality = [_quality(postures[i], R) for i, R in zip(which, R_DP, strict=True)]
-    coarse, skew = np.array(quality).T
+    coarse, skew = np.hstack([_quality(posture, turned) for posture in postures])
     good = np.flatnonzero((coarse < _COARSEST_FEELING) & (skew < _LARGEST_SKEW))
     order = good[np.argsort(skew[good] + coarse[good] / 200.0)]
     return _Hands(postures, which[order], R_DP[order])
 
 
-def _quality(posture: Posture, R_DP: Array) -> tuple[float, float]:
-    """How well a hand pushes along D's x axis, its worst finger.
+def _quality(posture: Posture, R_DP: Array) -> tuple[Array, Array]:
+    """How well a hand pushes along D's x axis in each orientation, by its worst finger.
 
     Returns:
         Noise of the felt push per noise of a torque sensor [1/m], and the vertical force per
-        force along the push while the fingertip sticks to the face.
+        force along the push while the fingertip sticks to the face; both of shape (n,).
     """
-    into_face = R_DP[0]  # D's x axis in P
-    coarse = skew = 0.0
+    into_face = R_DP[:, 0]  # D's x axis in P
+    coarse, skew = np.zeros(len(R_DP)), np.zeros(len(R_DP))
     for finger, tip in zip(posture.pushing, posture.tips, strict=True):
         angles, p_PC = posture.angles[finger], tip + TIP_RADIUS * into_face
-        force = R_DP @ fingertip_stiffness(finger, angles, p_PC) @ into_face
-        coarse = max(coarse, coarseness(finger, angles, p_PC, into_face))
-        skew = max(skew, abs(float(force[2] / force[0])))
+        stiffness = fingertip_stiffness(finger, angles, p_PC)
+        force = (R_DP @ stiffness @ into_face[..., None])[..., 0]
+        coarse = np.maximum(coarse, coarseness(finger, angles, p_PC, into_face))
+        skew = np.maximum(skew, np.abs(force[:, 2] / force[:, 0]))
     return coarse, skew
 
 

@@ -100,7 +100,8 @@ class Stance:
     def coarseness(self, direction_W: Array) -> float:
         """Noise of the force felt by all fingers per noise of a torque sensor [1/m]."""
         along = self.R_WP.T @ direction_W
-        return float(np.linalg.norm([coarseness(*c, along) for c in self._contacts(along)]))
+        each = [float(coarseness(*c, along)) for c in self._contacts(along)]
+        return float(np.linalg.norm(each))
 
     def _contacts(self, along_P: Array) -> list[tuple[str, Angles, Array]]:
         """Finger, angles and contact point in P of each pushing finger."""
