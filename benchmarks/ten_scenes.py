@@ -64,7 +64,9 @@ def table(results: dict[int, Result]) -> str:
             done = result.execution
             x, y, _ = (1e3 * value for value in done.displacement)
             turned, tilt = math.degrees(done.turned), math.degrees(done.largest_tilt)
-            line += f"{x:4.1f} mm {y:4.1f} mm {turned:5.2f}° {tilt:4.2f}°  {done.largest_force:4.2f} N"
+            line += (
+                f"{x:4.1f} mm {y:4.1f} mm {turned:5.2f}° {tilt:4.2f}°  {done.largest_force:4.2f} N"
+            )
         lines.append(line)
     satisfied = sum(result.ok for result in results.values())
     return "\n".join([*lines, f"satisfied: {satisfied} of {len(results)}"])

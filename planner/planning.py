@@ -39,7 +39,7 @@ UNCLEAR_FACE = math.radians(40.0)
 CLEARANCE = 0.01
 """Distance that a moving object keeps from others and from the table's edge [m]."""
 
-_ASKED = 8  # contacts of one case that the reach is asked for
+_ASKED = 6  # contacts with a number of fingers, in one case, that the reach is asked for
 _ASKED_IN_ALL = 24  # after so many it counts as out of reach
 _FALLING = math.radians(11.0)  # beyond the angle of no return a toppling box is let go
 _SLACK = 0.03  # travel of a topple beyond what the model says, for what it does not know [m]
@@ -85,7 +85,7 @@ def _best(
     for found in rated(target.model, sides, asked, reach, defaults):
         any_contact |= bool(found)
         strong = _strong_enough(found, asked, target, reach, defaults)
-        for contacts, k in _in_order(strong, asked)[:_ASKED]:
+        for contacts, k in _in_order(strong, asked):
             push = _push(contacts, k, asked, target, reach, defaults)
             answer = reach(push, state)
             if answer.ok:
@@ -237,7 +237,13 @@ def _in_order(found: list[Contacts], asked: Asked) -> list[tuple[Contacts, int]]
                 oblique = abs(contacts.side.heading)
             order.append((-contacts.fingers, rank, oblique, id(contacts), contacts, k))
     order.sort(key=lambda each: each[:4])
-    return [(contacts, k) for *_, contacts, k in order]
+    asked_for = {1: 0, 2: 0}
+    chosen = []
+    for *_, contacts, k in order:
+        asked_for[contacts.fingers] += 1
+        if asked_for[contacts.fingers] <= _ASKED:
+            chosen.append((contacts, k))
+    return chosen
 
 
 def _push(

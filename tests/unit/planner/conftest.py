@@ -1,0 +1,76 @@
+"""A state to plan in, and a reach that says yes or no by rule."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import pytest
+
+import grammar
+from grammar.frames import Frame
+from objectmodels import Registry
+from planner.plan import Push
+from planner.reach import ReachAnswer
+from planner.state import PlanarPose, SeenObject, TableState, WorldState
+
+TABLE = TableState(-0.2, 1.2, -0.8, 0.8)
+
+
+@dataclass
+class RuledReach:
+    """The planner's port to the robot, answering by a rule."""
+
+    rule: Callable[[Push], bool] = lambda _: True
+    fingertip_radius: float = 0.010
+    finger_spread: float = 0.04
+    max_force: float = 10.0
+    force_skew: float = 0.35
+    lowest_height: float = 0.025
+    asked: list[Push] = field(default_factory=list)
+
+    def __call__(self, push: Push, state: WorldState) -> ReachAnswer:
+        self.asked.append(push)
+        if self.rule(push):
+            return ReachAnswer(ok=True, margin=0.5)
+        return ReachAnswer(ok=False, reason="kinematics", message="too far")
+
+
+def world(**poses: PlanarPose) -> WorldState:
+    """Objects of the registry, by their names with underscores."""
+    registry = Registry.default()
+    objects = {}
+    for name, pose in poses.items():
+        plain = name.replace("_", " ")
+        objects[plain] = SeenObject(plain, pose, registry.get(plain))
+    return WorldState(objects, TABLE)
+
+
+def frame_of(text: str) -> Frame:
+    """The frame of a sentence, its objects named as in the scene."""
+    (frame,) = grammar.parse(text).frames
+    assert frame.object is not None
+    found = {"object": frame.object.model_copy(update={"id": frame.object.text})}
+    goal = frame.goal
+    toward = getattr(goal, "toward", None)
+    if toward is not None:
+        found["goal"] = goal.model_copy(
+            update={"toward": toward.model_copy(update={"id": toward.text})}
+        )
+    return frame.model_copy(update=found)
+
+
+@pytest.fixture
+def kitchen() -> WorldState:
+    """Three boxes far apart, standing square."""
+    return world(
+        ice_tea_box=PlanarPose(0.45, 0.0),
+        cereal_box=PlanarPose(0.60, 0.40),
+        coffee_box=PlanarPose(0.62, -0.40),
+    )
+
+
+@pytest.fixture
+def reach() -> RuledReach:
+    """A hand that gets everywhere."""
+    return RuledReach()

@@ -1,0 +1,82 @@
+"""Directions, faces and free way, against what one sees on paper."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from planner.directions import angle_between, bisector, face_name, heading_of, phrase, unit
+from planner.footprints import (
+    footprint,
+    free_travel,
+    landing_strip,
+    overlaps,
+    travel_to_edge,
+)
+from planner.state import PlanarPose, TableState
+from tests.unit.planner.conftest import world
+
+angles = st.floats(-math.pi, math.pi)
+
+
+@given(angles)
+def test_heading_and_unit_vector(heading: float) -> None:
+    # Sine, cosine and arctangent, each exact to a rounding.
+    assert angle_between(heading_of(unit(heading)), heading) == pytest.approx(0.0, abs=1e-12)
+
+
+@given(angles)
+def test_faces_of_a_box_bear_four_different_names(yaw: float) -> None:
+    assume(abs(math.remainder(yaw - math.pi / 4, math.pi / 2)) > 1e-6)
+    names = {face_name(unit(yaw + k * math.pi / 2))[0] for k in range(4)}
+    assert names == {"front", "back", "left", "right"}
+
+
+def test_words_for_headings() -> None:
+    assert phrase(0.0) == "away"
+    assert phrase(math.radians(3)) == "away"
+    assert phrase(-math.pi / 2) == "to the right"
+    assert phrase(math.radians(30)) == "at heading 30°"
+    assert bisector(["left", "right"]) is None
+    assert bisector(["away", "left"]) == pytest.approx(math.pi / 4)
+
+
+def _square(x: float, y: float, half: float = 0.05) -> np.ndarray:
+    return np.array([x, y]) + half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+
+
+@given(x=st.floats(0.2, 1.0), y=st.floats(-0.3, 0.3), clearance=st.floats(0.0, 0.03))
+def test_free_travel_ends_where_they_are_as_close_as_allowed(
+    x: float, y: float, clearance: float
+) -> None:
+    moving, standing, u = _square(0.0, 0.0), _square(x, y), np.array([1.0, 0.0])
+    free = free_travel(moving, standing, u, clearance)
+    if math.isinf(free):
+        assert abs(y) >= 0.1 + clearance - 1e-12
+        return
+    assert free == pytest.approx(x - 0.1 - clearance)
+    # Before it they are apart, past it they are not.
+    assert not overlaps(moving + (free - 1e-6) * u, standing, clearance)
+    assert overlaps(moving + (free + 1e-6) * u, standing, clearance)
+
+
+def test_edge_of_the_table() -> None:
+    table = TableState(0.0, 1.0, -0.5, 0.5)
+    corners = _square(0.5, 0.0)
+    assert travel_to_edge(corners, table, np.array([1.0, 0.0]), 0.01) == pytest.approx(0.44)
+    assert travel_to_edge(corners, table, np.array([0.0, -1.0]), 0.01) == pytest.approx(0.44)
+    diagonal = np.array([1.0, 1.0]) / math.sqrt(2)
+    assert travel_to_edge(corners, table, diagonal, 0.0) == pytest.approx(0.45 * math.sqrt(2))
+
+
+def test_where_a_box_falls() -> None:
+    seen = world(ice_tea_box=PlanarPose(0.4, 0.1)).objects["ice tea box"]
+    strip = landing_strip(seen, unit(0.0))
+    # 90 mm of base and 230 mm of height in front of it.
+    assert strip[:, 0].max() - strip[:, 0].min() == pytest.approx(0.32)
+    assert strip[:, 1].max() - strip[:, 1].min() == pytest.approx(0.09)
+    assert footprint(seen).mean(axis=0) == pytest.approx([0.4, 0.1])
