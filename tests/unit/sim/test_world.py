@@ -1,0 +1,126 @@
+"""The world behind the ports: what is seen, felt and recorded; replay and pictures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim import DrakeWorld, PictureError, first_look, load_scene, save_picture, save_replay
+from sim.picture import missing_libraries
+from sim.stage import samples
+from sim.trace import Trace
+
+
+@pytest.fixture(scope="module")
+def still() -> DrakeWorld:
+    world = DrakeWorld(load_scene("kitchen"), seed=3)
+    world.look(0.5)
+    return world
+
+
+def _trace(world: DrakeWorld) -> Trace:
+    history, n = world.history, len(world.history)
+    poses = {name: np.array([s.poses[name] for s in history]) for name in world.scene.names}
+    return Trace(
+        time=np.array([s.time for s in history]),
+        phase=np.full(n, "look"),
+        poses=poses,
+        seen=poses,
+        joints=np.array([s.joints for s in history]),
+        joint_names=world.joint_names,
+        tips={},
+        felt={},
+        force_limit=np.zeros(n),
+        contacts=(),
+        pushed="ice tea box",
+        direction=np.array([1.0, 0.0, 0.0]),
+        end="stroke",
+        detail="",
+        seed=world.seed,
+    )
+
+
+def test_nothing_moves_by_itself(still: DrakeWorld) -> None:
+    first, last = still.history[0], still.history[-1]
+    for name in still.scene.names:
+        # Contacts settle by micrometres.
+        np.testing.assert_allclose(last.poses[name], first.poses[name], atol=2e-5)
+    np.testing.assert_allclose(last.joints, first.joints, atol=1e-6)
+    assert still.contacts == []
+
+
+def test_first_look_is_what_the_world_shows_first() -> None:
+    scene = load_scene("kitchen")
+    before, after = first_look(scene, 0.5, seed=5), DrakeWorld(scene, seed=5).look(0.5)
+    for name in scene.names:
+        # They differ by what objects settle.
+        assert before[name].x == pytest.approx(after[name].x, abs=1e-5)
+        assert before[name].yaw == pytest.approx(after[name].yaw, abs=1e-5)
+
+
+def test_fingers_that_touch_nothing_feel_noise_alone(still: DrakeWorld) -> None:
+    readings = np.array([still.finger_torques("index") for _ in range(400)])
+    sensor = still.scene.torque_sensor
+    noise = sensor.noise_nm / np.sqrt(sensor.rate_hz * still.period)
+    # The mean of 400 readings has a twentieth of their deviation; four of those.
+    assert np.abs(readings.mean(axis=0)).max() < noise / 5 + 1e-5
+    np.testing.assert_allclose(readings.std(axis=0), noise, rtol=0.15)
+
+
+def test_the_same_seed_gives_the_same_noise_and_another_seed_another() -> None:
+    scene = load_scene("kitchen")
+    one, same, other = (DrakeWorld(scene, seed=seed).look(0.2) for seed in (1, 1, 2))
+    assert one == same
+    assert one != other
+
+
+def test_replay_is_one_file_without_links(still: DrakeWorld, tmp_path: Path) -> None:
+    path = tmp_path / "run.html"
+    save_replay(_trace(still), still.scene, path)
+    html = path.read_text(encoding="utf-8")
+    assert html.lstrip().lower().startswith("<!doctype html>")
+    assert 'src="http' not in html
+    assert 'href="http' not in html
+    assert "ice tea box" in html
+
+
+@pytest.mark.skipif(bool(missing_libraries()), reason="this machine has no EGL to draw with")
+def test_picture_and_moving_picture(still: DrakeWorld, tmp_path: Path) -> None:
+    from PIL import Image
+
+    trace = _trace(still)
+    save_picture(trace, still.scene, tmp_path / "run.png")
+    save_picture(trace, still.scene, tmp_path / "run.gif")
+    with Image.open(tmp_path / "run.png") as picture:
+        assert picture.size == (1280, 960)
+        # More than a flat background: table, boxes and arm have colours of their own.
+        assert len(picture.convert("RGB").quantize(64).getcolors() or []) > 20
+    with Image.open(tmp_path / "run.gif") as moving:
+        assert getattr(moving, "n_frames", 0) >= 1
+
+
+def test_a_picture_of_another_kind(still: DrakeWorld, tmp_path: Path) -> None:
+    with pytest.raises(PictureError) as raised:
+        save_picture(_trace(still), still.scene, tmp_path / "run.bmp")
+    assert raised.value.code == "bad_picture"
+
+
+def test_a_machine_that_cannot_draw_says_what_is_missing(
+    still: DrakeWorld, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sim.picture._LIBRARIES", ("libNoSuchThing.so.1",))
+    with pytest.raises(PictureError) as raised:
+        save_picture(_trace(still), still.scene, tmp_path / "run.png")
+    assert raised.value.code == "no_pictures"
+    assert "libNoSuchThing" in raised.value.message
+    assert "libegl1" in " ".join(raised.value.suggestions)
+
+
+def test_frames_of_a_recording(still: DrakeWorld) -> None:
+    trace = _trace(still)
+    chosen = samples(trace, 10.0)
+    assert chosen[0] == 0
+    assert chosen[-1] == len(trace.time) - 1
+    np.testing.assert_allclose(np.diff(trace.time[chosen])[:-1], 0.1, atol=still.period)
