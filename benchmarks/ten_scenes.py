@@ -27,10 +27,11 @@ SPREAD = 0.20
 
 def shares(seed: int) -> tuple[float, float]:
     """True mass and true friction of a scene, as shares of the believed ones."""
-    corners = list(itertools.product((1.0 - SPREAD, 1.0 + SPREAD), repeat=2))
+    low, high = 1.0 - SPREAD, 1.0 + SPREAD
+    corners = [(low, low), (low, high), (high, low), (high, high)]
     if seed < len(corners):
         return corners[seed]
-    mass, friction = np.random.default_rng(seed).uniform(1.0 - SPREAD, 1.0 + SPREAD, 2).tolist()
+    mass, friction = np.random.default_rng(seed).uniform(low, high, 2).tolist()
     return mass, friction
 
 

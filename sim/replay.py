@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import logging
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,7 +22,19 @@ if TYPE_CHECKING:
 FRAME_RATE = 24.0
 """Frames per second of the recording."""
 
-_CAMERA, _LOOK_AT = (-0.75, -1.15, 0.75), (0.45, 0.0, 0.22)
+_CAMERA, _LOOK_AT = (-0.45, -0.95, 0.65), (0.45, 0.0, 0.30)
+
+
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Drake's log without its notes."""
+    log = logging.getLogger("drake")
+    before = log.level
+    log.setLevel(logging.WARNING)
+    try:
+        yield
+    finally:
+        log.setLevel(before)
 
 
 def save_replay(trace: Trace, scene: Scene, path: Path | str) -> None:
@@ -32,7 +47,8 @@ def save_replay(trace: Trace, scene: Scene, path: Path | str) -> None:
     """
     from pydrake.geometry import Meshcat, MeshcatParams, MeshcatVisualizer, MeshcatVisualizerParams
 
-    meshcat = Meshcat(MeshcatParams(host="localhost", show_stats_plot=False))
+    with _quiet():  # it reports an address that is gone before anybody could open it
+        meshcat = Meshcat(MeshcatParams(host="localhost", show_stats_plot=False))
     meshcat.SetProperty("/Background", "top_color", [0.93, 0.95, 0.97])
     meshcat.SetProperty("/Background", "bottom_color", [0.80, 0.84, 0.88])
     for hidden in ("/Grid", "/Axes"):

@@ -50,7 +50,7 @@ def frame_of(text: str) -> Frame:
     """The frame of a sentence, its objects named as in the scene."""
     (frame,) = grammar.parse(text).frames
     assert frame.object is not None
-    found = {"object": frame.object.model_copy(update={"id": frame.object.text})}
+    found: dict[str, object] = {"object": frame.object.model_copy(update={"id": frame.object.text})}
     goal = frame.goal
     toward = getattr(goal, "toward", None)
     if toward is not None:

@@ -66,7 +66,7 @@ def _push(
         fingers=fingers,
         spread=0.04 if fingers == 2 else 0.0,
         ends_on="stroke",
-    )  # type: ignore[arg-type]
+    )
 
 
 def _stance(reach: ArmReach, push: Push, state: WorldState) -> Stance:

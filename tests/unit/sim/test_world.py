@@ -81,9 +81,10 @@ def test_replay_is_one_file_without_links(still: DrakeWorld, tmp_path: Path) -> 
     save_replay(_trace(still), still.scene, path)
     html = path.read_text(encoding="utf-8")
     assert html.lstrip().lower().startswith("<!doctype html>")
-    assert 'src="http' not in html
-    assert 'href="http' not in html
-    assert "ice tea box" in html
+    # Scripts and styles stand in the file itself.
+    assert "<script src" not in html
+    assert "<link" not in html
+    assert len(html) > 500_000  # the viewer and the recording
 
 
 @pytest.mark.skipif(bool(missing_libraries()), reason="this machine has no EGL to draw with")
