@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from statistics import NormalDist
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,7 +22,8 @@ from planner.candidates import Contacts, Side, rated
 from planner.defaults import DEFAULTS, Defaults
 from planner.directions import angle_between, face_name, heading_of, unit
 from planner.footprints import footprint, free_travel, landing_strip, overlaps, travel_to_edge
-from planner.plan import Margins, Plan, Prediction, Push, Refusal
+from planner.forecast import margins, needed_force, prediction, remarks
+from planner.plan import Plan, Push, Refusal
 
 if TYPE_CHECKING:
     from grammar.frames import Frame
@@ -89,11 +89,11 @@ def _best(
             push = _push(contacts, k, asked, target, reach, defaults)
             answer = reach(push, state)
             if answer.ok:
-                notes = _notes(contacts, push, asked, len(answers))
+                notes = remarks(contacts, push, asked, len(answers))
                 return Plan(
                     push=push,
-                    prediction=_prediction(contacts, k, asked, target),
-                    margins=_margins(contacts, k, asked, target, push, defaults),
+                    prediction=prediction(contacts, k, asked, target),
+                    margins=margins(contacts, k, asked, target, push, defaults),
                     displacement=_displacement(push),
                     defaults=asked.defaults,
                     considered=sum(len(each.points) for each in found),
@@ -190,18 +190,6 @@ def _others(target: SeenObject, state: WorldState) -> list[SeenObject]:
 # -- how hard ---------------------------------------------------------------------------------
 
 
-def _needed(contacts: Contacts, i: int, asked: Asked, target: SeenObject, d: Defaults) -> float:
-    """Force along the push that the motion needs, with the probability that plans must have [N]."""
-    model = target.model
-    if asked.outcome == "topple":
-        largest = float(contacts.cone.topple_max[i])
-        return largest * (1.0 + contacts.sigmas * model.mass_sd / model.mass)
-    inward = -np.array([contacts.side.face.normal])
-    nominal = float(model.thresholds(contacts.points[[i]], inward).slide[0])
-    share = math.hypot(model.friction_sd / model.friction, model.mass_sd / model.mass)
-    return nominal * (1.0 + NormalDist().inv_cdf(d.probability) * share)
-
-
 def _strong_enough(
     found: list[Contacts], asked: Asked, target: SeenObject, reach: Reach, d: Defaults
 ) -> list[Contacts]:
@@ -212,7 +200,7 @@ def _strong_enough(
     """
     strong, least = [], math.inf
     for contacts in found:
-        needed = np.array([_needed(contacts, i, asked, target, d) for i in contacts.chosen])
+        needed = np.array([needed_force(contacts, i, asked, target, d) for i in contacts.chosen])
         least = min(least, float(needed.min()))
         enough = needed <= min(asked.max_force, contacts.fingers * reach.max_force)
         if enough.any():
@@ -256,7 +244,7 @@ def _push(
 ) -> Push:
     i = int(contacts.chosen[k])
     outward = target.pose.R_WB @ np.array(contacts.side.face.normal)
-    needed = _needed(contacts, i, asked, target, defaults)
+    needed = needed_force(contacts, i, asked, target, defaults)
     limit = min(
         needed * (1.0 + defaults.force_reserve),
         asked.max_force,
@@ -295,63 +283,3 @@ def _displacement(push: Push) -> tuple[float, float, float] | None:
 def _triple(v: np.ndarray) -> tuple[float, float, float]:
     x, y, z = v.tolist()
     return x, y, z
-
-
-# -- why it works -----------------------------------------------------------------------------
-
-
-def _prediction(contacts: Contacts, k: int, asked: Asked, target: SeenObject) -> Prediction:
-    i, model = int(contacts.chosen[k]), target.model
-    inward = -np.array(contacts.side.face.normal)
-    nominal = model.thresholds(contacts.points[[i]], inward[None])
-    cone = contacts.cone
-    worst = cone.height_below[i] if asked.outcome == "slide" else cone.height_above[i]
-    return Prediction(
-        outcome=asked.outcome,
-        onset=float(nominal.onset[0]),
-        slide_force=_finite(nominal.slide[0]),
-        topple_force=_finite(nominal.topple[0]),
-        critical_height=_finite(cone.critical_height[i]),
-        critical_height_worst=_finite(worst),
-        probability=float(contacts.probability[k]),
-        stay_on_base_angle=model.angle_of_no_return(inward),
-    )
-
-
-def _margins(
-    contacts: Contacts, k: int, asked: Asked, target: SeenObject, push: Push, d: Defaults
-) -> Margins:
-    i, cone, height = int(contacts.chosen[k]), contacts.cone, target.model.size[2]
-    z = float(contacts.points[i, 2])
-    if asked.outcome == "slide":
-        force, room = float(cone.slide_margin[i]), min(float(cone.height_below[i]), height) - z
-    else:
-        force, room = float(cone.topple_margin[i]), z - max(float(cone.height_above[i]), 0.0)
-    return Margins(
-        # What never happens has no threshold: the object's weight is then far enough.
-        force=min(force, target.model.weight),
-        height=room,
-        lateral=float(contacts.lateral[i]),
-        sigmas=contacts.sigmas,
-        force_limit=push.force_limit - _needed(contacts, i, asked, target, d),
-    )
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
-
-
-def _notes(contacts: Contacts, push: Push, asked: Asked, refused: int) -> tuple[str, ...]:
-    notes = []
-    if asked.region is not None:
-        notes.append(f"the sentence asks for a contact {asked.region}")
-    if push.fingers == 1 and 2 in asked.fingers:
-        notes.append("one finger, since two do not reach it")
-    if contacts.guarded:
-        notes.append(
-            "held for the forces that the hand's stiffness allows, not for the whole friction cone"
-        )
-    if refused:
-        better = "contact was" if refused == 1 else "contacts were"
-        notes.append(f"{refused} better {better} out of reach")
-    return tuple(notes)

@@ -10,8 +10,7 @@ bounded rate; once it moves, v rises to the plan's speed; near the end of the st
 what remains. The stroke is measured at the fingertips. Two fingers
 keep the object's heading by themselves; one finger is steered by `sim.steering`.
 
-Guards: a tilt that was not asked for, sliding where a tilt was asked for, a lost contact, a
-speed beyond the plan's, a push that lasts too long.
+Ends and guards stand in `sim.guards`.
 """
 
 from __future__ import annotations
@@ -20,9 +19,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from planner.plan import Plan, Push
+from planner.plan import Plan
 from planner.state import WorldState
 from sim.fingers import Touch
+from sim.guards import MOVED, RAMP, Guards, band
 from sim.hand import TIP_RADIUS
 from sim.reach import STANDOFF, Way
 from sim.recorder import Recorder
@@ -45,12 +45,9 @@ TOUCH_BEYOND = 0.015
 
 _FILTER = 0.04  # time constant of the felt force [s]
 _NOISES = 6.0  # standard deviations of noise that do not count as a touch
-_BAND, _SMALLEST_BAND = 0.2, 0.1  # share of the limit, and [N]
-_RAMP = 2.0  # time in which the force limit rises [s]
 _ACCELERATION = 0.1  # [m/s²]
 _FORCE_RATE = 10.0  # of an object that stands [N/s]
 _FASTEST_START = 0.012  # before the object moves [m/s]
-_MOVED = 0.001  # travel of the fingertips that shows that the object moves [m]
 _FOLLOWS = 0.3  # share of the commanded speed with which a moving object follows
 _BRAKING = 1.5  # speed per remaining distance near the end of the stroke [1/s]
 _SLOWEST = 0.008  # [m/s]
@@ -58,14 +55,6 @@ _HOLD = 4.0  # rate at which deviations across the vector are corrected [1/s]
 _HOLD_MOST = 0.010  # largest such correction [m]
 
 _SEEN_SHARE = 0.35  # weight of a new camera frame in the seen tilt
-_TILT_SHARE = 0.35  # a push that must not tilt stops at this share of the angle of no return
-_FALLING = np.radians(11.0)  # tilt beyond the angle of no return at which it is left to fall
-_SLIDES_AFTER = 0.03  # travel after which a topple must show some tilt [m]
-_SLIDES_SHARE = 0.35  # of the tilt that turning about the far edge would show by then
-_STUCK_SPEED = 0.001  # [m/s]
-_STUCK_TIME = 0.8  # [s]
-_LOST_TIME = 0.6  # [s]
-_LOST_SHARE = 0.1  # of the onset force: less is no contact
 
 
 class EarlyEndError(Exception):
@@ -80,11 +69,6 @@ class EarlyEndError(Exception):
         super().__init__(detail)
         self.end = end
         self.detail = detail
-
-
-def band(push: Push) -> float:
-    """Force below the limit over which the speed falls to zero [N]."""
-    return max(_BAND * push.force_limit, _SMALLEST_BAND)
 
 
 class PushControl:
@@ -181,20 +165,20 @@ class PushControl:
         sideways = np.array([-self._u[1], self._u[0], 0.0])
         start = min(_FASTEST_START, push.speed, _FORCE_RATE / self.stance.stiffness(self._u))
         speed, felt_first = start, float(self._forces.sum())
-        watch = _Watch(self.plan, self._period)
+        guards = Guards(self.plan, self._period)
         while True:
             elapsed = self.recorder.world.time - started
             here = self._here
             travel = float((here.midpoint - origin) @ self._u)
-            end = watch.end(elapsed, travel, float(self._forces.sum()), self._tilt)
+            end = guards.end(elapsed, travel, float(self._forces.sum()), self._tilt)
             if end is not None:
                 return end
             if steering is not None:
                 self._inform(steering, here)
                 slope = steering.slope(push.stroke - travel)
-            limit = min(1.0, elapsed / _RAMP) * (push.force_limit - felt_first) + felt_first
+            limit = min(1.0, elapsed / RAMP) * (push.force_limit - felt_first) + felt_first
             self.recorder.force_limit = max(limit, felt_first)
-            speed = self._speed(speed, start, travel, watch.speed)
+            speed = self._speed(speed, start, travel, guards.speed)
             room = (limit - self._forces.sum()) / band(push)
             advance = speed * float(np.clip(room, -1.0, 1.0))
             step = advance * self._period * (self._u + slope * sideways) / np.hypot(1.0, slope)
@@ -215,7 +199,7 @@ class PushControl:
             measured: speed of the fingertips [m/s].
         """
         push = self.plan.push
-        if travel < _MOVED or (measured < _FOLLOWS * before and before > 2.0 * _SLOWEST):
+        if travel < MOVED or (measured < _FOLLOWS * before and before > 2.0 * _SLOWEST):
             return start
         allowed = min(push.speed, before + _ACCELERATION * self._period)
         if push.ends_on == "stroke":
@@ -262,89 +246,3 @@ class PushControl:
         steering.moved(self.recorder.world.time, here.midpoint[:2])
         for frame in self.recorder.frames:
             steering.seen(frame.time, frame.poses[self.plan.push.object])
-
-
-class _Watch:
-    """Ends and guards of a push.
-
-    Args:
-        plan: what was to happen.
-        period: of a control step [s].
-
-    Attributes:
-        speed: of the fingertips along the vector, filtered [m/s].
-    """
-
-    def __init__(self, plan: Plan, period: float) -> None:
-        self._push = plan.push
-        self._prediction = plan.prediction
-        self._period = period
-        self._before = 0.0
-        self.speed = 0.0
-        self._stuck = 0.0
-        self._lost = 0.0
-        self._longest = 10.0 + 3.0 * plan.push.stroke / plan.push.speed
-
-    def end(
-        self, elapsed: float, travel: float, felt: float, tilt: float
-    ) -> tuple[EndReason, str] | None:
-        """Why the push ends now; None if it goes on.
-
-        Args:
-            elapsed: since its start [s].
-            travel: of the fingertips along the vector [m].
-            felt: force along the vector, filtered [N].
-            tilt: seen tilt along the vector, filtered [rad].
-        """
-        self.speed += 0.2 * ((travel - self._before) / self._period - self.speed)
-        self._before = travel
-        topple = self._push.ends_on == "toppled"
-        return (
-            (self._toppled(travel, tilt) if topple else self._stroke(travel, tilt))
-            or self._force(elapsed, felt)
-            or self._too_fast()
-            or (None if topple else self._contact_lost(travel, felt))
-            or self._too_long(elapsed)
-        )
-
-    def _stroke(self, travel: float, tilt: float) -> tuple[EndReason, str] | None:
-        if travel >= self._push.stroke:
-            return "stroke", f"the fingertips travelled {1e3 * travel:.0f} mm"
-        if tilt > _TILT_SHARE * self._prediction.stay_on_base_angle:
-            return "guard", f"the object was seen to tilt by {np.degrees(tilt):.0f}°"
-        return None
-
-    def _toppled(self, travel: float, tilt: float) -> tuple[EndReason, str] | None:
-        if tilt > self._prediction.stay_on_base_angle + _FALLING:
-            return "toppled", f"it was seen tilted by {np.degrees(tilt):.0f}° and falls by itself"
-        if travel >= self._push.stroke:
-            return "stroke", f"it does not fall after {1e3 * travel:.0f} mm"
-        expected = np.arctan2(travel, self._push.p_BC[2])
-        if travel > _SLIDES_AFTER and tilt < _SLIDES_SHARE * expected:
-            return "guard", f"it slides instead of tilting, {1e3 * travel:.0f} mm so far"
-        return None
-
-    def _force(self, elapsed: float, felt: float) -> tuple[EndReason, str] | None:
-        all_of_it = elapsed > _RAMP and felt > self._push.force_limit - band(self._push)
-        still = all_of_it and abs(self.speed) < _STUCK_SPEED
-        self._stuck = self._stuck + self._period if still else 0.0
-        if self._stuck > _STUCK_TIME:
-            return "force", f"it does not move with {felt:.1f} N"
-        return None
-
-    def _too_fast(self) -> tuple[EndReason, str] | None:
-        if self.speed > 2.0 * self._push.speed + 0.03:
-            return "speed", f"the fingertips became {1e3 * self.speed:.0f} mm/s fast"
-        return None
-
-    def _contact_lost(self, travel: float, felt: float) -> tuple[EndReason, str] | None:
-        lost = travel > _MOVED and felt < _LOST_SHARE * self._prediction.onset
-        self._lost = self._lost + self._period if lost else 0.0
-        if self._lost > _LOST_TIME:
-            return "guard", "the fingertips lost the object"
-        return None
-
-    def _too_long(self, elapsed: float) -> tuple[EndReason, str] | None:
-        if elapsed > self._longest:
-            return "guard", f"the push took longer than {self._longest:.0f} s"
-        return None

@@ -1,0 +1,95 @@
+"""What a chosen push will do, and how far it is from what it must not do, as numbers.
+
+Frames: contacts and directions are in B; forces along the push.
+"""
+
+from __future__ import annotations
+
+import math
+from statistics import NormalDist
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from planner.plan import Margins, Prediction
+
+if TYPE_CHECKING:
+    from planner.asked import Asked
+    from planner.candidates import Contacts
+    from planner.defaults import Defaults
+    from planner.plan import Push
+    from planner.state import SeenObject
+
+
+def needed_force(
+    contacts: Contacts, i: int, asked: Asked, target: SeenObject, d: Defaults
+) -> float:
+    """Force along the push that the motion needs, with the probability that plans must have [N]."""
+    model = target.model
+    if asked.outcome == "topple":
+        largest = float(contacts.cone.topple_max[i])
+        return largest * (1.0 + contacts.sigmas * model.mass_sd / model.mass)
+    inward = -np.array([contacts.side.face.normal])
+    nominal = float(model.thresholds(contacts.points[[i]], inward).slide[0])
+    share = math.hypot(model.friction_sd / model.friction, model.mass_sd / model.mass)
+    return nominal * (1.0 + NormalDist().inv_cdf(d.probability) * share)
+
+
+def prediction(contacts: Contacts, k: int, asked: Asked, target: SeenObject) -> Prediction:
+    """What the object model says of the k-th chosen contact."""
+    i, model = int(contacts.chosen[k]), target.model
+    inward = -np.array(contacts.side.face.normal)
+    nominal = model.thresholds(contacts.points[[i]], inward[None])
+    cone = contacts.cone
+    worst = cone.height_below[i] if asked.outcome == "slide" else cone.height_above[i]
+    return Prediction(
+        outcome=asked.outcome,
+        onset=float(nominal.onset[0]),
+        slide_force=_finite(nominal.slide[0]),
+        topple_force=_finite(nominal.topple[0]),
+        critical_height=_finite(cone.critical_height[i]),
+        critical_height_worst=_finite(worst),
+        probability=float(contacts.probability[k]),
+        stay_on_base_angle=model.angle_of_no_return(inward),
+    )
+
+
+def margins(
+    contacts: Contacts, k: int, asked: Asked, target: SeenObject, push: Push, d: Defaults
+) -> Margins:
+    """How far the k-th chosen contact is from the outcome that it must not have."""
+    i, cone, height = int(contacts.chosen[k]), contacts.cone, target.model.size[2]
+    z = float(contacts.points[i, 2])
+    if asked.outcome == "slide":
+        force, room = float(cone.slide_margin[i]), min(float(cone.height_below[i]), height) - z
+    else:
+        force, room = float(cone.topple_margin[i]), z - max(float(cone.height_above[i]), 0.0)
+    return Margins(
+        # What never happens has no threshold: the object's weight is then far enough.
+        force=min(force, target.model.weight),
+        height=room,
+        lateral=float(contacts.lateral[i]),
+        sigmas=contacts.sigmas,
+        force_limit=push.force_limit - needed_force(contacts, i, asked, target, d),
+    )
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def remarks(contacts: Contacts, push: Push, asked: Asked, refused: int) -> tuple[str, ...]:
+    """Plain sentences on how the push was chosen; `refused` contacts were out of reach."""
+    notes = []
+    if asked.region is not None:
+        notes.append(f"the sentence asks for a contact {asked.region}")
+    if push.fingers == 1 and 2 in asked.fingers:
+        notes.append("one finger, since two do not reach it")
+    if contacts.guarded:
+        notes.append(
+            "held for the forces that the hand's stiffness allows, not for the whole friction cone"
+        )
+    if refused:
+        better = "contact was" if refused == 1 else "contacts were"
+        notes.append(f"{refused} better {better} out of reach")
+    return tuple(notes)
