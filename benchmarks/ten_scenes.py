@@ -64,7 +64,8 @@ def table(results: dict[int, Result]) -> str:
         if result.execution is not None:
             done = result.execution
             x, y, _ = (1e3 * value for value in done.displacement)
-            turned, tilt = math.degrees(done.turned), math.degrees(done.largest_tilt)
+            turned = math.nan if done.turned is None else math.degrees(done.turned)
+            tilt = math.degrees(done.largest_tilt)
             line += (
                 f"{x:4.1f} mm {y:4.1f} mm {turned:5.2f}° {tilt:4.2f}°  {done.largest_force:4.2f} N"
             )

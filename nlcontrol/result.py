@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
 import numpy as np
@@ -26,7 +27,8 @@ class Execution(BaseModel):
         end: why the push ended; `detail` says it in words.
         duration: of the whole execution, simulated [s].
         displacement: of the pushed object in W [m].
-        turned: angle by which it turned about the vertical [rad], counter-clockwise.
+        turned: angle by which it turned about the vertical [rad], counter-clockwise; None if it
+            lies at the end, where a heading says nothing.
         largest_tilt: on the way [rad].
         largest_force: felt along the push, averaged against the sensors' noise [N].
     """
@@ -37,7 +39,7 @@ class Execution(BaseModel):
     detail: str
     duration: float
     displacement: Vector3
-    turned: float
+    turned: float | None
     largest_tilt: float
     largest_force: float
 
@@ -45,12 +47,13 @@ class Execution(BaseModel):
 def summary(trace: Trace) -> Execution:
     """A trace in a few numbers."""
     x, y, z = trace.displacement(trace.pushed).tolist()
+    lies = measures.tilt_at_end(trace, trace.pushed)[1] > math.radians(45)
     return Execution(
         end=trace.end,
         detail=trace.detail,
         duration=float(trace.time[-1] - trace.time[0]),
         displacement=(x, y, z),
-        turned=float(trace.yaw(trace.pushed)[-1]),
+        turned=None if lies else float(trace.yaw(trace.pushed)[-1]),
         largest_tilt=float(np.max(trace.tilt(trace.pushed))),
         largest_force=measures.largest_push_force(trace),
     )

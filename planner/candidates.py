@@ -88,31 +88,31 @@ def grid(side: Side, fingers: int, low: float, high: float, reach: Reach) -> tup
 def rated(
     model: BoxModel, sides: list[Side], asked: Asked, reach: Reach, defaults: Defaults
 ) -> Iterator[list[Contacts]]:
-    """Contacts at which the wanted outcome is sure enough, from the surest case to the least."""
+    """Contacts at which the wanted outcome is sure enough, from the surest case to the least.
+
+    Two fingers come before one, since they hold the object's heading by themselves.
+    """
     held = model.model_copy(
         update={
             "finger_friction": min(reach.force_skew, model.finger_friction),
             "finger_friction_sd": 0.0,
         }
     )
-    grids = [
-        (side, fingers, *grid(side, fingers, asked.low, asked.high, reach))
-        for side in sides
-        for fingers in asked.fingers
-    ]
-    for believed, guarded in ((model, False), (held, True)):
-        for sigmas in (defaults.sigmas, defaults.sigmas / 2, 0.0):
-            # Within all sigmas the outcome is sure; within fewer it must also be likely.
-            least = 0.0 if sigmas == defaults.sigmas else defaults.probability
-            found = [
-                _rate(
-                    believed, side, fingers, points, lateral,
-                    sigmas=sigmas, guarded=guarded, outcome=asked.outcome, least=least,
-                )
-                for side, fingers, points, lateral in grids
-                if len(points)
-            ]  # fmt: skip
-            yield [contacts for contacts in found if len(contacts.chosen)]
+    for fingers in asked.fingers:
+        grids = [(side, *grid(side, fingers, asked.low, asked.high, reach)) for side in sides]
+        for believed, guarded in ((model, False), (held, True)):
+            for sigmas in (defaults.sigmas, defaults.sigmas / 2, 0.0):
+                # Within all sigmas the outcome is sure; within fewer it must also be likely.
+                least = 0.0 if sigmas == defaults.sigmas else defaults.probability
+                found = [
+                    _rate(
+                        believed, side, fingers, points, lateral,
+                        sigmas=sigmas, guarded=guarded, outcome=asked.outcome, least=least,
+                    )
+                    for side, points, lateral in grids
+                    if len(points)
+                ]  # fmt: skip
+                yield [contacts for contacts in found if len(contacts.chosen)]
 
 
 def _rate(

@@ -39,8 +39,8 @@ UNCLEAR_FACE = math.radians(40.0)
 CLEARANCE = 0.01
 """Distance that a moving object keeps from others and from the table's edge [m]."""
 
-_ASKED = 6  # contacts with a number of fingers, in one case, that the reach is asked for
-_ASKED_IN_ALL = 24  # after so many it counts as out of reach
+_ASKED = 6  # contacts of one case that the reach is asked for
+_ASKED_IN_ALL = 18  # after so many with a number of fingers it counts as out of reach
 _FALLING = math.radians(11.0)  # beyond the angle of no return a toppling box is let go
 _SLACK = 0.03  # travel of a topple beyond what the model says, for what it does not know [m]
 
@@ -81,12 +81,15 @@ def _best(
 ) -> Plan | Refusal:
     """The contact with the largest margin that the hand reaches, or what stops it."""
     answers: list[ReachAnswer] = []
+    tried = {1: 0, 2: 0}
     any_contact = False
     for found in rated(target.model, sides, asked, reach, defaults):
         any_contact |= bool(found)
         strong = _strong_enough(found, asked, target, reach, defaults)
         for contacts, k in _in_order(strong, asked):
             push = _push(contacts, k, asked, target, reach, defaults)
+            if tried[push.fingers] == _ASKED_IN_ALL:
+                break
             answer = reach(push, state)
             if answer.ok:
                 notes = remarks(contacts, push, asked, len(answers))
@@ -101,8 +104,7 @@ def _best(
                     notes=notes,
                 )
             answers.append(answer)
-            if len(answers) == _ASKED_IN_ALL:
-                return refusals.no_reach(target, answers)
+            tried[push.fingers] += 1
     if answers:
         return refusals.no_reach(target, answers)
     assert not any_contact, "a contact that is strong enough is asked for"
@@ -215,23 +217,13 @@ def _strong_enough(
 
 
 def _in_order(found: list[Contacts], asked: Asked) -> list[tuple[Contacts, int]]:
-    """Contacts of all faces by rank: two fingers first, then by margin, in turn over the faces."""
+    """Contacts of all faces by rank, in turn over the faces, as many as the reach is asked for."""
     order = []
-    for contacts in found:
-        for rank, k in enumerate(range(len(contacts.chosen))):
-            oblique = 0.0
-            if asked.heading is None:
-                # Falling along the robot's own axes is easiest to watch; away comes first.
-                oblique = abs(contacts.side.heading)
-            order.append((-contacts.fingers, rank, oblique, id(contacts), contacts, k))
-    order.sort(key=lambda each: each[:4])
-    asked_for = {1: 0, 2: 0}
-    chosen = []
-    for *_, contacts, k in order:
-        asked_for[contacts.fingers] += 1
-        if asked_for[contacts.fingers] <= _ASKED:
-            chosen.append((contacts, k))
-    return chosen
+    for number, contacts in enumerate(found):
+        # A fall that may go anywhere goes away from the robot if it can.
+        aside = abs(contacts.side.heading) if asked.heading is None else 0.0
+        order += [(rank, aside, number) for rank in range(len(contacts.chosen))]
+    return [(found[number], rank) for rank, _, number in sorted(order)][:_ASKED]
 
 
 def _push(

@@ -46,6 +46,7 @@ def test_the_first_sentence(capsys: pytest.CaptureFixture[str], tmp_path: Path) 
     # The default distance of 10 cm within 1 cm, upright within 5°, turned by less than 3°.
     assert result.execution.displacement[0] == pytest.approx(0.10, abs=0.01)
     assert result.execution.largest_tilt < math.radians(5)
+    assert result.execution.turned is not None
     assert abs(result.execution.turned) < math.radians(3)
     assert replay.stat().st_size > 10_000
     assert "push" in narration
