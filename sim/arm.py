@@ -27,8 +27,6 @@ LIMITS = np.radians([170.0, 120.0, 170.0, 120.0, 170.0, 120.0, 170.0])
 
 JOINT_NAMES = tuple(f"arm_joint_{i}" for i in range(1, 8))
 
-BRANCHES = 8
-
 # Below these |q2| and |q6| the axes of joints 1 and 3, or 5 and 7, nearly coincide [rad].
 _SHOULDER_SINGULARITY, _WRIST_SINGULARITY = 0.01, 0.05
 _JOINT_TURNS = (rot_z, rot_y, rot_z, lambda q: rot_y(-q), rot_z, rot_y, rot_z)

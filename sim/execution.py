@@ -75,6 +75,8 @@ def execute(
         end, detail = run.push()
     except EarlyEndError as early:
         end, detail = early.end, early.detail
+    except UnreachableError as error:
+        end, detail = "unreachable", str(error)
     run.come_home(end)
     return run.recorder.trace(plan.push, end=end, detail=detail)
 
@@ -111,8 +113,6 @@ class _Run:
         try:
             control.touch()
             return control.push()
-        except UnreachableError as error:
-            return "unreachable", str(error)
         finally:
             self._leave(stance, control.commanded, way)
 

@@ -6,7 +6,7 @@ that plans or controls reads it. `seen` and `felt` are what the robot itself kne
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -77,7 +77,6 @@ class Trace:
     end: EndReason
     detail: str
     seed: int
-    numbers: dict[str, float] = field(default_factory=dict)
 
     def displacement(self, name: str) -> Array:
         """Displacement p_WB(end) − p_WB(start) of an object, shape (3,) [m]."""
