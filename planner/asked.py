@@ -30,10 +30,12 @@ _GOALS = {
     "close": "closing objects",
     "pour": "pouring",
     "parameters": "finding out parameters by touching",
+    "none": "a command that does not say what should become of the object",
 }
 _CONSTRAINTS = {
     "no_slide": "keeping an object from sliding",
     "no_spill": "keeping an object from spilling",
+    "no_lift": "checking that an object is not lifted",
     "min_force": "pushing with at least a force",
     "force": "pushing with exactly a force",
     "hard": "pushing hard",
@@ -78,10 +80,10 @@ class Asked:
         region: words for the heights, if the sentence restricts them.
         max_force: largest force [N]; inf if not said.
         speed: largest speed [m/s].
+        reserve: share by which the force limit exceeds the force needed.
         fingers: how many fingertips may push.
         contact_spans: words that restrict the contact.
         force_spans: words that restrict the force.
-        avoid: objects that must not be touched, by their names in the scene.
         defaults: what the sentence left open.
     """
 
@@ -91,13 +93,13 @@ class Asked:
     low: float
     high: float
     speed: float
+    reserve: float
     face: FaceName | None = None
     region: str | None = None
     max_force: float = np.inf
     fingers: tuple[Literal[1, 2], ...] = (2, 1)
     contact_spans: g.Spans = ()
     force_spans: g.Spans = ()
-    avoid: tuple[str, ...] = ()
     defaults: tuple[DefaultUsed, ...] = ()
 
 
@@ -124,7 +126,10 @@ def _goal(frame: g.Frame, target: SeenObject, state: WorldState, defaults: Defau
     if isinstance(goal, g.Topple):
         heading = HEADINGS[goal.direction] if goal.direction else None
         speed = DefaultUsed(name="speed", value=defaults.speed, unit="m/s", reason="no speed said")
-        return Asked("topple", heading, np.inf, low, high, defaults.speed, defaults=(speed,))
+        return Asked(
+            "topple", heading, np.inf, low, high,
+            defaults.speed, defaults.force_reserve, defaults=(speed,),
+        )  # fmt: skip
     if not isinstance(goal, g.Displace) or frame.action == "pull":
         what = "pulling objects" if frame.action == "pull" else _GOALS.get(goal.kind, goal.kind)
         message = f"this version of the robot has no controller for {what}"
@@ -139,13 +144,21 @@ def _goal(frame: g.Frame, target: SeenObject, state: WorldState, defaults: Defau
     if reason:
         used.append(DefaultUsed(name="distance", value=distance, unit="m", reason=reason))
     used.append(DefaultUsed(name="speed", value=defaults.speed, unit="m/s", reason="no speed said"))
-    return Asked("slide", heading, distance, low, high, defaults.speed, defaults=tuple(used))
+    return Asked(
+        "slide", heading, distance, low, high,
+        defaults.speed, defaults.force_reserve, defaults=tuple(used),
+    )  # fmt: skip
 
 
 def _heading(goal: g.Displace, target: SeenObject, state: WorldState) -> float | None:
     if goal.heading is not None:
         return goal.heading
     if goal.toward is not None and goal.toward.id is not None:
+        if goal.toward.id == target.name:
+            message = f"the {target.name} cannot move towards itself"
+            raise RefusedError(
+                Refusal(reason="impossible", message=message, spans=goal.toward.spans)
+            )
         there = state.objects[goal.toward.id].pose.p_WB
         return heading_of(there - target.pose.p_WB)
     if isinstance(goal.direction, tuple):
@@ -178,33 +191,36 @@ def _constrained(
     asked: Asked, clause: g.Constraint, target: SeenObject, defaults: Defaults
 ) -> Asked:
     match clause:
-        case g.NoTopple():
-            if asked.outcome == "topple":
-                message = "it cannot topple and not topple"
-                raise RefusedError(
-                    Refusal(reason="impossible", message=message, spans=clause.spans)
-                )
-        case g.NoTilt() | g.NoTurn() | g.NoLift():
-            pass  # a push that slides straight does none of it; checked afterwards
-        case g.NoTouch():
-            if clause.object is not None and clause.object.id is not None:
-                return replace(asked, avoid=(*asked.avoid, clause.object.id))
+        case g.NoTopple() | g.NoTilt() if asked.outcome == "topple":
+            message = "it cannot topple and stay on its base"
+            raise RefusedError(Refusal(reason="impossible", message=message, spans=clause.spans))
+        case g.NoTouch() if clause.clearance is not None:
+            what = "keeping a distance from other objects"
+            message = (
+                "this version keeps clear of other objects, but not by a distance that is said"
+            )
+            raise unsupported(what, message, clause.spans, "leave out the distance")
+        case g.NoTopple() | g.NoTilt() | g.NoTurn() | g.NoTouch():
+            pass  # a push that slides straight on a free way does none of it
         case g.MaxForce():
             limit = min(asked.max_force, clause.value)
             return replace(asked, max_force=limit, force_spans=clause.spans)
         case g.MaxSpeed():
             return _slower(asked, clause.value)
-        case g.Gentle() | g.Slow():
+        case g.Slow():
+            return _slower(asked, defaults.speed_gentle)
+        case g.Gentle():
+            asked = replace(asked, reserve=defaults.force_reserve_gentle)
             return _slower(asked, defaults.speed_gentle)
         case g.MaxDistance():
-            return replace(asked, distance=min(asked.distance, clause.value))
+            return _nearer(asked, clause, defaults)
         case g.ContactRegion():
             return _contact(asked, clause, target, defaults)
         case g.Effector():
             return _effector(asked, clause)
         case _:
             what = _CONSTRAINTS.get(clause.kind, clause.kind.replace("_", " "))
-            message = f"this version of the robot has no controller for {what}"
+            message = f"this version of the robot is not capable of {what}"
             raise unsupported(what, message, clause.spans)
     return asked
 
@@ -213,6 +229,27 @@ def _slower(asked: Asked, speed: float) -> Asked:
     """A speed that the sentence gave is no default any more."""
     used = tuple(d for d in asked.defaults if d.name != "speed")
     return replace(asked, speed=min(asked.speed, speed), defaults=used)
+
+
+def _nearer(asked: Asked, clause: g.MaxDistance, defaults: Defaults) -> Asked:
+    """The limit is kept with the tolerance to spare, if that is still far enough."""
+    if asked.outcome == "topple":
+        raise unsupported(
+            "limiting how far a toppling object moves",
+            "this version does not limit how far an object moves while it topples",
+            clause.spans,
+        )
+    most = clause.value - min(defaults.distance_tolerance, 0.5 * clause.value)
+    if most < asked.distance - defaults.distance_tolerance:
+        message = (
+            f"{1e3 * asked.distance:.0f} mm are to be moved, but {1e3 * clause.value:.0f} mm "
+            "are the most that is allowed"
+        )
+        numbers = {"distance": asked.distance, "max_distance": clause.value}
+        raise RefusedError(
+            Refusal(reason="impossible", message=message, numbers=numbers, spans=clause.spans)
+        )
+    return replace(asked, distance=min(asked.distance, most))
 
 
 def _contact(
@@ -234,15 +271,21 @@ def _contact(
             asked = replace(asked, heading=HEADINGS[push])
     if clause.region is not None:
         third = {"bottom": 0, "middle": 1, "top": 2}[clause.region]
-        low, high = third * height / 3.0, (third + 1) * height / 3.0
-        asked = replace(asked, low=low, high=high, region=f"at the {clause.region}")
+        asked = _between(
+            asked, third * height / 3.0, (third + 1) * height / 3.0, f"at the {clause.region}"
+        )
     if clause.height is not None:
         value = clause.height.value
         at = value if clause.height.origin == "table" else height - value
         near = 0.5 * defaults.height_tolerance
-        region = f"{1e3 * at:.0f} mm above the table"
-        asked = replace(asked, low=at - near, high=at + near, region=region)
+        asked = _between(asked, at - near, at + near, f"{1e3 * at:.0f} mm above the table")
     return replace(asked, contact_spans=spans)
+
+
+def _between(asked: Asked, low: float, high: float, region: str) -> Asked:
+    """One more restriction of the heights; all of them hold."""
+    region = f"{asked.region} and {region}" if asked.region else region
+    return replace(asked, low=max(asked.low, low), high=min(asked.high, high), region=region)
 
 
 def _effector(asked: Asked, clause: g.Effector) -> Asked:

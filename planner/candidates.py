@@ -68,11 +68,11 @@ class Contacts:
     probability: Array
 
 
-def grid(side: Side, fingers: int, low: float, high: float, reach: Reach) -> tuple[Array, Array]:
+def grid(side: Side, fingers: int, asked: Asked, reach: Reach) -> tuple[Array, Array]:
     """Contacts of a face: points in B, shape (n, 3) [m], and room to its edges, shape (n,) [m]."""
     face = side.face
-    low = max(low, reach.lowest_height)
-    high = min(high, face.height - reach.fingertip_radius)
+    low = max(asked.low, reach.lowest_height)
+    high = min(asked.high, face.height - reach.fingertip_radius)
     room = face.width / 2 - reach.fingertip_radius
     room -= reach.finger_spread / 2 if fingers == 2 else 0.0
     lateral = np.array([y for y in _SIDESTEPS[fingers] if abs(y) <= room + 1e-9])
@@ -99,7 +99,7 @@ def rated(
         }
     )
     for fingers in asked.fingers:
-        grids = [(side, *grid(side, fingers, asked.low, asked.high, reach)) for side in sides]
+        grids = [(side, *grid(side, fingers, asked, reach)) for side in sides]
         for believed, guarded in ((model, False), (held, True)):
             for sigmas in (defaults.sigmas, defaults.sigmas / 2, 0.0):
                 # Within all sigmas the outcome is sure; within fewer it must also be likely.

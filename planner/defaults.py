@@ -28,6 +28,7 @@ class Defaults:
         speed: of a push [m/s].
         speed_gentle: of a gentle push [m/s].
         force_reserve: share by which the force limit exceeds the largest force needed.
+        force_reserve_gentle: the same for a gentle push.
         sigmas: standard deviations that a worst case takes.
         probability: the least probability of the wanted outcome that a plan may have.
         force_tolerance: of the felt force against a limit, from the sensor's noise [N].
@@ -49,6 +50,7 @@ class Defaults:
     speed: float = 0.05
     speed_gentle: float = 0.02
     force_reserve: float = 0.5
+    force_reserve_gentle: float = 0.25
     sigmas: float = 2.0
     probability: float = 0.95
     force_tolerance: float = 0.3

@@ -106,6 +106,8 @@ def _constraint(clause: Any, plan: Plan) -> Iterator[tuple[str, str]]:
         yield "force limit", f"{push.force_limit:.1f} N"
     elif clause.kind in {"gentle", "slow", "max_speed"}:
         yield "largest speed", _shown(push.speed, "m/s")
+        if clause.kind == "gentle":
+            yield "force limit", f"{push.force_limit:.1f} N"
     elif clause.kind == "effector":
         yield "fingers", str(push.fingers)
     elif clause.kind == "max_distance":

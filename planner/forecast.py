@@ -78,13 +78,20 @@ def _finite(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def remarks(contacts: Contacts, push: Push, asked: Asked, refused: int) -> tuple[str, ...]:
+def remarks(
+    contacts: Contacts, push: Push, predicted: Prediction, asked: Asked, refused: int, d: Defaults
+) -> tuple[str, ...]:
     """Plain sentences on how the push was chosen; `refused` contacts were out of reach."""
     notes = []
     if asked.region is not None:
         notes.append(f"the sentence asks for a contact {asked.region}")
     if push.fingers == 1 and 2 in asked.fingers:
         notes.append("one finger, since two do not reach it")
+    if contacts.sigmas < d.sigmas:
+        notes.append(
+            f"certain within {contacts.sigmas:g} instead of {d.sigmas:g} standard deviations of "
+            f"the parameters; over all of them its probability is {predicted.probability:.3f}"
+        )
     if contacts.guarded:
         notes.append(
             "held for the forces that the hand's stiffness allows, not for the whole friction cone"

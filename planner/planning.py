@@ -18,7 +18,7 @@ import numpy as np
 
 from planner import refusals
 from planner.asked import Asked, RefusedError, read
-from planner.candidates import Contacts, Side, rated
+from planner.candidates import Contacts, Side, grid, rated
 from planner.defaults import DEFAULTS, Defaults
 from planner.directions import angle_between, face_name, heading_of, unit
 from planner.footprints import footprint, free_travel, landing_strip, overlaps, travel_to_edge
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from planner.state import SeenObject, WorldState
 
 OBLIQUE = math.radians(17.5)
-"""Largest angle between a push and the inward normal of the face; beyond it the tip slips off."""
+"""Largest angle between a push and the inward normal of the face, if friction allows it."""
 
 UNCLEAR_FACE = math.radians(40.0)
 """A face turned by more from the direction of its name is within 5° of the next name."""
@@ -42,6 +42,7 @@ CLEARANCE = 0.01
 _ASKED = 6  # contacts of one case that the reach is asked for
 _ASKED_IN_ALL = 18  # after so many with a number of fingers it counts as out of reach
 _FALLING = math.radians(11.0)  # beyond the angle of no return a toppling box is let go
+_FLAT = math.radians(85.0)  # a box that leans so far lies
 _SLACK = 0.03  # travel of a topple beyond what the model says, for what it does not know [m]
 
 
@@ -64,7 +65,7 @@ def plan(
         assert frame.object is not None
         assert frame.object.id is not None
         target = state.objects[frame.object.id]
-        sides = _sides(asked, target)
+        sides = _sides(asked, target, defaults)
         sides = _with_free_way(sides, asked, target, state)
         return _best(sides, asked, target, state, reach, defaults)
     except RefusedError as refused:
@@ -80,41 +81,44 @@ def _best(
     defaults: Defaults,
 ) -> Plan | Refusal:
     """The contact with the largest margin that the hand reaches, or what stops it."""
+    if not any(len(grid(s, n, asked, reach)[0]) for s in sides for n in asked.fingers):
+        return refusals.no_place(asked, target, sides, reach)
     answers: list[ReachAnswer] = []
     tried = {1: 0, 2: 0}
-    any_contact = False
+    least = math.inf
     for found in rated(target.model, sides, asked, reach, defaults):
-        any_contact |= bool(found)
-        strong = _strong_enough(found, asked, target, reach, defaults)
+        strong, needed = _strong_enough(found, asked, target, reach, defaults)
+        least = min(least, needed)
         for contacts, k in _in_order(strong, asked):
             push = _push(contacts, k, asked, target, reach, defaults)
             if tried[push.fingers] == _ASKED_IN_ALL:
                 break
             answer = reach(push, state)
             if answer.ok:
-                notes = remarks(contacts, push, asked, len(answers))
+                predicted = prediction(contacts, k, asked, target)
                 return Plan(
                     push=push,
-                    prediction=prediction(contacts, k, asked, target),
+                    prediction=predicted,
                     margins=margins(contacts, k, asked, target, push, defaults),
                     displacement=_displacement(push),
                     defaults=asked.defaults,
                     considered=sum(len(each.points) for each in found),
                     satisfying=sum(len(each.chosen) for each in found),
-                    notes=notes,
+                    notes=remarks(contacts, push, predicted, asked, len(answers), defaults),
                 )
             answers.append(answer)
             tried[push.fingers] += 1
     if answers:
         return refusals.no_reach(target, answers)
-    assert not any_contact, "a contact that is strong enough is asked for"
+    if math.isfinite(least):
+        return refusals.too_weak(asked, target, least, reach)
     return refusals.no_contact(asked, target, sides, reach, defaults)
 
 
 # -- where ------------------------------------------------------------------------------------
 
 
-def _sides(asked: Asked, target: SeenObject) -> list[Side]:
+def _sides(asked: Asked, target: SeenObject, defaults: Defaults) -> list[Side]:
     """Faces that a push as asked may touch, the straightest first."""
     sides = []
     for face in target.model.faces():
@@ -130,8 +134,12 @@ def _sides(asked: Asked, target: SeenObject) -> list[Side]:
         return sides
     straightest = min(sides, key=lambda s: abs(angle_between(s.heading, asked.heading or 0.0)))
     oblique = angle_between(asked.heading, straightest.heading)
-    if abs(oblique) > OBLIQUE:
-        raise RefusedError(refusals.oblique(asked, target, straightest, oblique))
+    # An object that slides straight presses back along the push: that must be in the friction cone.
+    model = target.model
+    grip = model.finger_friction - defaults.sigmas * model.finger_friction_sd
+    largest = min(OBLIQUE, math.atan(max(grip, 0.0)))
+    if abs(oblique) > largest:
+        raise RefusedError(refusals.oblique(asked, target, straightest, oblique, largest))
     return [straightest]
 
 
@@ -194,12 +202,8 @@ def _others(target: SeenObject, state: WorldState) -> list[SeenObject]:
 
 def _strong_enough(
     found: list[Contacts], asked: Asked, target: SeenObject, reach: Reach, d: Defaults
-) -> list[Contacts]:
-    """The contacts at which the allowed force suffices.
-
-    Raises:
-        RefusedError: it suffices at none of them.
-    """
+) -> tuple[list[Contacts], float]:
+    """The contacts at which the allowed force suffices, and the least force needed at any [N]."""
     strong, least = [], math.inf
     for contacts in found:
         needed = np.array([needed_force(contacts, i, asked, target, d) for i in contacts.chosen])
@@ -208,9 +212,7 @@ def _strong_enough(
         if enough.any():
             chosen, probability = contacts.chosen[enough], contacts.probability[enough]
             strong.append(replace(contacts, chosen=chosen, probability=probability))
-    if found and not strong:
-        raise RefusedError(refusals.too_weak(asked, target, least, reach))
-    return strong
+    return strong, least
 
 
 # -- the push ---------------------------------------------------------------------------------
@@ -238,7 +240,7 @@ def _push(
     outward = target.pose.R_WB @ np.array(contacts.side.face.normal)
     needed = needed_force(contacts, i, asked, target, defaults)
     limit = min(
-        needed * (1.0 + defaults.force_reserve),
+        needed * (1.0 + asked.reserve),
         asked.max_force,
         contacts.fingers * reach.max_force,
     )
@@ -262,6 +264,7 @@ def _stroke(contacts: Contacts, i: int, asked: Asked, target: SeenObject) -> flo
         return asked.distance
     inward = -np.array(contacts.side.face.normal)
     angle = target.model.angle_of_no_return(inward, sigmas=-contacts.sigmas) + _FALLING
+    angle = min(angle, _FLAT)
     height = float(contacts.points[i, 2])
     return min(target.model.topple_stroke(inward, height, angle) + _SLACK, asked.distance)
 

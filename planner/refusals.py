@@ -39,17 +39,25 @@ def unclear_face(asked: Asked, target: SeenObject, off: float) -> Refusal:
     )
 
 
-def oblique(asked: Asked, target: SeenObject, side: Side, angle: float) -> Refusal:
-    """No face is square enough to the direction."""
+def oblique(asked: Asked, target: SeenObject, side: Side, angle: float, largest: float) -> Refusal:
+    """No face, or not the one that is said, is square enough to the direction."""
     assert asked.heading is not None
+    numbers = {"obliqueness": abs(angle), "largest_obliqueness": largest}
+    face = f"its {asked.face} face" if asked.face else "its nearest face"
+    message = (
+        f"pushing the {target.name} {phrase(asked.heading)} would meet {face} at {_deg(angle)} "
+        f"from square, where fingertips slip off (up to {math.degrees(largest):.1f}° would do)"
+    )
     return Refusal(
         reason="unsupported",
-        message=f"pushing the {target.name} {phrase(asked.heading)} would meet its nearest face at "
-        f"{_deg(angle)} from square, where fingertips slip off (up to 17.5° would do)",
-        numbers={"obliqueness": abs(angle), "largest_obliqueness": math.radians(17.5)},
+        message=message,
+        numbers=numbers,
         capability="turning an object first, or pushing it in several steps",
         spans=asked.contact_spans,
-        suggestions=(f"push it {phrase(side.heading)}",),
+        suggestions=(
+            f"push it {phrase(side.heading)}",
+            *(("leave out where to touch it",) if asked.face else ()),
+        ),
     )
 
 
@@ -113,6 +121,58 @@ def too_weak(asked: Asked, target: SeenObject, needed: float, reach: Reach) -> R
     )
 
 
+def no_place(asked: Asked, target: SeenObject, sides: list[Side], reach: Reach) -> Refusal:
+    """The fingertips find no place on the face, whatever would come of it."""
+    size, lowest = target.model.size[2], reach.lowest_height
+    highest = size - reach.fingertip_radius
+    if max(asked.low, lowest) <= min(asked.high, highest):
+        return _too_narrow(asked, target, sides, reach)
+    numbers = {"lowest_height": lowest, "highest_height": highest}
+    suggestions: tuple[str, ...] = ("leave out where to touch it",)
+    reason: RefusalReason = "out_of_reach"
+    if asked.region is None:
+        message = f"the {target.name} is {_mm(size)} high; the fingers reach {_mm(lowest)} and more"
+        suggestions = ()
+    elif asked.low > highest:
+        reason = "impossible"
+        message = (
+            f"{asked.region} means {_mm(asked.low)} or higher; the {target.name} is {_mm(size)} "
+            f"high and fingertips find a place on it up to {_mm(highest)}"
+        )
+    elif asked.low > asked.high:
+        reason, numbers = "impossible", {"lowest_asked": asked.low, "highest_asked": asked.high}
+        message = (
+            f"no contact is {asked.region}: one ends at {_mm(asked.high)}, the other starts at "
+            f"{_mm(asked.low)}"
+        )
+    else:
+        message = (
+            f"{asked.region} means up to {_mm(asked.high)}; the lowest contact that the fingers "
+            f"reach is {_mm(lowest)}"
+        )
+    return Refusal(
+        reason=reason,
+        message=message,
+        numbers=numbers,
+        spans=asked.contact_spans,
+        suggestions=suggestions,
+    )
+
+
+def _too_narrow(asked: Asked, target: SeenObject, sides: list[Side], reach: Reach) -> Refusal:
+    width = max(side.face.width for side in sides)
+    fingers = min(asked.fingers)
+    needed = 2 * reach.fingertip_radius + (reach.finger_spread if fingers == 2 else 0.0)
+    tips = "two fingertips need" if fingers == 2 else "a fingertip needs"
+    return Refusal(
+        reason="impossible",
+        message=f"the {target.name} is {_mm(width)} wide there; {tips} {_mm(needed)}",
+        numbers={"width": width, "needed_width": needed},
+        spans=asked.contact_spans,
+        suggestions=("push it with one finger",) if fingers == 2 else (),
+    )
+
+
 def no_contact(
     asked: Asked, target: SeenObject, sides: list[Side], reach: Reach, defaults: Defaults
 ) -> Refusal:
@@ -123,66 +183,90 @@ def no_contact(
     worst = model.cone_thresholds(points, normals, sigmas=defaults.sigmas, yaw=False)
     nominal = worst.critical_height
     if asked.outcome == "slide":
-        return _cannot_slide(
-            asked, target, float(nominal.max()), float(worst.height_below.max()), reach
-        )
+        sure = min(float(worst.height_below.max()), model.size[2])
+        return _cannot_slide(asked, target, float(nominal.max()), sure, reach)
     return _cannot_topple(asked, target, float(nominal.min()), reach)
 
 
 def _cannot_slide(
-    asked: Asked, target: SeenObject, critical: float, worst: float, reach: Reach
+    asked: Asked, target: SeenObject, critical: float, sure: float, reach: Reach
 ) -> Refusal:
-    """It would topple, or might, at every height that is allowed and reached."""
+    """It would topple, or might, at every height that is allowed and reached.
+
+    Args:
+        asked: what is asked.
+        target: the object.
+        critical: height above which it topples, nominal; inf if never [m].
+        sure: height below which it slides in the worst case; 0 if nowhere [m].
+        reach: the hand's reach.
+    """
     lowest = max(asked.low, reach.lowest_height)
-    numbers = {"lowest_height": lowest, "critical_height_worst": max(worst, 0.0)}
+    numbers = {"lowest_height": lowest, "critical_height_worst": sure}
     if math.isfinite(critical):
         numbers["critical_height"] = critical
-    certain = (
-        f"above {_mm(critical)} it topples before it slides "
-        f"(for sure it slides only below {_mm(max(worst, 0.0))})"
-    )
-    if asked.region is not None:
-        numbers["lowest_asked"] = asked.low
-        if asked.region.endswith("top"):
-            numbers["lowest_top"] = asked.low
-        impossible = asked.low >= critical
-        verb = "tips" if impossible else "may tip"
+    certain = _slides_where(critical, sure)
+    reason: RefusalReason = "too_uncertain"
+    if asked.low >= critical:
+        reason = "impossible"
+    elif lowest >= critical or asked.low < sure < lowest:
+        reason = "out_of_reach"
+    if asked.region is None:
         return Refusal(
-            reason="impossible" if impossible else "too_uncertain",
-            message=f"{asked.region} means {_mm(asked.low)} or higher on the {target.name}; "
-            f"pushed there it {verb}, since {certain}",
+            reason=reason,
+            message=f"the {target.name} would not slide for sure: {certain}; "
+            f"the lowest contact that the fingers reach is {_mm(lowest)}",
             numbers=numbers,
-            spans=asked.contact_spans,
-            suggestions=("push it at the bottom", "leave out where to touch it"),
+            suggestions=("topple it instead",),
         )
-    reason: RefusalReason = "out_of_reach" if worst < lowest <= critical else "impossible"
+    numbers["lowest_asked"] = asked.low
+    if asked.region == "at the top":
+        numbers["lowest_top"] = asked.low
+    upright = asked.high >= target.model.size[2]
+    heights = f"{_mm(asked.low)} or higher" if upright else f"{_mm(asked.low)} to {_mm(asked.high)}"
+    reached = f", reached from {_mm(lowest)} up" if lowest > asked.low else ""
+    verb = "tips" if lowest >= critical else "may tip"
+    elsewhere = ("push it at the bottom",) if asked.low >= sure > reach.lowest_height else ()
     return Refusal(
         reason=reason,
-        message=f"the {target.name} would not slide for sure: {certain}; "
-        f"the lowest contact that the fingers reach is {_mm(lowest)}",
+        message=f"{asked.region} means {heights} on the {target.name}{reached}; "
+        f"pushed there it {verb}, since {certain}",
         numbers=numbers,
-        suggestions=("topple it instead",),
+        spans=asked.contact_spans,
+        suggestions=(*elsewhere, "leave out where to touch it"),
     )
+
+
+def _slides_where(critical: float, sure: float) -> str:
+    """Where it slides and where it topples, in words."""
+    surely = f"only below {_mm(sure)}" if sure > 0.0 else "nowhere"
+    if math.isinf(critical):
+        return f"it is sure to slide {surely}"
+    return f"above {_mm(critical)} it topples before it slides (for sure it slides {surely})"
 
 
 def _cannot_topple(asked: Asked, target: SeenObject, critical: float, reach: Reach) -> Refusal:
+    """It would slide, or might, at every height that is allowed; `critical` as for sliding."""
     highest = min(asked.high, target.model.size[2] - reach.fingertip_radius)
     numbers = {"highest_height": highest}
-    if math.isfinite(critical):
-        numbers["critical_height"] = critical
-    if critical > highest:
-        why = (
-            f"it slides before it topples below {_mm(critical)}"
-            if math.isfinite(critical)
-            else "it always slides before it topples"
-        )
+    if math.isinf(critical):
         return Refusal(
             reason="impossible",
-            message=f"the {target.name} cannot be toppled there: {why}, "
-            f"and the highest contact is {_mm(highest)}",
+            message=f"the {target.name} cannot be toppled there: it always slides before it "
+            f"topples, even {_mm(highest)} above the table",
             numbers=numbers,
             spans=asked.contact_spans,
-            suggestions=("push it at the top", "topple it to another side"),
+            suggestions=("topple it to another side",),
+        )
+    numbers["critical_height"] = critical
+    higher = ("push it at the top",) if asked.high < target.model.size[2] else ()
+    if critical > highest:
+        return Refusal(
+            reason="impossible",
+            message=f"the {target.name} cannot be toppled there: it slides before it topples "
+            f"below {_mm(critical)}, and the highest contact is {_mm(highest)}",
+            numbers=numbers,
+            spans=asked.contact_spans,
+            suggestions=higher or ("topple it to another side",),
         )
     return Refusal(
         reason="too_uncertain",
@@ -190,7 +274,7 @@ def _cannot_topple(asked: Asked, target: SeenObject, critical: float, reach: Rea
         f"and centre of mass are not known well enough to be sure up to {_mm(highest)}",
         numbers=numbers,
         spans=asked.contact_spans,
-        suggestions=("find out its weight and friction first",),
+        suggestions=(*higher, "find out its weight and friction first"),
     )
 
 

@@ -11,6 +11,7 @@ Frames: A is the arm's base, z along joint 1; F the flange. The figures are thos
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 
 import numpy as np
 
@@ -29,7 +30,22 @@ JOINT_NAMES = tuple(f"arm_joint_{i}" for i in range(1, 8))
 
 # Below these |q2| and |q6| the axes of joints 1 and 3, or 5 and 7, nearly coincide [rad].
 _SHOULDER_SINGULARITY, _WRIST_SINGULARITY = 0.01, 0.05
-_JOINT_TURNS = (rot_z, rot_y, rot_z, lambda q: rot_y(-q), rot_z, rot_y, rot_z)
+
+
+def _elbow_turn(angle: Array) -> Array:
+    """Joint 4 turns about −y."""
+    return rot_y(-angle)
+
+
+_JOINT_TURNS: tuple[Callable[[Array], Array], ...] = (
+    rot_z,
+    rot_y,
+    rot_z,
+    _elbow_turn,
+    rot_z,
+    rot_y,
+    rot_z,
+)
 
 
 def forward(q: Array) -> tuple[Array, Array, Array]:
