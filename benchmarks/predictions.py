@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from objectmodels import BoxModel, Registry
+from objectmodels import ObjectModel, Registry
 from objectmodels.reference import SeedModel
 
 Array = NDArray[np.float64]
@@ -40,18 +40,18 @@ class Row:
     rate: float
 
 
-def random_pushes(box: BoxModel, n: int, *, seed: int) -> tuple[Array, Array]:
+def random_pushes(box: ObjectModel, n: int, *, seed: int) -> tuple[Array, Array]:
     """Contact points and forces around the onset, shape (n, 3) each."""
     rng = np.random.default_rng(seed)
-    points = np.array(box.size) * rng.uniform([-0.5, -0.5, 0.0], [0.5, 0.5, 1.0], (n, 3))
+    points = np.array(box.extents) * rng.uniform([-0.5, -0.5, 0.0], [0.5, 0.5, 1.0], (n, 3))
     directions = rng.normal(size=(n, 3)) * [1.0, 1.0, 0.4]
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     return points, directions * rng.uniform(0.1, 0.9, (n, 1)) * box.weight
 
 
-def corner_wrenches(box: BoxModel) -> Array:
+def corner_wrenches(box: ObjectModel) -> Array:
     """Wrenches of the edges of the friction pyramids at the base corners, shape (6, 4 · sides)."""
-    x, y = box.size[0] / 2, box.size[1] / 2
+    x, y = box.extents[0] / 2, box.extents[1] / 2
     columns = []
     for corner in ((x, y, 0.0), (-x, y, 0.0), (-x, -y, 0.0), (x, -y, 0.0)):
         for angle in 2 * np.pi * np.arange(CONE_SIDES) / CONE_SIDES:

@@ -24,7 +24,15 @@ if TYPE_CHECKING:
     from nlcontrol.controller import Controller
     from nlcontrol.errors import ControlError, ErrorInfo
     from nlcontrol.result import Result
-    from objectmodels import BoxModel, ModelError, Registry
+    from objectmodels import (
+        BoxModel,
+        CylinderModel,
+        HullModel,
+        ModelError,
+        ObjectModel,
+        PrismModel,
+        Registry,
+    )
     from planner.plan import Plan, Refusal
 
 __version__ = "0.1.0"
@@ -35,6 +43,10 @@ _HOMES = {
     "Command": "grammar",
     "ControlError": "nlcontrol.errors",
     "Controller": "nlcontrol.controller",
+    "CylinderModel": "objectmodels",
+    "HullModel": "objectmodels",
+    "ObjectModel": "objectmodels",
+    "PrismModel": "objectmodels",
     "ErrorInfo": "nlcontrol.errors",
     "Frame": "grammar",
     "ModelError": "objectmodels",
@@ -52,11 +64,15 @@ __all__ = [
     "Command",
     "ControlError",
     "Controller",
+    "CylinderModel",
     "ErrorInfo",
     "Frame",
+    "HullModel",
     "ModelError",
+    "ObjectModel",
     "ParseError",
     "Plan",
+    "PrismModel",
     "Refusal",
     "Registry",
     "Result",

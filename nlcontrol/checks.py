@@ -24,7 +24,7 @@ from planner.defaults import DEFAULTS, Defaults
 from planner.directions import HEADINGS, angle_between, bisector, face_name, heading_of
 
 if TYPE_CHECKING:
-    from objectmodels import BoxModel
+    from objectmodels import ObjectModel
     from sim.trace import Trace
 
 HAND_SIDE = "right"
@@ -68,12 +68,12 @@ class Evidence:
 
     trace: Trace
     name: str
-    model: BoxModel
+    model: ObjectModel
     defaults: Defaults
 
 
 def check(
-    frame: g.Frame, trace: Trace, model: BoxModel, *, defaults: Defaults = DEFAULTS
+    frame: g.Frame, trace: Trace, model: ObjectModel, *, defaults: Defaults = DEFAULTS
 ) -> tuple[Check, ...]:
     """Checks every clause of a frame.
 
@@ -288,7 +288,7 @@ def _contact(clause: g.ContactRegion, e: Evidence) -> Iterator[Check]:
         return
     p_BT, R_WB = contact
     tolerance = e.defaults.height_tolerance
-    height = e.model.size[2]
+    height = e.model.top
     if clause.face is not None:
         outside = [np.subtract(p_BT, f.centre) @ f.normal for f in e.model.faces()]
         touched = e.model.faces()[int(np.argmax(outside))]

@@ -18,7 +18,7 @@ from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error, tran
 from nlcontrol.resolve import Candidate, resolve
 from nlcontrol.result import Result, summary
 from nlcontrol.text import encodable
-from objectmodels import BoxModel, ModelError, Registry
+from objectmodels import ModelError, ObjectModel, Registry
 from planner.defaults import DEFAULTS, Defaults
 from planner.plan import Plan, Refusal
 from planner.state import PlanarPose, SeenObject, TableState, WorldState
@@ -40,7 +40,7 @@ class Controller:
 
     Args:
         scene: name of a built-in scene, path of a scene file, or a scene.
-        registry: object models; the built-in ones if not given.
+        registry: object models; the default ones if not given. Those of the scene come on top.
         seed: of everything random; the same seed gives the same trace.
         defaults: what a clause means when a sentence does not say more.
 
@@ -58,8 +58,10 @@ class Controller:
     ) -> None:
         with translated():
             self.scene = scene if isinstance(scene, Scene) else load_scene(scene)
-            self.registry = Registry.default() if registry is None else registry
-        self.models: dict[str, BoxModel] = {
+            self.registry = Registry.default() if registry is None else registry.copy()
+            for path in self.scene.models:
+                self.registry.load(path)
+        self.models: dict[str, ObjectModel] = {
             item.name: _believed(item, self.registry) for item in self.scene.objects
         }
         self.seed = seed
@@ -224,7 +226,7 @@ def _not_held(missed: tuple[Check, ...], trace: Trace) -> ErrorInfo:
     return error("clause_not_held", message, span=spans[0] if spans else None).info
 
 
-def _believed(item: SceneObject, registry: Registry) -> BoxModel:
+def _believed(item: SceneObject, registry: Registry) -> ObjectModel:
     """The registry's model of an object of the scene."""
     try:
         return registry.get(item.model)

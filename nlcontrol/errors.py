@@ -49,6 +49,10 @@ CODES: dict[str, Status] = {
     "unknown_scene": _CALLER,
     "bad_scene": _CALLER,
     "cannot_write": _CALLER,
+    "unknown_face": _CALLER,
+    "bad_model_file": _CALLER,
+    "not_yours": _CALLER,
+    "missing_extra": Status(USAGE, 501),
     "no_pictures": Status(INTERNAL, 501),
     "scene_and_registry_differ": _CALLER,
     # After the execution.

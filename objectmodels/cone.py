@@ -18,17 +18,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from objectmodels.base import Array
 from objectmodels.extremes import Case, contact_forces, directions, refined
 from objectmodels.prediction import gap
 from objectmodels.probability import worst_probability
-from objectmodels.thresholds import EDGE_NORMALS, Array, tilting_lever
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
-    from objectmodels.box import BoxModel
+    from objectmodels.model import ObjectModel
 
     Index = NDArray[np.int64]
 
@@ -41,20 +41,17 @@ FINE_RING = 128
 NEAR = 0.03
 """A direction is searched from if its margin exceeds the least one by at most so much weight."""
 
-# Below this a face and an edge count as parallel (direction cosines; rounding is 1e-16).
-_PARALLEL = 1e-12
-
 
 @dataclass(frozen=True)
 class ConeThresholds:
     """Extremes over a fingertip's friction cone and the parameters; arrays over n contacts.
 
     Forces are components along the inward normal, for the nominal mass [N]; heights are measured
-    from the table at the contact's lateral position [m], and a height above the box's top is
+    from the table at the contact's lateral position [m], and a height above the object's top is
     given as infinite, since no contact can be there.
 
     Attributes:
-        slides: every one of the forces makes the box slide before it topples.
+        slides: every one of the forces makes the object slide before it topples.
         topples: every one of them topples it before it slides.
         slide_margin: smallest topple threshold less slide threshold over all of them; negative if
             some topple it first, −inf if some jam.
@@ -77,7 +74,7 @@ class ConeThresholds:
     height_below: Array
     height_above: Array
     critical_height: Array
-    _contacts: tuple[BoxModel, Array, Array, bool] = field(repr=False)
+    _contacts: tuple[ObjectModel, Array, Array, bool] = field(repr=False)
 
     @cached_property
     def probability_slide(self) -> Array:
@@ -94,27 +91,27 @@ class ConeThresholds:
 
 
 def cone_thresholds(
-    model: BoxModel, p: Array, normals: Array, sigmas: float, yaw: bool
+    model: ObjectModel, p: Array, normals: Array, sigmas: float, yaw: bool
 ) -> ConeThresholds:
-    """See `BoxModel.cone_thresholds`, which checks its arguments."""
+    """See `ObjectModel.cone_thresholds`, which checks its arguments."""
     # All but the topple threshold is the same for every height over one point of the base.
-    spots, at = np.unique(np.column_stack((p[:, :2], normals[:, :2])), axis=0, return_inverse=True)
-    at, zero = at.reshape(-1), np.zeros(len(spots))
-    foot, facing = np.column_stack((spots[:, :2], zero)), np.column_stack((spots[:, 2:], zero))
+    spots, at = np.unique(np.column_stack((p[:, :2], normals)), axis=0, return_inverse=True)
+    at = at.reshape(-1)
+    foot, facing = np.column_stack((spots[:, :2], np.zeros(len(spots)))), spots[:, 2:]
     reach = model.finger_friction + sigmas * model.finger_friction_sd
     tippy, slippery = Case.of(model, sigmas, yaw=yaw), Case.of(model, -sigmas, yaw=yaw)
 
     shares = directions(foot, facing, tippy.com, reach, FINE_RING)
     f = contact_forces(facing[:, None, :], reach * shares)
     slide_most = tippy.slide(foot[:, None, :], f)
-    below = _height_below(tippy, foot, f, slide_most)
-    above = _height_above(slippery, foot, f, slippery.slide(foot[:, None, :], f))
+    below = _height_below(tippy, foot[:, None, :], f, slide_most)
+    slide_least = slippery.slide(foot[:, None, :], f)
+    above = slippery.equal_height(foot[:, None, :], f, slide_least).max(axis=1)
 
     shares = directions(foot, facing, tippy.com, reach, RING)
     f = contact_forces(facing[:, None, :], reach * shares)
-    levers = _levers(p[:, 2], foot, f, at, tippy.offsets)
-    slide_gap = gap(tippy.slide(foot[:, None, :], f)[at], tippy.topple(levers))
-    topple_most = slippery.topple(levers)
+    slide_gap = gap(tippy.slide(foot[:, None, :], f)[at], tippy.topple(p[:, None, :], f[at]))
+    topple_most = slippery.topple(p[:, None, :], f[at])
     topple_gap = gap(topple_most, slippery.slide(foot[:, None, :], f)[at])
 
     def slide_margin(i: Index, x: Array) -> Array:
@@ -127,8 +124,8 @@ def cone_thresholds(
 
     slides_by = _certain(slide_gap, shares[at], slide_margin, model.weight)
     topples_by = _certain(topple_gap, shares[at], topple_margin, model.weight)
-    critical = _critical_height(Case.of(model, 0.0, yaw=yaw), foot, facing)
-    top = model.size[2]
+    nominal = Case.of(model, 0.0, yaw=yaw)
+    critical = nominal.equal_height(foot, -facing, nominal.slide(foot, -facing))
     return ConeThresholds(
         slides=slides_by > 0.0,
         topples=topples_by > 0.0,
@@ -136,9 +133,9 @@ def cone_thresholds(
         topple_margin=topples_by,
         slide_max=slide_most.max(axis=1)[at],
         topple_max=topple_most.max(axis=1),
-        height_below=_on_box(below, top)[at],
-        height_above=_on_box(above, top)[at],
-        critical_height=_on_box(critical, top)[at],
+        height_below=_on_it(below, model.top)[at],
+        height_above=_on_it(above, model.top)[at],
+        critical_height=_on_it(critical, model.top)[at],
         _contacts=(model, p, normals, yaw),
     )
 
@@ -164,49 +161,14 @@ def _certain(
     return least
 
 
-def _levers(height: Array, foot: Array, f: Array, at: Index, offsets: Array) -> Array:
-    """Levers about each edge of forces f (u, j, 3) over their feet, shape (n, j, 4) [m]."""
-    rise, rest = _rise_and_rest(foot, f, offsets)
-    lever: Array = height[:, None, None] * rise[at] + rest[at]
-    return lever
-
-
-def _rise_and_rest(foot: Array, f: Array, offsets: Array) -> tuple[Array, Array]:
-    """What the lever gains with height, and what it is at the table, each (u, j, 4)."""
-    return f[..., :2] @ EDGE_NORMALS.T, tilting_lever(foot[:, None, :], f, offsets)
-
-
 def _height_below(case: Case, foot: Array, f: Array, slide: Array) -> Array:
     """Height below which every direction slides first, shape (u,) [m]."""
-    rise, rest = _rise_and_rest(foot, f, case.offsets)
-    height = _equal_height(case.holding, slide, rise, rest).min(axis=(1, 2))
-    # Directions that jam, or that tip the box even with the contact on the table.
-    jams, tips = np.isinf(slide).any(axis=1), (case.topple(rest) <= slide).any(axis=1)
+    height = case.equal_height(foot, f, slide).min(axis=1)
+    # Directions that jam, or that tip the object even with the contact on the table.
+    jams, tips = np.isinf(slide).any(axis=1), (case.topple(foot, f) <= slide).any(axis=1)
     return np.where(jams | tips, 0.0, height)
 
 
-def _height_above(case: Case, foot: Array, f: Array, slide: Array) -> Array:
-    """Height above which every direction topples first, shape (u,) [m]."""
-    rise, rest = _rise_and_rest(foot, f, case.offsets)
-    return np.asarray(_equal_height(case.holding, slide, rise, rest).min(axis=2).max(axis=1))
-
-
-def _critical_height(case: Case, foot: Array, normals: Array) -> Array:
-    """Height above which a force along the inward normal topples first, shape (u,) [m]."""
-    f = -normals[:, None, :]
-    return _height_above(case, foot, f, case.slide(foot[:, None, :], f))
-
-
-def _equal_height(holding: Array, slide: Array, rise: Array, rest: Array) -> Array:
-    """Height at which tipping about each edge takes the force that slides, (u, j, 4) [m].
-
-    Infinite where raising the contact does not help to tip.
-    """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        height = (holding / slide[..., None] - rest) / rise
-    return np.where(rise > _PARALLEL, height, np.inf)
-
-
-def _on_box(height: Array, top: float) -> Array:
-    """Heights that a contact can have, inf for those above the box."""
+def _on_it(height: Array, top: float) -> Array:
+    """Heights that a contact can have, inf for those above the object."""
     return np.where(height > top, np.inf, np.maximum(height, 0.0))

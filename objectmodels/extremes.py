@@ -1,8 +1,8 @@
-"""Worst cases of an uncertain box under a fingertip's force: parameters and directions.
+"""Worst cases of an uncertain object under a fingertip's force: parameters and directions.
 
-A fingertip transmits f = −n + η t + κ ẑ, η² + κ² ≤ μ_f², per unit of force along the inward normal;
-n is the face's outward normal, t = ẑ × n. *Shares* are η and κ divided by the largest μ_f
-considered, so they fill the unit disc.
+A fingertip transmits f = −n + η t + κ b, η² + κ² ≤ μ_f², per unit of force along the inward normal;
+n is the face's outward normal, t horizontal along the face, b = n × t (ẑ on an upright face).
+*Shares* are η and κ divided by the largest μ_f considered, so they fill the unit disc.
 
 Extremes over the parameters need no search: the topple threshold falls as the centre of mass
 shifts towards the edge and depends on nothing else but the weight; the slide threshold grows with
@@ -18,17 +18,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.thresholds import (
-    EDGE_NORMALS,
-    Array,
-    edge_offsets,
-    slide_threshold,
-    tilting_lever,
-    yaw_arm,
-)
+from objectmodels.base import Array, Base
+from objectmodels.thresholds import push_moment, slide_threshold, topple_threshold, yaw_arm
 
 if TYPE_CHECKING:
-    from objectmodels.box import BoxModel
+    from objectmodels.model import ObjectModel
 
 SMALLEST_SHARE = 1e-3
 """A worst case never takes a friction radius below this share of its nominal value."""
@@ -39,73 +33,90 @@ STEPS = (0.1, 0.05, 0.025, 0.0125)
 
 @dataclass(frozen=True)
 class Case:
-    """A box with its parameters at one extreme.
+    """An object with its parameters at one extreme.
 
     Attributes:
+        base: what it would topple over.
         com: centre of mass in B, nominal, shape (3,) [m].
-        offsets: of the base edges, shape (4,) [m].
-        holding: moment that holds the box against each edge, shape (4,) [N·m].
         friction, radius: μ and c̄ [m].
-        shift: what lengthens the arms of forces along y and x, or shortens them, shape (2,) [m].
+        shift: by how much the centre of mass is nearer to every edge, along x and y, (2,) [m].
         weight: G, nominal [N].
     """
 
+    base: Base
     com: Array
-    offsets: Array
-    holding: Array
     friction: float
     radius: float
     shift: Array
     weight: float
 
     @classmethod
-    def of(cls, model: BoxModel, sigmas: float, *, yaw: bool = True) -> Case:
-        """The box that slides late and topples early (σ > 0), or the other way round (σ < 0).
+    def of(cls, model: ObjectModel, sigmas: float, *, yaw: bool = True) -> Case:
+        """The object that slides late and topples early (σ > 0), or the other way round (σ < 0).
 
         Without yaw it may only slide straight: its friction radius is infinite.
         """
-        c, d, weight = np.array(model.com), edge_offsets(model.size), model.weight
-        shift = sigmas * np.array(model.com_sd[:2])
-        holding = weight * (d - EDGE_NORMALS @ c[:2] - np.abs(EDGE_NORMALS) @ shift)
         nominal = model.friction_radius
         radius = max(nominal + sigmas * model.friction_radius_sd, SMALLEST_SHARE * nominal)
         return cls(
-            com=c,
-            offsets=d,
-            holding=np.maximum(holding, 0.0),
+            base=model.base,
+            com=np.array(model.com),
             friction=max(model.friction + sigmas * model.friction_sd, 0.0),
             radius=radius if yaw else np.inf,
-            shift=-shift,
-            weight=weight,
+            shift=sigmas * np.array(model.com_sd[:2]),
+            weight=model.weight,
         )
 
     def slide(self, p: Array, f: Array) -> Array:
         """Force along the inward normal at which it slides, shape (...) [N]."""
         arm = np.abs(yaw_arm(p, f, self.com))
-        arm = arm + self.shift[0] * np.abs(f[..., 1]) + self.shift[1] * np.abs(f[..., 0])
+        # The arms of forces along y and x are shorter where it shall slide late.
+        arm = arm - self.shift[0] * np.abs(f[..., 1]) - self.shift[1] * np.abs(f[..., 0])
         return slide_threshold(f, np.maximum(arm, 0.0), self.friction, self.radius, self.weight)
 
-    def topple(self, lever: Array) -> Array:
-        """Force at which it topples about the first edge, from the levers (..., 4), (...) [N]."""
-        never = np.full(lever.shape, np.inf)
-        force = np.divide(self.holding, lever, out=never, where=lever > 0.0)
-        return np.asarray(force.min(axis=-1))
+    def topple(self, p: Array, f: Array) -> Array:
+        """Force along the inward normal at which it topples, shape (...) [N]."""
+        return topple_threshold(self.base, p, f, self.com, self.weight, self.shift)
 
     def thresholds(self, p: Array, f: Array) -> tuple[Array, Array]:
         """Slide and topple thresholds, each (...) [N]."""
-        return self.slide(p, f), self.topple(tilting_lever(p, f, self.offsets))
+        return self.slide(p, f), self.topple(p, f)
+
+    def equal_height(self, foot: Array, f: Array, slide: Array) -> Array:
+        """Contact height from which on it topples by the force that makes it slide, (...) [m].
+
+        Args:
+            foot: contact points at z = 0, shape (..., 3) [m].
+            f: forces, shape (..., 3).
+            slide: size at which they make it slide, shape (...) [N]; inf if they never do.
+        """
+        s = np.where(np.isfinite(slide), slide, 0.0)
+        height = self.base.topple_height(
+            self.weight * self.com[:2],
+            s[..., None] * push_moment(foot, f),
+            s[..., None] * f[..., :2],
+            self.weight - s * f[..., 2],
+            self.weight * self.shift,
+        )
+        return np.where(np.isfinite(slide), height, np.inf)
 
 
 def contact_forces(normals: Array, tangential: Array) -> Array:
-    """Forces f = −n + η t + κ ẑ of unit normal component, with t = ẑ × n; shape (..., 3).
+    """Forces f = −n + η t + κ b of unit normal component; shape (..., 3).
 
     Args:
-        normals: outward horizontal unit normals, shape (..., 3).
+        normals: outward unit normals, not vertical, shape (..., 3).
         tangential: η and κ, shape (..., 2).
     """
-    n_x, n_y, eta = normals[..., 0], normals[..., 1], tangential[..., 0]
-    x, y, z = np.broadcast_arrays(-n_x - eta * n_y, -n_y + eta * n_x, tangential[..., 1])
-    return np.stack((x, y, z), axis=-1)
+    n_x, n_y, n_z = normals[..., 0], normals[..., 1], normals[..., 2]
+    eta, kappa = tangential[..., 0], tangential[..., 1]
+    level = np.hypot(n_x, n_y)
+    t_x, t_y = -n_y / level, n_x / level
+    # b = n × t
+    x = -n_x + eta * t_x - kappa * n_z * t_y
+    y = -n_y + eta * t_y + kappa * n_z * t_x
+    z = -n_z + kappa * level
+    return np.stack(np.broadcast_arrays(x, y, z), axis=-1)
 
 
 def directions(p: Array, normals: Array, c: Array, reach: float, ring: int) -> Array:

@@ -1,102 +1,165 @@
-"""Model files: a YAML file with units in its keys, read into a `BoxModel`.
+"""Model files: a YAML file with units in its keys, read into an object model and written again.
 
-The file's schema is strict and versioned (`format: box/1`); what is not stated takes the default of
-`BoxModel`. See `objectmodels/models/` for examples.
+A file begins with `format: KIND/VERSION`, e.g. `box/1`; the kind is a class of model, whose fields
+are the file's keys (by their aliases, which carry the units). It is read strictly: what is unknown,
+of another type or out of range is an error that names file, key, what was found and what was
+expected. See `objectmodels/models/` for examples.
 """
 
 from __future__ import annotations
 
+import os
+import tempfile
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+import yaml
+from pydantic import ValidationError
 
-from objectmodels.box import BoxModel, Deviation3, Provenance, Size, Vector3, Word, Words
+from objectmodels.box import BoxModel
+from objectmodels.cylinder import CylinderModel
 from objectmodels.errors import ModelError
+from objectmodels.hull import HullModel
+from objectmodels.model import ObjectModel
+from objectmodels.parameters import Provenance
+from objectmodels.prism import PrismModel
 from objectmodels.suggest import suggest
-from objectmodels.support import Support
 from objectmodels.yamlfile import read_yaml
 
-FORMAT = "box/1"
+Kinds = Mapping[str, type[ObjectModel]]
 
-Positive = Annotated[float, Field(gt=0.0)]
-Deviation = Annotated[float, Field(ge=0.0)]
-
-
-class BoxFile(BaseModel):
-    """Schema of a box's model file; keys carry their units, attributes are those of `BoxModel`."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-
-    format: Literal["box/1"]
-    name: Word
-    size: Size = Field(alias="size_m")
-    mass: Positive = Field(alias="mass_kg")
-    mass_sd: Deviation | None = Field(None, alias="mass_kg_sd")
-    friction: Positive = Field(alias="friction_table")
-    friction_sd: Deviation | None = Field(None, alias="friction_table_sd")
-    friction_kinetic: Positive | None = Field(None, alias="friction_table_kinetic")
-    finger_friction: Positive | None = Field(None, alias="friction_finger")
-    finger_friction_sd: Deviation | None = Field(None, alias="friction_finger_sd")
-    finger_friction_kinetic: Positive | None = Field(None, alias="friction_finger_kinetic")
-    com: Vector3 | None = Field(None, alias="centre_of_mass_m")
-    com_sd: Deviation3 | None = Field(None, alias="centre_of_mass_m_sd")
-    support: Support | None = None
-    friction_radius: Positive | None = Field(None, alias="friction_radius_m")
-    friction_radius_sd: Deviation | None = Field(None, alias="friction_radius_m_sd")
-    synonyms: Words | None = None
-    provenance: Provenance
-
-    def model(self) -> BoxModel:
-        """The box that the file describes."""
-        stated = {key: value for key, value in self if value is not None and key != "format"}
-        return BoxModel(**stated)
+BUILT_IN_KINDS: Kinds = {
+    "box": BoxModel,
+    "prism": PrismModel,
+    "cylinder": CylinderModel,
+    "hull": HullModel,
+}
+"""Kinds of model that a file may name without any plug-in."""
 
 
-def load_model(path: Path) -> BoxModel:
+def kind_of(model: ObjectModel | type[ObjectModel]) -> str:
+    """Name of a model's kind, as in `format: KIND/VERSION`."""
+    cls = model if isinstance(model, type) else type(model)
+    return str(cls.model_fields["kind"].default)
+
+
+def load_model(path: Path, kinds: Kinds = BUILT_IN_KINDS) -> ObjectModel:
     """Reads a model file.
 
     Args:
         path: the YAML file.
+        kinds: classes of model by name.
 
     Raises:
         ModelError: `unreadable_file`, `bad_yaml`, `unknown_format`, `missing_key`, `unknown_key` or
             `bad_value`; names the file, the key, the value found and what was expected.
     """
     content = read_yaml(path)
-    if content.get("format") != FORMAT:
-        found = f"format {content['format']!r}" if "format" in content else "no `format`"
+    cls = _class_of(content, path, kinds)
+    stated = {key: value for key, value in content.items() if key != "format"}
+    if "provenance" not in stated:
         raise ModelError(
-            "unknown_format",
-            f"{found}, expected {FORMAT!r}",
-            path=str(path),
-            suggestions=(f"begin the file with `format: {FORMAT}`",),
+            "missing_key",
+            "is required, but not given",
+            path=f"{path}: provenance",
+            suggestions=("say where the figures come from: `provenance: {source: …}`",),
+        )
+    if "kind" in stated:
+        raise ModelError(
+            "unknown_key",
+            "is not a key of this format",
+            path=f"{path}: kind",
+            suggestions=("the kind stands in `format`",),
         )
     try:
-        return BoxFile.model_validate(content).model()
+        return cls.model_validate(stated, by_alias=True, by_name=False)
     except ValidationError as error:
-        raise _explained(error, path) from error
+        raise _explained(error, path, cls) from error
 
 
-def _explained(error: ValidationError, path: Path) -> ModelError:
+def save_model(model: ObjectModel, path: Path) -> None:
+    """Writes a model file, whole or not at all; only what was stated, not what follows from it.
+
+    Raises:
+        ModelError: `cannot_write`.
+    """
+    stated = model.model_dump(mode="json", by_alias=True, exclude_unset=True, exclude={"kind"})
+    stated.setdefault("provenance", model.provenance.model_dump(exclude_none=True))
+    document = {"format": f"{kind_of(model)}/{type(model).version}", **stated}
+    text = yaml.safe_dump(document, sort_keys=False, allow_unicode=True, default_flow_style=None)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=".tmp", dir=path.parent)
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(text)
+        os.chmod(name, 0o644)
+        os.replace(name, path)
+    except OSError as error:
+        raise ModelError(
+            "cannot_write", f"cannot be written: {error.strerror}", path=str(path)
+        ) from error
+
+
+def _class_of(content: dict[str, Any], path: Path, kinds: Kinds) -> type[ObjectModel]:
+    known = [f"{kind}/{cls.version}" for kind, cls in kinds.items()]
+    found = content.get("format")
+    if found in known:
+        return kinds[str(found).split("/")[0]]
+    what = f"format {found!r}" if "format" in content else "no `format`"
+    raise ModelError(
+        "unknown_format",
+        f"{what}, expected one of: {', '.join(known)}",
+        path=str(path),
+        suggestions=(f"begin the file with `format: {known[0]}`",),
+    )
+
+
+def _explained(error: ValidationError, path: Path, cls: type[ObjectModel]) -> ModelError:
     """The first complaint of pydantic in the words of a model file's author."""
-    first = error.errors(include_url=False)[0]
-    key = ".".join(str(part) for part in first["loc"]) or "file"
+    # A key that is unknown is often the one that is missing, misspelt: that helps most.
+    complaints = error.errors(include_url=False)
+    first = min(complaints, key=lambda e: e["type"] != "extra_forbidden")
+    key = ".".join(str(part) for part in _loc(first, cls)) or "file"
     where = f"{path}: {key}"
     found: Any = first["input"]
     if first["type"] == "missing":
         return ModelError("missing_key", "is required, but not given", path=where)
     if first["type"] == "extra_forbidden":
-        known = Provenance.model_fields if "." in key else _keys()
-        hints = tuple(f"did you mean '{name}'?" for name in suggest(key.split(".")[-1], known))
+        known = Provenance.model_fields if "." in key else keys(cls)
+        wrong = key.split(".")[-1]
+        near = suggest(wrong, known) or [name for name in known if name.startswith(wrong + "_")]
+        hints = tuple(f"did you mean '{name}'?" for name in near[:1])
         return ModelError(
-            "unknown_key", "is not a key of this format", path=where, suggestions=hints
+            "unknown_key",
+            "is not a key of this format",
+            path=where,
+            suggestions=hints or (f"known: {', '.join(known)}",),
         )
-    if not first["loc"] or isinstance(found, dict):
-        return ModelError("bad_value", first["msg"], path=where)
+    inner = first.get("ctx", {}).get("error")
+    if isinstance(inner, ModelError) and inner.path is not None:
+        field = cls.model_fields[inner.path]
+        return ModelError("bad_value", inner.message, path=f"{path}: {field.alias or inner.path}")
     expected = first["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
-    return ModelError("bad_value", f"found {found!r}, expected {expected}", path=where)
+    if isinstance(inner, ModelError):
+        expected = inner.message
+    if not first["loc"] or isinstance(found, dict):
+        return ModelError("bad_value", expected, path=where)
+    return ModelError("bad_value", f"found {_short(found)}, expected {expected}", path=where)
 
 
-def _keys() -> list[str]:
-    return [field.alias or name for name, field in BoxFile.model_fields.items()]
+def _loc(complaint: Any, cls: type[ObjectModel]) -> tuple[Any, ...]:
+    """Where a complaint is, without the branches of a union that pydantic names."""
+    parts = complaint["loc"]
+    return tuple(part for part in parts if not str(part).startswith(("literal[", "function-")))
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 80 else text[:77] + "..."
+
+
+def keys(cls: type[ObjectModel]) -> list[str]:
+    """Keys of a kind's model files."""
+    names = [field.alias or name for name, field in cls.model_fields.items() if name != "kind"]
+    return ["format", *names]

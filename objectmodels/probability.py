@@ -1,10 +1,12 @@
-"""Probability that an uncertain box slides first, or topples first.
+"""Probability that an uncertain object slides first, topples first, or stays.
 
-The parameters are taken as independent and normal, cut off where they would make no sense. For one
-force direction the box slides first iff its friction is below μ* (`critical_friction`), so the
-friction integrates in closed form: P = Φ((μ* − μ)/σ_μ). The other four that matter (the centre of
-mass along x and y, the friction radius, the finger's friction) are averaged over the points of a
-Halton sequence: no randomness, the same answer every time, within 0.04 of what many samples give.
+The parameters are normal, correlated if the model says so, cut off where they would make no sense.
+The class at the onset does not depend on the mass, and for one force direction the object slides
+first iff its friction is below μ* (`critical_friction`), so the friction integrates in closed form,
+given the others: P = Φ((μ* − μ)/σ_μ). The other four that matter (the centre of mass along x and y,
+the friction radius, the finger's friction) are averaged over the points of a Halton sequence: no
+randomness, the same answer every time, within 0.04 of what many samples give. What becomes of a
+push with a given force depends on the mass too and is sampled, with a seed.
 """
 
 from __future__ import annotations
@@ -16,17 +18,19 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from objectmodels.base import Array
+from objectmodels.errors import ModelError
 from objectmodels.extremes import contact_forces, directions
+from objectmodels.parameters import UNCERTAIN
 from objectmodels.thresholds import (
-    Array,
     critical_friction,
-    edge_offsets,
-    topple_thresholds,
+    slide_threshold,
+    topple_threshold,
     yaw_arm,
 )
 
 if TYPE_CHECKING:
-    from objectmodels.box import BoxModel
+    from objectmodels.model import ObjectModel
 
 NODES = 128
 """Points of the Halton sequence that a probability is averaged over."""
@@ -34,11 +38,36 @@ NODES = 128
 SEARCH_NODES, SEARCH_RING = 8, 16
 """The same, and the directions on the outer ring, for finding the worst direction."""
 
+SAMPLES = 4000
+"""Samples for a given force: a probability of one half is met to 0.008 (a standard deviation)."""
+
 BLOCK = 64
 """Contacts that are treated at once, so that the arrays stay in the processor's cache."""
 
 SMALLEST_SHARE = 0.05
-"""Drawn radii and offsets from an edge are cut off at this share of their nominal value."""
+"""Drawn masses, coefficients, radii and offsets from an edge are cut off at this share of their
+nominal value."""
+
+
+@dataclass(frozen=True)
+class Likelihood:
+    """Probabilities of the outcomes of pushes; arrays over n pushes.
+
+    Attributes:
+        none: that it stays where it is, shape (n,); at the onset, that nothing ever moves it.
+        slide: that it slides.
+        topple: that it topples.
+        method: `closed form` (over the friction; the rest by a fixed sequence) or `sampled`.
+        samples: number of draws behind it.
+        seed: of the draws, None for the fixed sequence.
+    """
+
+    none: Array
+    slide: Array
+    topple: Array
+    method: str
+    samples: int
+    seed: int | None
 
 
 @dataclass(frozen=True)
@@ -49,42 +78,125 @@ class Draws:
         com: centre of mass in B, shape (k, 3) [m].
         friction_radius: shape (k,) [m].
         finger_friction: shape (k,).
+        friction: mean at the table given the others, shape (k,).
+        friction_sd: its standard deviation given the others.
     """
 
     com: Array
     friction_radius: Array
     finger_friction: Array
+    friction: Array
+    friction_sd: float
 
 
-def draws(model: BoxModel, z: Array, *, yaw: bool = True) -> Draws:
+_CONDITIONS = ("com_x", "com_y", "friction_radius", "finger_friction")
+
+
+def draws(model: ObjectModel, z: Array, *, yaw: bool = True) -> Draws:
     """Parameters at standard normal deviates z, shape (k, 4): com x, com y, radius, finger.
 
     Without yaw the friction radius is infinite.
     """
-    c, reach = np.array(model.com), (1.0 - SMALLEST_SHARE) * edge_offsets(model.size)[:2]
-    com = np.tile(c, (len(z), 1))
-    com[:, :2] = np.clip(c[:2] + z[:, :2] * np.array(model.com_sd[:2]), -reach, reach)
-    radius = model.friction_radius + z[:, 2] * model.friction_radius_sd
-    finger = model.finger_friction + z[:, 3] * model.finger_friction_sd
+    order = [UNCERTAIN.index(name) for name in (*_CONDITIONS, "friction")]
+    root = _root(model.correlation[np.ix_(order, order)])
+    sd, mean = model.deviations[order], model.means[order]
+    values = mean[:4] + sd[:4] * (z @ root[:4, :4].T)
+    com = np.tile(np.array(model.com), (len(z), 1))
+    com[:, :2] = _inside(model, values[:, :2])
+    smallest = SMALLEST_SHARE * model.friction_radius
     return Draws(
         com=com,
-        friction_radius=np.maximum(
-            radius, SMALLEST_SHARE * model.friction_radius if yaw else np.inf
-        ),
-        finger_friction=np.maximum(finger, 0.0),
+        friction_radius=np.maximum(values[:, 2], smallest if yaw else np.inf),
+        finger_friction=np.maximum(values[:, 3], 0.0),
+        friction=mean[4] + sd[4] * (z @ root[4, :4]),
+        friction_sd=float(sd[4] * root[4, 4]),
     )
 
 
+def _root(correlation: Array) -> Array:
+    """Lower triangular root of a correlation matrix that may be singular."""
+    shifted = correlation + 1e-12 * np.eye(len(correlation))
+    return np.asarray(np.linalg.cholesky(shifted), dtype=np.float64)
+
+
+def _inside(model: ObjectModel, com: Array) -> Array:
+    """Centres of mass (k, 2) drawn back along rays from the origin until they are on the base."""
+    length = np.hypot(*com.T)
+    rays = com / np.maximum(length, 1e-300)[:, None]
+    # Along a ray the base ends where the moment of a unit push along it would leave it.
+    none = np.zeros_like(com)
+    room = (1.0 - SMALLEST_SHARE) * model.base.topple(none, rays, np.zeros(len(com)), 1.0)
+    return np.asarray(rays * np.minimum(length, room)[:, None])
+
+
+def likelihood(
+    model: ObjectModel, p: Array, u: Array, force: float | None = None, seed: int = 0
+) -> Likelihood:
+    """See `ObjectModel.likelihood`, which checks its arrays."""
+    if force is None:
+        draw = draws(model, _nodes(NODES))
+        slide, topple = (
+            np.concatenate(parts)
+            for parts in zip(*(_at_onset(model, *b, draw) for b in _blocks(p, u)), strict=True)
+        )
+        none = np.clip(1.0 - slide - topple, 0.0, 1.0)
+        return Likelihood(none, slide, topple, "closed form", NODES, None)
+    if not 0.0 <= force < np.inf:
+        raise ModelError("bad_value", f"force must be a number from 0 on, not {force}")
+    counts = np.vstack([_sampled(model, *b, force, seed) for b in _blocks(p, u)])
+    none, slide, topple = counts.T
+    return Likelihood(none, slide, topple, "sampled", SAMPLES, seed)
+
+
+def _blocks(p: Array, u: Array) -> list[tuple[Array, Array]]:
+    starts = range(0, max(len(p), 1), BLOCK)
+    return [(p[i : i + BLOCK], u[i : i + BLOCK]) for i in starts]
+
+
+def _at_onset(model: ObjectModel, p: Array, u: Array, draw: Draws) -> tuple[Array, Array]:
+    """Probabilities of sliding and of toppling first, shape (n,) each."""
+    slide, topple = _classes(model, p[:, None, :], u[:, None, :], draw)
+    return slide.mean(axis=-1), topple.mean(axis=-1)
+
+
+def _classes(model: ObjectModel, p: Array, f: Array, draw: Draws) -> tuple[Array, Array]:
+    """Probabilities over the friction alone, for each draw in the last axis."""
+    topple = topple_threshold(model.base, p, f, draw.com, model.weight)
+    arm = yaw_arm(p, f, draw.com)
+    limit = critical_friction(f, arm, topple, draw.friction_radius, model.weight)
+    spread = max(draw.friction_sd, 1e-12 * model.friction)  # a step function if μ is certain
+    below = normal_cdf((limit - draw.friction) / spread)
+    return below, np.where(np.isinf(topple), 0.0, 1.0 - below)
+
+
+def _sampled(model: ObjectModel, p: Array, u: Array, force: float, seed: int) -> Array:
+    """Shares of none, slide, topple among samples of all parameters, shape (n, 3)."""
+    z = np.random.default_rng(seed).standard_normal((SAMPLES, len(UNCERTAIN)))
+    mean = model.means
+    x = mean + model.deviations * (z @ _root(model.correlation).T)
+    x[:, :4] = np.maximum(x[:, :4], SMALLEST_SHARE * mean[:4])
+    weight = model.weight / model.mass * x[:, UNCERTAIN.index("mass")]
+    com = np.column_stack((_inside(model, x[:, 4:6]), x[:, 6]))
+    p, u = p[:, None, :], u[:, None, :]
+    friction, radius = x[:, UNCERTAIN.index("friction")], x[:, UNCERTAIN.index("friction_radius")]
+    slide = weight * slide_threshold(u, yaw_arm(p, u, com), friction, radius, 1.0)
+    topple = weight * topple_threshold(model.base, p, u, com, 1.0)
+    moves = np.minimum(slide, topple) <= force
+    slides = moves & (slide < topple)
+    shares = ~moves, slides, moves & ~slides
+    return np.stack([share.mean(axis=1) for share in shares], axis=1)
+
+
 def worst_probability(
-    model: BoxModel, p: Array, normals: Array, yaw: bool, outcome: Literal["slide", "topple"]
+    model: ObjectModel, p: Array, normals: Array, yaw: bool, outcome: Literal["slide", "topple"]
 ) -> Array:
     """Probability of an outcome at onset for the worst direction in the finger's cone, (n,).
 
     Args:
-        model: the uncertain box.
+        model: the uncertain object.
         p: contact points in B on side faces, shape (n, 3) [m].
         normals: outward unit normals of the faces, shape (n, 3).
-        yaw: whether the box may turn as it slides.
+        yaw: whether the object may turn as it slides.
         outcome: what is asked for.
     """
     shares = directions(p, normals, np.array(model.com), model.finger_friction, SEARCH_RING)
@@ -100,21 +212,13 @@ def worst_probability(
 
 
 def _probability(
-    model: BoxModel, p: Array, normals: Array, shares: Array, outcome: str, draw: Draws
+    model: ObjectModel, p: Array, normals: Array, shares: Array, outcome: str, draw: Draws
 ) -> Array:
     """Probability of an outcome for the directions of given shares (n, j, 2), shape (n, j)."""
     tangential = shares[:, :, None, :] * draw.finger_friction[:, None]
     f = contact_forces(normals[:, None, None, :], tangential)  # (n, j, k, 3)
-    p = p[:, None, None, :]
-    offsets = edge_offsets(model.size)
-    topple = topple_thresholds(p, f, draw.com, offsets, model.weight).min(axis=-1)
-    arm = yaw_arm(p, f, draw.com)
-    limit = critical_friction(f, arm, topple, draw.friction_radius, model.weight)
-    spread = max(model.friction_sd, 1e-12 * model.friction)  # a step function if μ is certain
-    below = normal_cdf((limit - model.friction) / spread)
-    if outcome == "topple":
-        below = np.where(np.isinf(topple), 0.0, 1.0 - below)
-    return np.asarray(below.mean(axis=-1))
+    slide, topple = _classes(model, p[:, None, None, :], f, draw)
+    return np.asarray((slide if outcome == "slide" else topple).mean(axis=-1))
 
 
 def normal_cdf(x: Array) -> Array:

@@ -23,14 +23,11 @@ from math import atan2, hypot, pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from objectmodels.box import BoxModel
+from objectmodels.base import Array, without_collinear
 from objectmodels.errors import ModelError
-from objectmodels.thresholds import Array, edge_offsets
+from objectmodels.model import ObjectModel
 
 _DOWN = np.array([0.0, 0.0, -1.0])
-
-# Vertices whose neighbours they are collinear with, as the sine of the corner's angle.
-_COLLINEAR = 1e-9
 
 # Scores closer than this count as a tie [rad].
 _TIE = 1e-9
@@ -85,10 +82,9 @@ class SeedModel:
         self.friction = friction
 
     @classmethod
-    def of(cls, box: BoxModel) -> SeedModel:
-        """The reference model of a box."""
-        x, y = edge_offsets(box.size)[:2]
-        return cls([(x, y), (-x, y), (-x, -y), (x, -y)], box.com, box.weight, box.friction)
+    def of(cls, model: ObjectModel) -> SeedModel:
+        """The reference model of an object; a round base becomes a polygon of 24 sides."""
+        return cls(model.base.corners, model.com, model.weight, model.friction)
 
     def slides(self, force: ArrayLike) -> bool:
         """Whether |F_xy| > μ N."""
@@ -151,11 +147,3 @@ def torque_range(base: Array, i: int) -> TorqueRange:
         between = TorqueRange(a, turn) if turn < pi else TorqueRange(b, 2.0 * pi - turn)
         widest = max(widest, between, key=lambda r: r.width)
     return widest
-
-
-def without_collinear(base: Array) -> Array:
-    """The polygon's true corners: vertices on the line through their neighbours are dropped."""
-    before, after = base - np.roll(base, 1, axis=0), np.roll(base, -1, axis=0) - base
-    turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    lengths = np.hypot(*before.T) * np.hypot(*after.T)
-    return np.asarray(base[np.abs(turn) > _COLLINEAR * lengths])

@@ -1,42 +1,124 @@
 """The registry: which object models there are, by name and synonym.
 
 A registry is a plain value that is filled explicitly; nothing registers itself by being imported.
+The default one is filled from these sources, in this order: the built-in models, plug-ins (entry
+points, `objectmodels.plugins`), the user's folder. A scene and the program may add more. A name
+belongs to the source that was there first; what comes later is reported and skipped.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from importlib.resources import as_file, files
 from pathlib import Path
 from types import MappingProxyType
 
-from objectmodels.box import BoxModel
+from objectmodels import plugins
 from objectmodels.errors import ModelError
-from objectmodels.modelfile import load_model
+from objectmodels.model import ObjectModel
+from objectmodels.modelfile import BUILT_IN_KINDS, kind_of, load_model
 from objectmodels.suggest import fold, suggest
+
+FOLDER_VARIABLE = "NLCONTROL_OBJECTS"
+"""Environment variable that names the user's folder of models."""
+
+
+def user_folder() -> Path:
+    """The folder of the user's own models, where `objects add` and `import` put them."""
+    named = os.environ.get(FOLDER_VARIABLE)
+    if named:
+        return Path(named)
+    data = os.environ.get("APPDATA" if os.name == "nt" else "XDG_DATA_HOME")
+    home = Path(data) if data else Path.home() / ".local" / "share"
+    return home / "nlcontrol" / "objects"
 
 
 class Registry:
     """Object models by name.
 
     Attributes:
-        problems: errors of the files that `load` skipped.
+        problems: errors of the files and plug-ins that were skipped.
     """
 
     def __init__(self) -> None:
-        self._models: dict[str, BoxModel] = {}
+        self._kinds: dict[str, type[ObjectModel]] = dict(BUILT_IN_KINDS)
+        self._models: dict[str, ObjectModel] = {}
         self._places: dict[str, str] = {}
         self._problems: list[ModelError] = []
 
     @classmethod
     def default(cls) -> Registry:
-        """A registry of the built-in models."""
-        registry = cls()
-        with as_file(files("objectmodels") / "models") as folder:
+        """A registry of the built-in models, those of plug-ins and those of the user."""
+        registry = cls.built_in()
+        registry.load_plugins()
+        folder = user_folder()
+        if folder.is_dir():
             registry.load(folder)
         return registry
 
-    def add(self, model: BoxModel, *, place: str = "added by the program") -> None:
+    def copy(self) -> Registry:
+        """A registry with the same contents, to add more to."""
+        other = Registry()
+        other._kinds, other._models = dict(self._kinds), dict(self._models)
+        other._places, other._problems = dict(self._places), list(self._problems)
+        return other
+
+    @classmethod
+    def built_in(cls) -> Registry:
+        """A registry of the built-in models alone."""
+        registry = cls()
+        with as_file(files("objectmodels") / "models") as folder:
+            registry.load(folder, place="built in")
+        return registry
+
+    def load_plugins(self) -> None:
+        """Adds kinds and models of the installed plug-ins; the broken ones go to `problems`."""
+        for place, offer in plugins.offers():
+            try:
+                if isinstance(offer, ModelError):
+                    raise offer
+                if isinstance(offer, type):
+                    self.add_kind(offer, place=place)
+                elif isinstance(offer, ObjectModel):
+                    self.add(offer, place=place)
+                else:
+                    self.load(offer, place=place)
+            except ModelError as error:
+                self._problems.append(error)
+
+    def add_kind(self, cls: type[ObjectModel], *, place: str = "added by the program") -> None:
+        """Adds a kind of model, so that model files may be of it.
+
+        Args:
+            cls: the class; the default of its field `kind` is the kind's name.
+            place: where it comes from, for error messages.
+
+        Raises:
+            ModelError: `bad_kind`, `duplicate_name`.
+        """
+        if "kind" not in cls.model_fields or not isinstance(cls.model_fields["kind"].default, str):
+            raise ModelError(
+                "bad_kind",
+                f"{cls.__name__} of {place} does not name its kind",
+                suggestions=('give it a field `kind: Literal["crate"] = "crate"`',),
+            )
+        kind = kind_of(cls)
+        taken = self._kinds.get(kind)
+        if taken is not None and taken is not cls:
+            raise ModelError(
+                "duplicate_name",
+                f"the kind {kind!r} of {place} is already that of {taken.__module__}",
+                suggestions=("give one of the two another name",),
+            )
+        self._kinds[kind] = cls
+
+    @property
+    def kinds(self) -> Mapping[str, type[ObjectModel]]:
+        """The kinds of model that files may be of, by name, a read-only view."""
+        return MappingProxyType(self._kinds)
+
+    def add(self, model: ObjectModel, *, place: str = "added by the program") -> None:
         """Adds a model.
 
         Args:
@@ -64,7 +146,7 @@ class Registry:
         self._models[fold(model.name)] = model
         self._places[fold(model.name)] = place
 
-    def load(self, path: Path | str) -> None:
+    def load(self, path: Path | str, *, place: str | None = None) -> None:
         """Adds a model file, or every `*.yaml` file of a folder.
 
         A file given by itself must be good. In a folder a broken file is skipped and its error
@@ -72,6 +154,7 @@ class Registry:
 
         Args:
             path: file or folder.
+            place: where it comes from, for people; the path if not given.
 
         Raises:
             ModelError: what `load_model` and `add` raise, for a file given by itself;
@@ -79,15 +162,16 @@ class Registry:
         """
         path = Path(path)
         if not path.is_dir():
-            self.add(load_model(path), place=str(path))
+            where = f"{place} ({path.name})" if place else str(path)
+            self.add(load_model(path, self._kinds), place=where)
             return
         for file in sorted(path.glob("*.yaml")):
             try:
-                self.load(file)
+                self.load(file, place=place)
             except ModelError as error:
                 self._problems.append(error)
 
-    def get(self, name: str) -> BoxModel:
+    def get(self, name: str) -> ObjectModel:
         """The model of that name.
 
         Raises:
@@ -121,7 +205,7 @@ class Registry:
         return self._places[fold(self.get(name).name)]
 
     @property
-    def models(self) -> Mapping[str, BoxModel]:
+    def models(self) -> Mapping[str, ObjectModel]:
         """All models by name, a read-only view."""
         return MappingProxyType({model.name: model for model in self})
 
@@ -130,7 +214,7 @@ class Registry:
         """Errors of the files that `load` skipped."""
         return tuple(self._problems)
 
-    def __iter__(self) -> Iterator[BoxModel]:
+    def __iter__(self) -> Iterator[ObjectModel]:
         return iter(self._models.values())
 
     def __len__(self) -> int:

@@ -1,60 +1,55 @@
-"""Forces at which a pushed box starts to slide or to topple: closed forms over whole arrays.
+"""Forces at which a pushed object starts to slide or to topple: closed forms over whole arrays.
 
-Model: a rigid box on a rigid horizontal table, Coulomb friction at the table, one point force
-F = s u whose size s grows slowly from zero. Toppling is exact for any rigid flat base (friction
-acts in its plane and does not enter). Sliding follows the ellipsoidal limit surface with friction
-radius c̄: |F_xy|² + (m_z / c̄)² = (μ N)², m_z about the centre of pressure, N = G − F_z.
+Model: a rigid object with a flat convex base on a rigid horizontal table, Coulomb friction at the
+table, one point force F = s u whose size s grows slowly from zero. Toppling is exact for any such
+base (`objectmodels.base`). Sliding follows the ellipsoidal limit surface with friction radius c̄:
+|F_xy|² + (m_z / c̄)² = (μ N)², m_z about the centre of pressure, N = G − F_z.
 
 Frame: everything is in B, origin at the centre of the base, z up. Sources: the paper "Prediction of
 action outcomes using an object model" for the questions; Howe and Cutkosky 1996 and Lynch,
 Maekawa and Tanie 1992 for the limit surface.
 
-Functions broadcast over leading axes; p, u and c have three components in their last axis, and the
-base edges are a last axis of four in the order of `EDGE_NORMALS`. A threshold that is never met is
-infinite.
+Functions broadcast over leading axes; p, u and c have three components in their last axis. A
+threshold that is never met is infinite.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from objectmodels.base import Array, Base
 
 GRAVITY = 9.81
 """Standard acceleration of free fall used throughout [m/s²]."""
 
-EDGE_NORMALS = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
-"""Outward unit normals n_k of the base edges in B, shape (4, 2)."""
+# Newton steps on the polynomial of `_load_ratio`; all but one push in a thousand need no more.
+_QUICK_STEPS = 5
 
 # More than enough for a bracketed Newton iteration in double precision; usually five are used.
 _MAX_ITERATIONS = 100
 
 
-def edge_offsets(size: tuple[float, float, float]) -> Array:
-    """Offsets d_k of the base edges, {q : n_k·q ≤ d_k for all k}, shape (4,) [m]."""
-    return 0.5 * np.array([size[0], size[1], size[0], size[1]])
+def push_moment(p: Array, u: Array) -> Array:
+    """Moment p_z u_xy − u_z p_xy that a unit push adds to load times place, shape (..., 2) [m]."""
+    return np.asarray(p[..., 2:] * u[..., :2] - u[..., 2:] * p[..., :2])
 
 
-def tilting_lever(p: Array, u: Array, offsets: Array) -> Array:
-    """Lever of a unit force about each base edge, positive where it tilts, shape (..., 4) [m].
+def topple_threshold(
+    base: Base, p: Array, u: Array, c: Array, weight: float, shift: Array | float = 0.0
+) -> Array:
+    """Force at which the centre of pressure reaches the edge of the base, shape (...) [N].
 
-    p_z n_k·u_xy − u_z (n_k·p_xy − d_k)
+    About edge k: s_k = G (d_k − n_k·c_xy) / (p_z n_k·u_xy − u_z (n_k·p_xy − d_k)).
+
+    Args:
+        base: what it stands on.
+        p: contact points, shape (..., 3) [m].
+        u: directions of the force, shape (..., 3); s counts in lengths of u.
+        c: centre of mass, shape (..., 3) [m].
+        weight: G [N].
+        shift: the centre of mass may be nearer to every edge by this, along x and y [m].
     """
-    n = EDGE_NORMALS.T
-    lever = p[..., 2:] * (u[..., :2] @ n) - u[..., 2:] * (p[..., :2] @ n - offsets)
-    return np.asarray(lever)
-
-
-def topple_thresholds(p: Array, u: Array, c: Array, offsets: Array, weight: float) -> Array:
-    """Force s_k at which the box topples about each base edge, shape (..., 4) [N].
-
-    s_k = G (d_k − n_k·c_xy) / (p_z n_k·u_xy − u_z (n_k·p_xy − d_k)), never if that is not positive.
-    """
-    lever = tilting_lever(p, u, offsets)
-    holding = weight * (offsets - c[..., :2] @ EDGE_NORMALS.T)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(lever > 0.0, holding / lever, np.inf)
+    return base.topple(weight * c[..., :2], push_moment(p, u), u[..., 2], weight, shift)
 
 
 def yaw_arm(p: Array, u: Array, c: Array) -> Array:
@@ -81,15 +76,50 @@ def slide_threshold(
     h, w = np.hypot(u[..., 0], u[..., 1]), u[..., 2]
     h, w, a, mu = np.broadcast_arrays(h, w, np.abs(arm) / radius, friction)
     r = _load_ratio(h.ravel(), w.ravel(), a.ravel(), mu.ravel()).reshape(h.shape)
+    return force_at(r, w, weight)
+
+
+def force_at(r: Array, w: Array, weight: float) -> Array:
+    """Force s = r G / (1 + r u_z) of a load ratio r = s/N; inf for r = inf [N]."""
     with np.errstate(invalid="ignore"):
-        s = r * weight / (1.0 + r * w)
-    return np.where(np.isfinite(r), s, np.inf)
+        return np.where(np.isfinite(r), r * weight / (1.0 + r * w), np.inf)
+
+
+def ratio_at(s: Array, w: Array, weight: float) -> Array:
+    """Load ratio r = s / (G − s u_z) of a force; −1/u_z of an infinite one that presses down."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        far = np.where(w < 0.0, -1.0 / w, np.inf)
+        load = weight - s * w
+        return np.where(np.isinf(s), far, np.where(load > 0.0, s / load, np.inf))
 
 
 def _load_ratio(h: Array, w: Array, a: Array, mu: Array) -> Array:
     """Smallest r > 0 with r sqrt(h² + (1 + r w)² a²) = μ, shape (n,); inf if there is none."""
+    h2, a2 = h * h, a * a
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        flat = mu / np.sqrt(h2 + a2)  # exact for a horizontal force, else near by
+        r = flat.copy()
+        for _ in range(_QUICK_STEPS):
+            y = 1.0 + r * w
+            part = h2 + y * y * a2
+            r = r - (r * r * part - mu * mu) / (2.0 * r * (part + r * y * w * a2))
+        y = 1.0 + r * w
+        part = h2 + y * y * a2
+        # A pull has one root. One that presses down slides at the root found if nothing bends.
+        sure = np.abs(r * r * part - mu * mu) <= 16.0 * np.finfo(float).eps * mu * mu
+        sure &= (w >= 0.0) | ((a2 <= 8.0 * h2) & (r * -w < 1.0))
+        sure &= (r > 0.0) & (h > 0.0)
+    if sure.all():
+        return r
+    (i,) = np.nonzero(~sure)
+    r[i] = _careful_load_ratio(h[i], w[i], a[i], mu[i])
+    return r
+
+
+def _careful_load_ratio(h: Array, w: Array, a: Array, mu: Array) -> Array:
+    """`_load_ratio` for pushes of every kind."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        flat = mu / np.hypot(h, a)  # exact for a horizontal force, and one side of the bracket
+        flat = mu / np.hypot(h, a)  # one side of the bracket
         straight = mu / h  # exact without yaw
     r = np.where(a == 0.0, straight, flat)
     r[(h == 0.0) | ((w < 0.0) & (a == 0.0) & (h <= -mu * w))] = np.inf
@@ -138,15 +168,13 @@ def critical_friction(
     Args:
         u: directions of the force, shape (..., 3).
         arm: from `yaw_arm`, shape (...) [m].
-        topple: smallest of `topple_thresholds` for the same u, shape (...) [N].
+        topple: from `topple_threshold` for the same u, shape (...) [N].
         radius: friction radius c̄ [m].
         weight: G [N].
     """
     h, w, a = np.hypot(u[..., 0], u[..., 1]), u[..., 2], np.abs(arm) / radius
+    r = ratio_at(topple, w, weight)
     with np.errstate(divide="ignore", invalid="ignore"):
-        never = np.where(w < 0.0, -1.0 / w, np.inf)
-        load = weight - topple * w
-        r = np.where(np.isinf(topple), never, np.where(load > 0.0, topple / load, np.inf))
         root = np.sqrt(1.0 - 8.0 * (h / a) ** 2)
         peak = (root - 3.0) / (4.0 * w)
         used = np.where(np.isinf(r), np.where(h > 0.0, np.inf, 0.0), _friction_used(r, h, w, a))
@@ -188,12 +216,18 @@ def sliding_twist(p: Array, u: Array, c: Array, s: Array, radius: float, weight:
     return twist / _power(twist, p, u)[:, None]
 
 
-def toppling_twist(p: Array, u: Array, edge: NDArray[np.int64], offsets: Array) -> Array:
-    """Incipient twist of a box that topples about the given edges, shape (n, 6), scaled alike."""
-    n, d = EDGE_NORMALS[edge], offsets[edge]
+def toppling_twist(p: Array, u: Array, n: Array, d: Array) -> Array:
+    """Incipient twist of an object that topples about an edge, shape (n, 6), scaled alike.
+
+    Args:
+        p: contact points, shape (n, 3) [m].
+        u: directions of the force, shape (n, 3).
+        n: outward normals of the edges, shape (n, 2).
+        d: offsets of the edges, shape (n,) [m].
+    """
     twist = np.zeros((len(p), 6))
-    twist[:, 0], twist[:, 1] = -n[:, 1], n[:, 0]  # ω = ẑ × n_k
-    twist[:, 5] = d  # ω × (0 − d n_k)
+    twist[:, 0], twist[:, 1] = -n[:, 1], n[:, 0]  # ω = ẑ × n
+    twist[:, 5] = d  # ω × (0 − d n)
     return twist / _power(twist, p, u)[:, None]
 
 

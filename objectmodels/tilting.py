@@ -1,6 +1,6 @@
-"""How far a box can be tilted, and how far a finger travels to tilt it.
+"""How far an object can be tilted, and how far a finger travels to tilt it.
 
-Model: the box pivots about a base edge that does not slide. Seen along that edge: base length L
+Model: the object pivots about a base edge that does not slide. Seen along that edge: base length L
 along the push, the finger on the rear face at height h, the pivot at the leading edge, b from the
 centre of mass to the pivot.
 """
@@ -13,32 +13,46 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from objectmodels.base import Array
 from objectmodels.errors import ModelError
-from objectmodels.thresholds import EDGE_NORMALS, edge_offsets
 
 if TYPE_CHECKING:
-    from objectmodels.box import BoxModel
+    from objectmodels.model import ObjectModel
 
 
-def angle_of_no_return(model: BoxModel, direction: ArrayLike, sigmas: float) -> float:
-    """Angle atan(b / c_z) past which the box falls by itself [rad]."""
-    k = _leading_edge(direction)
-    n = EDGE_NORMALS[k]
-    b = edge_offsets(model.size)[k] - n @ np.array(model.com[:2])
+def angle_of_no_return(model: ObjectModel, direction: ArrayLike, sigmas: float) -> float:
+    """Angle atan(b / c_z) past which the object falls by itself [rad]."""
+    n = _leading_edge(model, direction)
+    b = float(model.base.extent(n)) - n @ np.array(model.com[:2])
     b -= sigmas * (np.abs(n) @ np.array(model.com_sd[:2]))
     c_z = model.com[2] + sigmas * model.com_sd[2]
-    # A worst case may leave the box: it then falls at once, or only once it lies on its side.
+    # A worst case may leave the object: it then falls at once, or only once it lies on its side.
     return atan2(max(b, 0.0), max(c_z, 0.0))
 
 
-def topple_stroke(model: BoxModel, direction: ArrayLike, height: float, angle: float) -> float:
-    """Travel of the finger that tilts the box by an angle, whether it slips or sticks [m]."""
-    if not 0.0 < height <= model.size[2]:
-        raise ModelError("bad_value", f"height {height} m is not on the box")
+def topple_stroke(model: ObjectModel, direction: ArrayLike, height: float, angle: float) -> float:
+    """Travel of the finger that tilts the object by an angle, whether it slips or sticks [m]."""
+    if not 0.0 < height <= model.top:
+        raise ModelError("bad_value", f"height {height} m is not on the object")
     if not 0.0 <= angle < np.pi / 2:
         raise ModelError("bad_value", f"angle {angle} rad is not between 0 and π/2")
-    length = 2.0 * float(edge_offsets(model.size)[_leading_edge(direction)])
+    n = _leading_edge(model, direction)
+    # The finger is on the side behind, which may stand out beyond the base.
+    length = float(model.base.extent(n)) + float((model.outline @ -n).max())
     return max(stroke_level(height, length, angle), stroke_stuck(height, length, angle))
+
+
+def tilt_after(height: float, length: float, stroke: float) -> float:
+    """Tilt after a stroke of a finger that stays at its height, the inverse of `stroke_level`.
+
+    With t = tan(θ/2) it is 2 h t − 2 L t² = d (1 − t²), whose smaller root counts; π/2 if the
+    finger passes over the object before.
+    """
+    a, b, c = 2.0 * length - stroke, 2.0 * height, stroke
+    inside = b * b - 4.0 * a * c
+    if inside < 0.0:
+        return np.pi / 2.0
+    return 2.0 * float(np.arctan2(2.0 * c, b + np.sqrt(inside)))
 
 
 def stroke_level(height: float, length: float, angle: float) -> float:
@@ -51,9 +65,9 @@ def stroke_stuck(height: float, length: float, angle: float) -> float:
     return height * sin(angle) + length * (1.0 - cos(angle))
 
 
-def _leading_edge(direction: ArrayLike) -> int:
-    """The base edge that looks most along a horizontal direction."""
+def _leading_edge(model: ObjectModel, direction: ArrayLike) -> Array:
+    """Outward normal of the base edge that looks most along a horizontal direction, (2,)."""
     u = np.asarray(direction, dtype=np.float64)
     if u.shape not in ((2,), (3,)) or not np.isfinite(u).all() or not u[:2].any():
         raise ModelError("bad_array", f"direction {u} is not a horizontal direction")
-    return int(np.argmax(EDGE_NORMALS @ u[:2]))
+    return model.base.facing(u[:2] / np.hypot(*u[:2]))

@@ -78,13 +78,14 @@ def read_yaml(path: Path) -> dict[str, Any]:
             mapping of text keys.
     """
     try:
-        data = path.read_bytes()
-        if len(data) > MAX_BYTES:
+        size = path.stat().st_size
+        if size > MAX_BYTES:
             raise ModelError(
                 "unreadable_file",
-                f"is {len(data)} bytes long, at most {MAX_BYTES} are read",
+                f"is {size} bytes long, expected at most {MAX_BYTES}",
                 path=str(path),
             )
+        data = path.read_bytes()
         content = parse_yaml(data.decode("utf-8"))
     except OSError as error:
         raise ModelError(

@@ -122,7 +122,7 @@ def read(frame: g.Frame, state: WorldState, defaults: Defaults) -> Asked:
 
 def _goal(frame: g.Frame, target: SeenObject, state: WorldState, defaults: Defaults) -> Asked:
     goal = frame.goal
-    low, high = 0.0, target.model.size[2]
+    low, high = 0.0, target.model.top
     if isinstance(goal, g.Topple):
         heading = HEADINGS[goal.direction] if goal.direction else None
         speed = DefaultUsed(name="speed", value=defaults.speed, unit="m/s", reason="no speed said")
@@ -256,7 +256,7 @@ def _contact(
     asked: Asked, clause: g.ContactRegion, target: SeenObject, defaults: Defaults
 ) -> Asked:
     spans = asked.contact_spans + clause.spans
-    height = target.model.size[2]
+    height = target.model.top
     if clause.face == "top":
         raise unsupported(
             "pushing on the top face",

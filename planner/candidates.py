@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from objectmodels import BoxModel, ConeThresholds, Face
+    from objectmodels import ConeThresholds, Face, ObjectModel
     from planner.asked import Asked
     from planner.defaults import Defaults
     from planner.reach import Reach
@@ -71,8 +71,8 @@ class Contacts:
 def grid(side: Side, fingers: int, asked: Asked, reach: Reach) -> tuple[Array, Array]:
     """Contacts of a face: points in B, shape (n, 3) [m], and room to its edges, shape (n,) [m]."""
     face = side.face
-    low = max(asked.low, reach.lowest_height)
-    high = min(asked.high, face.height - reach.fingertip_radius)
+    low = max(asked.low, reach.lowest_height, face.bottom)
+    high = min(asked.high, face.top - reach.fingertip_radius)
     room = face.width / 2 - reach.fingertip_radius
     room -= reach.finger_spread / 2 if fingers == 2 else 0.0
     lateral = np.array([y for y in _SIDESTEPS[fingers] if abs(y) <= room + 1e-9])
@@ -80,13 +80,13 @@ def grid(side: Side, fingers: int, asked: Asked, reach: Reach) -> tuple[Array, A
         return np.empty((0, 3)), np.empty(0)
     heights = np.linspace(low, high, max(1, round((high - low) / _HEIGHT_STEP)) + 1)
     z, y = (a.ravel() for a in np.meshgrid(heights, lateral, indexing="ij"))
-    base = np.array([face.centre[0], face.centre[1], 0.0])
-    points = base + y[:, None] * np.array(face.tangent) + z[:, None] * np.array([0.0, 0.0, 1.0])
-    return points, room - np.abs(y)
+    on = face.contains(y, z)
+    points, _ = face.at(y[on], z[on])
+    return points, room - np.abs(y[on])
 
 
 def rated(
-    model: BoxModel, sides: list[Side], asked: Asked, reach: Reach, defaults: Defaults
+    model: ObjectModel, sides: list[Side], asked: Asked, reach: Reach, defaults: Defaults
 ) -> Iterator[list[Contacts]]:
     """Contacts at which the wanted outcome is sure enough, from the surest case to the least.
 
@@ -116,7 +116,7 @@ def rated(
 
 
 def _rate(
-    model: BoxModel,
+    model: ObjectModel,
     side: Side,
     fingers: Literal[1, 2],
     points: Array,

@@ -23,9 +23,8 @@ Array = NDArray[np.float64]
 
 
 def footprint(seen: SeenObject) -> Array:
-    """Corners of an object's base in W, counter-clockwise, shape (4, 2) [m]."""
-    half = 0.5 * np.asarray(seen.model.size[:2])
-    corners = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    """Corners of what an object covers of the table in W, counter-clockwise, shape (k, 2) [m]."""
+    corners = seen.model.outline
     return np.asarray(corners @ seen.pose.R_WB[:2, :2].T + seen.pose.p_WB[:2])
 
 
@@ -42,7 +41,7 @@ def landing_strip(seen: SeenObject, direction_W: Array) -> Array:
     u = direction_W[:2]
     corners = footprint(seen)
     ahead = (corners - corners.mean(axis=0)) @ u > 0.0
-    return corners + np.where(ahead[:, None], seen.model.size[2] * u, 0.0)
+    return corners + np.where(ahead[:, None], seen.model.top * u, 0.0)
 
 
 def _normals(polygon: Array) -> Array:

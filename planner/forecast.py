@@ -58,7 +58,7 @@ def margins(
     contacts: Contacts, k: int, asked: Asked, target: SeenObject, push: Push, d: Defaults
 ) -> Margins:
     """How far the k-th chosen contact is from the outcome that it must not have."""
-    i, cone, height = int(contacts.chosen[k]), contacts.cone, target.model.size[2]
+    i, cone, height = int(contacts.chosen[k]), contacts.cone, target.model.top
     z = float(contacts.points[i, 2])
     if asked.outcome == "slide":
         force, room = float(cone.slide_margin[i]), min(float(cone.height_below[i]), height) - z

@@ -20,7 +20,7 @@ from planner import refusals
 from planner.asked import Asked, RefusedError, read
 from planner.candidates import Contacts, Side, grid, rated
 from planner.defaults import DEFAULTS, Defaults
-from planner.directions import angle_between, face_name, heading_of, unit
+from planner.directions import HEADINGS, angle_between, face_name, heading_of, unit
 from planner.footprints import footprint, free_travel, landing_strip, overlaps, travel_to_edge
 from planner.forecast import margins, needed_force, prediction, remarks
 from planner.plan import Plan, Push, Refusal
@@ -121,7 +121,7 @@ def _best(
 def _sides(asked: Asked, target: SeenObject, defaults: Defaults) -> list[Side]:
     """Faces that a push as asked may touch, the straightest first."""
     sides = []
-    for face in target.model.faces():
+    for face in target.model.faces(_pushed_along(asked) - target.pose.yaw):
         outward = target.pose.R_WB @ np.array(face.normal)
         name, off = face_name(outward)
         if asked.face is not None:
@@ -141,6 +141,16 @@ def _sides(asked: Asked, target: SeenObject, defaults: Defaults) -> list[Side]:
     if abs(oblique) > largest:
         raise RefusedError(refusals.oblique(asked, target, straightest, oblique, largest))
     return [straightest]
+
+
+def _pushed_along(asked: Asked) -> np.ndarray:
+    """Headings in W along which a round object may be pushed: the one asked, else the robot's four.
+
+    Shape (k,) [rad].
+    """
+    if asked.heading is not None:
+        return np.array([asked.heading])
+    return np.array(list(HEADINGS.values()))
 
 
 def _direction(asked: Asked, side: Side) -> np.ndarray:

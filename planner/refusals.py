@@ -89,7 +89,7 @@ def falls_off(target: SeenObject) -> Refusal:
     return Refusal(
         reason="impossible",
         message=f"the {target.name} would fall over the edge of the table",
-        numbers={"height": target.model.size[2]},
+        numbers={"height": target.model.top},
         suggestions=("topple it to another side",),
     )
 
@@ -98,9 +98,8 @@ def falls_on(target: SeenObject, other: SeenObject) -> Refusal:
     """It would land on another object."""
     return Refusal(
         reason="blocked",
-        message=f"the {target.name}, {_mm(target.model.size[2])} high, would fall on the "
-        f"{other.name}",
-        numbers={"height": target.model.size[2]},
+        message=f"the {target.name}, {_mm(target.model.top)} high, would fall on the {other.name}",
+        numbers={"height": target.model.top},
         suggestions=("topple it to another side",),
     )
 
@@ -123,7 +122,7 @@ def too_weak(asked: Asked, target: SeenObject, needed: float, reach: Reach) -> R
 
 def no_place(asked: Asked, target: SeenObject, sides: list[Side], reach: Reach) -> Refusal:
     """The fingertips find no place on the face, whatever would come of it."""
-    size, lowest = target.model.size[2], reach.lowest_height
+    size, lowest = target.model.top, reach.lowest_height
     highest = size - reach.fingertip_radius
     if max(asked.low, lowest) <= min(asked.high, highest):
         return _too_narrow(asked, target, sides, reach)
@@ -178,12 +177,12 @@ def no_contact(
 ) -> Refusal:
     """No contact that is allowed has the wanted outcome for sure."""
     model = target.model
-    points = np.array([[*side.face.centre[:2], 0.5 * model.size[2]] for side in sides])
+    points = np.array([[*side.face.centre[:2], 0.5 * model.top] for side in sides])
     normals = np.array([side.face.normal for side in sides])
     worst = model.cone_thresholds(points, normals, sigmas=defaults.sigmas, yaw=False)
     nominal = worst.critical_height
     if asked.outcome == "slide":
-        sure = min(float(worst.height_below.max()), model.size[2])
+        sure = min(float(worst.height_below.max()), model.top)
         return _cannot_slide(asked, target, float(nominal.max()), sure, reach)
     return _cannot_topple(asked, target, float(nominal.min()), reach)
 
@@ -221,7 +220,7 @@ def _cannot_slide(
     numbers["lowest_asked"] = asked.low
     if asked.region == "at the top":
         numbers["lowest_top"] = asked.low
-    upright = asked.high >= target.model.size[2]
+    upright = asked.high >= target.model.top
     heights = f"{_mm(asked.low)} or higher" if upright else f"{_mm(asked.low)} to {_mm(asked.high)}"
     reached = f", reached from {_mm(lowest)} up" if lowest > asked.low else ""
     verb = "tips" if lowest >= critical else "may tip"
@@ -246,7 +245,7 @@ def _slides_where(critical: float, sure: float) -> str:
 
 def _cannot_topple(asked: Asked, target: SeenObject, critical: float, reach: Reach) -> Refusal:
     """It would slide, or might, at every height that is allowed; `critical` as for sliding."""
-    highest = min(asked.high, target.model.size[2] - reach.fingertip_radius)
+    highest = min(asked.high, target.model.top - reach.fingertip_radius)
     numbers = {"highest_height": highest}
     if math.isinf(critical):
         return Refusal(
@@ -258,7 +257,7 @@ def _cannot_topple(asked: Asked, target: SeenObject, critical: float, reach: Rea
             suggestions=("topple it to another side",),
         )
     numbers["critical_height"] = critical
-    higher = ("push it at the top",) if asked.high < target.model.size[2] else ()
+    higher = ("push it at the top",) if asked.high < target.model.top else ()
     if critical > highest:
         return Refusal(
             reason="impossible",

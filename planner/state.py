@@ -16,7 +16,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from objectmodels.box import BoxModel
+    from objectmodels.model import ObjectModel
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class SeenObject:
 
     name: str
     pose: PlanarPose
-    model: BoxModel
+    model: ObjectModel
 
 
 @dataclass(frozen=True)

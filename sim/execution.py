@@ -29,7 +29,7 @@ from sim.stance import Stance, UnreachableError
 from sim.trace import EndReason, Trace
 
 if TYPE_CHECKING:
-    from objectmodels.box import BoxModel
+    from objectmodels.model import ObjectModel
     from sim.world import DrakeWorld
 
 Progress = Callable[[str, float, str], None]
@@ -53,7 +53,7 @@ SETTLE = {"stroke": 0.5, "toppled": 1.5}
 def execute(
     plan: Plan,
     world: DrakeWorld,
-    models: Mapping[str, BoxModel],
+    models: Mapping[str, ObjectModel],
     *,
     reach: ArmReach | None = None,
     progress: Progress | None = None,
@@ -90,7 +90,7 @@ class _Run:
         self,
         plan: Plan,
         world: DrakeWorld,
-        models: Mapping[str, BoxModel],
+        models: Mapping[str, ObjectModel],
         reach: ArmReach,
         progress: Progress,
     ) -> None:

@@ -227,7 +227,7 @@ class PushControl:
         pose, model = self._target.pose, self._target.model
         vision = self.recorder.world.scene.vision
         frames = max(1.0, vision.rate_hz)  # of the look before, which lasted a second
-        depth = abs(pose.R_WB.T @ self.way.inward) @ np.array(model.size) / 2.0
+        depth = (model.outline @ (pose.R_WB.T @ -self.way.inward)[:2]).max()
         inward = float(np.arctan2(self.way.inward[1], self.way.inward[0]))
         angle = np.radians(vision.angle_noise_deg)
         return LineKeeper(

@@ -336,10 +336,7 @@ def _are_clear(robot: Array, state: WorldState) -> bool:
 def _distance_to(robot: Array, seen: SeenObject) -> Array:
     R_WB, p_WB = seen.pose.R_WB, seen.pose.p_WB
     in_B = spheres.placed(robot, R_WB.T, -R_WB.T @ p_WB)
-    width, depth, height = seen.model.size
-    return spheres.distance_to_box(
-        in_B, np.array([-width / 2, -depth / 2, 0.0]), np.array([width / 2, depth / 2, height])
-    )
+    return spheres.distance_to_prism(in_B, seen.model.outline, seen.model.top)
 
 
 def _clear_hands(

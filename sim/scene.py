@@ -151,6 +151,7 @@ class Scene(_Part):
         name: for reports.
         time_step_s: of the simulation.
         control_rate_hz: of the robot's control loop.
+        models: model files, or folders of them, that belong to the scene; relative to its file.
     """
 
     version: Literal[1]
@@ -161,6 +162,7 @@ class Scene(_Part):
     torque_sensor: TorqueSensor = TorqueSensor()
     time_step_s: Annotated[float, Field(gt=0, le=0.005)] = 0.002
     control_rate_hz: Annotated[float, Field(ge=20, le=1000)] = 100.0
+    models: tuple[str, ...] = ()
     objects: tuple[SceneObject, ...]
 
     @model_validator(mode="after")
@@ -218,7 +220,9 @@ def load_scene(name_or_path: str | Path) -> Scene:
         except (OSError, UnicodeDecodeError) as error:
             message = f"cannot read scene file {source}: {error}"
             raise SceneError("unknown_scene", message) from error
-    return parse_scene(text, source=str(name_or_path))
+    scene = parse_scene(text, source=str(name_or_path))
+    beside = tuple(str(source.absolute().parent / path) for path in scene.models)
+    return scene.model_copy(update={"models": beside})
 
 
 def parse_scene(text: str, *, source: str = "scene") -> Scene:

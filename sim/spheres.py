@@ -116,6 +116,32 @@ def distance_to_box(spheres: Array, low: Array, high: Array) -> Array:
     return np.asarray(far + near - spheres[..., 3])
 
 
+def distance_to_prism(spheres: Array, outline: Array, height: float) -> Array:
+    """Signed distance of spheres from an upright prism on the table, shape (...) [m].
+
+    Args:
+        spheres: shape (..., 4), in the prism's frame.
+        outline: convex, its corners counter-clockwise, shape (k, 2) [m].
+        height: of the prism [m].
+    """
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    if len(outline) == 4 and ((outline == low) | (outline == high)).all():
+        return distance_to_box(spheres, np.append(low, 0.0), np.append(high, height))
+    x, y, z = spheres[..., 0], spheres[..., 1], spheres[..., 2]
+    across, beside = np.full(x.shape, -np.inf), np.full(x.shape, np.inf)
+    for (a_x, a_y), (b_x, b_y) in zip(outline, np.roll(outline, -1, axis=0), strict=True):
+        along = np.array([b_x - a_x, b_y - a_y])
+        length = np.hypot(*along)
+        e_x, e_y = along / length
+        across = np.maximum(across, (x - a_x) * e_y - (y - a_y) * e_x)
+        t = np.clip((x - a_x) * e_x + (y - a_y) * e_y, 0.0, length)
+        beside = np.minimum(beside, np.hypot(x - a_x - t * e_x, y - a_y - t * e_y))
+    level = np.where(across > 0.0, beside, across)
+    over = np.maximum(-z, z - height)
+    far = np.hypot(np.maximum(level, 0.0), np.maximum(over, 0.0))
+    return np.asarray(far + np.minimum(np.maximum(level, over), 0.0) - spheres[..., 3])
+
+
 def height_above_table(spheres: Array) -> Array:
     """Distance of spheres from the plane z = 0, shape (...) [m]."""
     return np.asarray(spheres[..., 2] - spheres[..., 3])

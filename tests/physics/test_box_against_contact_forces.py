@@ -16,12 +16,17 @@ from scipy.integrate import dblquad
 from scipy.optimize import linprog
 
 from objectmodels import BoxModel
-from objectmodels.support import friction_radius
+from objectmodels.base import Polygon
+from objectmodels.support import Support, friction_radius
 
 if TYPE_CHECKING:
-    from objectmodels.thresholds import Array
+    from objectmodels.base import Array
 
 SIDES = 8
+
+
+def radius(support: Support, sides: tuple[float, float]) -> float:
+    return friction_radius(support, Polygon.rectangle(*sides))
 
 
 def largest_push(box: BoxModel, p: Array, u: Array, friction: float | None) -> float:
@@ -101,12 +106,12 @@ def test_onset_of_centred_pushes_is_the_largest_push_that_the_corners_hold() -> 
 def test_friction_radius_of_uniform_pressure_is_the_mean_distance(a: float, b: float) -> None:
     total, _ = dblquad(np.hypot, 0.0, a / 2, 0.0, b / 2, epsrel=1e-9)
     # dblquad's own tolerance, with a margin for the kink at the centre.
-    assert friction_radius("uniform", a, b) == pytest.approx(4 * total / (a * b), rel=1e-7)
+    assert radius("uniform", (a, b)) == pytest.approx(4 * total / (a * b), rel=1e-7)
 
 
 def test_friction_radius_of_the_unit_square_and_of_corners() -> None:
-    assert friction_radius("uniform", 1.0, 1.0) == pytest.approx(0.3826, abs=5e-5)  # rounding
-    assert friction_radius("corners", 0.03, 0.04) == pytest.approx(0.025, rel=1e-12)
+    assert radius("uniform", (1.0, 1.0)) == pytest.approx(0.3826, abs=5e-5)  # rounding
+    assert radius("corners", (0.03, 0.04)) == pytest.approx(0.025, rel=1e-12)
     # Four corners hold 1.85 times the moment of uniform pressure on a square (two digits).
-    ratio = friction_radius("corners", 1.0, 1.0) / friction_radius("uniform", 1.0, 1.0)
+    ratio = radius("corners", (1.0, 1.0)) / friction_radius("uniform", Polygon.rectangle(1.0, 1.0))
     assert ratio == pytest.approx(1.85, abs=0.005)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from objectmodels import BoxModel, Registry
+from objectmodels import ObjectModel, Registry
 from planner.plan import Margins, Plan, Prediction, Push
 from sim import DrakeWorld, Trace, execute, load_scene
 from sim.scene import Scene
@@ -32,7 +32,7 @@ class Asked:
 NORMALS = {"front": (-1.0, 0.0), "back": (1.0, 0.0), "left": (0.0, 1.0), "right": (0.0, -1.0)}
 
 
-def _models(scene: Scene) -> dict[str, BoxModel]:
+def _models(scene: Scene) -> dict[str, ObjectModel]:
     registry = Registry.default()
     return {item.name: registry.get(item.model) for item in scene.objects}
 
@@ -42,7 +42,7 @@ def _plan(asked: Asked, scene: Scene) -> Plan:
     yaw = np.radians(scene.object(asked.name).pose.yaw_deg)
     c, s = np.cos(yaw), np.sin(yaw)
     normal = np.array([*NORMALS[asked.face], 0.0])
-    half = np.abs(normal) @ np.array(model.size) / 2
+    half = np.abs(normal) @ np.array(model.extents) / 2
     p_BC = half * normal + np.array([0.0, 0.0, asked.height])
     inward = np.array([-normal])
     onset = float(model.thresholds(p_BC[None], inward).onset[0])

@@ -8,12 +8,11 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from objectmodels import BoxModel, Thresholds
+from objectmodels.base import Array
 from objectmodels.thresholds import (
-    Array,
     centre_of_pressure,
     critical_friction,
-    edge_offsets,
-    topple_thresholds,
+    topple_threshold,
     yaw_arm,
 )
 
@@ -149,7 +148,7 @@ def test_critical_friction_decides_the_class(box: BoxModel, seed: int) -> None:
     p, u = pushes(box, seed)
     t = box.thresholds(p, u)
     c = np.array(box.com)
-    topple = topple_thresholds(p, u, c, edge_offsets(box.size), box.weight).min(axis=1)
+    topple = topple_threshold(box.base, p, u, c, box.weight)
     limit = critical_friction(u, yaw_arm(p, u, c), topple, box.friction_radius, box.weight)
     clear = np.abs(limit / box.friction - 1) > 1e-6  # either side of the border
     slides = (t.outcome == "slide")[clear]

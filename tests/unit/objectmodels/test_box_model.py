@@ -86,7 +86,7 @@ def test_arrays_are_checked(crate: BoxModel, points: Any, directions: Any, found
 
 
 def test_normals_and_sigmas_are_checked(crate: BoxModel) -> None:
-    with pytest.raises(ModelError, match="horizontal"):
+    with pytest.raises(ModelError, match="side faces"):
         crate.cone_thresholds([[0.0, 0.0, 0.3]], [[0.0, 0.0, 1.0]])
     with pytest.raises(ModelError, match="sigmas"):
         crate.cone_thresholds([[0.05, 0.0, 0.1]], [[1.0, 0.0, 0.0]], sigmas=-1.0)

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from objectmodels import BoxModel, ConeThresholds, Registry
+from objectmodels import BoxModel, ConeThresholds, ObjectModel, Registry
+from objectmodels.base import Array
 from objectmodels.extremes import contact_forces
 from objectmodels.thresholds import (
-    Array,
-    edge_offsets,
     slide_threshold,
-    topple_thresholds,
+    topple_threshold,
     yaw_arm,
 )
 
@@ -24,7 +23,7 @@ ICE_TEA = BoxModel(
 REAR = [-0.045, 0.0], [-1.0, 0.0, 0.0]
 
 
-def at_heights(box: BoxModel, heights: Array, sigmas: float = 0.0) -> ConeThresholds:
+def at_heights(box: ObjectModel, heights: Array, sigmas: float = 0.0) -> ConeThresholds:
     """The middle of the rear face, at several heights."""
     xy, normal = REAR
     points = np.column_stack((np.tile(xy, (len(heights), 1)), heights))
@@ -94,7 +93,7 @@ def test_parameters_at_their_worst_set_the_height_below() -> None:
 def test_heights_agree_with_the_classes() -> None:
     for box in (*Registry.default(), ICE_TEA.model_copy(update={"friction_radius": 1e3})):
         for face in box.faces():
-            heights = np.linspace(0.005, box.size[2], 80)
+            heights = np.linspace(0.005, box.extents[2], 80)
             points = np.tile(face.centre, (80, 1)) + 0.1 * face.width * np.array(face.tangent)
             points[:, 2] = heights
             c = box.cone_thresholds(points, np.tile(face.normal, (80, 1)), sigmas=1.0)
@@ -143,7 +142,7 @@ class Sampled:
         return least
 
 
-def random_box(rng: np.random.Generator) -> BoxModel:
+def random_box(rng: np.random.Generator) -> ObjectModel:
     size = rng.uniform([0.04, 0.04, 0.06], [0.2, 0.2, 0.3])
     com = size * rng.uniform([-0.2, -0.2, 0.3], [0.2, 0.2, 0.6])
     box = BoxModel(
@@ -163,7 +162,7 @@ def random_box(rng: np.random.Generator) -> BoxModel:
     return box.model_copy(update={"friction_radius": share * box.friction_radius})
 
 
-def random_contacts(box: BoxModel, rng: np.random.Generator, n: int) -> tuple[Array, Array]:
+def random_contacts(box: ObjectModel, rng: np.random.Generator, n: int) -> tuple[Array, Array]:
     points, normals = np.zeros((n, 3)), np.zeros((n, 3))
     for i in range(n):
         face = box.faces()[rng.integers(4)]
@@ -175,7 +174,7 @@ def random_contacts(box: BoxModel, rng: np.random.Generator, n: int) -> tuple[Ar
 
 
 def sample(
-    box: BoxModel, p: Array, normals: Array, sigmas: float, k: int, rng: np.random.Generator
+    box: ObjectModel, p: Array, normals: Array, sigmas: float, k: int, rng: np.random.Generator
 ) -> Sampled:
     """Thresholds from the box's own closed forms, shape (n, k); half of the draws at corners."""
     e = sigmas * rng.uniform(-1.0, 1.0, (k, 5))
@@ -187,12 +186,12 @@ def sample(
     side, up = reach * out * np.cos(phi), reach * out * np.sin(phi)
     tangents = np.cross([0.0, 0.0, 1.0], normals)
     f = -normals[:, None] + side[:, None] * tangents[:, None] + up[:, None] * [0.0, 0.0, 1.0]
-    q, offsets = p[:, None, :], edge_offsets(box.size)
+    q = p[:, None, :]
     radius = np.maximum(box.friction_radius + e[:, 3] * box.friction_radius_sd, 1e-4)
     mu = box.friction + e[:, 2] * box.friction_sd
     return Sampled(
         slide=slide_threshold(f, yaw_arm(q, f, com), np.maximum(mu, 0.0), radius, box.weight),
-        topple=topple_thresholds(q, f, com, offsets, box.weight).min(axis=-1),
+        topple=topple_threshold(box.base, q, f, com, box.weight),
     )
 
 

@@ -28,7 +28,7 @@ def written(folder: Path, text: str) -> Path:
 
 def test_units_are_in_the_keys_and_defaults_are_the_model_s(tmp_path: Path) -> None:
     model = load_model(written(tmp_path, GOOD))
-    assert (model.name, model.size, model.mass) == ("crate", (0.1, 0.2, 0.3), 1.5)
+    assert (model.name, model.extents, model.mass) == ("crate", (0.1, 0.2, 0.3), 1.5)
     assert model.com == (0.0, 0.0, 0.15)
     assert model.provenance.source == "a test"
 
@@ -98,13 +98,17 @@ def test_values_that_are_plain_in_yaml_1_2_are_read_so(tmp_path: Path) -> None:
     ("text", "code", "words"),
     [
         (GOOD.replace("name: crate\n", ""), "missing_key", ["name", "required"]),
-        (GOOD.replace("mass_kg", "mass"), "missing_key", ["mass_kg"]),
+        (GOOD.replace("mass_kg", "mass"), "unknown_key", ["did you mean 'mass_kg'?"]),
         (GOOD + "friction_tabel_sd: 0.1\n", "unknown_key", ["did you mean 'friction_table_sd'?"]),
         (GOOD + "com: [0, 0, 0]\n", "unknown_key", ["com"]),
         (GOOD.replace("format: box/1\n", ""), "unknown_format", ["begin the file"]),
         (GOOD + "mass_kg: 2.0\n", "bad_yaml", ["mass_kg", "twice", "line 7"]),
         (GOOD + "1: 2\n", "bad_yaml", ["not text"]),
-        (GOOD + "centre_of_mass_m: [0.06, 0, 0.1]\n", "bad_value", ["outside the box"]),
+        (
+            GOOD + "centre_of_mass_m: [0.06, 0, 0.1]\n",
+            "bad_value",
+            ["centre_of_mass_m", "0.06", "topples by itself"],
+        ),
         ("- a\n- b\n", "bad_yaml", ["list"]),
         ("", "bad_yaml", ["nothing"]),
         ("a: [1, 2\n", "bad_yaml", ["line"]),

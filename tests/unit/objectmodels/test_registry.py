@@ -27,20 +27,23 @@ def box(name: str, *synonyms: str) -> BoxModel:
 
 
 def test_built_in_models_carry_the_figures() -> None:
-    registry = Registry.default()
-    assert set(registry.names()) == {"ice tea box", "cereal box", "coffee box"}
+    registry = Registry.built_in()
+    assert len(registry) == 9
     assert registry.problems == ()
     tea = registry.get("ice tea box")
     assert (tea.mass, tea.mass_sd) == (0.9952, 0.0375)
     assert (tea.friction, tea.friction_sd) == (0.378, 0.0689)
     assert (tea.finger_friction, tea.finger_friction_kinetic) == (0.693, 0.567)
-    assert tea.size == (0.09, 0.09, 0.23)
+    assert tea.extents == (0.09, 0.09, 0.23)
     cereal, coffee = registry.get("cereal box"), registry.get("coffee box")
-    assert (cereal.size, cereal.mass) == ((0.052, 0.192, 0.26), 0.2413)
-    assert (coffee.size, coffee.mass) == ((0.062, 0.093, 0.18), 0.5102)
+    assert (cereal.extents, cereal.mass) == ((0.052, 0.192, 0.26), 0.2413)
+    assert (coffee.extents, coffee.mass) == ((0.062, 0.093, 0.18), 0.5102)
     for model in registry:
         assert model.com_sd[2] > 0
-        assert "estimated" in model.provenance.method
+        assert "estimate" in model.provenance.method
+        assert model.provenance.source != "not stated"
+        for value, deviation in zip(model.means[:3], model.deviations[:3], strict=True):
+            assert deviation > 0.03 * value
 
 
 @pytest.mark.parametrize(
@@ -105,7 +108,7 @@ def test_unknown_names_get_suggestions() -> None:
 
 def test_the_registry_reads_like_a_collection() -> None:
     registry = Registry.default()
-    assert len(registry) == 3
+    assert len(registry) == len(registry.names()) == 9
     assert "Ice Tea Box" in registry
     assert "teapot" not in registry
     assert [model.name for model in registry] == list(registry.models)

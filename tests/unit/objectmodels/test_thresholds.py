@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, Registry
+from objectmodels.base import Array
 from objectmodels.thresholds import (
-    Array,
     centre_of_pressure,
     critical_friction,
-    edge_offsets,
     slide_threshold,
-    topple_thresholds,
+    topple_threshold,
     yaw_arm,
 )
 
@@ -154,7 +153,7 @@ def test_critical_friction_separates_the_classes(radius: float) -> None:
     """
     box, p, u = random_pushes(2000, 2)
     c = np.array(box.com)
-    topple = topple_thresholds(p, u, c, edge_offsets(box.size), box.weight).min(axis=1)
+    topple = topple_threshold(box.base, p, u, c, box.weight)
     arm = yaw_arm(p, u, c)
     limit = critical_friction(u, arm, topple, radius, box.weight)
     tips = np.isfinite(topple) & np.isfinite(limit)

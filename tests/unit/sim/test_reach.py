@@ -51,7 +51,7 @@ def _push(
 ) -> Push:
     seen = state.objects[name]
     normal = np.array([*FACES[face], 0.0])
-    half = np.abs(normal) @ np.array(seen.model.size) / 2
+    half = np.abs(normal) @ np.array(seen.model.extents) / 2
     p_BC = half * normal + np.array([0.0, 0.0, height])
     normal_W = seen.pose.R_WB @ normal
     return Push(

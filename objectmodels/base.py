@@ -1,0 +1,360 @@
+"""The base that an object stands on: a convex polygon, or a disc.
+
+Model: the table presses anywhere on the base, so the object stays on it while the centre of
+pressure does. A push moves that along a straight line: its moment, load times place, is m + s·e for
+a force of size s, and it leaves the base where m + s·e leaves (G − s·w) times the base. That is
+when the object topples, exactly, for any rigid flat base (friction acts in its plane and does not
+enter).
+
+Frame: everything in the x, y of B, whose origin is the centre of the base.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import asinh, hypot
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from objectmodels.errors import ModelError
+
+Array = NDArray[np.float64]
+
+# Corners nearer to the line through their neighbours than this share of the base count as on it.
+_FLAT = 1e-9
+
+# Sides of the polygon that stands for a round base where points are needed.
+ROUND_CORNERS = 24
+
+
+class Base(Protocol):
+    """What the mechanics asks of a base."""
+
+    @property
+    def corners(self) -> Array:
+        """Its corners, or evenly spread points of its rim, counter-clockwise, shape (k, 2) [m]."""
+        ...
+
+    @property
+    def uniform_radius(self) -> float:
+        """Mean distance of its points from its centre: c̄ of uniform pressure [m]."""
+        ...
+
+    @property
+    def size(self) -> float:
+        """Largest distance of its points from the origin [m]."""
+        ...
+
+    def extent(self, normals: Array) -> Array:
+        """How far it reaches along unit vectors (..., 2), shape (...) [m]."""
+        ...
+
+    def topple(self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0) -> Array:
+        """Smallest force s ≥ 0 at which m + s·e leaves (G − s·w) times the base; inf if never.
+
+        Args:
+            m: moment of the weight, G c_xy, shape (..., 2) [N·m].
+            e: moment of a unit push, p_z u_xy − u_z p_xy, shape (..., 2) [m].
+            w: upward part of a unit push, u_z, shape (...).
+            weight: G [N].
+            shift: the centre of mass may be nearer to every edge by this, along x and y [m].
+        """
+        ...
+
+    def nearest_edge(self, q: Array) -> tuple[Array, NDArray[np.int64]]:
+        """Outward normals (n, 2) of the edges nearest to points (n, 2), and their indices.
+
+        The index is −1 on a round base.
+        """
+        ...
+
+    def facing(self, direction: Array) -> Array:
+        """Outward normal of the edge that looks most along a unit direction, shape (2,)."""
+        ...
+
+    def topple_height(
+        self, m: Array, e: Array, rise: Array, load: Array, shift: ArrayLike = 0.0
+    ) -> Array:
+        """Smallest z from which on m + e + z·rise lies outside of load times the base, (...) [m].
+
+        Infinite where a higher contact does not help to tip.
+
+        Args:
+            m: moment of the weight, shape (..., 2) [N·m].
+            e: moment of the push with its contact at z = 0, shape (..., 2) [N·m].
+            rise: what that gains with z: F_xy, shape (..., 2) [N].
+            load: G − F_z, shape (...) [N].
+            shift: as in `topple`, times the weight [N·m].
+        """
+        ...
+
+    def nodes(self) -> tuple[Array, Array]:
+        """Points (k, 2) and weights (k,) of a quadrature over its area; the weights sum to one."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Polygon:
+    """A convex polygon.
+
+    Attributes:
+        vertices: counter-clockwise, shape (k, 2) [m].
+    """
+
+    vertices: Array
+
+    @classmethod
+    def rectangle(cls, x: float, y: float) -> Polygon:
+        """A rectangle of sides x and y around the origin."""
+        return cls(0.5 * np.array([[x, -y], [x, y], [-x, y], [-x, -y]]))
+
+    @classmethod
+    def convex(cls, points: ArrayLike) -> Polygon:
+        """The polygon of corners that were given in order, either way round.
+
+        Raises:
+            ModelError: `bad_value` if they are not the corners of a convex polygon.
+        """
+        v = np.asarray(points, dtype=np.float64)
+        if v.ndim != 2 or v.shape[1] != 2 or len(v) < 3 or not np.isfinite(v).all():
+            raise ModelError("bad_value", "a base needs three or more corners [x, y]")
+        v = without_collinear(v)
+        ahead = np.roll(v, -1, axis=0) - v
+        if len(v) >= 3 and _cross(ahead, np.roll(ahead, -1, axis=0)).sum() < 0.0:
+            v = v[::-1]
+            ahead = np.roll(v, -1, axis=0) - v
+        turns = _cross(ahead, np.roll(ahead, -1, axis=0))
+        angle = np.arctan2(turns, np.sum(ahead * np.roll(ahead, -1, axis=0), axis=1)).sum()
+        if len(v) < 3 or not (turns > 0.0).all() or abs(angle - 2.0 * np.pi) > 1e-6:
+            raise ModelError("bad_value", "the base is not a convex polygon, its corners in order")
+        return cls(v)
+
+    @cached_property
+    def normals(self) -> Array:
+        """Outward unit normals n_k of the edges, edge k from vertex k to the next, (k, 2)."""
+        along = np.roll(self.vertices, -1, axis=0) - self.vertices
+        normals = np.column_stack((along[:, 1], -along[:, 0]))
+        return np.asarray(normals / np.linalg.norm(normals, axis=1, keepdims=True))
+
+    @cached_property
+    def offsets(self) -> Array:
+        """Offsets d_k of the edges, {q : n_k·q ≤ d_k for all k}, shape (k,) [m]."""
+        return np.asarray(np.sum(self.normals * self.vertices, axis=1))
+
+    @property
+    def corners(self) -> Array:
+        """Its vertices."""
+        return self.vertices
+
+    @cached_property
+    def centroid(self) -> Array:
+        """Centre of its area, shape (2,) [m]."""
+        v, ahead = self.vertices, np.roll(self.vertices, -1, axis=0)
+        area = _cross(v, ahead)
+        return np.asarray(((v + ahead) * area[:, None]).sum(axis=0) / (3.0 * area.sum()))
+
+    @cached_property
+    def area(self) -> float:
+        """Its area [m²]."""
+        return float(0.5 * _cross(self.vertices, np.roll(self.vertices, -1, axis=0)).sum())
+
+    @cached_property
+    def uniform_radius(self) -> float:
+        """Mean distance from the centroid, by triangles between it and the edges."""
+        v = self.vertices - self.centroid
+        total = 0.0
+        for a, b in zip(v, np.roll(v, -1, axis=0), strict=True):
+            along = (b - a) / hypot(*(b - a))
+            d = abs(a[0] * along[1] - a[1] * along[0])
+            t = [float(x @ along) for x in (a, b)]
+            # ∫ r² dr dφ over the triangle = d³/3 ∫ sec³φ dφ
+            part = [x / d * hypot(1.0, x / d) + asinh(x / d) for x in t]
+            total += d**3 / 6.0 * (part[1] - part[0])
+        return total / self.area
+
+    @cached_property
+    def size(self) -> float:
+        """Distance of the farthest vertex from the origin."""
+        return float(np.hypot(*self.vertices.T).max())
+
+    def extent(self, normals: Array) -> Array:
+        """See `Base`."""
+        return np.asarray((np.asarray(normals) @ self.vertices.T).max(axis=-1))
+
+    def topple_by_edge(
+        self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0
+    ) -> Array:
+        """Force at which it topples about each edge, shape (k, ...) [N]; see `Base.topple`.
+
+        s_k = (G d_k − n_k·m) / (n_k·e + w d_k), never if the denominator is not positive.
+        """
+        forces = []
+        for n, d in zip(self.normals, self.offsets, strict=True):
+            holding = weight * (d - np.abs(n) @ np.broadcast_to(shift, 2)) - _dot(n, m)
+            forces.append(_first(np.maximum(holding, 0.0), _dot(n, e) + w * d))
+        return np.stack(np.broadcast_arrays(*forces))
+
+    def topple(self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0) -> Array:
+        """See `Base`."""
+        least: Array | None = None
+        for n, d in zip(self.normals, self.offsets, strict=True):
+            holding = weight * (d - np.abs(n) @ np.broadcast_to(shift, 2)) - _dot(n, m)
+            force = _first(np.maximum(holding, 0.0), _dot(n, e) + w * d)
+            least = force if least is None else np.minimum(least, force, out=least)
+        assert least is not None
+        return least
+
+    def nearest_edge(self, q: Array) -> tuple[Array, NDArray[np.int64]]:
+        """See `Base`."""
+        k = np.argmax(q @ self.normals.T - self.offsets, axis=-1)
+        return self.normals[k], k
+
+    def facing(self, direction: Array) -> Array:
+        """See `Base`."""
+        return np.asarray(self.normals[np.argmax(self.normals @ direction)])
+
+    def topple_height(
+        self, m: Array, e: Array, rise: Array, load: Array, shift: ArrayLike = 0.0
+    ) -> Array:
+        """See `Base`."""
+        least: Array | None = None
+        for n, d in zip(self.normals, self.offsets, strict=True):
+            room = d * load - np.abs(n) @ np.broadcast_to(shift, 2) - _dot(n, m + e)
+            height = _first(room, _dot(n, rise))
+            least = height if least is None else np.minimum(least, height)
+        assert least is not None
+        return least
+
+    def nodes(self) -> tuple[Array, Array]:
+        """Corners of small triangles, each with a third of the area of those that it belongs to."""
+        v = self.vertices
+        centre = np.broadcast_to(self.centroid, v.shape)
+        triangles = np.stack((centre, v, np.roll(v, -1, axis=0)), axis=1)
+        for _ in range(3 if len(v) <= 4 else 2):
+            triangles = _quartered(triangles)
+        area = np.repeat(_cross(*(triangles[:, 1:] - triangles[:, :1]).transpose(1, 0, 2)), 3)
+        points = triangles.reshape(-1, 2)
+        cell = 1e-9 * self.size  # corners that triangles share differ by rounding
+        _, first, which = np.unique(
+            np.round(points / cell), axis=0, return_index=True, return_inverse=True
+        )
+        weights = np.bincount(which.reshape(-1), weights=area)
+        return points[first], weights / weights.sum()
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A round base around the origin.
+
+    Attributes:
+        radius: R [m].
+    """
+
+    radius: float
+
+    @cached_property
+    def corners(self) -> Array:
+        """Points of the rim."""
+        phi = 2.0 * np.pi * np.arange(ROUND_CORNERS) / ROUND_CORNERS
+        return self.radius * np.column_stack((np.cos(phi), np.sin(phi)))
+
+    @property
+    def uniform_radius(self) -> float:
+        """2R/3."""
+        return 2.0 * self.radius / 3.0
+
+    @property
+    def size(self) -> float:
+        """Its radius."""
+        return self.radius
+
+    def extent(self, normals: Array) -> Array:
+        """See `Base`."""
+        return np.full(np.shape(normals)[:-1], self.radius)
+
+    def topple(self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0) -> Array:
+        """The first positive root of |m + s·e| = R (G − s·w); see `Base`."""
+        drawn = weight * float(np.hypot(*np.broadcast_to(shift, 2)))
+        return _leaves_circle(m, e, self.radius * weight - drawn, self.radius * w)
+
+    def nearest_edge(self, q: Array) -> tuple[Array, NDArray[np.int64]]:
+        """See `Base`."""
+        length = np.hypot(q[..., 0], q[..., 1])[..., None]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return q / length, np.full(q.shape[:-1], -1)
+
+    def facing(self, direction: Array) -> Array:
+        """The direction itself."""
+        return direction
+
+    def topple_height(
+        self, m: Array, e: Array, rise: Array, load: Array, shift: ArrayLike = 0.0
+    ) -> Array:
+        """See `Base`."""
+        room = self.radius * load - np.hypot(*np.broadcast_to(shift, 2))
+        height = _leaves_circle(m + e, rise, room, np.zeros(()))
+        # Where it tips already with the contact on the table, at any height.
+        start = np.hypot(m[..., 0] + e[..., 0], m[..., 1] + e[..., 1])
+        return np.where(start >= room, 0.0, height)
+
+    def nodes(self) -> tuple[Array, Array]:
+        """The centre and rings of 24 points, the outermost on the rim; a trapezoidal rule."""
+        rings = 6
+        k = np.arange(1, rings + 1)
+        inner = (k - 0.5) / rings
+        outer = np.append(inner[1:], 1.0)
+        ring = np.repeat((outer**2 - inner**2) / ROUND_CORNERS, ROUND_CORNERS)
+        points = (k / rings)[:, None, None] * self.corners
+        weights = np.append(inner[0] ** 2, ring)
+        return np.vstack(([[0.0, 0.0]], points.reshape(-1, 2))), weights
+
+
+def without_collinear(vertices: Array) -> Array:
+    """The polygon's true corners: vertices on the line through their neighbours are dropped."""
+    before = vertices - np.roll(vertices, 1, axis=0)
+    after = np.roll(vertices, -1, axis=0) - vertices
+    lengths = np.hypot(*before.T) * np.hypot(*after.T)
+    return np.asarray(vertices[np.abs(_cross(before, after)) > _FLAT * lengths])
+
+
+def _cross(a: Array, b: Array) -> Array:
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
+def _dot(n: Array, v: Array) -> Array:
+    """n·v for one n and v of shape (..., 2); much faster than a product with a stride."""
+    return np.asarray(n[0] * v[..., 0] + n[1] * v[..., 1])
+
+
+def _first(holding: Array, growing: Array) -> Array:
+    """Holding / growing where that is positive, else never."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(growing > 0.0, holding / growing, np.inf)
+
+
+def _leaves_circle(m: Array, e: Array, room: Array | float, shrink: Array) -> Array:
+    """Smallest s ≥ 0 at which |m + s·e| reaches room − s·shrink, a quadratic equation."""
+    a = _dot2(e, e) - shrink * shrink
+    b = _dot2(m, e) + room * shrink
+    c = np.minimum(_dot2(m, m) - np.square(np.maximum(room, 0.0)), 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # c ≤ 0 at s = 0. With a > 0 one root is positive; else the first, if both are.
+        root = np.sqrt(b * b - a * c)
+        s = np.where(b > 0.0, -c / (b + root), (root - b) / a)
+        s = np.where((a <= 0.0) & (b <= 0.0), np.inf, s)
+    return np.where(np.isnan(s), np.inf, s)
+
+
+def _dot2(a: Array, b: Array) -> Array:
+    return np.asarray(a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1])
+
+
+def _quartered(triangles: Array) -> Array:
+    """Each triangle (n, 3, 2) cut into four at the middles of its sides."""
+    a, b, c = triangles.transpose(1, 0, 2)
+    ab, bc, ca = (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0
+    parts = ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))
+    return np.concatenate([np.stack(part, axis=1) for part in parts])

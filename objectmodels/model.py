@@ -1,0 +1,404 @@
+"""An object that stands on a table, and what pushes do to it: the engine of all kinds of model.
+
+Model: a rigid object with a flat convex base on a horizontal table, Coulomb friction at the table
+and at the finger; see `objectmodels.thresholds` for the formulae. Frame B has its origin at the
+centre of the base, z up. Forces are slow: classes are those at the onset of motion, without
+inertia, unless a method says otherwise.
+
+A kind of model is a subclass that says what shape it has: `footprint`, `top` and `faces` (see
+docs/models.md). Everything else follows from those and from the parameters.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import model_validator
+
+from objectmodels import tilting
+from objectmodels.base import Array, Base
+from objectmodels.cone import ConeThresholds, cone_thresholds
+from objectmodels.errors import ModelError
+from objectmodels.faces import Face
+from objectmodels.parameters import RADIUS_SHARE_SD, Parameters
+from objectmodels.prediction import Prediction, Thresholds
+from objectmodels.support import carrying_base, friction_radius, within
+from objectmodels.thresholds import (
+    GRAVITY,
+    slide_threshold,
+    topple_threshold,
+    yaw_arm,
+)
+
+if TYPE_CHECKING:
+    from objectmodels.exact import ExactThresholds
+    from objectmodels.motion import Stroke
+    from objectmodels.probability import Likelihood
+    from objectmodels.sudden import SuddenPush
+
+Friction = Literal["static", "kinetic"]
+
+
+class ObjectModel(Parameters, ABC):
+    """What is believed about an object, and what that says of pushes.
+
+    Attributes: see `objectmodels.parameters.Parameters`.
+    """
+
+    # -- the shape: what a kind of model says --------------------------------------------------
+
+    @property
+    @abstractmethod
+    def footprint(self) -> Base:
+        """The flat base on which the shape stands, in B."""
+
+    @property
+    @abstractmethod
+    def top(self) -> float:
+        """Height of its highest point [m]."""
+
+    @abstractmethod
+    def faces(self, headings: ArrayLike | None = None) -> tuple[Face, ...]:
+        """Places on its sides where a finger may push, in B.
+
+        Args:
+            headings: directions in which a round side is to be pushed, as angles from B's x axis,
+                shape (k,) [rad]; along the axes of B if not given. Flat faces do not depend on it.
+        """
+
+    @property
+    def outline(self) -> Array:
+        """What it covers of the table seen from above, a convex polygon, shape (k, 2) [m]."""
+        return self.footprint.corners
+
+    @property
+    def centre(self) -> tuple[float, float, float]:
+        """Centre of mass if it is not stated: the middle [m]."""
+        return (0.0, 0.0, self.top / 2.0)
+
+    @property
+    def gyration(self) -> tuple[float, float, float]:
+        """Squared radii of gyration about axes x, y, z through the centre of mass [m²].
+
+        Those of a solid box around it, unless a kind of model knows better.
+        """
+        x, y, z = self.extents
+        return ((y * y + z * z) / 12.0, (x * x + z * z) / 12.0, (x * x + y * y) / 12.0)
+
+    def standing(self, face: str) -> ObjectModel:
+        """The object standing on another of its faces.
+
+        Args:
+            face: name of the face that comes to lie below, one of `resting_faces`.
+
+        Returns:
+            A model whose frame B belongs to the new base.
+
+        Raises:
+            ModelError: `unknown_face` if it cannot rest on a face of that name.
+        """
+        raise ModelError(
+            "unknown_face",
+            f"the {self.name} cannot rest on {face!r}",
+            suggestions=(f"it rests on: {', '.join(self.resting_faces)}",),
+        )
+
+    @property
+    def resting_faces(self) -> tuple[str, ...]:
+        """Names of the faces it can rest on; it stands on its `bottom`."""
+        return ("bottom",)
+
+    # -- what follows from it ------------------------------------------------------------------
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        """Fills in what depends on the shape, and checks what must fit it."""
+        base = self.base
+        known = self.__dict__
+        if np.isnan(known["com"]).any():
+            known["com"] = self.centre
+        if np.isnan(known["friction_radius"]):
+            known["friction_radius"] = friction_radius(self.support, self.footprint)
+        if np.isnan(known["friction_radius_sd"]):
+            known["friction_radius_sd"] = RADIUS_SHARE_SD * known["friction_radius"]
+        c = np.array(self.com)
+        if not within(base, c[None, :2], -1e-9 * base.size):
+            raise ModelError(
+                "bad_value",
+                f"found {list(self.com)}, expected a place over the base: it topples by itself",
+                path="com",
+            )
+        if not 0.0 < c[2] < self.top:
+            raise ModelError(
+                "bad_value",
+                f"found {list(self.com)}, expected a place inside the object, {self.top} m high",
+                path="com",
+            )
+        return self
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """A copy with changed fields, unchecked; nothing computed before is kept."""
+        copied = super().model_copy(update=update, deep=deep)
+        for name in set(copied.__dict__) - set(type(self).model_fields):
+            del copied.__dict__[name]
+        return copied
+
+    @cached_property
+    def base(self) -> Base:
+        """What it would topple over: its footprint, or the hull of the points it stands on."""
+        return carrying_base(self.support, self.footprint)
+
+    @property
+    def extents(self) -> tuple[float, float, float]:
+        """Size along x, y, z of B [m]."""
+        x, y = np.ptp(self.outline, axis=0).tolist()
+        return (x, y, self.top)
+
+    @property
+    def weight(self) -> float:
+        """G = m g [N]."""
+        return self.mass * GRAVITY
+
+    def coefficient(self, friction: Friction) -> float:
+        """The friction coefficient at the table, of one kind or the other.
+
+        Raises:
+            ModelError: `unknown_parameter` if it is not known.
+        """
+        if friction == "static":
+            return self.friction
+        if self.friction_kinetic is None:
+            raise ModelError(
+                "unknown_parameter",
+                f"the kinetic friction of the {self.name} is not known",
+                suggestions=("use the static one",),
+            )
+        return self.friction_kinetic
+
+    # -- predictions ---------------------------------------------------------------------------
+
+    def thresholds(
+        self,
+        points: ArrayLike,
+        directions: ArrayLike,
+        *,
+        exact: bool = False,
+        friction: Friction = "static",
+    ) -> Thresholds:
+        """Forces at which slow pushes start to slide or to topple the object.
+
+        Args:
+            points: contact points p_BC, shape (n, 3) [m].
+            directions: unit directions of the force in B, shape (n, 3).
+            exact: take the loads of the support points as they follow the push, instead of the
+                ellipsoidal limit surface; slower. The answer is then an `ExactThresholds`.
+            friction: which coefficient at the table decides.
+
+        Raises:
+            ModelError: `bad_array` if a shape or a value is wrong.
+        """
+        p, u = pairs(points, directions)
+        if np.any(np.abs(np.linalg.norm(u, axis=1) - 1.0) > 1e-6):
+            raise ModelError("bad_array", "directions must be unit vectors")
+        return self._exact(p, u, friction) if exact else self._thresholds(p, u, friction)
+
+    def _exact(self, p: Array, u: Array, friction: Friction) -> ExactThresholds:
+        from objectmodels.exact import exact_thresholds
+
+        return exact_thresholds(self, p, u, friction)
+
+    def _thresholds(self, p: Array, u: Array, friction: Friction = "static") -> Thresholds:
+        """`thresholds` for checked arrays; a zero direction never moves anything."""
+        c, weight = np.array(self.com), self.weight
+        # One component after the other: numpy is much faster on arrays that lie in a row.
+        p, u = np.asfortranarray(p), np.asfortranarray(u)
+        mu, radius = self.coefficient(friction), self.friction_radius
+        return Thresholds(
+            slide=slide_threshold(u, yaw_arm(p, u, c), mu, radius, weight),
+            topple=topple_threshold(self.base, p, u, c, weight),
+            friction=friction,
+            push=(p, u),
+            body=(self.base, c, radius, weight),
+        )
+
+    def topple_by_edge(self, points: ArrayLike, directions: ArrayLike) -> Array:
+        """Forces at which slow pushes would topple it about each edge of its base, (n, k) [N].
+
+        Raises:
+            ModelError: `bad_array`; `no_edges` on a round base.
+        """
+        from objectmodels.base import Polygon
+        from objectmodels.thresholds import push_moment
+
+        p, u = pairs(points, directions)
+        if not isinstance(self.base, Polygon):
+            raise ModelError("no_edges", f"the base of the {self.name} is round")
+        m = self.weight * np.array(self.com[:2])
+        return self.base.topple_by_edge(m, push_moment(p, u), u[:, 2], self.weight).T
+
+    def predict(
+        self,
+        points: ArrayLike,
+        forces: ArrayLike,
+        *,
+        exact: bool = False,
+        friction: Friction = "static",
+    ) -> Prediction:
+        """Outcomes of slow pushes with the given forces.
+
+        Args:
+            points: contact points p_BC, shape (n, 3) [m].
+            forces: forces f_BC_B, shape (n, 3) [N].
+            exact: as in `thresholds`.
+            friction: as in `thresholds`.
+
+        Raises:
+            ModelError: `bad_array` if a shape or a value is wrong.
+        """
+        p, f = pairs(points, forces)
+        force = np.sqrt(f[:, 0] ** 2 + f[:, 1] ** 2 + f[:, 2] ** 2)
+        u = f / np.maximum(force, np.finfo(float).tiny)[:, None]
+        t = self._exact(p, u, friction) if exact else self._thresholds(p, u, friction)
+        return Prediction(force, t)
+
+    def cone_thresholds(
+        self, points: ArrayLike, normals: ArrayLike, *, sigmas: float = 0.0, yaw: bool = True
+    ) -> ConeThresholds:
+        """Extremes over all forces that a fingertip's friction cone can transmit.
+
+        Args:
+            points: contact points p_BC, shape (n, 3) [m].
+            normals: outward unit normals of the faces in B, not vertical, shape (n, 3).
+            sigmas: standard deviations that the worst case of the parameters takes.
+            yaw: whether the object may turn as it slides; False if two fingers hold it straight,
+                with `points` midway between them.
+
+        Raises:
+            ModelError: `bad_array` if a shape or a value is wrong.
+        """
+        p, n = pairs(points, normals)
+        _require_normals(n)
+        if not 0.0 <= sigmas < np.inf:
+            raise ModelError("bad_value", f"sigmas must be a number from 0 on, not {sigmas}")
+        return cone_thresholds(self, p, n, sigmas, yaw)
+
+    def likelihood(
+        self, points: ArrayLike, directions: ArrayLike, *, force: float | None = None
+    ) -> Likelihood:
+        """Probability of each outcome under the parameters' uncertainty.
+
+        Args:
+            points: contact points p_BC, shape (n, 3) [m].
+            directions: unit directions of the force in B, shape (n, 3).
+            force: size of the push [N]; if not given, the class at the onset is meant.
+
+        Raises:
+            ModelError: `bad_array`, `bad_value`.
+        """
+        from objectmodels.probability import likelihood
+
+        p, u = pairs(points, directions)
+        return likelihood(self, p, u, force)
+
+    def slips(self, normals: ArrayLike, forces: ArrayLike, *, friction: Friction = "static") -> Any:
+        """Whether a finger that presses so slips along the face, booleans of shape (n,).
+
+        Args:
+            normals: outward unit normals of the faces in B, shape (n, 3).
+            forces: forces f_BC_B on the object, shape (n, 3) [N]; one that pulls slips.
+            friction: which coefficient at the finger decides.
+
+        Raises:
+            ModelError: `bad_array`; `unknown_parameter`.
+        """
+        n, f = pairs(normals, forces)
+        mu: float | None = self.finger_friction
+        if friction == "kinetic":
+            mu = self.finger_friction_kinetic
+        if mu is None:
+            raise ModelError("unknown_parameter", "the finger's kinetic friction is not known")
+        pressing = -np.sum(n * f, axis=1)
+        return np.linalg.norm(f + pressing[:, None] * n, axis=1) > mu * pressing
+
+    def sudden(self, points: ArrayLike, forces: ArrayLike) -> SuddenPush:
+        """What forces that are applied at once do at that instant, inertia included.
+
+        Args:
+            points: contact points p_BC, shape (n, 3) [m].
+            forces: forces f_BC_B, shape (n, 3) [N].
+
+        Raises:
+            ModelError: `bad_array` if a shape or a value is wrong.
+        """
+        from objectmodels.sudden import sudden_push
+
+        return sudden_push(self, *pairs(points, forces))
+
+    def stroke(
+        self,
+        points: ArrayLike,
+        normals: ArrayLike,
+        direction: ArrayLike,
+        travel: float,
+    ) -> Stroke:
+        """Where it comes to rest after slow strokes of one finger each, or of two; see `motion`.
+
+        Args:
+            points: contact points p_BC at the start, shape (n, 3) [m], or (n, 2, 3) for two fingers
+                that keep their distance.
+            normals: outward unit normals of the touched faces in B, shape (n, 3).
+            direction: horizontal direction in which the fingers travel in B at the start,
+                shape (3,) or (n, 3).
+            travel: how far [m].
+
+        Raises:
+            ModelError: `bad_array`, `bad_value`.
+        """
+        from objectmodels.motion import stroke
+
+        return stroke(self, points, normals, direction, travel)
+
+    def angle_of_no_return(self, direction: ArrayLike, *, sigmas: float = 0.0) -> float:
+        """Tilt past which it falls by itself, when tipped along a horizontal direction [rad].
+
+        Args:
+            direction: horizontal direction in B, shape (3,); it tips over the base edge that looks
+                most along it.
+            sigmas: take the centre of mass at so many standard deviations towards an earlier
+                fall (negative: towards a later one).
+        """
+        return tilting.angle_of_no_return(self, direction, sigmas)
+
+    def topple_stroke(self, direction: ArrayLike, height: float, angle: float) -> float:
+        """Travel of a finger that tilts it by an angle, the larger of two cases [m].
+
+        Args:
+            direction: horizontal direction of the push in B, shape (3,).
+            height: contact height on the face pushed [m].
+            angle: tilt to be reached [rad].
+        """
+        return tilting.topple_stroke(self, direction, height, angle)
+
+
+def pairs(points: ArrayLike, vectors: ArrayLike) -> tuple[Array, Array]:
+    """Two finite arrays of equal shape (n, 3), or a `ModelError`."""
+    p, v = np.asarray(points, dtype=np.float64), np.asarray(vectors, dtype=np.float64)
+    if p.ndim != 2 or p.shape[1] != 3 or p.shape != v.shape:
+        raise ModelError(
+            "bad_array",
+            f"expected two arrays of one shape (n, 3), found {p.shape} and {v.shape}",
+            suggestions=("a single push is an array of shape (1, 3)",),
+        )
+    if not (np.isfinite(p).all() and np.isfinite(v).all()):
+        raise ModelError("bad_array", "arrays must hold finite numbers only")
+    return p, v
+
+
+def _require_normals(n: Array) -> None:
+    if np.any(np.abs(np.linalg.norm(n, axis=1) - 1.0) > 1e-6) or np.any(np.abs(n[:, 2]) > 0.99):
+        raise ModelError("bad_array", "normals must be unit vectors of side faces")

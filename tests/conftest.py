@@ -1,0 +1,25 @@
+"""What every test shares."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from objectmodels.registry import FOLDER_VARIABLE
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _no_models_of_the_user(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Whoever runs the tests may have models of their own; these must not count."""
+    os.environ[FOLDER_VARIABLE] = str(tmp_path_factory.mktemp("objects"))
+
+
+@pytest.fixture
+def objects_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder for the user's models, of this test alone."""
+    folder = tmp_path / "objects"
+    folder.mkdir()
+    monkeypatch.setenv(FOLDER_VARIABLE, str(folder))
+    return folder
