@@ -25,6 +25,7 @@ from planner.state import PlanarPose, SeenObject, TableState, WorldState
 from sim.scene import Scene, SceneObject, load_scene
 
 if TYPE_CHECKING:
+    from planner.affordances import Affordance
     from sim import ArmReach, DrakeWorld
     from sim.trace import Trace
 
@@ -122,6 +123,35 @@ class Controller:
             poses = self._world.look(LOOK)
         objects = {name: SeenObject(name, pose, self.models[name]) for name, pose in poses.items()}
         return WorldState(objects, _table(self.scene))
+
+    def affordances(self, name: str) -> tuple[Affordance, ...]:
+        """What this robot can do with an object, and if not, why not.
+
+        Args:
+            name: an object of the scene, or a model of the registry; one that does not stand in the
+                scene is taken as standing alone in the middle of the table.
+
+        Raises:
+            ControlError: `unknown_object`.
+        """
+        from planner.affordances import affordances
+
+        with translated():
+            known = {item.casefold(): item for item in self.scene.names}
+            here = known.get(name.casefold())
+            model = None if here else self.registry.called(name)
+        if here is None:
+            assert model is not None
+            here = next((n for n, m in self.models.items() if m == model), None)
+        if here is not None:
+            state = self.look()
+        else:
+            assert model is not None
+            here = model.name
+            x, y = self.scene.table.centre_m
+            alone = SeenObject(here, PlanarPose(x, y), model)
+            state = WorldState({here: alone}, _table(self.scene))
+        return affordances(state.objects[here], state, self.reach, defaults=self.defaults)
 
     def plan(self, frame: Frame, state: WorldState | None = None) -> Plan | Refusal:
         """The push that satisfies a frame, or why there is none.

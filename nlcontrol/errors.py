@@ -50,6 +50,7 @@ CODES: dict[str, Status] = {
     "bad_scene": _CALLER,
     "cannot_write": _CALLER,
     "unknown_face": _CALLER,
+    "bad_push": _CALLER,
     "bad_model_file": _CALLER,
     "not_yours": _CALLER,
     "missing_extra": Status(USAGE, 501),

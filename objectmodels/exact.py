@@ -54,7 +54,8 @@ Index = NDArray[np.intp]
 class ExactThresholds(Thresholds):
     """Thresholds of the exact tier; arrays over n pushes.
 
-    `slide` is inf also where the object topples first: there are no loads beyond that.
+    Where the object topples first, `slide` is the friction limit for the loads at that moment:
+    beyond it there are no loads.
 
     Attributes:
         residual: largest violation of balance and of Coulomb's law at the onset, relative, (n,).
@@ -117,7 +118,8 @@ def exact_thresholds(model: ObjectModel, p: Array, u: Array, friction: Friction)
             ratio_at(topple[b], u[b, 2], weight),
         )  # fmt: skip
         r, residual[b], motion[:, b] = search.first(ratio_at(ellipsoid[b], u[b, 2], weight))
-        slide[b] = force_at(r, u[b, 2], weight)
+        jams = 1.0 + np.where(np.isfinite(r), r, 0.0) * u[b, 2] <= 0.0
+        slide[b] = force_at(np.where(jams, np.inf, r), u[b, 2], weight)
     return ExactThresholds(
         slide=slide,
         topple=topple,
@@ -163,7 +165,7 @@ class _Search:
         self.loaded = np.ones((len(springs.points), len(p)), dtype=bool)
 
     def first(self, guess: Array) -> tuple[Array, Array, Array]:
-        """Load ratios (n,), inf where it never slides or topples first; residuals; motions."""
+        """Load ratios (n,), inf where it never slides; residuals; motions where it slides first."""
         n = len(guess)
         r, residual, motion = np.full(n, np.inf), np.zeros(n), np.full((2, n), np.nan)
         lo, hi, at = np.zeros(n), self.last.copy(), np.minimum(guess, self.last)
@@ -190,6 +192,10 @@ class _Search:
                 r[closed] = x[done]
                 residual[closed] = self._residual(x[done], closed, limit, done)
                 motion[:, closed] = limit.across[done], limit.turn[done]
+            # Toppling comes first: it would slide later, if its loads stayed those at tipping.
+            kept = never & np.isfinite(self.tips[open_])
+            fixed = open_[kept]
+            r[fixed] = self.mu * limit.ratio[kept] / self.h[fixed]
             at[open_] = nearer
             open_ = open_[~done & ~never]
             if not open_.size:

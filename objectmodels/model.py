@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Self
 
@@ -42,6 +43,9 @@ if TYPE_CHECKING:
     from objectmodels.sudden import SuddenPush
 
 Friction = Literal["static", "kinetic"]
+
+BORDER = 0.4
+"""Relative distance of the closed form's thresholds within which its class may be wrong."""
 
 
 class ObjectModel(Parameters, ABC):
@@ -187,7 +191,7 @@ class ObjectModel(Parameters, ABC):
         points: ArrayLike,
         directions: ArrayLike,
         *,
-        exact: bool = False,
+        exact: bool | Literal["border"] = False,
         friction: Friction = "static",
     ) -> Thresholds:
         """Forces at which slow pushes start to slide or to topple the object.
@@ -197,6 +201,7 @@ class ObjectModel(Parameters, ABC):
             directions: unit directions of the force in B, shape (n, 3).
             exact: take the loads of the support points as they follow the push, instead of the
                 ellipsoidal limit surface; slower. The answer is then an `ExactThresholds`.
+                `border`: only where the closed form's two thresholds lie within `BORDER`.
             friction: which coefficient at the table decides.
 
         Raises:
@@ -205,7 +210,18 @@ class ObjectModel(Parameters, ABC):
         p, u = pairs(points, directions)
         if np.any(np.abs(np.linalg.norm(u, axis=1) - 1.0) > 1e-6):
             raise ModelError("bad_array", "directions must be unit vectors")
+        if exact == "border":
+            return self._exact_at_the_border(p, u, friction)
         return self._exact(p, u, friction) if exact else self._thresholds(p, u, friction)
+
+    def _exact_at_the_border(self, p: Array, u: Array, friction: Friction) -> Thresholds:
+        t = self._thresholds(p, u, friction)
+        with np.errstate(invalid="ignore"):
+            (i,) = np.nonzero(np.abs(t.slide - t.topple) <= BORDER * t.onset)
+        slide = t.slide.copy()
+        if i.size:
+            slide[i] = self._exact(p[i], u[i], friction).slide
+        return replace(t, slide=slide)
 
     def _exact(self, p: Array, u: Array, friction: Friction) -> ExactThresholds:
         from objectmodels.exact import exact_thresholds

@@ -200,6 +200,11 @@ class Registry:
         wanted = fold(text)
         return [model.name for model in self if wanted in map(fold, (model.name, *model.synonyms))]
 
+    def called(self, text: str) -> ObjectModel:
+        """The one model of that name or synonym; raises as `get` does if there is no one model."""
+        found = self.find(text)
+        return self.get(found[0] if len(found) == 1 else text)
+
     def place(self, name: str) -> str:
         """Where the model of that name comes from; raises as `get` does."""
         return self._places[fold(self.get(name).name)]

@@ -18,7 +18,7 @@ from collections.abc import Sequence
 import click
 
 from nlcontrol import __version__
-from nlcontrol.cli import doctor, objects, sentences
+from nlcontrol.cli import doctor, objects, predictions, sentences
 from nlcontrol.cli.output import print_error
 from nlcontrol.errors import INTERNAL, OK, USAGE, ErrorInfo, known_error
 
@@ -54,6 +54,9 @@ for command in (
     sentences.say,
     sentences.plan,
     sentences.parse,
+    predictions.predict,
+    predictions.map_,
+    predictions.affordances,
     objects.group,
     doctor.command,
 ):

@@ -23,7 +23,7 @@ def group() -> None:
     """The object models that the robot knows."""
 
 
-def _registry() -> Registry:
+def registry_told() -> Registry:
     """The default registry; what it had to skip is told on standard error."""
     from objectmodels import Registry
 
@@ -37,7 +37,7 @@ def _registry() -> Registry:
 @_json
 def list_(as_json: bool) -> int:
     """List the models of the registry and where they come from."""
-    registry = _registry()
+    registry = registry_told()
     if as_json:
         print_json(
             [{**m.model_dump(mode="json"), "place": registry.place(m.name)} for m in registry]
@@ -57,8 +57,8 @@ def list_(as_json: bool) -> int:
 @_json
 def show(name: str, as_json: bool) -> int:
     """Show what is believed about the object NAME, and where the figures come from."""
-    registry = _registry()
-    model = find(registry, name)
+    registry = registry_told()
+    model = registry.called(name)
     if as_json:
         print_json({**model.model_dump(mode="json"), "place": registry.place(model.name)})
         return OK
@@ -75,7 +75,7 @@ def validate(files: tuple[Path, ...], as_json: bool) -> int:
     from objectmodels import ModelError
     from objectmodels.modelfile import load_model
 
-    registry = _registry()
+    registry = registry_told()
     verdicts = []
     for file in files:
         try:
@@ -101,7 +101,7 @@ def add(file: Path, as_json: bool) -> int:
     """Add the model FILE to your own models."""
     from objectmodels.modelfile import load_model
 
-    registry = _registry()
+    registry = registry_told()
     return _kept(registry, load_model(file, registry.kinds), as_json)
 
 
@@ -162,7 +162,7 @@ def import_(
         unit=unit,
         up=up,
     )
-    registry = _registry()
+    registry = registry_told()
     if output is None:
         return _kept(registry, model, as_json)
     save_model(model, output)
@@ -176,8 +176,8 @@ def remove(name: str, as_json: bool) -> int:
     """Remove the object NAME from your own models."""
     from objectmodels.registry import user_folder
 
-    registry = _registry()
-    model = find(registry, name)
+    registry = registry_told()
+    model = registry.called(name)
     place = Path(registry.place(model.name))
     if place.parent != user_folder():
         message = f"the {model.name} is not one of your own models: it comes from {place}"
@@ -188,12 +188,6 @@ def remove(name: str, as_json: bool) -> int:
     else:
         click.echo(f"removed {model.name}: {place}")
     return OK
-
-
-def find(registry: Registry, name: str) -> ObjectModel:
-    """The one model of that name or synonym; else the registry's own error."""
-    found = registry.find(name)
-    return registry.get(found[0] if len(found) == 1 else name)
 
 
 def _kept(registry: Registry, model: ObjectModel, as_json: bool) -> int:

@@ -1,0 +1,265 @@
+"""What one push will do, in words and as data: the answer of `predict`."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict
+
+from nlcontrol.errors import error
+from objectmodels import Face, ObjectModel
+from planner.directions import HEADINGS, heading_of
+
+VERBS = {
+    "none": "stays where it is",
+    "slide": "slides",
+    "topple": "topples",
+    "slide+topple": "slides or topples, too close to call",
+    "lift": "is lifted",
+}
+
+
+SURE = 0.95
+"""Outcomes that are less probable than this are told to be unsure."""
+
+
+class Push(BaseModel):
+    """A push as it was asked for, in B."""
+
+    model_config = ConfigDict(frozen=True)
+
+    face: str
+    lateral: float
+    height: float
+    point: tuple[float, float, float]
+    direction: tuple[float, float, float]
+    force: float | None
+
+
+class PushPrediction(BaseModel):
+    """What the object model says of one push; SI units.
+
+    Attributes:
+        object: name of the model.
+        push: the push.
+        outcome: at the given force, or at the onset if none is given: `none`, `slide`, `topple` or
+            `slide+topple` (undecided).
+        onset: force at which it moves; null if it never does.
+        slide, topple: force at which it slides, topples; null if never.
+        optimistic, pessimistic: onset if its weight is borne as well, as badly as can be; null if
+            it never moves, or if its support has no few points.
+        residual: relative violation of balance in the solution.
+        probability: of each outcome under the model's uncertainty.
+        suddenly: class if the force is applied at once; null without a force.
+        slips: whether the finger slips along the face.
+        motion: how it begins to move: `turning` [rad/m of the contact's travel, counter-clockwise],
+            `heading` of the base's centre [rad], and the angle of no return for a topple.
+        friction: which coefficient at the table decided.
+        tier: `exact`.
+        text: all of it in words.
+    """
+
+    model_config = ConfigDict(frozen=True)
+
+    object: str
+    push: Push
+    outcome: str
+    onset: float | None
+    slide: float | None
+    topple: float | None
+    optimistic: float | None
+    pessimistic: float | None
+    residual: float
+    probability: dict[str, float]
+    suddenly: str | None
+    slips: bool
+    motion: dict[str, float]
+    friction: Literal["static", "kinetic"]
+    tier: Literal["exact"] = "exact"
+    text: str
+
+
+def predict_push(
+    model: ObjectModel,
+    face_name: str,
+    face: Face,
+    *,
+    lateral: float,
+    height: float,
+    direction: tuple[float, float, float] | None = None,
+    force: float | None = None,
+    friction: Literal["static", "kinetic"] = "static",
+) -> PushPrediction:
+    """What a push at a place of a face will do.
+
+    Args:
+        model: what is believed about the object.
+        face_name: how the face is called.
+        face: the face.
+        lateral: along the face from its middle, to the right of who looks at it [m].
+        height: above the table [m].
+        direction: of the force in B; straight into the face if not given.
+        force: its size [N]; the class at the onset is told if not given.
+        friction: which coefficient at the table decides.
+
+    Raises:
+        ControlError: `bad_push` if the place is not on the face, or the force does not press on it.
+    """
+    if not bool(face.contains(lateral, height)):
+        raise error(
+            "bad_push",
+            f"{1e3 * lateral:.0f} mm, {1e3 * height:.0f} mm is not on the {face_name} face",
+            suggestions=(
+                f"it reaches {1e3 * face.width / 2:.0f} mm to either side and from "
+                f"{1e3 * face.bottom:.0f} to {1e3 * face.top:.0f} mm in height",
+            ),
+        )
+    point, normal = face.at(lateral, height)
+    u = -normal if direction is None else _unit(direction)
+    if u @ normal >= 0.0:
+        raise error("bad_push", f"that force does not press on the {face_name} face")
+    p, f = point[None], u[None]
+    t: Any = model.thresholds(p, f, exact=True, friction=friction)
+    likely = model.likelihood(p, f, force=force)
+    onset = float(t.onset[0])
+    outcome = str(t.outcome[0])
+    if force is not None and force < onset:
+        outcome = "none"
+    size = force if force is not None else (onset if np.isfinite(onset) else 1.0)
+    found = PushPrediction(
+        object=model.name,
+        push=Push(
+            face=face_name,
+            lateral=lateral,
+            height=height,
+            point=_triple(point),
+            direction=_triple(u),
+            force=force,
+        ),
+        outcome=outcome,
+        onset=_finite(onset),
+        slide=_finite(t.slide[0]),
+        topple=_finite(t.topple[0]),
+        optimistic=_finite(t.optimistic[0]),
+        pessimistic=_finite(t.pessimistic[0]) if len(t.support[0]) <= 24 else None,
+        residual=float(t.residual[0]),
+        probability={
+            "none": float(likely.none[0]),
+            "slide": float(likely.slide[0]),
+            "topple": float(likely.topple[0]),
+        },
+        suddenly=None if force is None else str(model.sudden(p, force * f).outcome[0]),
+        slips=bool(model.slips(normal[None], size * f)[0]),
+        motion=_motion(model, t, u),
+        friction=friction,
+        text="",
+    )
+    return found.model_copy(update={"text": "\n".join(_sentences(found, model))})
+
+
+def _unit(direction: tuple[float, float, float]) -> np.ndarray:
+    v = np.asarray(direction, dtype=np.float64)
+    if v.shape != (3,) or not np.isfinite(v).all() or not v.any():
+        raise error("bad_push", f"{direction} is no direction")
+    return np.asarray(v / np.linalg.norm(v))
+
+
+def _motion(model: ObjectModel, t: Any, u: np.ndarray) -> dict[str, float]:
+    """How it begins to move."""
+    twist = t.twist[0]
+    if np.isnan(twist).any():
+        return {}
+    if t.outcome[0] == "topple":
+        n = np.append(t.tipping_normal[0], 0.0)
+        return {"heading": heading_of(n), "angle_of_no_return": model.angle_of_no_return(n)}
+    return {"heading": heading_of(twist[3:]), "turning": float(twist[2])}
+
+
+def _sentences(found: PushPrediction, model: ObjectModel) -> list[str]:
+    push = found.push
+    how = "" if push.force is None else f" with {push.force:g} N"
+    lines = [
+        f"Pushed on the {push.face} face, {_aside(push.lateral)}, {1e3 * push.height:.0f} mm up, "
+        f"{_towards(push.direction)}{how}, the {found.object} {VERBS[found.outcome]}."
+    ]
+    first, other = ("slide", "topple") if found.outcome != "topple" else ("topple", "slide")
+    lines.append(f"It {_from(found, first)}; it {_from(found, other)}.")
+    chance = found.probability.get(found.outcome, 0.0)
+    if chance < SURE:
+        lines.append(f"That is not sure: its probability is {chance:.2f}.")
+    if found.optimistic is not None and found.pessimistic is not None:
+        low, high = found.pessimistic, found.optimistic
+        if high > 1.005 * low:
+            lines.append(
+                f"It moves between {low:.2f} N and {high:.2f} N, depending on how it stands."
+            )
+    lines.append(
+        "Probabilities: " + ", ".join(f"{k} {v:.2f}" for k, v in found.probability.items()) + "."
+    )
+    lines += _moving(found)
+    if found.slips:
+        lines.append("The finger slips along the face: the force is outside its friction cone.")
+    if found.suddenly is not None:
+        lines.append(f"If the force comes all at once, it {VERBS[found.suddenly]}.")
+    lines.append(f"({found.friction} friction; exact tier, residual {found.residual:.0e})")
+    return lines
+
+
+def _from(found: PushPrediction, what: str) -> str:
+    value = found.slide if what == "slide" else found.topple
+    verb = "slides" if what == "slide" else "topples"
+    return f"never {verb}" if value is None else f"{verb} from {value:.2f} N on"
+
+
+def _moving(found: PushPrediction) -> list[str]:
+    m = found.motion
+    if not m:
+        return []
+    if "angle_of_no_return" in m:
+        angle = np.degrees(m["angle_of_no_return"])
+        return [f"It tips {_heading(m['heading'])} and falls by itself beyond {angle:.1f}°."]
+    turning = np.degrees(m["turning"]) / 100.0
+    if abs(turning) < 0.05:
+        return [f"It moves {_heading(m['heading'])} without turning."]
+    sense = "left" if turning > 0.0 else "right"
+    return [
+        f"It moves {_heading(m['heading'])} and turns {sense}, {abs(turning):.1f}° "
+        "for each centimetre of the finger."
+    ]
+
+
+def _aside(lateral: float) -> str:
+    if abs(lateral) < 5e-4:
+        return "in the middle"
+    return f"{1e3 * abs(lateral):.0f} mm to the {'right' if lateral > 0 else 'left'}"
+
+
+def _towards(u: tuple[float, float, float]) -> str:
+    level = np.hypot(u[0], u[1])
+    slope = np.degrees(np.arctan2(u[2], level))
+    words = _heading(heading_of(np.array([u[0], u[1], 0.0]))) if level > 1e-9 else "straight"
+    if abs(slope) < 0.5:
+        return words
+    return f"{words}, {abs(slope):.0f}° {'upwards' if slope > 0 else 'downwards'}"
+
+
+def _heading(heading: float) -> str:
+    """A heading in words: the nearest name, and the angle off it."""
+    off = {
+        name: float(np.angle(np.exp(1j * (heading - value)))) for name, value in HEADINGS.items()
+    }
+    name = min(off, key=lambda key: abs(off[key]))
+    degrees = np.degrees(off[name])
+    if abs(degrees) < 0.5:
+        return name
+    return f"{abs(degrees):.0f}° {'left' if degrees > 0 else 'right'} of '{name}'"
+
+
+def _triple(v: np.ndarray) -> tuple[float, float, float]:
+    x, y, z = (np.asarray(v) + 0.0).tolist()
+    return x, y, z
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
