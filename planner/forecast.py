@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from objectmodels.extremes import circle, contact_forces
 from planner.plan import Margins, Prediction
 
 if TYPE_CHECKING:
@@ -18,7 +19,10 @@ if TYPE_CHECKING:
     from planner.candidates import Contacts
     from planner.defaults import Defaults
     from planner.plan import Push
+    from planner.reach import Reach
     from planner.state import SeenObject
+
+_CONFIRMING = 12  # directions on the friction cone's boundary that the exact tier looks at
 
 
 def needed_force(
@@ -39,7 +43,9 @@ def prediction(contacts: Contacts, k: int, asked: Asked, target: SeenObject) -> 
     """What the object model says of the k-th chosen contact."""
     i, model = int(contacts.chosen[k]), target.model
     inward = -np.array(contacts.side.face.normal)
-    nominal = model.thresholds(contacts.points[[i]], inward[None])
+    # Two fingers hold the object straight, and then the closed form is exact.
+    exact = contacts.fingers == 1
+    nominal = model.thresholds(contacts.points[[i]], inward[None], exact=exact)
     cone = contacts.cone
     worst = cone.height_below[i] if asked.outcome == "slide" else cone.height_above[i]
     return Prediction(
@@ -51,7 +57,28 @@ def prediction(contacts: Contacts, k: int, asked: Asked, target: SeenObject) -> 
         critical_height_worst=_finite(worst),
         probability=float(contacts.probability[k]),
         stay_on_base_angle=model.angle_of_no_return(inward),
+        tier="exact",
+        friction="static",
     )
+
+
+def confirmed(contacts: Contacts, k: int, asked: Asked, target: SeenObject, reach: Reach) -> bool:
+    """Whether the exact tier has the same outcome for the k-th chosen contact, all over the cone.
+
+    The contacts were chosen by the closed form, whose friction limit may be off where the object
+    turns as it slides; two fingers leave it no turning, and need no second look.
+    """
+    if contacts.fingers == 2:
+        return True
+    i, model = int(contacts.chosen[k]), target.model
+    grip = min(reach.force_skew, model.finger_friction) if contacts.guarded else (
+        model.finger_friction
+    )  # fmt: skip
+    shares = np.vstack((np.zeros((1, 2)), circle(_CONFIRMING)))
+    forces = contact_forces(np.array([contacts.side.face.normal]), grip * shares)
+    u = forces / np.linalg.norm(forces, axis=1, keepdims=True)
+    points = np.tile(contacts.points[i], (len(u), 1))
+    return bool((model.thresholds(points, u, exact=True).outcome == asked.outcome).all())
 
 
 def margins(

@@ -67,6 +67,8 @@ class Prediction(_Value):
         probability: probability of the outcome under the model's uncertainty, the worst force
             direction taken.
         stay_on_base_angle: angle of no return [rad].
+        tier: what the forces come from.
+        friction: which coefficient at the table decided.
     """
 
     outcome: Outcome
@@ -77,6 +79,8 @@ class Prediction(_Value):
     critical_height_worst: float | None
     probability: float
     stay_on_base_angle: float
+    tier: Literal["closed form", "exact"]
+    friction: Literal["static", "kinetic"]
 
 
 class Margins(_Value):

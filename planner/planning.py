@@ -22,7 +22,7 @@ from planner.candidates import Contacts, Side, grid, rated
 from planner.defaults import DEFAULTS, Defaults
 from planner.directions import HEADINGS, angle_between, face_name, heading_of, unit
 from planner.footprints import footprint, free_travel, landing_strip, overlaps, travel_to_edge
-from planner.forecast import margins, needed_force, prediction, remarks
+from planner.forecast import confirmed, margins, needed_force, prediction, remarks
 from planner.plan import Plan, Push, Refusal
 
 if TYPE_CHECKING:
@@ -85,11 +85,14 @@ def _best(
         return refusals.no_place(asked, target, sides, reach)
     answers: list[ReachAnswer] = []
     tried = {1: 0, 2: 0}
-    least = math.inf
+    least, doubted = math.inf, False
     for found in rated(target.model, sides, asked, reach, defaults):
         strong, needed = _strong_enough(found, asked, target, reach, defaults)
         least = min(least, needed)
         for contacts, k in _in_order(strong, asked):
+            if not confirmed(contacts, k, asked, target, reach):
+                doubted = True
+                continue
             push = _push(contacts, k, asked, target, reach, defaults)
             if tried[push.fingers] == _ASKED_IN_ALL:
                 break
@@ -110,7 +113,7 @@ def _best(
             tried[push.fingers] += 1
     if answers:
         return refusals.no_reach(target, answers)
-    if math.isfinite(least):
+    if math.isfinite(least) and not doubted:
         return refusals.too_weak(asked, target, least, reach)
     return refusals.no_contact(asked, target, sides, reach, defaults)
 

@@ -1,9 +1,9 @@
 """The simulated world as a Drake diagram: robot, table and objects.
 
 Model: point contact, lagged approximation; with "sap" a sliding fingertip chatters (2.3 N of
-standard deviation in a push of 3.6 N, against 0.07 N). Objects
-are boxes that touch the table with small spheres at their support points (a box geometry yields
-one contact point only); the box itself touches everything but the table.
+standard deviation in a push of 3.6 N, against 0.07 N). Objects are boxes, cylinders and prisms
+that touch the table with small spheres at their support points (a solid yields one contact point
+only); the solid itself touches everything but the table.
 
 Drake combines two friction coefficients as 2ab/(a+b). Robot and table are given a huge one, so a
 pair's coefficient is twice the object's own: half of the true coefficient is written to it, and
@@ -23,7 +23,7 @@ from sim import hand
 from sim.scene import Scene, SceneObject, Truth
 
 if TYPE_CHECKING:
-    from pydrake.geometry import GeometryId, ProximityProperties, SceneGraph
+    from pydrake.geometry import GeometryId, ProximityProperties, SceneGraph, Shape
     from pydrake.math import RigidTransform
     from pydrake.multibody.plant import MultibodyPlant
     from pydrake.multibody.tree import ModelInstanceIndex, RigidBody, SpatialInertia
@@ -119,24 +119,20 @@ def _add_table(plant: MultibodyPlant, scene: Scene) -> GeometryId:
 def _add_object(
     plant: MultibodyPlant, item: SceneObject
 ) -> tuple[RigidBody, GeometryId, list[GeometryId]]:
-    """Adds a box; returns its body, its solid and the spheres on which it stands or lies."""
-    from pydrake.geometry import Box, Sphere
+    """Adds an object; returns its body, its solid and the spheres on which it stands or lies."""
+    from pydrake.geometry import Sphere
     from pydrake.math import RigidTransform
 
     truth = item.truth
-    width, depth, height = truth.size_m
-    body = plant.AddRigidBody(item.name, plant.AddModelInstance(item.name), _inertia(truth))
-    X_BG = RigidTransform(np.array([0.0, 0.0, height / 2]))
-    box = Box(width, depth, height)
-    plant.RegisterVisualGeometry(body, X_BG, box, "carton", np.array([*truth.colour, 1.0]))
+    shape, X_BG = _shape(truth)
+    body = plant.AddRigidBody(item.name, plant.AddModelInstance(item.name), _inertia(truth, shape))
+    plant.RegisterVisualGeometry(body, X_BG, shape, "solid", np.array([*truth.colour, 1.0]))
     solid = plant.RegisterCollisionGeometry(
-        body, X_BG, box, "solid", _surface(truth.friction_finger / 2)
+        body, X_BG, shape, "solid", _surface(truth.friction_finger / 2)
     )
     r = _CORNER_RADIUS
-    base = [(x - r * np.sign(x), y - r * np.sign(y), r) for x, y in truth.support]
-    top = [
-        (sx * (width / 2 - r), sy * (depth / 2 - r), height - r) for sx in (-1, 1) for sy in (-1, 1)
-    ]
+    base = [(*_drawn_in(point, r), r) for point in truth.support]
+    top = [(*_drawn_in(point, r), truth.height - r) for point in truth.outline]
     feet = [
         plant.RegisterCollisionGeometry(
             body,
@@ -150,14 +146,34 @@ def _add_object(
     return body, solid, feet
 
 
-def _inertia(truth: Truth) -> SpatialInertia:
-    """Mass spread as in a solid box, about the true centre of mass."""
-    from pydrake.multibody.tree import SpatialInertia, UnitInertia
+def _drawn_in(point: tuple[float, float], r: float) -> tuple[float, float]:
+    """A corner moved inwards by a radius along each axis, so that a sphere there stays inside."""
+    x, y = point
+    return x - r * float(np.sign(x)), y - r * float(np.sign(y))
 
-    G_BBcm = UnitInertia.SolidBox(*truth.size_m)
+
+def _shape(truth: Truth) -> tuple[Shape, RigidTransform]:
+    """The solid, and where it is in B."""
+    from pydrake.geometry import Box, Convex, Cylinder
+    from pydrake.math import RigidTransform
+
+    middle = RigidTransform(np.array([0.0, 0.0, truth.height / 2]))
+    if truth.size_m is not None:
+        return Box(*truth.size_m), middle
+    if truth.radius_m is not None:
+        return Cylinder(truth.radius_m, truth.height), middle
+    ends = [[(x, y, z) for x, y in truth.outline] for z in (0.0, truth.height)]
+    return Convex(np.array(ends[0] + ends[1]).T, "prism"), RigidTransform()
+
+
+def _inertia(truth: Truth, shape: Shape) -> SpatialInertia:
+    """Mass spread as in the solid, about the true centre of mass."""
+    from pydrake.multibody.tree import CalcSpatialInertia, SpatialInertia
+
+    solid = CalcSpatialInertia(shape, 1.0)
+    G_GGcm = solid.get_unit_inertia().ShiftToCenterOfMass(solid.get_com())
     p_BBcm = np.array(truth.centre_of_mass)
-    G_BBo = G_BBcm.ShiftFromCenterOfMass(p_BBcm)
-    return SpatialInertia(truth.mass_kg, p_BBcm, G_BBo)
+    return SpatialInertia(truth.mass_kg, p_BBcm, G_GGcm.ShiftFromCenterOfMass(p_BBcm))
 
 
 def _surface(friction: float) -> ProximityProperties:

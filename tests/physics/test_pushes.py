@@ -73,6 +73,8 @@ def _plan(asked: Asked, scene: Scene) -> Plan:
             critical_height_worst=None,
             probability=1.0,
             stay_on_base_angle=model.angle_of_no_return(-normal),
+            tier="exact",
+            friction="static",
         ),
         margins=Margins(force=1.0, height=0.0, lateral=0.0, sigmas=0.0, force_limit=1.0),
         displacement=None,

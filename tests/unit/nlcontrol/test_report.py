@@ -27,7 +27,7 @@ def _plan(**prediction: Any) -> Plan:
     predicted: dict[str, Any] = {
         "outcome": "slide", "onset": 3.7, "slide_force": 3.7, "topple_force": 14.2,
         "critical_height": 0.119, "critical_height_worst": 0.087, "probability": 0.9999,
-        "stay_on_base_angle": 0.37,
+        "stay_on_base_angle": 0.37, "tier": "exact", "friction": "static",
     }  # fmt: skip
     return Plan(
         push=Push(
