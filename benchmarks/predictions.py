@@ -1,9 +1,12 @@
 """Predictions per second: the closed forms against readable and numerical peers, in the same run.
 
-Every method answers the same question for the same random pushes of the same box: does this force
-move it, and how? The peers take one push at a time: the seed's reference model, and contact forces
-at the corners that balance the push, found by `scipy.optimize.nnls` (feasibility; it says whether
-the box holds still, not what it does). Run it as `python -m benchmarks.predictions`.
+Every method takes random pushes of the same box. The closed forms and their peers answer whether a
+force moves it, and how; the peers take one push at a time: the seed's reference model, and contact
+forces at the corners that balance the push, found by `scipy.optimize.nnls` (feasibility; it says
+whether the box holds still, not what it does). The exact tier is asked for the onset; its peer
+`scipy.optimize.linprog` for the largest push that corner forces balance. A search over a face takes
+10,000 candidates, each a contact and a direction in the finger's friction cone, and finds the one
+farthest from toppling. Run it as `python -m benchmarks.predictions`.
 """
 
 from __future__ import annotations
@@ -15,14 +18,15 @@ from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
+from scipy.optimize import linprog, nnls
 
-from objectmodels import ObjectModel, Registry
+from objectmodels import BoxModel, ObjectModel, Registry
 from objectmodels.reference import SeedModel
 
 Array = NDArray[np.float64]
 
 CONE_SIDES = 8
+_ON_CORNERS = {"support": "corners", "friction_radius": np.hypot(0.09, 0.09) / 2}
 
 
 @dataclass(frozen=True)
@@ -70,6 +74,27 @@ def rate(work: Callable[[], object], pushes: int, repetitions: int) -> float:
     return pushes / best
 
 
+def search(box: ObjectModel) -> tuple[Array, Array]:
+    """10,000 candidates on the front face: 20 × 20 contacts with 25 directions each."""
+    face = box.faces()[2]
+    lateral, height = (a.ravel() for a in np.meshgrid(
+        np.linspace(-0.04, 0.04, 20), np.linspace(0.005, face.top - 0.005, 20)
+    ))  # fmt: skip
+    points, normals = face.at(lateral, height)
+    slope = np.linspace(-0.6, 0.6, 5)
+    aside, up = (a.ravel()[:, None] for a in np.meshgrid(slope, slope))
+    tangent, vertical = np.array(face.tangent), np.array([0.0, 0.0, 1.0])
+    u = -normals[:, None, :] + aside * tangent + up * vertical
+    u /= np.linalg.norm(u, axis=2, keepdims=True)
+    return np.repeat(points, 25, axis=0), u.reshape(-1, 3)
+
+
+def farthest_from_toppling(box: ObjectModel, points: Array, directions: Array) -> int:
+    """The candidate that slides with the largest room to toppling."""
+    t = box.thresholds(points, directions)
+    return int(np.argmax(np.where(t.slide < t.topple, t.topple - t.slide, -np.inf)))
+
+
 def measure(n: int, few: int, repetitions: int, *, seed: int = 0) -> list[Row]:
     """Rates of all methods; the peers get `few` of the n pushes."""
     box = Registry.default().get("ice tea box")
@@ -92,16 +117,44 @@ def measure(n: int, few: int, repetitions: int, *, seed: int = 0) -> list[Row]:
 
     def singly() -> None:
         for i in range(few):
-            box.predict(p[i : i + 1], f[i : i + 1])
+            box.predict(p[i : i + 1], f[i : i + 1]).outcome.item()
 
     def in_the_cone() -> object:
         return box.cone_thresholds(contacts, normals, sigmas=2.0)
 
+    on_corners = BoxModel(**(box.model_dump() | _ON_CORNERS))
+    u = f / np.linalg.norm(f, axis=1, keepdims=True)
+    unit = np.hstack((u[:few], np.cross(p[:few], u[:few])))
+    candidates = search(box)
+
+    def largest() -> list[float | None]:
+        cost = np.zeros(wrenches.shape[1] + 1)
+        cost[-1] = -1.0
+        return [
+            linprog(cost, A_eq=np.column_stack((wrenches, push)), b_eq=-weight).fun for push in unit
+        ]
+
     return [
-        Row("closed form, all at once", n, rate(lambda: box.predict(p, f), n, repetitions)),
+        Row("closed form, all at once", n, rate(lambda: box.predict(p, f).code, n, repetitions)),
         Row("closed form, one by one", few, rate(singly, few, repetitions)),
         Row("seed's reference", few, rate(one_by_one, few, repetitions)),
         Row("corner forces, nnls", few, rate(balanced, few, repetitions)),
+        Row(
+            "exact tier, four corners",
+            n,
+            rate(lambda: on_corners.thresholds(p, u, exact=True), n, repetitions),
+        ),
+        Row(
+            "exact tier, even pressure",
+            10 * few,
+            rate(lambda: box.thresholds(p[: 10 * few], u[: 10 * few], exact=True), 10 * few, 1),
+        ),
+        Row("largest push, linprog", few, rate(largest, few, 1)),
+        Row(
+            "search over a face",
+            len(candidates[0]),
+            rate(lambda: farthest_from_toppling(box, *candidates), len(candidates[0]), repetitions),
+        ),
         Row("worst of the finger's cone", n, rate(in_the_cone, len(contacts), repetitions)),
     ]
 
@@ -112,6 +165,13 @@ def table(rows: Sequence[Row]) -> str:
     lines = [f"{'method':28} {'pushes':>8} {'per second':>12} {'× reference':>12}"]
     lines += [
         f"{row.method:28} {row.pushes:8d} {row.rate:12,.0f} {row.rate / base:12.2f}" for row in rows
+    ]
+    by_name = {row.method: row for row in rows}
+    exact, peer = by_name["exact tier, four corners"], by_name["largest push, linprog"]
+    face = by_name["search over a face"]
+    lines += [
+        f"exact tier: {exact.rate / peer.rate:.0f} × linprog",
+        f"search over a face: {1e3 * face.pushes / face.rate:.1f} ms for {face.pushes} candidates",
     ]
     return "\n".join(lines)
 

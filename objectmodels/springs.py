@@ -3,6 +3,8 @@
 Model: the points are unilateral springs of given weights under a rigid base, so their pressure is
 linear over the base and never negative: N_i = w_i max(0, a + b·r_i). The loads follow uniquely from
 the centre of pressure q inside the points' hull: Σ N_i = 1, Σ N_i r_i = q (loads in shares of N).
+They are the least of the energy ½ Σ w_i max(0, a + b·r_i)² − a − b·q, convex and quadratic as long
+as the same points are loaded; Newton's method with a line search finds it in finitely many steps.
 
 Arrays are laid out with the k points first and the n pushes last.
 """
@@ -16,8 +18,12 @@ from numpy.typing import NDArray
 
 from objectmodels.base import Array
 
-# Changes of the set of loaded points until the loads fit; a few suffice, a cycle is cut by halves.
-_MAX_CHANGES = 60
+_QUICK = 6  # guesses of the loaded points before they are searched
+_STEPS = 80  # of the search for the loaded points; a handful suffices
+_HALVINGS = 30
+_SOFT = 1e-11  # stiffness share added where too few points are loaded to fix the base
+_TOUCHING = 1e-10  # share of the most pressed point's depth that counts as none
+_SETTLED = 1e-13  # imbalance at which loads are found
 
 
 @dataclass(frozen=True)
@@ -43,45 +49,95 @@ class Springs:
         Returns:
             Loads N_i and their derivatives along dq, each of shape (k, n).
         """
-        x, y = self.points.T[:, :, None]
-        gap, solve = self._pressed(q, loaded)
-        # Where the guess was wrong the set of loaded points is searched, one push after another.
-        wrong = np.flatnonzero(((gap > 0.0) != loaded).any(axis=0))
+        gap = self._carried(q, loaded)
+        wrong = np.flatnonzero((_pressing(gap) != loaded).any(axis=0))
+        # Mostly the points that a set of points presses are the next better set.
+        for _ in range(_QUICK):
+            if not wrong.size:
+                break
+            new = _pressing(gap[:, wrong])
+            loaded[:, wrong] = new
+            gap[:, wrong] = self._carried(q[:, wrong], new)
+            wrong = wrong[(_pressing(gap[:, wrong]) != new).any(axis=0)]
         if wrong.size:
-            found = loaded[:, wrong]
-            for _ in range(_MAX_CHANGES):
-                new = self._pressed(q[:, wrong], found)[0] > 0.0
-                if np.array_equal(new, found):
-                    break
-                found = new
-            loaded[:, wrong] = found
-            gap, solve = self._pressed(q, loaded)
-        a, b, c = solve(np.zeros(q.shape[1]), dq[0], dq[1])
+            loaded[:, wrong] = self._search(q[:, wrong])
+            gap[:, wrong] = self._carried(q[:, wrong], loaded[:, wrong])
+        change = self._depth(self._solved(loaded, np.zeros(q.shape[1]), dq[0], dq[1]))
         stiffness = self.weights[:, None] * loaded
-        return stiffness * np.maximum(gap, 0.0), stiffness * (a + x * b + y * c)
+        return stiffness * np.maximum(gap, 0.0), stiffness * change
 
-    def _pressed(self, q: Array, loaded: NDArray[np.bool_]):  # type: ignore[no-untyped-def]
-        """How far each point is pressed in if the given ones are loaded, and the solver for it."""
-        solve = self._solver(loaded)
-        a, b, c = solve(np.ones(q.shape[1]), q[0], q[1])
+    def _carried(self, q: Array, loaded: NDArray[np.bool_]) -> Array:
+        """How far each point is pressed in if the given ones carry the load, shape (k, n)."""
+        return self._depth(self._solved(loaded, np.ones(q.shape[1]), q[0], q[1]))
+
+    def _depth(self, plane: Array) -> Array:
+        """How far each point is pressed in, a + b·r_i, shape (k, n)."""
         x, y = self.points.T[:, :, None]
-        return a + x * b + y * c, solve
+        return np.asarray(plane[0] + x * plane[1] + y * plane[2])
 
-    def _solver(self, loaded: NDArray[np.bool_]):  # type: ignore[no-untyped-def]
-        """Solves Σ w_i (1, x, y)(1, x, y)ᵀ (a, b, c) = rhs over the loaded points, by cofactors."""
+    def _search(self, q: Array) -> NDArray[np.bool_]:
+        """The points that are loaded, shape (k, n)."""
+        target = np.vstack((np.ones(q.shape[1]), q))
+        plane = np.zeros_like(target)
+        plane[0] = 1.0 / self.weights.sum()
+        open_ = np.arange(q.shape[1])
+        for _ in range(_STEPS):
+            here, aim = plane[:, open_], target[:, open_]
+            loaded = self._depth(here) > 0.0
+            step = self._solved(loaded, *aim, soft=_SOFT) - here
+            plane[:, open_] = here = here + self._share(here, step, aim) * step
+            slope = np.abs(self._imbalance(here, aim)).max(axis=0)
+            open_ = open_[slope > _SETTLED]
+            if not open_.size:
+                break
+        return _pressing(self._depth(plane))
+
+    def _imbalance(self, plane: Array, target: Array) -> Array:
+        """Slope of the energy: Σ N_i (1, r_i) − (1, q), lengths in units of the base, (3, n)."""
+        loads = self.weights[:, None] * np.maximum(self._depth(plane), 0.0)
+        off = np.vstack((loads.sum(axis=0), self.points.T @ loads)) - target
+        off[1:] /= np.abs(self.points).max()
+        return np.asarray(off)
+
+    def _energy(self, plane: Array, target: Array) -> Array:
+        depth = np.maximum(self._depth(plane), 0.0)
+        return np.asarray(0.5 * self.weights @ depth**2 - (plane * target).sum(axis=0))
+
+    def _share(self, plane: Array, step: Array, target: Array) -> Array:
+        """Share of each step that lowers the energy, shape (n,)."""
+        share, before = np.ones(plane.shape[1]), self._energy(plane, target)
+        # Rounding of the energy must not stop a step that is as good as at its end.
+        allowed = before + 1e-15 * np.abs(before)
+        for _ in range(_HALVINGS):
+            worse = self._energy(plane + share * step, target) > allowed
+            if not worse.any():
+                break
+            share[worse] *= 0.5
+        return share
+
+    def _solved(
+        self, loaded: NDArray[np.bool_], r0: Array, r1: Array, r2: Array, soft: float = 0.0
+    ) -> Array:
+        """(a, b) with Σ w_i (1, r_i)(1, r_i)ᵀ (a, b) = rhs over the loaded points, (3, n)."""
         (x, y), w = self.points.T, self.weights
-        moments = np.stack((w, w * x, w * y, w * x * x, w * x * y, w * y * y)) @ loaded
-        m, mx, my, xx, xy, yy = moments
+        m, mx, my, xx, xy, yy = (
+            np.stack((w, w * x, w * y, w * x * x, w * x * y, w * y * y)) @ loaded
+        )
+        if soft:
+            m, xx, yy = m + soft, xx + soft * (w @ (x * x)), yy + soft * (w @ (y * y))
         c00, c01, c02 = xx * yy - xy * xy, xy * my - mx * yy, mx * xy - xx * my
         c11, c12, c22 = m * yy - my * my, mx * my - m * xy, m * xx - mx * mx
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             scale = 1.0 / (m * c00 + mx * c01 + my * c02)
-
-        def solve(r0: Array, r1: Array, r2: Array) -> tuple[Array, Array, Array]:
-            return (
-                (c00 * r0 + c01 * r1 + c02 * r2) * scale,
-                (c01 * r0 + c11 * r1 + c12 * r2) * scale,
-                (c02 * r0 + c12 * r1 + c22 * r2) * scale,
+            return np.stack(
+                (
+                    (c00 * r0 + c01 * r1 + c02 * r2) * scale,
+                    (c01 * r0 + c11 * r1 + c12 * r2) * scale,
+                    (c02 * r0 + c12 * r1 + c22 * r2) * scale,
+                )
             )
 
-        return solve
+
+def _pressing(depth: Array) -> NDArray[np.bool_]:
+    """Which points are loaded; those that just touch count, so that three or more always are."""
+    return np.asarray(depth > -_TOUCHING * np.abs(depth).max(axis=0))
