@@ -145,6 +145,17 @@ class ObjectModel(Parameters, ABC):
             )
         return self
 
+    def __eq__(self, other: object) -> bool:
+        """Equal beliefs of one kind; what was computed from them does not count."""
+        return isinstance(other, type(self)) and self._beliefs == other._beliefs
+
+    def __hash__(self) -> int:
+        return hash((type(self), self._beliefs))
+
+    @property
+    def _beliefs(self) -> tuple[object, ...]:
+        return tuple(getattr(self, name) for name in type(self).model_fields)
+
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """A copy with changed fields, unchecked; nothing computed before is kept."""
         copied = super().model_copy(update=update, deep=deep)

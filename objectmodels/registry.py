@@ -201,9 +201,20 @@ class Registry:
         return [model.name for model in self if wanted in map(fold, (model.name, *model.synonyms))]
 
     def called(self, text: str) -> ObjectModel:
-        """The one model of that name or synonym; raises as `get` does if there is no one model."""
+        """The one model of that name or synonym.
+
+        Raises:
+            ModelError: `unknown_object`, with suggestions; `ambiguous_object` if several share the
+                synonym.
+        """
         found = self.find(text)
-        return self.get(found[0] if len(found) == 1 else text)
+        if len(found) > 1:
+            raise ModelError(
+                "ambiguous_object",
+                f"{text!r} may be {' or '.join(found)}",
+                suggestions=tuple(f"say '{name}'" for name in found),
+            )
+        return self.get(found[0] if found else text)
 
     def place(self, name: str) -> str:
         """Where the model of that name comes from; raises as `get` does."""

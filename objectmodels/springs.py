@@ -84,7 +84,7 @@ class Springs:
         for _ in range(_STEPS):
             here, aim = plane[:, open_], target[:, open_]
             loaded = self._depth(here) > 0.0
-            step = self._solved(loaded, *aim, soft=_SOFT) - here
+            step = self._solved(loaded, aim[0], aim[1], aim[2], soft=_SOFT) - here
             plane[:, open_] = here = here + self._share(here, step, aim) * step
             slope = np.abs(self._imbalance(here, aim)).max(axis=0)
             open_ = open_[slope > _SETTLED]

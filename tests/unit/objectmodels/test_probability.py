@@ -7,7 +7,7 @@ from math import erf, sqrt
 import numpy as np
 import pytest
 
-from objectmodels import BoxModel, Registry
+from objectmodels import BoxModel, ModelError, Registry
 from objectmodels.probability import draws, normal_cdf
 
 BOX = BoxModel(
@@ -132,3 +132,91 @@ def test_drawn_parameters_stay_sensible() -> None:
     assert (d.friction_radius > 0).all()
     assert (d.finger_friction >= 0).all()
     assert tuple(d.com[1]) == box.com
+
+
+def spread(**changes: object) -> BoxModel:
+    """The ice tea box with beliefs that are spread and correlated."""
+    tea = Registry.built_in().get("ice tea box")
+    return BoxModel(**(tea.model_dump() | {"com": (0.004, -0.003, 0.1)} | changes))
+
+
+PUSHES = np.array(
+    [[-0.045, 0.0, 0.09], [-0.045, 0.02, 0.13], [-0.045, -0.03, 0.2], [-0.045, 0.0, 0.12]]
+)
+WAYS = np.array([[1, 0, 0], [1, 0, 0.3], [0.9, 0.1, -0.2], [1, -0.3, 0]], dtype=float)
+WAYS /= np.linalg.norm(WAYS, axis=1, keepdims=True)
+
+
+@pytest.mark.parametrize(
+    "correlations",
+    [
+        (),
+        (("mass", "friction", -0.7),),
+        (("friction", "com_x", 0.8), ("friction_radius", "friction", -0.4)),
+        (("friction", "com_x", 1.0),),
+    ],
+)
+def test_closed_form_and_sampling_agree_at_the_onset(
+    correlations: tuple[tuple[str, str, float], ...],
+) -> None:
+    box = spread(correlations=correlations)
+    fixed = box.likelihood(PUSHES, WAYS)
+    drawn = box.likelihood(PUSHES, WAYS, force=1e4)  # far beyond every onset
+    assert (fixed.method, drawn.method) == ("closed form", "sampled")
+    assert (fixed.seed, drawn.seed) == (None, 0)
+    # 128 points in four dimensions, and four standard errors of 4000 samples.
+    np.testing.assert_allclose(fixed.slide, drawn.slide, atol=0.03 + 0.03)
+    np.testing.assert_allclose(fixed.topple, drawn.topple, atol=0.03 + 0.03)
+    for each in (fixed, drawn):
+        np.testing.assert_allclose(each.none + each.slide + each.topple, 1.0, atol=1e-9)
+
+
+def test_correlation_changes_the_odds() -> None:
+    """Rough boxes whose weight lies ahead slide late and topple early: both at once is likelier."""
+    apart = spread(com_sd=(0.006, 0.0, 0.0)).likelihood(PUSHES[:1], WAYS[:1])
+    along, against = (
+        spread(com_sd=(0.006, 0.0, 0.0), correlations=[("friction", "com_x", r)]).likelihood(
+            PUSHES[:1], WAYS[:1]
+        )
+        for r in (0.9, -0.9)
+    )
+    assert against.topple.item() < apart.topple.item() < along.topple.item()
+
+
+def test_a_given_force_moves_it_with_the_probability_that_the_onset_is_smaller() -> None:
+    box = BOX.model_copy(update={"mass_sd": 0.1})
+    p, u = [[-0.045, 0.0, 0.02]], [[1.0, 0.0, 0.0]]
+    force = box.thresholds(p, u).slide.item()
+    likely = box.likelihood(p, u, force=force)
+    # μ m g against its own nominal value, nearly symmetric; four standard errors.
+    assert likely.none.item() == pytest.approx(0.5, abs=0.04)
+    assert box.likelihood(p, u, force=0.0).none.item() == 1.0
+    again = box.likelihood(p, u, force=force)
+    assert again.none.item() == likely.none.item()  # seeded
+
+
+def test_a_round_object_keeps_drawn_centres_over_its_base() -> None:
+    mug = Registry.built_in().get("mug").model_copy(update={"com_sd": (0.2, 0.2, 0.0)})
+    drawn = draws(mug, np.random.default_rng(0).normal(size=(500, 4)))
+    assert np.hypot(*drawn.com[:, :2].T).max() <= 0.95 * 0.03 + 1e-12
+
+
+@pytest.mark.parametrize(
+    "correlations",
+    [
+        [("mass", "weight", 0.5)],
+        [("mass", "mass", 0.5)],
+        [("mass", "friction", 1.5)],
+        [("mass", "friction", 0.5), ("friction", "mass", 0.5)],
+        [("mass", "friction", 0.9), ("friction", "com_x", 0.9), ("mass", "com_x", -0.9)],
+    ],
+)
+def test_impossible_correlations_are_refused(correlations: object) -> None:
+    with pytest.raises(ValueError, match=r"correlation|less than"):
+        spread(correlations=correlations)
+
+
+@pytest.mark.parametrize("force", [-1.0, float("nan"), float("inf")])
+def test_forces_must_be_numbers(force: float) -> None:
+    with pytest.raises(ModelError, match="force"):
+        BOX.likelihood(PUSHES, WAYS, force=force)

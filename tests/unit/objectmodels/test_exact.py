@@ -1,0 +1,164 @@
+"""The exact tier: springs, the friction limit, and where it must be the closed form."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from objectmodels import BoxModel, CylinderModel, Polygon, Registry
+from objectmodels.exact import ExactThresholds
+from objectmodels.limit import friction_limit
+from objectmodels.springs import Springs
+
+CORNERS = Polygon.rectangle(0.09, 0.12).vertices
+BOX = BoxModel(
+    name="b", size=(0.09, 0.12, 0.2), mass=1.0, friction=0.4, com=(0.01, -0.01, 0.09),
+    support="corners",
+)  # fmt: skip
+
+
+def loads(points: np.ndarray, weights: np.ndarray, q: np.ndarray) -> np.ndarray:
+    guess = np.ones((len(points), q.shape[1]), dtype=bool)
+    return Springs(points, weights).loads(q, np.zeros_like(q), guess)[0]
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(3, 9))
+def test_springs_balance_press_and_are_linear_where_loaded(seed: int, k: int) -> None:
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(-0.05, 0.05, (k, 2))
+    area = np.linalg.matrix_rank(points - points.mean(axis=0), tol=1e-3)
+    if area < 2:
+        return
+    weights = rng.uniform(0.2, 3.0, k)
+    q = (rng.dirichlet(np.ones(k), 20) @ points).T
+    found = loads(points, weights, q)
+    assert (found >= 0.0).all()
+    np.testing.assert_allclose(found.sum(axis=0), 1.0, atol=1e-9)
+    np.testing.assert_allclose(points.T @ found, q, atol=1e-10)  # of a base of 0.1 m
+    for j in range(q.shape[1]):
+        on = found[:, j] > 1e-9
+        rows = np.column_stack((np.ones(on.sum()), points[on]))
+        depth = found[on, j] / weights[on]
+        plane, *_ = np.linalg.lstsq(rows, depth, rcond=None)
+        np.testing.assert_allclose(rows @ plane, depth, atol=1e-6)
+        if on.sum() >= 3 and np.linalg.matrix_rank(rows, tol=1e-3) == 3:
+            lifted = np.column_stack((np.ones(k), points)) @ plane
+            assert (lifted[~on] <= 1e-6).all()
+
+
+def test_four_equal_loads_hold_a_pure_moment_by_their_distance() -> None:
+    """A push far to the side is a moment: s · arm = μ Σ N_i r_i."""
+    found = friction_limit(np.full((4, 1), 0.25), CORNERS[:, :1].copy(), CORNERS[:, 1:] - 1e4)
+    assert found.ratio.item() * 1e4 == pytest.approx(0.075, rel=1e-4)  # of an arm of 10 km
+
+
+def test_straight_through_the_centre_all_friction_resists() -> None:
+    found = friction_limit(np.full((4, 1), 0.25), CORNERS[:, :1].copy(), CORNERS[:, 1:].copy())
+    assert found.ratio.item() == pytest.approx(1.0, rel=1e-12)
+    assert (found.turn.item(), found.across.item()) == pytest.approx((0.0, 0.0), abs=1e-9)
+
+
+def test_the_centre_of_rotation_may_be_a_point_that_carries() -> None:
+    """A heavily loaded point stays, the light ones go around it."""
+    n = np.array([[0.94], [0.02], [0.02], [0.02]])
+    left = CORNERS[:, 1:] - 0.3
+    found = friction_limit(n, CORNERS[:, :1].copy(), left)
+    slip = found.slip(CORNERS[:, :1], left)
+    np.testing.assert_allclose(np.hypot(*slip)[0], 0.0, atol=1e-12)
+    assert np.hypot(found.along_i, found.across_i).max() <= 1.0 + 1e-12
+    others = np.hypot(*(CORNERS - CORNERS[0]).T)
+    assert found.ratio.item() == pytest.approx((n[:, 0] * others).sum() / abs(left[0, 0]), rel=1e-9)
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_bounds_meet_at_the_limit(seed: int) -> None:
+    """No motion dissipates less, and the forces found balance a push of just that size."""
+    rng = np.random.default_rng(seed)
+    n = rng.dirichlet(np.ones(4), 5).T
+    turn = rng.uniform(0, 2 * np.pi)
+    c, s = np.cos(turn), np.sin(turn)
+    along = (CORNERS @ [c, s])[:, None] * np.ones(5)
+    left = (CORNERS @ [-s, c])[:, None] - rng.normal(scale=0.08, size=5)
+    found = friction_limit(n, along, left)
+    assert (found.residual <= 1e-9).all()
+    for _ in range(40):
+        beta, omega = rng.normal(size=5), rng.normal(scale=30.0, size=5)
+        upper = (n * np.hypot(1.0 - omega * left, beta + omega * along)).sum(axis=0)
+        assert (upper >= found.ratio * (1 - 1e-9)).all()
+    np.testing.assert_allclose((n * found.along_i).sum(axis=0), found.ratio, rtol=1e-8)
+    np.testing.assert_allclose((n * found.across_i).sum(axis=0), 0.0, atol=1e-9)
+    moment = (n * (along * found.across_i - left * found.along_i)).sum(axis=0)
+    np.testing.assert_allclose(moment, 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["ice tea box", "cereal box", "mug", "tea tin", "soup can"])
+def test_without_turning_the_closed_form_is_exact(name: str) -> None:
+    """Level pushes through the vertical line of the centre of mass."""
+    model = Registry.built_in().get(name)
+    h = np.linspace(0.02, 0.95, 12) * model.top
+    turns = np.linspace(0, 2 * np.pi, 12)
+    u = np.column_stack((np.cos(turns), np.sin(turns), 0 * turns))
+    p = np.array([*model.com[:2], 0.0]) - 0.02 * u + h[:, None] * np.array([0, 0, 1])
+    fast, exact = model.thresholds(p, u), model.thresholds(p, u, exact=True)
+    np.testing.assert_allclose(exact.onset, fast.onset, rtol=1e-8)
+    np.testing.assert_array_equal(exact.outcome, fast.outcome)
+
+
+def test_where_it_topples_first_the_slide_threshold_lies_beyond() -> None:
+    rng = np.random.default_rng(0)
+    p = np.array(BOX.size) * rng.uniform([-0.5, -0.5, 0.3], [0.5, 0.5, 1.0], (300, 3))
+    u = rng.normal(size=(300, 3)) * [1, 1, 0.3]
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    t = BOX.thresholds(p, u, exact=True)
+    topples = t.outcome == "topple"
+    assert topples.sum() > 30
+    assert (t.slide[topples] >= t.topple[topples] * (1 - 1e-8)).all()
+    np.testing.assert_array_equal(t.onset, np.minimum(t.slide, t.topple))
+
+
+def test_the_bounds_bracket_the_onset_and_meet_for_three_feet() -> None:
+    rng = np.random.default_rng(1)
+    p = np.array(BOX.size) * rng.uniform([-0.5, -0.5, 0.0], [0.5, 0.5, 1.0], (200, 3))
+    u = rng.normal(size=(200, 3))
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    feet = ((0.04, 0.0), (-0.04, 0.05), (-0.04, -0.05))
+    shape = BOX.model_dump(include={"name", "size", "mass", "friction", "com"})
+    for box in (BOX, BoxModel(**shape, support=feet)):
+        t = box.thresholds(p, u, exact=True)
+        assert isinstance(t, ExactThresholds)
+        moves = np.isfinite(t.onset)
+        assert (t.pessimistic[moves] <= t.onset[moves] * (1 + 1e-7)).all()
+        assert (t.onset[moves] <= t.optimistic[moves] * (1 + 1e-7)).all()
+        np.testing.assert_array_equal(np.isinf(t.optimistic), ~moves)
+        spread = t.optimistic[moves] / t.pessimistic[moves]
+        if box is BOX:
+            assert spread.max() > 1.05  # how it stands matters for four feet
+        else:
+            assert spread.max() < 1.0 + 1e-6  # three feet leave no choice
+
+
+def test_a_lightly_off_centre_can_spins_before_it_tips() -> None:
+    """Near tipping a round base stands on one point, which resists no turning."""
+    can = CylinderModel(
+        name="c", radius=0.03, height=0.2, mass=1.0, friction=0.8, support="corners"
+    )
+    p, u = [[-0.028, 0.01, 0.15]], [[1.0, 0.0, 0.0]]
+    assert can.thresholds(p, u).outcome.item() == "topple"
+    exact = can.thresholds(p, u, exact=True)
+    assert exact.outcome.item() == "slide"
+    assert 0.9 < exact.slide.item() / exact.topple.item() < 1.0
+    assert can.thresholds(p, u, exact="border").outcome.item() == "slide"
+
+
+def test_equal_questions_get_equal_answers_whatever_stands_beside_them() -> None:
+    rng = np.random.default_rng(3)
+    p = np.array(BOX.size) * rng.uniform([-0.5, -0.5, 0.0], [0.5, 0.5, 1.0], (50, 3))
+    u = rng.normal(size=(50, 3))
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    together = BOX.thresholds(p, u, exact=True)
+    singly = [
+        BOX.thresholds(p[i : i + 1], u[i : i + 1], exact=True).slide.item() for i in range(50)
+    ]
+    np.testing.assert_allclose(together.slide, singly, rtol=1e-9)  # the limit's own precision

@@ -1,0 +1,177 @@
+"""From meshes to models: the base, the volume and the centre of mass are found."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial.transform import Rotation
+
+from objectmodels import HullModel, ModelError, PrismModel
+from objectmodels.mesh import import_mesh, read_mesh
+from objectmodels.modelfile import load_model, save_model
+
+AXIS = np.array([1.0, 1.0, 0.0]) / np.sqrt(2.0)
+
+
+def box_mesh(path: Path, size: tuple[float, float, float], shift: float = 0.0) -> Path:
+    mesh = trimesh.creation.box(extents=size)
+    mesh.apply_translation([shift, 2 * shift, 3 * shift])
+    mesh.export(path)
+    return path
+
+
+def wedge(path: Path) -> Path:
+    """A wedge, a right-angled triangle of 0.1 m × 0.2 m upright, 0.08 m wide, written by hand."""
+    corners = [(x, y, z) for y in (0.0, 0.08) for x, z in ((0.0, 0.0), (0.1, 0.0), (0.0, 0.2))]
+    faces = [(1, 2, 3), (4, 6, 5), (1, 4, 5), (1, 5, 2), (2, 5, 6), (2, 6, 3), (3, 6, 4), (3, 4, 1)]
+    lines = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {a} {b} {c}" for a, b, c in faces]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("suffix", ["stl", "obj", "ply", "off"])
+def test_a_box_is_found_standing_on_its_base(tmp_path: Path, suffix: str) -> None:
+    path = box_mesh(tmp_path / f"box.{suffix}", (0.06, 0.08, 0.2), shift=0.3)
+    solid = read_mesh(path)
+    # STL keeps single precision: 1e-7 of the 0.9 m from the origin.
+    np.testing.assert_allclose(np.ptp(solid.vertices, axis=0), (0.06, 0.08, 0.2), atol=1e-6)
+    np.testing.assert_allclose(solid.com, (0.0, 0.0, 0.1), atol=1e-6)
+    assert solid.volume == pytest.approx(0.06 * 0.08 * 0.2, rel=1e-5)
+    assert solid.closed
+    assert solid.vertices[:, 2].min() == 0.0
+
+
+def test_a_wedge_has_its_centre_of_mass_over_a_third_of_its_base(tmp_path: Path) -> None:
+    model = import_mesh(wedge(tmp_path / "wedge.obj"), name="wedge", density=500.0)
+    assert model.mass == pytest.approx(500.0 * 0.5 * 0.1 * 0.2 * 0.08, rel=1e-6)
+    x, y, z = model.com
+    # A third of 0.1 m from the upright side; the base's middle is at a half.
+    assert (x, y, z) == pytest.approx((0.1 / 3 - 0.05, 0.0, 0.2 / 3), abs=1e-6)
+    assert "500 kg/m³" in model.provenance.method
+    assert "friction estimated" in model.provenance.method
+
+
+@pytest.mark.parametrize(("up", "height"), [("+z", 0.2), ("-z", 0.2), ("+x", 0.06), ("-y", 0.08)])
+def test_upwards_is_as_stated(tmp_path: Path, up: str, height: float) -> None:
+    path = box_mesh(tmp_path / "box.stl", (0.06, 0.08, 0.2))
+    assert read_mesh(path, up=up).vertices[:, 2].max() == pytest.approx(height, abs=1e-6)
+
+
+def test_a_tilted_mesh_is_stood_on_the_face_below_or_its_largest(tmp_path: Path) -> None:
+    mesh = trimesh.creation.box(extents=(0.06, 0.08, 0.2))
+    for angle, top, stood in ((4.0, 0.2, "below"), (30.0, 0.06, "largest")):
+        turned = mesh.copy()
+        leaning = np.eye(4)
+        leaning[:3, :3] = Rotation.from_rotvec(np.radians(angle) * AXIS).as_matrix()
+        turned.apply_transform(leaning)
+        turned.export(tmp_path / "tilted.ply")
+        solid = read_mesh(tmp_path / "tilted.ply")
+        assert solid.vertices[:, 2].max() == pytest.approx(top, abs=1e-5)
+        assert stood in solid.stood
+
+
+def test_millimetres_are_told_and_a_mistaken_unit_is_noticed(tmp_path: Path) -> None:
+    path = box_mesh(tmp_path / "box.stl", (60.0, 80.0, 200.0))
+    assert read_mesh(path, unit="mm").vertices[:, 2].max() == pytest.approx(0.2, rel=1e-6)
+    with pytest.raises(ModelError, match="--unit mm"):
+        read_mesh(path)
+
+
+def test_a_hollow_mug_keeps_its_own_centre_of_mass(tmp_path: Path) -> None:
+    """Closed, but not convex: volume and centre are the mesh's, the shape is its hull's."""
+    cup = trimesh.creation.revolve(
+        [[0.0, 0.0], [0.04, 0.0], [0.04, 0.1], [0.036, 0.1], [0.036, 0.006], [0.0, 0.006]],
+        sections=48,
+    )
+    cup.export(tmp_path / "cup.stl")
+    solid = read_mesh(tmp_path / "cup.stl")
+    wall, floor = np.pi * (0.04**2 - 0.036**2) * 0.1, np.pi * 0.036**2 * 0.006
+    assert solid.closed
+    # A ring of 48 sides has 0.3 % less area than a circle.
+    assert solid.volume == pytest.approx(wall + floor, rel=0.005)
+    assert solid.com[2] == pytest.approx((wall * 0.05 + floor * 0.003) / (wall + floor), rel=0.005)
+    assert solid.vertices[:, 2].max() == pytest.approx(0.1, abs=1e-6)
+
+
+def test_an_open_mesh_takes_its_hull(tmp_path: Path) -> None:
+    mesh = trimesh.creation.box(extents=(0.06, 0.08, 0.2))
+    open_ = trimesh.Trimesh(mesh.vertices, mesh.faces[2:])
+    open_.export(tmp_path / "open.ply")
+    model = import_mesh(tmp_path / "open.ply", name="o", mass=0.5)
+    assert model.com == pytest.approx((0.0, 0.0, 0.1), abs=1e-6)
+    assert "of the convex hull" in model.provenance.method
+
+
+def test_a_fine_mesh_is_thinned_and_predicts_like_its_shape(tmp_path: Path) -> None:
+    trimesh.creation.cylinder(radius=0.04, height=0.15, sections=600).export(tmp_path / "can.stl")
+    model = import_mesh(tmp_path / "can.stl", name="can", mass=0.4, friction=0.3)
+    assert len(model.vertices) <= 400
+    turns = 2 * np.pi * np.arange(600) / 600
+    prism = PrismModel(
+        name="p", mass=0.4, friction=0.3, height=0.15,
+        corners=(0.04 * np.column_stack((np.cos(turns), np.sin(turns)))).tolist(),
+    )  # fmt: skip
+    p, u = [[-0.04, 0.0, 0.12], [-0.02, 0.01, 0.14]], [[1.0, 0.0, 0.0], [0.6, 0.8, 0.0]]
+    # A circle of 200 corners instead of 600.
+    np.testing.assert_allclose(
+        model.thresholds(p, u).topple, prism.thresholds(p, u).topple, rtol=1e-3
+    )
+
+
+def test_what_is_imported_is_written_and_read_again(tmp_path: Path) -> None:
+    model = import_mesh(wedge(tmp_path / "w.obj"), name="wedge", mass=0.4, synonyms=("ramp",))
+    save_model(model, tmp_path / "wedge.yaml")
+    again = load_model(tmp_path / "wedge.yaml")
+    assert isinstance(again, HullModel)
+    assert again == model
+
+
+@pytest.mark.parametrize(
+    ("content", "name", "code"),
+    [
+        (b"", "empty.stl", "unreadable_file"),
+        (b"not a mesh at all", "text.obj", "unreadable_file"),
+        (b"solid x\nendsolid x\n", "nothing.stl", "unreadable_file"),
+        (b"v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n", "flat.obj", "bad_mesh"),
+        (b"\x00" * 300, "zeros.stl", "unreadable_file"),
+        (b"hello", "model.xyz123", "unreadable_file"),
+    ],
+)
+def test_files_that_hold_no_solid_are_refused(
+    tmp_path: Path, content: bytes, name: str, code: str
+) -> None:
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(ModelError) as error:
+        read_mesh(path)
+    assert error.value.code in {code, "bad_mesh"}
+    assert name in str(error.value)
+
+
+def test_a_ball_stands_on_nothing(tmp_path: Path) -> None:
+    with pytest.raises(ModelError) as error:
+        read_mesh(tmp_path / "missing.stl")
+    assert error.value.code == "unreadable_file"
+
+
+@pytest.mark.parametrize(
+    "figures", [{}, {"mass": 1.0, "density": 500.0}, {"mass": -1.0}, {"density": float("nan")}]
+)
+def test_mass_or_density_one_of_both(tmp_path: Path, figures: dict[str, float]) -> None:
+    path = box_mesh(tmp_path / "box.stl", (0.06, 0.08, 0.2))
+    with pytest.raises(ModelError, match="either the mass"):
+        import_mesh(path, name="b", **figures)  # type: ignore[arg-type]
+
+
+def test_without_the_extra_it_says_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "trimesh", None)
+    with pytest.raises(ModelError) as error:
+        read_mesh(tmp_path / "x.stl")
+    assert error.value.code == "missing_extra"
+    assert "nlcontrol[mesh]" in str(error.value)
