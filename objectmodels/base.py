@@ -173,7 +173,7 @@ class Polygon:
             # ∫ r² dr dφ over the triangle = d³/3 ∫ sec³φ dφ
             part = [x / d * hypot(1.0, x / d) + asinh(x / d) for x in t]
             total += d**3 / 6.0 * (part[1] - part[0])
-        return total / self.area
+        return float(total / self.area)
 
     @cached_property
     def size(self) -> float:

@@ -37,6 +37,7 @@ MOST_POINTS = 12
 _STEEPER = 8.0  # by which the barrier's weight grows
 _PRECISE = 1e-9  # relative gap at which the barrier method stops
 _CENTRING = 4  # Newton steps for each weight, at most
+_RIDGE = 1e-14
 _LOOKS = 12
 _HALVINGS = 45
 
@@ -123,7 +124,10 @@ def _newton(
     signs = np.array([-1.0, 1.0, 1.0])
     hessian = np.einsum("skni,sknj->nij", rows * signs[:, None, None, None], rows)
     hessian += np.einsum("kni,knj->nij", grown, grown)
-    step = -np.linalg.solve(hessian, gradient[..., None])[..., 0]
+    # Near an optimum that is an edge the equations lose rank but for rounding.
+    scale = 1.0 / np.sqrt(np.einsum("nii->ni", hessian))
+    scaled = hessian * scale[:, :, None] * scale[:, None, :] + _RIDGE * np.eye(5)
+    step = -scale * np.linalg.solve(scaled, (scale * gradient)[..., None])[..., 0]
     return step, -(gradient * step).sum(axis=1)
 
 

@@ -10,13 +10,11 @@ from numpy.typing import ArrayLike
 from pydantic import Field, PositiveFloat
 
 from objectmodels.base import Array, Disc
-from objectmodels.faces import Face
+from objectmodels.faces import AXES, Face
 from objectmodels.model import ObjectModel
 
 FACE_SHARE = 1.0
 """Width of a face on the round side, as a share of the radius: its ends lie 12 % of that back."""
-
-_AXES = np.radians([180.0, -90.0, 0.0, 90.0])  # pushed so, the faces are +x, +y, −x, −y
 
 
 class CylinderModel(ObjectModel):
@@ -62,7 +60,7 @@ class CylinderModel(ObjectModel):
 
     def faces(self, headings: ArrayLike | None = None) -> tuple[Face, ...]:
         """Strips of the round side that look against each heading."""
-        pushed = np.atleast_1d(_AXES if headings is None else np.asarray(headings, float))
+        pushed = np.atleast_1d(AXES if headings is None else np.asarray(headings, float))
         normals = -np.column_stack((np.cos(pushed), np.sin(pushed)))
         width = FACE_SHARE * self.radius
         return tuple(

@@ -13,6 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from objectmodels.base import Array, Polygon
 
+AXES = np.radians([180.0, -90.0, 0.0, 90.0])
+"""Headings along which the faces +x, +y, −x, −y are pushed [rad]."""
+
 
 @dataclass(frozen=True)
 class Face:

@@ -15,13 +15,19 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from objectmodels.base import Array, Polygon
 from objectmodels.errors import ModelError
-from objectmodels.faces import Face
+from objectmodels.faces import AXES, Face
 from objectmodels.model import ObjectModel
 from objectmodels.support import hull
 from objectmodels.tuples import as_tuples
 
 SIDEWAYS = 0.5
 """Faces whose normal is at most 30° above or below the horizontal are sides."""
+
+WIDE = 0.02
+"""Faces narrower than this have no room for a fingertip [m]."""
+
+_STRAIGHT = np.radians(10.0)  # a face that looks so nearly against a heading is pushed along it
+_BULGE = 0.0025  # depth within which a curved side counts as flat [m]
 
 # Vertices within this share of the size of a plane lie on it; normals closer than it are equal.
 _FLAT = 1e-6
@@ -102,10 +108,30 @@ class HullModel(ObjectModel):
         return facets(self._points)
 
     def faces(self, headings: ArrayLike | None = None) -> tuple[Face, ...]:
-        """Its sides, the largest first."""
-        return tuple(
-            _face(normal, corners) for normal, corners in self._planes if abs(normal[2]) <= SIDEWAYS
-        )
+        """Its sides that are wide enough to be pushed, the largest first.
+
+        Where none of them looks against a heading, because the side is curved, what bulges out
+        most that way counts as a face.
+        """
+        flat = [_face(*plane) for plane in self._planes if abs(plane[0][2]) <= SIDEWAYS]
+        found = [face for face in flat if face.width >= WIDE]
+        looks = [np.arctan2(-face.normal[1], -face.normal[0]) for face in found]
+        pushed = np.atleast_1d(AXES if headings is None else np.asarray(headings, float))
+        for heading in pushed:
+            off = [abs(np.angle(np.exp(1j * (heading - other)))) for other in looks]
+            if min(off, default=np.pi) > _STRAIGHT:
+                found += self._bulge(float(heading))
+        return tuple(found)
+
+    def _bulge(self, heading: float) -> list[Face]:
+        """What lies within a small depth of the farthest point against a heading, if it is wide."""
+        normal = -np.array([np.cos(heading), np.sin(heading), 0.0])
+        depth = self._points @ normal
+        near = self._points[depth >= depth.max() - _BULGE]
+        across = near @ np.array([-normal[1], normal[0], 0.0])
+        if np.ptp(across) < WIDE or np.ptp(near[:, 2]) < WIDE:
+            return []
+        return [_face(normal, near + (depth.max() - near @ normal)[:, None] * normal)]
 
     @cached_property
     def _poses(self) -> dict[str, HullModel]:

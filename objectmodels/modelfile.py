@@ -38,6 +38,9 @@ BUILT_IN_KINDS: Kinds = {
 """Kinds of model that a file may name without any plug-in."""
 
 
+_SUPPORTS = "corners, uniform, or three or more points [x, y] or [x, y, weight]"
+
+
 def kind_of(model: ObjectModel | type[ObjectModel]) -> str:
     """Name of a model's kind, as in `format: KIND/VERSION`."""
     cls = model if isinstance(model, type) else type(model)
@@ -120,7 +123,7 @@ def _explained(error: ValidationError, path: Path, cls: type[ObjectModel]) -> Mo
     # A key that is unknown is often the one that is missing, misspelt: that helps most.
     complaints = error.errors(include_url=False)
     first = min(complaints, key=lambda e: e["type"] != "extra_forbidden")
-    key = ".".join(str(part) for part in _loc(first, cls)) or "file"
+    key = ".".join(str(part) for part in _loc(first)) or "file"
     where = f"{path}: {key}"
     found: Any = first["input"]
     if first["type"] == "missing":
@@ -136,6 +139,8 @@ def _explained(error: ValidationError, path: Path, cls: type[ObjectModel]) -> Mo
             path=where,
             suggestions=hints or (f"known: {', '.join(known)}",),
         )
+    if key == "support":  # a union, of which pydantic names one branch only
+        return ModelError("bad_value", f"found {_short(found)}, expected {_SUPPORTS}", path=where)
     inner = first.get("ctx", {}).get("error")
     if isinstance(inner, ModelError) and inner.path is not None:
         field = cls.model_fields[inner.path]
@@ -148,10 +153,10 @@ def _explained(error: ValidationError, path: Path, cls: type[ObjectModel]) -> Mo
     return ModelError("bad_value", f"found {_short(found)}, expected {expected}", path=where)
 
 
-def _loc(complaint: Any, cls: type[ObjectModel]) -> tuple[Any, ...]:
-    """Where a complaint is, without the branches of a union that pydantic names."""
-    parts = complaint["loc"]
-    return tuple(part for part in parts if not str(part).startswith(("literal[", "function-")))
+def _loc(complaint: Any) -> tuple[Any, ...]:
+    """Where a complaint is; in a union that is the whole of it."""
+    parts: tuple[Any, ...] = complaint["loc"]
+    return parts[:1] if parts[:1] == ("support",) else parts
 
 
 def _short(value: object) -> str:

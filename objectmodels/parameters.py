@@ -20,6 +20,7 @@ from pydantic import (
     model_validator,
 )
 
+from objectmodels.errors import ModelError
 from objectmodels.support import Support
 from objectmodels.tuples import as_tuple, as_tuples
 
@@ -118,17 +119,20 @@ class Parameters(BaseModel):
 
     @model_validator(mode="after")
     def _sensible_correlations(self) -> Self:
-        for a, b, _ in self.correlations:
-            for name in (a, b):
-                if name not in UNCERTAIN:
-                    raise ValueError(f"correlations name {name!r}; known: {', '.join(UNCERTAIN)}")
-            if a == b:
-                raise ValueError(f"a correlation of {a!r} with itself")
+        names = [name for pair in self.correlations for name in pair[:2]]
+        unknown = [name for name in names if name not in UNCERTAIN]
         pairs = [frozenset(pair[:2]) for pair in self.correlations]
-        if len(set(pairs)) < len(pairs):
-            raise ValueError("a correlation is given twice")
-        if self.correlations and np.linalg.eigvalsh(self._correlation_matrix()).min() < -1e-9:
-            raise ValueError("correlations contradict each other: no such distribution exists")
+        wrong = None
+        if unknown:
+            wrong = f"found {unknown[0]!r}, expected one of: {', '.join(UNCERTAIN)}"
+        elif any(len(pair) == 1 for pair in pairs):
+            wrong = "found a correlation of a parameter with itself"
+        elif len(set(pairs)) < len(pairs):
+            wrong = "found a correlation given twice"
+        elif pairs and np.linalg.eigvalsh(self._correlation_matrix()).min() < -1e-9:
+            wrong = "found correlations that contradict each other: no distribution has them"
+        if wrong:
+            raise ModelError("bad_value", wrong, path="correlations")
         return self
 
     def _correlation_matrix(self) -> Array:

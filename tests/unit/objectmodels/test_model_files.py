@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from objectmodels import ModelError
-from objectmodels.modelfile import load_model
+from objectmodels import ModelError, Registry
+from objectmodels.modelfile import load_model, save_model
 from objectmodels.yamlfile import MAX_BYTES, read_yaml
 
 GOOD = """\
@@ -135,3 +135,87 @@ def test_unreadable_files_are_named(tmp_path: Path) -> None:
     (tmp_path / "large.yaml").write_bytes(b"#" * (MAX_BYTES + 1))
     with pytest.raises(ModelError, match="at most"):
         read_yaml(tmp_path / "large.yaml")
+
+
+PRISM = """\
+format: prism/1
+name: tin
+corners_m: [[0.05, 0], [0, 0.05], [-0.05, 0], [0, -0.05]]
+height_m: 0.1
+mass_kg: 0.5
+friction_table: 0.4
+provenance: {source: a test}
+"""
+CAN = """\
+format: cylinder/1
+name: can
+radius_m: 0.03
+height_m: 0.1
+mass_kg: 0.5
+friction_table: 0.4
+provenance: {source: a test}
+"""
+
+
+@pytest.mark.parametrize(
+    ("good", "line", "words"),
+    [
+        (PRISM, "corners_m: [[0.05, 0], [0.01, 0.01], [0, 0.05], [-0.05, -0.05]]", ["convex"]),
+        (PRISM, "corners_m: [[0.05, 0], [0, 0.05]]", ["three or more"]),
+        (PRISM, "corners_m: [[1, 1], [2, 1], [1, 2]]", ["[1.3333, 1.3333]", "encloses [0, 0]"]),
+        (PRISM, "corners_m: [[0.05, 0], [0, x], [-0.05, 0]]", ["corners_m.1.1", "'x'"]),
+        (PRISM, "centre_of_mass_m: [0.04, 0.04, 0.05]", ["topples by itself", "0.04"]),
+        (PRISM, "height_m: no", ["height_m", "'no'", "number"]),
+        (CAN, "radius_m: -0.03", ["radius_m", "-0.03", "greater than 0"]),
+        (CAN, "base_radius_m: 0", ["base_radius_m"]),
+        (CAN, "centre_of_mass_m: [0.029, 0.029, 0.05]", ["topples by itself"]),
+        (CAN, "centre_of_mass_m: [0, 0, 0.2]", ["inside the object, 0.1 m high", "0.2"]),
+        (CAN, "support: round", ["support", "'round'", "corners", "uniform"]),
+        (CAN, "support: [[0, 0], [0.01, 0], [0.02, 0]]", ["line"]),
+        (CAN, "support: [[0.01, 0], [0, 0.01], [0.1, 0]]", ["outside of the base"]),
+        (
+            CAN,
+            "correlations: [[mass, wait, 0.5]]",
+            ["correlations", "wait", "one of: mass"],
+        ),
+        (CAN, "size_m: [0.1, 0.1, 0.1]", ["size_m", "not a key"]),
+        (CAN, "kind: box", ["kind", "not a key"]),
+    ],
+)
+def test_wrong_shapes_are_named(tmp_path: Path, good: str, line: str, words: list[str]) -> None:
+    key = line.partition(":")[0]
+    kept = [old for old in good.splitlines() if not old.startswith(f"{key}:")]
+    path = written(tmp_path, "\n".join([*kept, line]))
+    with pytest.raises(ModelError) as error:
+        load_model(path)
+    for word in (str(path), *words):
+        assert word in str(error.value)
+
+
+def test_a_huge_file_is_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "huge.yaml"
+    with path.open("wb") as file:
+        file.truncate(100_000_000)
+    with pytest.raises(ModelError, match="100000000 bytes long") as error:
+        load_model(path)
+    assert str(path) in str(error.value)
+
+
+@pytest.mark.parametrize("name", Registry.built_in().names())
+def test_every_model_is_written_and_read_again(tmp_path: Path, name: str) -> None:
+    model = Registry.built_in().get(name)
+    save_model(model, tmp_path / "x.yaml")
+    assert load_model(tmp_path / "x.yaml") == model
+    # Once more, byte for byte; and nothing else is left in the folder.
+    first = (tmp_path / "x.yaml").read_bytes()
+    save_model(load_model(tmp_path / "x.yaml"), tmp_path / "x.yaml")
+    assert (tmp_path / "x.yaml").read_bytes() == first
+    assert [file.name for file in tmp_path.iterdir()] == ["x.yaml"]
+
+
+def test_what_cannot_be_written_leaves_the_old_file(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("old", encoding="utf-8")
+    with pytest.raises(ModelError) as error:
+        save_model(Registry.built_in().get("mug"), tmp_path / "file" / "x.yaml")
+    assert error.value.code == "cannot_write"
+    assert (tmp_path / "file").read_text(encoding="utf-8") == "old"

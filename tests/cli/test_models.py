@@ -1,0 +1,272 @@
+"""The commands about object models: predict, map, affordances, objects."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from nlcontrol.cli import run
+
+CRATE = """\
+format: box/1
+name: crate
+synonyms: [wooden crate]
+size_m: [0.1, 0.1, 0.2]
+mass_kg: 1.0
+friction_table: 0.4
+provenance: {source: a test}
+"""
+
+
+def answer(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, Any]:
+    status = run([*args, "--json"])
+    return status, json.loads(capsys.readouterr().out)
+
+
+# -- predict ----------------------------------------------------------------------------------
+
+
+def test_predict_in_words(capsys: pytest.CaptureFixture[str]) -> None:
+    push = ["--face", "front", "--at", "0.0,0.05", "--direction", "1,0,0", "--force", "4"]
+    assert run(["predict", "ice tea box", *push]) == 0
+    out = capsys.readouterr().out
+    # μ m g = 0.378 · 0.9952 · 9.81, and m g b / h.
+    assert "with 4 N, the ice tea box slides." in out
+    assert "It slides from 3.69 N on; it topples from 8.79 N on." in out
+    assert "static friction; exact tier" in out
+
+
+@pytest.mark.parametrize(
+    ("push", "outcome", "words"),
+    [
+        (["--at", "0,0.05", "--force", "3"], "none", "stays where it is"),
+        (["--at", "0,0.2", "--force", "3"], "topple", "falls by itself beyond 21.4°"),
+        (["--at", "0,0.2"], "topple", "It topples from 2.20 N on"),
+        (["--at", "0.04,0.05"], "slide", "turns left"),
+        (["--at", "-0.04,0.05"], "slide", "turns right"),
+        (["--at", "0,0.1", "--direction", "1,0,-1"], "slide", "45° downwards"),
+        (["--at", "0,0.05", "--direction", "1,1,0"], "slide", "slips along the face"),
+        (["--face", "left", "--at", "0,0.05"], "slide", "right"),
+        (["--lying-on", "back", "--at", "0,0.085"], "slide", "slides from 3.69 N"),
+    ],
+)
+def test_predict_as_data_says_the_same(
+    capsys: pytest.CaptureFixture[str], push: list[str], outcome: str, words: str
+) -> None:
+    status, found = answer(capsys, "predict", "ice tea", *push)
+    assert (status, found["outcome"], found["object"]) == (0, outcome, "ice tea box")
+    assert words in found["text"]
+    assert sum(found["probability"].values()) == pytest.approx(1.0)
+    assert found["residual"] < 1e-8
+    assert found["tier"] == "exact"
+
+
+def test_predict_with_kinetic_friction_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    push = ["--at", "0,0.05", "--friction", "kinetic"]
+    status, found = answer(capsys, "predict", "coffee box", *push)
+    assert (status, found["friction"]) == (0, "kinetic")
+    assert found["slide"] == pytest.approx(0.2403 * 0.5102 * 9.81, rel=1e-9)
+    status, found = answer(capsys, "predict", "mug", *push)
+    assert (status, found["error"]["code"]) == (2, "unknown_parameter")
+
+
+@pytest.mark.parametrize(
+    ("args", "status", "code", "words"),
+    [
+        (["predict", "iced tee box", "--at", "0,0.05"], 3, "unknown_object", "ice tea box"),
+        (["predict", "ice tea box", "--at", "0,0.5"], 2, "bad_push", "0 to 230 mm"),
+        (["predict", "ice tea box", "--at", "0"], 2, "usage", "2 numbers"),
+        (["predict", "ice tea box", "--at", "0,nan"], 2, "usage", "2 numbers"),
+        (["predict", "ice tea box"], 2, "usage", "--at"),
+        (["predict", "mug", "--at", "0,0.05", "--face", "lid"], 2, "unknown_face", "front"),
+        (["predict", "mug", "--at", "0,0.05", "--direction", "-1,0,0"], 2, "bad_push", "press"),
+        (["predict", "mug", "--at", "0,0.05", "--lying-on", "left"], 2, "unknown_face", "bottom"),
+        (["predict", "mug", "--at", "0,0.05", "--force", "-1"], 2, "usage", "-1"),
+        (["map", "mug", "--spacing", "0"], 2, "bad_value", "spacing"),
+        (["map", "mug", "--output", "map.gif"], 2, "usage", ".png"),
+        (["map", "mug", "--output", "/nowhere/map.png"], 2, "cannot_write", "/nowhere"),
+        (["affordances", "unicorn"], 3, "unknown_object", "known"),
+        (["objects", "add", "missing.yaml"], 2, "unreadable_file", "missing.yaml"),
+        (["objects", "import", "missing.stl", "--name", "x", "--mass", "1"], 2, "unreadable_file",
+         "missing.stl"),
+        (["objects", "import", "x.stl", "--name", "x"], 2, "usage", "--mass or --density"),
+        (["objects", "remove", "mug"], 2, "not_yours", "built in"),
+    ],
+)  # fmt: skip
+def test_mistakes_are_explained(
+    capsys: pytest.CaptureFixture[str], args: list[str], status: int, code: str, words: str
+) -> None:
+    found_status, found = answer(capsys, *args)
+    assert (found_status, found["error"]["code"]) == (status, code)
+    assert words in json.dumps(found["error"], ensure_ascii=False)
+
+
+# -- map --------------------------------------------------------------------------------------
+
+
+def test_a_map_in_letters(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["map", "ice tea box", "--straight"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    rows = [m for line in lines if (m := re.match(r" *(\d+) mm  ([sT?·](?: [sT?·])*) ", line))]
+    assert len(rows) == 23
+    for row in rows:
+        letters = set(row[2].split())
+        if int(row[1]) < 110:  # h* = 119 mm, and a band of 5 %
+            assert letters == {"s"}
+        elif int(row[1]) > 130:
+            assert letters == {"T"}
+    assert "undecided: thresholds within 5 %" in lines[-2]
+
+
+def test_a_map_in_every_format(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    files = [tmp_path / f"map.{suffix}" for suffix in ("png", "svg", "pdf", "csv", "json")]
+    outputs = [part for file in files for part in ("--output", str(file))]
+    status, document = answer(capsys, "map", "ice tea box", *outputs)
+    assert status == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(f.name for f in files)
+    assert json.loads((tmp_path / "map.json").read_text(encoding="utf-8")) == document
+    with (tmp_path / "map.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == len(document["contacts"]) > 100
+    for row, contact in zip(rows, document["contacts"], strict=True):
+        assert row["outcome"] == contact["outcome"]
+        assert float(row["force_n"]) == pytest.approx(contact["force"], rel=1e-12)
+    assert {row["outcome"] for row in rows} == {"slide", "topple", "undecided"}
+    assert "<svg" in (tmp_path / "map.svg").read_text(encoding="utf-8")
+
+
+def painted(path: Path, rgb: tuple[int, int, int]) -> int:
+    """Number of pixels near a colour."""
+    pixels = np.asarray(Image.open(path).convert("RGB")).astype(int)
+    return int((np.abs(pixels - rgb).max(axis=2) < 40).sum())
+
+
+@pytest.mark.parametrize("options", [[], ["--3d"], ["--shade"], ["--straight"]])
+def test_the_picture_is_red_below_green_above_and_blue_between(
+    tmp_path: Path, options: list[str]
+) -> None:
+    path = tmp_path / "map.png"
+    assert run(["map", "ice tea box", "--output", str(path), *options]) == 0
+    red, green = painted(path, (213, 74, 67)), painted(path, (72, 170, 100))
+    assert red > 500
+    assert green > 200
+    if "--shade" not in options:  # there the undecided are the palest
+        assert painted(path, (80, 132, 215)) > 50
+
+
+def test_a_map_of_probability(capsys: pytest.CaptureFixture[str]) -> None:
+    _, loose = answer(capsys, "map", "ice tea box", "--level", "0.6")
+    _, strict = answer(capsys, "map", "ice tea box", "--level", "0.99")
+    undecided = [
+        sum(contact["outcome"] == "undecided" for contact in document["contacts"])
+        for document in (loose, strict)
+    ]
+    assert undecided[0] < undecided[1]
+
+
+# -- affordances ------------------------------------------------------------------------------
+
+
+def test_affordances_of_the_ice_tea_box(capsys: pytest.CaptureFixture[str]) -> None:
+    status, document = answer(capsys, "affordances", "ice tea")
+    assert status == 0
+    found = {(a["outcome"], a["direction"]): a for a in document["affordances"]}
+    assert len(found) == 14
+    away = found["slide", "away"]
+    assert (away["can"], away["face"]) == (True, "front")
+    assert away["least_force"] == pytest.approx(0.378 * 0.9952 * 9.81, rel=1e-6)
+    assert found["topple", "left"]["face"] == "right"
+    turning = found["turn", "left"]
+    assert (turning["possible"], turning["can"], turning["reason"]) == (True, False, "unsupported")
+    assert turning["least_force"] < away["least_force"]
+
+
+def test_affordances_of_what_is_not_on_the_table(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["affordances", "book"]) == 0
+    out = capsys.readouterr().out
+    assert "✗ topple away: pushed anywhere on that face, the book never topples first" in out
+    assert "slide away: from the front" in out
+
+
+# -- objects ----------------------------------------------------------------------------------
+
+
+def test_add_show_predict_remove(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, objects_folder: Path
+) -> None:
+    file = tmp_path / "my crate.yaml"
+    file.write_text(CRATE, encoding="utf-8")
+    assert run(["objects", "validate", str(file)]) == 0
+    capsys.readouterr()
+    status, added = answer(capsys, "objects", "add", str(file))
+    assert status == 0
+    assert Path(added["file"]) == objects_folder / "crate.yaml"
+    status, shown = answer(capsys, "objects", "show", "wooden crate")
+    assert (shown["mass"], shown["place"]) == (1.0, added["file"])
+    status, found = answer(capsys, "predict", "crate", "--at", "0,0.15")
+    assert found["topple"] == pytest.approx(9.81 * 0.05 / 0.15, rel=1e-9)
+    status, refused = answer(capsys, "objects", "add", str(file))
+    assert (status, refused["error"]["code"]) == (2, "duplicate_name")
+    status, removed = answer(capsys, "objects", "remove", "crate")
+    assert (status, removed["removed"]) == (0, "crate")
+    assert list(objects_folder.iterdir()) == []
+
+
+def test_validate_names_every_bad_file(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    good, bad = tmp_path / "good.yaml", tmp_path / "bad.yaml"
+    good.write_text(CRATE, encoding="utf-8")
+    bad.write_text(CRATE.replace("1.0", "heavy"), encoding="utf-8")
+    status, verdict = answer(capsys, "objects", "validate", str(good), str(bad))
+    assert (status, verdict["ok"]) == (2, False)
+    assert [file["ok"] for file in verdict["files"]] == [True, False]
+    assert "mass_kg: found 'heavy', expected a valid number" in verdict["files"][1]["error"]
+
+
+def test_a_broken_file_of_the_user_is_told_and_skipped(
+    capsys: pytest.CaptureFixture[str], objects_folder: Path
+) -> None:
+    (objects_folder / "bad.yaml").write_text("format: box/1\n", encoding="utf-8")
+    assert run(["objects", "list"]) == 0
+    told = capsys.readouterr()
+    assert "ice tea box" in told.out
+    assert "skipped" in told.err
+    assert "bad.yaml" in told.err
+
+
+def test_import_a_mesh_and_predict_it(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, objects_folder: Path
+) -> None:
+    mesh = tmp_path / "jar.stl"
+    trimesh.creation.cylinder(radius=40, height=90, sections=60).export(mesh)
+    options = ["--name", "jam jar", "--mass", "0.4", "--unit", "mm", "--synonym", "jar"]
+    status, told = answer(capsys, "objects", "import", str(mesh), *options)
+    assert status == 0
+    assert Path(told["file"]) == objects_folder / "jam_jar.yaml"
+    status, found = answer(capsys, "objects", "show", "jar")
+    assert found["kind"] == "hull"
+    assert max(v[2] for v in found["vertices"]) == pytest.approx(0.09, abs=1e-6)
+    status, document = answer(capsys, "affordances", "jam jar")
+    assert any(a["can"] for a in document["affordances"])
+    elsewhere = tmp_path / "other.yaml"
+    density = ["--name", "other", "--density", "900", "--unit", "mm", "--output", str(elsewhere)]
+    assert run(["objects", "import", str(mesh), *density]) == 0
+    assert "mass from 900 kg/m³" in elsewhere.read_text(encoding="utf-8")
+    # π R² h ρ; sixty sides have 0.2 % less area.
+    mass = float(re.findall(r"mass_kg: ([\d.]+)", elsewhere.read_text(encoding="utf-8"))[0])
+    assert mass == pytest.approx(900 * math.pi * 0.04**2 * 0.09, rel=0.003)
+
+
+def test_show_says_all_there_is(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["objects", "show", "mug"]) == 0
+    out = capsys.readouterr().out
+    for words in ("a round base, on its rim", "never topples", "built in", "YCB", "0.1180 ±"):
+        assert words in out
