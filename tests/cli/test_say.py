@@ -55,3 +55,14 @@ def test_the_first_sentence(capsys: pytest.CaptureFixture[str], tmp_path: Path) 
 def test_the_same_seed_gives_the_same_result(capsys: pytest.CaptureFixture[str]) -> None:
     first = _say(capsys, "push the ice tea box to the left 10 cm", "--seed", "4")
     assert _say(capsys, "push the ice tea box to the left 10 cm", "--seed", "4") == first
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    ["push the mug away without toppling it", "push the soup can to the left 8 cm",
+     "push the tea tin away without toppling it"],
+)  # fmt: skip
+def test_round_and_six_sided_things(capsys: pytest.CaptureFixture[str], sentence: str) -> None:
+    status, result, _ = _say(capsys, sentence, "--scene", "counter")
+    assert [c for c in result.checks if not c.ok] == []
+    assert (status, result.status) == (0, "done")
