@@ -415,6 +415,21 @@ class ObjectModel(Parameters, ABC):
         """
         return tilting.topple_stroke(self, direction, height, angle)
 
+    def stroke_tilt(
+        self, direction: ArrayLike, height: float, travel: float
+    ) -> tuple[float, float]:
+        """Tilt to which a finger's travel brings it, if the finger stays level or sticks [rad].
+
+        Args:
+            direction: horizontal direction of the push in B, shape (3,).
+            height: contact height on the face pushed [m].
+            travel: of the finger [m].
+
+        Returns:
+            The smaller and the larger of the two.
+        """
+        return tilting.stroke_tilt(self, direction, height, travel)
+
 
 def pairs(points: ArrayLike, vectors: ArrayLike) -> tuple[Array, Array]:
     """Two finite arrays of equal shape (n, 3), or a `ModelError`."""

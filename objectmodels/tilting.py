@@ -7,7 +7,7 @@ centre of mass to the pivot.
 
 from __future__ import annotations
 
-from math import atan2, cos, sin, tan
+from math import asin, atan2, cos, hypot, pi, sin, sqrt, tan
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -36,23 +36,37 @@ def topple_stroke(model: ObjectModel, direction: ArrayLike, height: float, angle
         raise ModelError("bad_value", f"height {height} m is not on the object")
     if not 0.0 <= angle < np.pi / 2:
         raise ModelError("bad_value", f"angle {angle} rad is not between 0 and π/2")
-    n = _leading_edge(model, direction)
-    # The finger is on the side behind, which may stand out beyond the base.
-    length = float(model.base.extent(n)) + float((model.outline @ -n).max())
+    length = _length(model, _leading_edge(model, direction))
     return max(stroke_level(height, length, angle), stroke_stuck(height, length, angle))
 
 
-def tilt_after(height: float, length: float, stroke: float) -> float:
-    """Tilt after a stroke of a finger that stays at its height, the inverse of `stroke_level`.
+def stroke_tilt(
+    model: ObjectModel, direction: ArrayLike, height: float, travel: float
+) -> tuple[float, float]:
+    """Tilt after a travel of the finger, the smaller and the larger of two cases [rad]."""
+    if not 0.0 < height <= model.top:
+        raise ModelError("bad_value", f"height {height} m is not on the object")
+    if not 0.0 <= travel < np.inf:
+        raise ModelError("bad_value", f"travel must be a length, not {travel}")
+    length = _length(model, _leading_edge(model, direction))
+    tilts = tilt_level(height, length, travel), tilt_stuck(height, length, travel)
+    return min(tilts), max(tilts)
 
-    With t = tan(θ/2) it is 2 h t − 2 L t² = d (1 − t²), whose smaller root counts; π/2 if the
-    finger passes over the object before.
+
+def tilt_level(height: float, length: float, travel: float) -> float:
+    """Inverse of `stroke_level`; π/2 if the finger passes over the object before [rad].
+
+    With t = tan(θ/2) it is 2 h t − 2 L t² = d (1 − t²), whose smaller root counts.
     """
-    a, b, c = 2.0 * length - stroke, 2.0 * height, stroke
+    a, b, c = 2.0 * length - travel, 2.0 * height, travel
     inside = b * b - 4.0 * a * c
-    if inside < 0.0:
-        return np.pi / 2.0
-    return 2.0 * float(np.arctan2(2.0 * c, b + np.sqrt(inside)))
+    return pi / 2.0 if inside < 0.0 else 2.0 * atan2(2.0 * c, b + sqrt(inside))
+
+
+def tilt_stuck(height: float, length: float, travel: float) -> float:
+    """Inverse of `stroke_stuck`; π/2 if it is beyond [rad]."""
+    sine = (travel - length) / hypot(height, length)
+    return min(atan2(length, height) + asin(sine), pi / 2.0) if sine < 1.0 else pi / 2.0
 
 
 def stroke_level(height: float, length: float, angle: float) -> float:
@@ -63,6 +77,11 @@ def stroke_level(height: float, length: float, angle: float) -> float:
 def stroke_stuck(height: float, length: float, angle: float) -> float:
     """Travel d = h sin θ + L (1 − cos θ) of a finger that sticks to the face [m]."""
     return height * sin(angle) + length * (1.0 - cos(angle))
+
+
+def _length(model: ObjectModel, n: Array) -> float:
+    """From the leading edge to the side behind, which may stand out beyond the base [m]."""
+    return float(model.base.extent(n)) + float((model.outline @ -n).max())
 
 
 def _leading_edge(model: ObjectModel, direction: ArrayLike) -> Array:

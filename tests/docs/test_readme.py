@@ -34,7 +34,9 @@ def test_two_commands_each_doing_all_its_set_up() -> None:
         assert command.count("\n") == 1
 
 
-@pytest.mark.parametrize("document", ["README.md", "CONTRIBUTING.md", "docs/models.md"])
+@pytest.mark.parametrize(
+    "document", ["README.md", "CONTRIBUTING.md", "docs/models.md", "docs/predictions.md"]
+)
 def test_linked_files_exist(document: str) -> None:
     path = ROOT / document
     text = path.read_text(encoding="utf-8")
@@ -47,6 +49,20 @@ def test_linked_files_exist(document: str) -> None:
 def test_examples_of_the_command_line(args: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert run(args) == 0
     assert capsys.readouterr().out
+
+
+def test_the_examples_of_the_guide_to_predictions(capsys: pytest.CaptureFixture[str]) -> None:
+    text = (ROOT / "docs" / "predictions.md").read_text(encoding="utf-8")
+    (commands,) = re.findall(r"^```console\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    for line in commands.splitlines():
+        args = shlex.split(line.removeprefix("$ "))[1:]
+        assert run([arg for arg in args if arg not in ("--output", "map.png")]) == 0
+    (code,) = re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    exec(compile(code, "predictions.md", "exec"), {})
+    printed = capsys.readouterr().out
+    assert "topples from 8.79 N on" in printed
+    # The last lines: below the onset, the same at once, unlikely to topple, not sure over the cone.
+    assert printed.splitlines()[-5:-1] == ["['none']", "['none']", "[0.]", "[False]"]
 
 
 def test_the_python_of_the_readme() -> None:

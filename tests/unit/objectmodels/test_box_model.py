@@ -10,7 +10,7 @@ import pytest
 from pydantic import ValidationError
 
 from objectmodels import BoxModel, ModelError, Registry
-from objectmodels.tilting import stroke_level, stroke_stuck
+from objectmodels.tilting import stroke_level, stroke_stuck, tilt_level, tilt_stuck
 
 CRATE = {"name": "crate", "size": (0.10, 0.20, 0.30), "mass": 1.0, "friction": 0.4}
 
@@ -152,3 +152,27 @@ def test_strokes_off_the_box_are_refused(crate: BoxModel, height: float, angle: 
 def test_directions_must_be_horizontal(crate: BoxModel, direction: list[float]) -> None:
     with pytest.raises(ModelError, match="horizontal"):
         crate.angle_of_no_return(direction)
+
+
+@pytest.mark.parametrize("height", [0.05, 0.12, 0.22])
+@pytest.mark.parametrize("angle", [0.01, 0.2, 0.37, 0.6])
+def test_the_tilt_of_a_stroke_is_the_inverse_of_the_stroke_to_a_tilt(
+    height: float, angle: float
+) -> None:
+    tea = Registry.built_in().get("ice tea box")
+    for stroke, tilt in ((stroke_level, tilt_level), (stroke_stuck, tilt_stuck)):
+        travel = stroke(height, 0.09, angle)
+        # A level finger passes over the edge of the box that it tilts too far.
+        if stroke is stroke_stuck or travel < stroke(height, 0.09, angle + 0.01):
+            assert tilt(height, 0.09, travel) == pytest.approx(angle, rel=1e-9)
+    low, high = tea.stroke_tilt([1, 0, 0], height, 0.02)
+    assert 0.0 < low <= high
+
+
+def test_golden_strokes_tilt_to_the_angle_of_no_return() -> None:
+    tea = Registry.built_in().get("ice tea box")
+    assert degrees(tilt_level(0.22, 0.09, 0.079)) == pytest.approx(21.4, abs=0.2)  # 1 mm is 0.2°
+    assert degrees(tilt_stuck(0.22, 0.09, 0.0866)) == pytest.approx(21.4, abs=0.2)
+    for height, travel in ((0.3, 0.01), (0.1, -0.01), (0.1, float("nan"))):
+        with pytest.raises(ModelError):
+            tea.stroke_tilt([1, 0, 0], height, travel)
