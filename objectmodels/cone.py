@@ -61,6 +61,9 @@ class ConeThresholds:
         height_below: contact height below which all of them make it slide first; inf if none on
             this face topples it, 0 if sliding is certain nowhere.
         height_above: contact height above which all topple it first; inf if there is none.
+        slides_most, topples_most: unit directions in the cone, shape (n, 3), in which sliding comes
+            longest before toppling, and the other way round: the best and the worst one for who
+            wants it to slide. Of the fixed directions, with parameters at `sigmas`.
         critical_height: height that separates the two for the nominal parameters and a force along
             the inward normal (h* = b/μ for a centred contact); inf if it never topples.
     """
@@ -74,6 +77,8 @@ class ConeThresholds:
     height_below: Array
     height_above: Array
     critical_height: Array
+    slides_most: Array
+    topples_most: Array
     _contacts: tuple[ObjectModel, Array, Array, bool] = field(repr=False)
 
     @cached_property
@@ -136,8 +141,16 @@ def cone_thresholds(
         height_below=_on_it(below, model.top)[at],
         height_above=_on_it(above, model.top)[at],
         critical_height=_on_it(critical, model.top)[at],
+        slides_most=_unit(f[at], slide_gap.argmax(axis=1)),
+        topples_most=_unit(f[at], slide_gap.argmin(axis=1)),
         _contacts=(model, p, normals, yaw),
     )
+
+
+def _unit(f: Array, chosen: Index) -> Array:
+    """The chosen ones of forces (n, j, 3) as unit directions, shape (n, 3)."""
+    picked = f[np.arange(len(f)), chosen]
+    return np.asarray(picked / np.linalg.norm(picked, axis=1, keepdims=True))
 
 
 def _certain(

@@ -98,6 +98,19 @@ class Thresholds:
         twist[i] = toppling_twist(p[i], u[i], n, base.extent(n))
         return twist
 
+    @cached_property
+    def centre_of_rotation(self) -> Array:
+        """Point of the table about which a sliding object begins to turn in B, shape (n, 2) [m].
+
+        Infinitely far if it does not turn; nan where it does not slide first.
+        """
+        omega, v = self.twist[:, 2], self.twist[:, 3:5]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            centre = np.column_stack((-v[:, 1], v[:, 0])) / omega[:, None]
+        still = np.abs(omega) * self.body[0].size < 1e-12 * np.hypot(*v.T)
+        centre = np.where(still[:, None], np.inf, centre)
+        return np.where((self.code == 1)[:, None], centre, np.nan)
+
     def _sliding(self, i: NDArray[np.bool_]) -> Array:
         (p, u), (_, c, radius, weight) = self.push, self.body
         return sliding_twist(p[i], u[i], c, self.slide[i], radius, weight)

@@ -68,6 +68,7 @@ def examine() -> Iterator[Finding]:
     )
     yield _drake()
     yield _attempt("object models", _registry)
+    yield _own_models()
     yield _attempt("scenes", _scenes)
     yield _attempt("grammar", _grammar)
     yield _egl()
@@ -92,10 +93,27 @@ def _attempt(name: str, what: Callable[[], str]) -> Finding:
 def _registry() -> str:
     from objectmodels import Registry
 
-    registry = Registry.default()
+    registry = Registry.built_in()
     for problem in registry.problems:
         raise problem
     return ", ".join(registry.names())
+
+
+def _own_models() -> Finding:
+    """Models of plug-ins and of the user; a broken one stops no run."""
+    from objectmodels import Registry
+    from objectmodels.registry import user_folder
+
+    registry = Registry.default()
+    own = [name for name in registry.names() if not registry.place(name).startswith("built in")]
+    problems = [str(problem) for problem in registry.problems]
+    return Finding(
+        "plug-ins and your own models (optional)",
+        not problems,
+        False,
+        "; ".join(problems) or ", ".join(own) or f"none; yours go to {user_folder()}",
+        "mend or remove what was skipped",
+    )
 
 
 def _scenes() -> str:

@@ -122,6 +122,8 @@ def _answer(
     from nlcontrol.controller import Controller
 
     controller = Controller(scene, seed=seed)
+    for problem in controller.registry.problems:
+        click.echo(f"skipped: {problem}", err=True)
     with Narrator() as narrate:
         result = controller.say(sentence, plan_only=plan_only, progress=narrate)
     files = _write_files(controller, result, explain=explain, picture=picture, replay=replay)

@@ -162,3 +162,16 @@ def test_equal_questions_get_equal_answers_whatever_stands_beside_them() -> None
         BOX.thresholds(p[i : i + 1], u[i : i + 1], exact=True).slide.item() for i in range(50)
     ]
     np.testing.assert_allclose(together.slide, singly, rtol=1e-9)  # the limit's own precision
+
+
+@pytest.mark.parametrize("exact", [False, True])
+def test_the_centre_of_rotation_stands_still(exact: bool) -> None:
+    p, u = [[-0.045, 0.03, 0.02], [-0.045, -0.01, 0.05]], [[1.0, 0.0, 0.0]] * 2
+    t = BOX.thresholds(p, u, exact=exact)
+    centre, twist = t.centre_of_rotation, t.twist
+    # Pushed left of the centre of mass it turns right, about a point to the right of it.
+    assert twist[0, 2] < 0.0
+    assert centre[0, 1] < BOX.com[1]
+    still = twist[0, 3:5] + twist[0, 2] * np.array([-centre[0, 1], centre[0, 0]])
+    np.testing.assert_allclose(still, 0.0, atol=1e-9)
+    assert np.isinf(centre[1]).all()  # straight through the centre of mass
