@@ -48,7 +48,7 @@ class PushPrediction(BaseModel):
         onset: force at which it moves; null if it never does.
         slide, topple: force at which it slides, topples; null if never.
         optimistic, pessimistic: onset if its weight is borne as well, as badly as can be; null if
-            it never moves, or if its support has no few points.
+            it never moves, or if its friction radius was fitted.
         residual: relative violation of balance in the solution.
         probability: of each outcome under the model's uncertainty.
         suddenly: class if the force is applied at once; null without a force.
@@ -141,8 +141,8 @@ def predict_push(
         onset=_finite(onset),
         slide=_finite(t.slide[0]),
         topple=_finite(t.topple[0]),
-        optimistic=_finite(t.optimistic[0]),
-        pessimistic=_finite(t.pessimistic[0]) if len(t.support[0]) <= 24 else None,
+        optimistic=None if t.fitted else _finite(t.optimistic[0]),
+        pessimistic=None if t.fitted else _finite(t.pessimistic[0]),
         residual=float(t.residual[0]),
         probability={
             "none": float(likely.none[0]),

@@ -19,8 +19,9 @@ from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from objectmodels.base import Array
+from objectmodels.base import Array, Disc
 from objectmodels.errors import ModelError
 from objectmodels.exact import axes
 from objectmodels.limit import friction_limit
@@ -29,7 +30,8 @@ from objectmodels.thresholds import force_at, push_moment, ratio_at
 if TYPE_CHECKING:
     from objectmodels.exact import ExactThresholds
 
-BLOCK = 512
+BLOCK, TRIANGLES = 512, 20_000
+"""Pushes, and triples of points times pushes, that are treated at once."""
 
 MOST_POINTS = 12
 """Of more points than these the bounds take the corners of the hull only: they are extreme."""
@@ -38,14 +40,18 @@ _STEEPER = 8.0  # by which the barrier's weight grows
 _PRECISE = 1e-9  # relative gap at which the barrier method stops
 _CENTRING = 4  # Newton steps for each weight, at most
 _RIDGE = 1e-14
-_LOOKS = 12
-_HALVINGS = 45
+_THIN = 1e-9  # area of triples that count as on a line, of the support's size squared
+_NO_LOAD = 1e-12
+_STEPS, _ROOT = 60, 1e-11
 
 
 def optimistic(t: ExactThresholds) -> Array:
     """Onset under the best sharing of the load, shape (n,) [N]."""
     (p, u), (_, c, _, weight) = t.push, t.body
-    points = _extreme(t)
+    points, base = _resting_on(t), t.body[0]
+    if isinstance(base, Disc):
+        # A polygon around the rim, so that no push that the rim holds is left out.
+        points = base.corners / np.cos(np.pi / len(base.corners))
     found: Array = np.full(len(p), np.inf)
     h = np.hypot(u[:, 0], u[:, 1])
     (level,) = np.nonzero(h > 0.0)
@@ -59,15 +65,20 @@ def optimistic(t: ExactThresholds) -> Array:
     return found
 
 
-def _extreme(t: ExactThresholds) -> Array:
-    """The support points, or the corners of their hull if they are many, shape (k, 2) [m]."""
-    points, _, scale = t.support
-    if scale != 1.0 and len(points) <= MOST_POINTS:
-        # A fitted friction radius says that other points carry than were assumed.
-        middle = t.support[1] @ points
-        points = np.asarray(middle + min(scale, 1.0) * (points - middle))
-    extreme: Array = points if len(points) <= MOST_POINTS else t.body[0].corners
-    return extreme
+def _resting_on(t: ExactThresholds) -> Array:
+    """Points that may carry the load, shape (k, 2) [m].
+
+    Those of the support, or the corners of the base if it is evenly pressed: loads anywhere on it
+    hold no more than loads at its corners do.
+    """
+    if t.fitted:
+        raise ModelError(
+            "no_bounds",
+            "the friction radius was fitted, so where the object stands is not known",
+            suggestions=("bounds belong to a support of corners or of given points",),
+        )
+    points = t.support[0]
+    return np.asarray(points if len(points) <= MOST_POINTS else t.body[0].corners)
 
 
 def _largest_ratio(points: Array, com: Array, p: Array, u: Array, mu: float) -> Array:
@@ -144,72 +155,98 @@ def _inside(x: Array, step: Array, lift: Array, v_x: Array, v_y: Array) -> Array
 
 
 def pessimistic(t: ExactThresholds) -> Array:
-    """Onset under the worst sharing of the load, shape (n,) [N].
-
-    Raises:
-        ModelError: `too_many_points` for a support without few points to rest on.
-    """
+    """Onset under the worst sharing of the load, shape (n,) [N]."""
     (p, u), (_, c, _, weight) = t.push, t.body
-    points = _extreme(t)
-    if len(points) > 2 * MOST_POINTS:
-        raise ModelError("too_many_points", f"three of {len(points)} points are too many choices")
-    h, along, across = axes(u)
-    e = u[:, 2:] * c[:2] + push_moment(p, u)
-    w, mu = u[:, 2], t.coefficient
-    with np.errstate(divide="ignore"):
-        last = np.minimum(ratio_at(t.topple, w, weight), mu / h)
+    points = _resting_on(t)
+    threes = _triangles(points)
     worst = np.full(len(p), np.inf)
-    for three in combinations(range(len(points)), 3):
-        corner = points[list(three)]
-        area = np.linalg.det(np.column_stack((np.ones(3), corner)))
-        if abs(area) < 1e-12 * np.ptp(points) ** 2:
-            continue
-        # Loads of the three grow evenly with the load ratio: N = n0 + r n1.
-        share = np.linalg.inv(np.vstack((np.ones(3), corner.T)))
-        n0 = (share @ np.append(1.0, c[:2]))[:, None]
-        n1 = share[:, 1:] @ e.T
-        first, end = _carried(n0, n1, last)
-        (i,) = np.nonzero((first < end) & (h > 0.0) & (first < worst))
-        if i.size:
-            xi = corner @ along[i].T
-            eta = corner @ across[i].T - np.sum(p[i, :2] * across[i], axis=1)
-            r = _first_slide(n0, n1[:, i], xi, eta, mu / h[i], first[i], end[i])
-            worst[i] = np.minimum(worst[i], r)
-    return np.minimum(force_at(worst, w, weight), t.topple)
+    block = max(TRIANGLES // len(threes), 1)
+    for start in range(0, len(p), block):
+        b = slice(start, start + block)
+        tips = ratio_at(t.topple[b], u[b, 2], weight)
+        worst[b] = _smallest_ratio(points, threes, c[:2], p[b], u[b], t.coefficient, tips)
+    found = force_at(worst, u[:, 2], weight)
+    return np.asarray(np.minimum(np.where(found > 0.0, found, np.inf), t.topple))
 
 
-def _carried(n0: Array, n1: Array, last: Array) -> tuple[Array, Array]:
-    """Between which load ratios three loads n0 + r n1 all press, shape (n,) each."""
+def _triangles(points: Array) -> NDArray[np.intp]:
+    """Indices of all triples of points that are not on a line, shape (m, 3)."""
+    threes = np.array(list(combinations(range(len(points)), 3)))
+    a, b, c = (points[threes[:, k]] for k in range(3))
+    area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    return np.asarray(threes[np.abs(area) > _THIN * np.ptp(points, axis=0).max() ** 2])
+
+
+def _smallest_ratio(
+    points: Array, threes: NDArray[np.intp], com: Array, p: Array, u: Array, mu: float, tips: Array
+) -> Array:
+    """Smallest load ratio that some three points cannot hold, shape (n,); inf if there is none.
+
+    The loads of three points grow evenly with the load ratio, N = n0 + r n1, and the friction limit
+    is concave in them. So on the stretch where all three press a push first slides at its start, or
+    at the one root on it, or nowhere.
+    """
+    h, along, across = axes(u)
+    e = u[:, 2:] * com + push_moment(p, u)
+    corners = points[threes]  # (m, 3, 2)
+    share = np.linalg.inv(
+        np.concatenate((np.ones((len(threes), 1, 3)), corners.swapaxes(1, 2)), axis=1)
+    )
+    n0 = share @ np.append(1.0, com)  # (m, 3)
+    n1 = np.einsum("mij,nj->imn", share[:, :, 1:], e)  # (3, m, n)
+    with np.errstate(divide="ignore"):
+        kappa = mu / h
+    first, end = _pressing(n0.T[:, :, None], n1, np.minimum(tips, kappa))
+    triangle, push = np.nonzero((first < end) & (h > 0.0))
+    n0, n1 = n0.T[:, triangle], n1[:, triangle, push]
+    first, end, kappa = first[triangle, push], end[triangle, push], kappa[push]
+    place = corners[triangle]
+    xi = np.einsum("sij,sj->is", place, along[push])
+    eta = np.einsum("sij,sj->is", place, across[push]) - np.sum(p[push, :2] * across[push], axis=1)
+    ratio = _first_root(n0, n1, xi, eta, kappa, first, end)
+    worst = np.full(len(p), np.inf)
+    np.minimum.at(worst, push, ratio)
+    return worst
+
+
+def _pressing(n0: Array, n1: Array, last: Array) -> tuple[Array, Array]:
+    """Between which load ratios three loads n0 + r n1 all press, shape (m, n) each."""
     with np.errstate(divide="ignore", invalid="ignore"):
         zero = -n0 / n1
-    first = np.where(n1 > 0.0, zero, np.where((n1 == 0.0) & (n0 < 0.0), np.inf, 0.0)).max(axis=0)
+    never = np.where((n1 == 0.0) & (n0 < 0.0), np.inf, 0.0)
+    first = np.where(n1 > 0.0, zero, never).max(axis=0)
     end = np.where(n1 < 0.0, zero, np.inf).min(axis=0)
     return np.maximum(first, 0.0), np.minimum(end, last)
 
 
-def _first_slide(
+def _first_root(
     n0: Array, n1: Array, xi: Array, eta: Array, kappa: Array, first: Array, end: Array
 ) -> Array:
-    """First r in an interval at which r ≥ κ S for three loads; inf if there is none, (n,)."""
+    """First r of a stretch at which r ≥ κ S, inf if there is none, shape (s,)."""
 
-    def slides(r: Array) -> Array:
-        loads = np.maximum(n0 + r * n1, 0.0)
+    def excess(r: Array, i: NDArray[np.intp]) -> tuple[Array, Array]:
         # A point without load has no friction, yet the equations need all three.
-        loads = np.maximum(loads, 1e-12)
-        return np.asarray(r >= kappa * friction_limit(loads, xi, eta).ratio)
+        loads = np.maximum(n0[:, i] + r * n1[:, i], _NO_LOAD)
+        limit = friction_limit(loads, xi[:, i], eta[:, i])
+        slope = (n1[:, i] * np.hypot(*limit.slip(xi[:, i], eta[:, i]))).sum(axis=0)
+        return kappa[i] * limit.ratio - r, kappa[i] * slope - 1.0
 
-    lo, hi = first.copy(), np.full(len(first), np.inf)
-    for k in range(_LOOKS + 1):
-        r = first + (end - first) * k / _LOOKS
-        yes = slides(r) & np.isinf(hi)
-        hi = np.where(yes, r, hi)
-        lo = np.where(np.isinf(hi), r, lo)
-    (i,) = np.nonzero(np.isfinite(hi) & (hi > lo))
-    n1, xi, eta, kappa = n1[:, i], xi[:, i], eta[:, i], kappa[i]
-    for _ in range(_HALVINGS):
+    everywhere = np.arange(len(first))
+    found = np.where(excess(first, everywhere)[0] <= 0.0, first, np.inf)
+    (i,) = np.nonzero(np.isinf(found) & (excess(end, everywhere)[0] <= 0.0))
+    lo, hi = first.copy(), end.copy()
+    r = 0.5 * (lo + hi)
+    for _ in range(_STEPS):
         if not i.size:
             break
-        r = 0.5 * (lo[i] + hi[i])
-        yes = slides(r)
-        hi[i], lo[i] = np.where(yes, r, hi[i]), np.where(yes, lo[i], r)
-    return hi
+        value, slope = excess(r[i], i)
+        lo[i], hi[i] = np.where(value > 0.0, r[i], lo[i]), np.where(value > 0.0, hi[i], r[i])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = r[i] - value / slope
+        step = np.where((step > lo[i]) & (step < hi[i]), step, 0.5 * (lo[i] + hi[i]))
+        done = (np.abs(value) <= _ROOT * r[i]) | (hi[i] - lo[i] <= _ROOT * hi[i])
+        found[i[done]] = r[i[done]]
+        r[i] = step
+        i = i[~done]
+    found[i] = r[i]
+    return found

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import isclose
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,7 +25,7 @@ from objectmodels.base import Array, Base, Disc
 from objectmodels.limit import Limit, friction_limit
 from objectmodels.prediction import Thresholds
 from objectmodels.springs import Springs
-from objectmodels.support import hull, support_points
+from objectmodels.support import friction_radius, hull, support_points
 from objectmodels.thresholds import (
     force_at,
     push_moment,
@@ -45,7 +46,8 @@ _SHORT = 1e-9
 _STEPS = 100
 _NEWTON = 12  # steps after which every other one halves the bracket
 _PRECISE = 1e-12  # of the load ratio
-_LOOKS = 16  # ratios looked at where the friction used may rise, fall and rise again
+_LOOKS = 16  # even steps in which slides before the one found are looked for
+_FEW = 12  # points up to which all changes of the loaded ones are looked at instead
 
 Index = NDArray[np.intp]
 
@@ -61,6 +63,7 @@ class ExactThresholds(Thresholds):
         residual: largest violation of balance and of Coulomb's law at the onset, relative, (n,).
         support: points, weights and the factor of their distances from the centre of pressure.
         coefficient: μ at the table.
+        fitted: whether the friction radius is another one than the support's own.
         motion: β and ω [1/m] of the sliding motion, in axes along and across the push, (2, n).
     """
 
@@ -68,17 +71,26 @@ class ExactThresholds(Thresholds):
     support: tuple[Array, Array, float] = field(repr=False)
     coefficient: float
     motion: Array = field(repr=False)
+    fitted: bool
 
     @cached_property
     def optimistic(self) -> Array:
-        """Onset if the support points shared the load as well as they can, shape (n,) [N]."""
+        """Onset if the support points shared the load as well as they can, shape (n,) [N].
+
+        Raises:
+            ModelError: `no_bounds` if the friction radius was fitted: its points are not known.
+        """
         from objectmodels.bounds import optimistic
 
         return optimistic(self)
 
     @cached_property
     def pessimistic(self) -> Array:
-        """Onset if they shared it as badly as balance allows, shape (n,) [N]."""
+        """Onset if they shared it as badly as balance allows, shape (n,) [N].
+
+        Raises:
+            ModelError: `no_bounds`, as for `optimistic`.
+        """
         from objectmodels.bounds import pessimistic
 
         return pessimistic(self)
@@ -117,7 +129,8 @@ def exact_thresholds(model: ObjectModel, p: Array, u: Array, friction: Friction)
             model.base, Springs(points, weights), scale, mu, c[:2], p[b], u[b],
             ratio_at(topple[b], u[b, 2], weight),
         )  # fmt: skip
-        r, residual[b], motion[:, b] = search.first(ratio_at(ellipsoid[b], u[b, 2], weight))
+        answer = search.first(ratio_at(ellipsoid[b], u[b, 2], weight))
+        r, residual[b], motion[:, b] = answer.ratio, answer.residual, answer.motion
         jams = 1.0 + np.where(np.isfinite(r), r, 0.0) * u[b, 2] <= 0.0
         slide[b] = force_at(np.where(jams, np.inf, r), u[b, 2], weight)
     return ExactThresholds(
@@ -130,12 +143,29 @@ def exact_thresholds(model: ObjectModel, p: Array, u: Array, friction: Friction)
         support=(points, weights, scale),
         coefficient=mu,
         motion=motion,
+        fitted=not isclose(model.friction_radius, friction_radius(model.support, model.footprint)),
     )
 
 
 def friction_radius_of(points: Array, weights: Array) -> float:
     """Friction radius of points about their middle [m]; see `support.friction_radius`."""
     return float(weights @ np.hypot(*(points - weights @ points).T))
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a search finds of n pushes.
+
+    Attributes:
+        ratio: load ratios at which they slide, shape (n,); inf where they never do. Where they
+            topple first, the one that the loads at tipping would hold.
+        residual: see `ExactThresholds`, shape (n,).
+        motion: see `ExactThresholds`, shape (2, n); nan where they do not slide first.
+    """
+
+    ratio: Array
+    residual: Array
+    motion: Array
 
 
 class _Search:
@@ -153,70 +183,75 @@ class _Search:
         self.across = across
         self.start = np.tile(com[:, None], (1, len(p)))
         self.moves = (u[:, 2:] * com + push_moment(p, u)).T
-        # On the ellipsoid the friction used bends from an arm of √8 radii on.
-        arm = np.abs(yaw_arm(p, u, np.append(com, 0.0)))
-        self.bends = (u[:, 2] < 0.0) & (
-            arm > scale * friction_radius_of(springs.points, springs.weights) * self.h
-        )
         with np.errstate(divide="ignore"):
             straight = mu / self.h  # more than that no support resists
         self.tips = tips
         self.last = np.minimum(tips * (1.0 - _SHORT), straight * (1.0 + _SHORT))
         self.loaded = np.ones((len(springs.points), len(p)), dtype=bool)
 
-    def first(self, guess: Array) -> tuple[Array, Array, Array]:
-        """Load ratios (n,), inf where it never slides; residuals; motions where it slides first."""
+    def first(self, guess: Array) -> Answer:
+        """The first ratios at which the pushes slide, from guesses, shape (n,)."""
         n = len(guess)
-        r, residual, motion = np.full(n, np.inf), np.zeros(n), np.full((2, n), np.nan)
-        lo, hi, at = np.zeros(n), self.last.copy(), np.minimum(guess, self.last)
-        (open_,) = np.nonzero((self.h > 0.0) & (self.last > 0.0) & np.isfinite(self.last))
-        self._look_ahead(open_[self.bends[open_]], lo, hi, at)
+        answer = Answer(np.full(n, np.inf), np.zeros(n), np.full((2, n), np.nan))
+        (i,) = np.nonzero((self.h > 0.0) & (self.last > 0.0) & np.isfinite(self.last))
+        zero, last = np.zeros(i.size), self.last[i]
+        self._solve(i, zero, last, np.minimum(guess[i], last), answer)
+        lo, hi, earlier = self._earlier(i, np.minimum(answer.ratio[i], last))
+        self._solve(i[earlier], lo, hi, 0.5 * (lo + hi), answer)
+        return answer
+
+    def _solve(self, i: Index, lo: Array, hi: Array, at: Array, answer: Answer) -> None:
+        """Newton's method inside brackets, where the push holds at the lower end.
+
+        It holds at the upper end too if it never slides; that is learned there, at the last ratio.
+        """
+        lo, hi, at = lo.copy(), hi.copy(), at.copy()
+        open_ = np.arange(i.size)
         for number in range(_STEPS):
-            x = at[open_]
-            value, slope, limit = self.excess(x, open_)
-            done = np.abs(value) <= _PRECISE * self.h[open_] * x
+            if not open_.size:
+                return
+            x, pushes = at[open_], i[open_]
+            value, slope, limit = self.excess(x, pushes)
+            done = np.abs(value) <= _PRECISE * self.h[pushes] * x
             slides = (value < 0.0) | done
-            never = ~slides & (x >= self.last[open_])
-            lo[open_] = np.where(slides, lo[open_], x)
-            hi[open_] = np.where(slides, x, hi[open_])
+            never = ~slides & (x >= self.last[pushes])
+            lo[open_], hi[open_] = np.where(slides, lo[open_], x), np.where(slides, x, hi[open_])
+            low, high = lo[open_], hi[open_]
             with np.errstate(divide="ignore", invalid="ignore"):
                 step = x - value / slope
-            low, high = lo[open_], hi[open_]
             inside = (step > low) & (step < high) & (number < _NEWTON or number % 2 == 0)
-            # A step beyond the last ratio looks at that one, to learn whether it topples before.
-            far = ~slides & (step >= high) & (high >= self.last[open_])
-            nearer = np.where(inside, step, np.where(far, self.last[open_], 0.5 * (low + high)))
+            far = ~slides & (step >= high) & (high >= self.last[pushes])
+            at[open_] = np.where(inside, step, np.where(far, high, 0.5 * (low + high)))
             done |= ~never & (high - low <= _PRECISE * high)
-            closed = open_[done]
-            if closed.size:
-                r[closed] = x[done]
-                residual[closed] = self._residual(x[done], closed, limit, done)
-                motion[:, closed] = limit.across[done], limit.turn[done]
+            answer.ratio[pushes[done]] = x[done]
+            answer.residual[pushes[done]] = self._residual(x[done], pushes[done], limit, done)
+            answer.motion[:, pushes[done]] = limit.across[done], limit.turn[done]
             # Toppling comes first: it would slide later, if its loads stayed those at tipping.
-            kept = never & np.isfinite(self.tips[open_])
-            fixed = open_[kept]
-            r[fixed] = self.mu * limit.ratio[kept] / self.h[fixed]
-            at[open_] = nearer
+            kept = never & np.isfinite(self.tips[pushes])
+            answer.ratio[pushes[kept]] = self.mu * limit.ratio[kept] / self.h[pushes[kept]]
             open_ = open_[~done & ~never]
-            if not open_.size:
-                break
-        residual[open_] = np.inf
-        return r, residual, motion
+        answer.residual[i[open_]] = np.inf
 
-    def _look_ahead(self, i: Index, lo: Array, hi: Array, at: Array) -> None:
-        """Brackets the first root of those whose friction used may rise and fall again."""
-        if not i.size:
-            return
-        share = np.arange(1, _LOOKS + 1) / _LOOKS
-        found = np.zeros(i.size, dtype=bool)
-        for s in share:
-            x = s * self.last[i]
-            slides = (self.excess(x, i)[0] <= 0.0) & ~found
-            hi[i] = np.where(slides, x, hi[i])
-            lo[i] = np.where(~slides & ~found, x * (s < 1.0), lo[i])
-            found |= slides
-        at[i] = np.where((at[i] > lo[i]) & (at[i] < hi[i]), at[i], 0.5 * (lo[i] + hi[i]))
-        at[i] = np.where(found, at[i], self.last[i])
+    def _earlier(self, i: Index, found: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """Brackets of slides before those found, and which pushes have them.
+
+        While the same points are loaded the loads are linear in r and S is concave in them: a push
+        that holds at both ends of such a stretch holds on all of it. So the ends are looked at, or
+        even steps where the points are many.
+        """
+        if len(self.springs.points) <= _FEW:
+            ends = self.springs.changes(self.start[:, i], self.moves[:, i], found)
+        else:
+            ends = list(np.arange(1, _LOOKS)[:, None] / _LOOKS * found)
+        lo, hi, earlier = np.zeros(i.size), found.copy(), np.zeros(i.size, dtype=bool)
+        for end in ends:
+            (k,) = np.nonzero((end < found * (1.0 - _SHORT)) & ~earlier)
+            if not k.size:
+                continue
+            slides = self.excess(end[k], i[k])[0] < -_PRECISE * self.h[i[k]] * end[k]
+            hi[k[slides]], lo[k[~slides]] = end[k[slides]], end[k[~slides]]
+            earlier[k[slides]] = True
+        return lo[earlier], hi[earlier], earlier
 
     def places(self, r: Array, i: Index) -> tuple[Array, Array]:
         """Centres of pressure and how they move with r, each (2, n)."""

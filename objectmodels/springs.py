@@ -12,6 +12,7 @@ Arrays are laid out with the k points first and the n pushes last.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,8 @@ _STEPS = 80  # of the search for the loaded points; a handful suffices
 _HALVINGS = 30
 _SOFT = 1e-11  # stiffness share added where too few points are loaded to fix the base
 _TOUCHING = 1e-10  # share of the most pressed point's depth that counts as none
+_AFTER = 1e-7  # step beyond a change, as a share of the way, to learn which points are loaded then
+_MOST_CHANGES = 3  # for each point; loads come and go at most once or twice
 _SETTLED = 1e-13  # imbalance at which loads are found
 
 
@@ -49,8 +52,13 @@ class Springs:
         Returns:
             Loads N_i and their derivatives along dq, each of shape (k, n).
         """
+        _, middle, size = self._scaled
+        return self._loads((q - middle[:, None]) / size, dq / size, loaded)
+
+    def _loads(self, q: Array, dq: Array, loaded: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """`loads` in the units of `_scaled`."""
         gap = self._carried(q, loaded)
-        wrong = np.flatnonzero((_pressing(gap) != loaded).any(axis=0))
+        wrong = np.flatnonzero(_wrong(gap, loaded))
         # Mostly the points that a set of points presses are the next better set.
         for _ in range(_QUICK):
             if not wrong.size:
@@ -58,7 +66,7 @@ class Springs:
             new = _pressing(gap[:, wrong])
             loaded[:, wrong] = new
             gap[:, wrong] = self._carried(q[:, wrong], new)
-            wrong = wrong[(_pressing(gap[:, wrong]) != new).any(axis=0)]
+            wrong = wrong[_wrong(gap[:, wrong], new)]
         if wrong.size:
             loaded[:, wrong] = self._search(q[:, wrong])
             gap[:, wrong] = self._carried(q[:, wrong], loaded[:, wrong])
@@ -66,14 +74,66 @@ class Springs:
         stiffness = self.weights[:, None] * loaded
         return stiffness * np.maximum(gap, 0.0), stiffness * change
 
+    def changes(self, start: Array, moves: Array, last: Array) -> list[Array]:
+        """Where the set of loaded points changes as q = start + r·moves moves, r from 0 to last.
+
+        Args:
+            start: centres of pressure at r = 0, shape (2, n) [m].
+            moves: their velocities, shape (2, n).
+            last: largest r, shape (n,).
+
+        Returns:
+            For each change its r, shape (n,), in rising order; inf for pushes that have no more.
+        """
+        _, middle, size = self._scaled
+        start, moves = (start - middle[:, None]) / size, moves / size
+        n = last.size
+        loaded = np.ones((len(self.points), n), dtype=bool)
+        self._loads(start, moves, loaded)
+        r, found = np.zeros(n), []
+        open_ = np.arange(n)
+        for _ in range(_MOST_CHANGES * len(self.points)):
+            here, on = r[open_], loaded[:, open_]
+            depth = self._carried(start[:, open_], on)
+            zero = np.zeros(open_.size)
+            rate = self._depth(self._solved(on, zero, *moves[:, open_]))
+            with np.errstate(divide="ignore", invalid="ignore"):
+                change = -depth / rate
+            step = _AFTER * last[open_]
+            # Loaded points let go as their depth falls to zero, others touch as it rises to it.
+            ahead = (change > here + 0.5 * step) & (np.where(on, -rate, rate) > 0.0)
+            change = np.where(ahead, change, np.inf).min(axis=0)
+            go = change < last[open_] - step
+            end = np.full(n, np.inf)
+            open_ = open_[go]
+            end[open_], r[open_] = change[go], change[go] + step[go]
+            if not open_.size:
+                break
+            found.append(end)
+            guess = loaded[:, open_]
+            self._loads(start[:, open_] + r[open_] * moves[:, open_], moves[:, open_], guess)
+            loaded[:, open_] = guess
+        return found
+
     def _carried(self, q: Array, loaded: NDArray[np.bool_]) -> Array:
         """How far each point is pressed in if the given ones carry the load, shape (k, n)."""
         return self._depth(self._solved(loaded, np.ones(q.shape[1]), q[0], q[1]))
 
+    @cached_property
+    def _scaled(self) -> tuple[Array, Array, float]:
+        """Points about their middle in units of their spread, the middle and the spread [m].
+
+        The equations keep their digits so, even for points that are nearly on a line.
+        """
+        middle = self.points.mean(axis=0)
+        size = float(np.abs(self.points - middle).max())
+        return (self.points - middle) / size, middle, size
+
     def _depth(self, plane: Array) -> Array:
         """How far each point is pressed in, a + b·r_i, shape (k, n)."""
-        x, y = self.points.T[:, :, None]
-        return np.asarray(plane[0] + x * plane[1] + y * plane[2])
+        x, y = self._scaled[0].T[:, :, None]
+        with np.errstate(invalid="ignore", over="ignore"):  # of sets that carry nothing
+            return np.asarray(plane[0] + x * plane[1] + y * plane[2])
 
     def _search(self, q: Array) -> NDArray[np.bool_]:
         """The points that are loaded, shape (k, n)."""
@@ -93,11 +153,9 @@ class Springs:
         return _pressing(self._depth(plane))
 
     def _imbalance(self, plane: Array, target: Array) -> Array:
-        """Slope of the energy: Σ N_i (1, r_i) − (1, q), lengths in units of the base, (3, n)."""
+        """Slope of the energy: Σ N_i (1, r_i) − (1, q), shape (3, n)."""
         loads = self.weights[:, None] * np.maximum(self._depth(plane), 0.0)
-        off = np.vstack((loads.sum(axis=0), self.points.T @ loads)) - target
-        off[1:] /= np.abs(self.points).max()
-        return np.asarray(off)
+        return np.vstack((loads.sum(axis=0), self._scaled[0].T @ loads)) - target
 
     def _energy(self, plane: Array, target: Array) -> Array:
         depth = np.maximum(self._depth(plane), 0.0)
@@ -119,7 +177,7 @@ class Springs:
         self, loaded: NDArray[np.bool_], r0: Array, r1: Array, r2: Array, soft: float = 0.0
     ) -> Array:
         """(a, b) with Σ w_i (1, r_i)(1, r_i)ᵀ (a, b) = rhs over the loaded points, (3, n)."""
-        (x, y), w = self.points.T, self.weights
+        (x, y), w = self._scaled[0].T, self.weights
         m, mx, my, xx, xy, yy = (
             np.stack((w, w * x, w * y, w * x * x, w * x * y, w * y * y)) @ loaded
         )
@@ -136,6 +194,11 @@ class Springs:
                     (c02 * r0 + c12 * r1 + c22 * r2) * scale,
                 )
             )
+
+
+def _wrong(depth: Array, loaded: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which sets of loaded points are not those that the depths press, or carry nothing, (n,)."""
+    return np.asarray((_pressing(depth) != loaded).any(axis=0) | ~np.isfinite(depth).all(axis=0))
 
 
 def _pressing(depth: Array) -> NDArray[np.bool_]:
