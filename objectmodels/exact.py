@@ -47,7 +47,7 @@ _STEPS = 100
 _NEWTON = 12  # steps after which every other one halves the bracket
 _PRECISE = 1e-12  # of the load ratio
 _LOOKS = 16  # even steps in which slides before the one found are looked for
-_FEW = 12  # points up to which all changes of the loaded ones are looked at instead
+_FEW = 24  # points up to which all changes of the loaded ones are looked at instead
 
 Index = NDArray[np.intp]
 
@@ -186,6 +186,11 @@ class _Search:
         with np.errstate(divide="ignore"):
             straight = mu / self.h  # more than that no support resists
         self.tips = tips
+        self.leaves = np.full(len(p), np.inf)
+        if self.inside is not None:
+            level = np.zeros(len(p))
+            leaves = self.inside.topple(self.start.T, self.moves.T, level, 1.0)
+            self.leaves = leaves * (1.0 - _SHORT)
         self.last = np.minimum(tips * (1.0 - _SHORT), straight * (1.0 + _SHORT))
         self.loaded = np.ones((len(springs.points), len(p)), dtype=bool)
 
@@ -240,7 +245,8 @@ class _Search:
         even steps where the points are many.
         """
         if len(self.springs.points) <= _FEW:
-            ends = self.springs.changes(self.start[:, i], self.moves[:, i], found)
+            last = np.minimum(found, self.leaves[i])
+            ends = [*self.springs.changes(self.start[:, i], self.moves[:, i], last), last]
         else:
             ends = list(np.arange(1, _LOOKS)[:, None] / _LOOKS * found)
         lo, hi, earlier = np.zeros(i.size), found.copy(), np.zeros(i.size, dtype=bool)

@@ -21,11 +21,13 @@ from objectmodels.base import Array
 
 _QUICK = 6  # guesses of the loaded points before they are searched
 _STEPS = 80  # of the search for the loaded points; a handful suffices
-_HALVINGS = 30
-_SOFT = 1e-11  # stiffness share added where too few points are loaded to fix the base
+_HALVINGS = 60
+_SOFT = 1e-9  # stiffness added, for where too few points are loaded to fix the base
 _TOUCHING = 1e-10  # share of the most pressed point's depth that counts as none
 _AFTER = 1e-7  # step beyond a change, as a share of the way, to learn which points are loaded then
 _MOST_CHANGES = 3  # for each point; loads come and go at most once or twice
+_DEEP = 1e3  # no base presses a point in so far, in units of a mean load
+_BALANCED = 1e-9  # imbalance up to which a set of loaded points counts as the right one
 _SETTLED = 1e-13  # imbalance at which loads are found
 
 
@@ -52,13 +54,13 @@ class Springs:
         Returns:
             Loads N_i and their derivatives along dq, each of shape (k, n).
         """
-        _, middle, size = self._scaled
-        return self._loads((q - middle[:, None]) / size, dq / size, loaded)
+        _, middle, to_units = self._units
+        return self._loads(to_units.T @ (q - middle[:, None]), to_units.T @ dq, loaded)
 
     def _loads(self, q: Array, dq: Array, loaded: NDArray[np.bool_]) -> tuple[Array, Array]:
-        """`loads` in the units of `_scaled`."""
+        """`loads` in the units of `_units`."""
         gap = self._carried(q, loaded)
-        wrong = np.flatnonzero(_wrong(gap, loaded))
+        wrong = np.flatnonzero(self._wrong(gap, q, loaded))
         # Mostly the points that a set of points presses are the next better set.
         for _ in range(_QUICK):
             if not wrong.size:
@@ -66,13 +68,14 @@ class Springs:
             new = _pressing(gap[:, wrong])
             loaded[:, wrong] = new
             gap[:, wrong] = self._carried(q[:, wrong], new)
-            wrong = wrong[_wrong(gap[:, wrong], new)]
+            wrong = wrong[self._wrong(gap[:, wrong], q[:, wrong], new)]
         if wrong.size:
             loaded[:, wrong] = self._search(q[:, wrong])
             gap[:, wrong] = self._carried(q[:, wrong], loaded[:, wrong])
         change = self._depth(self._solved(loaded, np.zeros(q.shape[1]), dq[0], dq[1]))
-        stiffness = self.weights[:, None] * loaded
-        return stiffness * np.maximum(gap, 0.0), stiffness * change
+        stiffness = np.broadcast_to(self.weights[:, None], loaded.shape)
+        loads = np.where(loaded, stiffness * np.maximum(gap, 0.0), 0.0)
+        return loads, np.where(loaded, stiffness * change, 0.0)
 
     def changes(self, start: Array, moves: Array, last: Array) -> list[Array]:
         """Where the set of loaded points changes as q = start + r·moves moves, r from 0 to last.
@@ -85,8 +88,8 @@ class Springs:
         Returns:
             For each change its r, shape (n,), in rising order; inf for pushes that have no more.
         """
-        _, middle, size = self._scaled
-        start, moves = (start - middle[:, None]) / size, moves / size
+        _, middle, to_units = self._units
+        start, moves = to_units.T @ (start - middle[:, None]), to_units.T @ moves
         n = last.size
         loaded = np.ones((len(self.points), n), dtype=bool)
         self._loads(start, moves, loaded)
@@ -120,18 +123,29 @@ class Springs:
         return self._depth(self._solved(loaded, np.ones(q.shape[1]), q[0], q[1]))
 
     @cached_property
-    def _scaled(self) -> tuple[Array, Array, float]:
-        """Points about their middle in units of their spread, the middle and the spread [m].
+    def _units(self) -> tuple[Array, Array, Array]:
+        """Points about their middle with equal spread along all axes, middle, and the map to that.
 
-        The equations keep their digits so, even for points that are nearly on a line.
+        Planes stay planes under it, and the equations keep their digits even for points that are
+        nearly on a line.
         """
         middle = self.points.mean(axis=0)
-        size = float(np.abs(self.points - middle).max())
-        return (self.points - middle) / size, middle, size
+        off = self.points - middle
+        _, spread, axes = np.linalg.svd(off, full_matrices=False)
+        to_units = axes.T / spread * np.sqrt(len(off))
+        return off @ to_units, middle, to_units
+
+    def _wrong(self, depth: Array, q: Array, loaded: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Which sets of points do not carry the loads, or press others than themselves, (n,)."""
+        others = (_pressing(depth) != loaded).any(axis=0)
+        # Two points, or some on a line, make equations that only rounding seems to solve.
+        with np.errstate(invalid="ignore"):
+            off = np.abs(self._off(depth, np.vstack((np.ones(q.shape[1]), q)))).max(axis=0)
+        return np.asarray(others | ~(off <= _BALANCED))
 
     def _depth(self, plane: Array) -> Array:
         """How far each point is pressed in, a + b·r_i, shape (k, n)."""
-        x, y = self._scaled[0].T[:, :, None]
+        x, y = self._units[0].T[:, :, None]
         with np.errstate(invalid="ignore", over="ignore"):  # of sets that carry nothing
             return np.asarray(plane[0] + x * plane[1] + y * plane[2])
 
@@ -143,19 +157,22 @@ class Springs:
         open_ = np.arange(q.shape[1])
         for _ in range(_STEPS):
             here, aim = plane[:, open_], target[:, open_]
-            loaded = self._depth(here) > 0.0
-            step = self._solved(loaded, aim[0], aim[1], aim[2], soft=_SOFT) - here
-            plane[:, open_] = here = here + self._share(here, step, aim) * step
-            slope = np.abs(self._imbalance(here, aim)).max(axis=0)
-            open_ = open_[slope > _SETTLED]
+            down = -self._imbalance(here, aim)
+            settled = np.abs(down).max(axis=0) <= _SETTLED
+            step = self._solved(self._depth(here) > 0.0, down[0], down[1], down[2], soft=_SOFT)
+            plane[:, open_] = here + np.where(settled, 0.0, self._share(here, step, aim) * step)
+            open_ = open_[~settled]
             if not open_.size:
                 break
         return _pressing(self._depth(plane))
 
     def _imbalance(self, plane: Array, target: Array) -> Array:
         """Slope of the energy: Σ N_i (1, r_i) − (1, q), shape (3, n)."""
-        loads = self.weights[:, None] * np.maximum(self._depth(plane), 0.0)
-        return np.vstack((loads.sum(axis=0), self._scaled[0].T @ loads)) - target
+        return self._off(self._depth(plane), target)
+
+    def _off(self, depth: Array, target: Array) -> Array:
+        loads = self.weights[:, None] * np.maximum(depth, 0.0)
+        return np.vstack((loads.sum(axis=0), self._units[0].T @ loads)) - target
 
     def _energy(self, plane: Array, target: Array) -> Array:
         depth = np.maximum(self._depth(plane), 0.0)
@@ -177,12 +194,11 @@ class Springs:
         self, loaded: NDArray[np.bool_], r0: Array, r1: Array, r2: Array, soft: float = 0.0
     ) -> Array:
         """(a, b) with Σ w_i (1, r_i)(1, r_i)ᵀ (a, b) = rhs over the loaded points, (3, n)."""
-        (x, y), w = self._scaled[0].T, self.weights
+        (x, y), w = self._units[0].T, self.weights
         m, mx, my, xx, xy, yy = (
             np.stack((w, w * x, w * y, w * x * x, w * x * y, w * y * y)) @ loaded
         )
-        if soft:
-            m, xx, yy = m + soft, xx + soft * (w @ (x * x)), yy + soft * (w @ (y * y))
+        m, xx, yy = m + soft, xx + soft, yy + soft
         c00, c01, c02 = xx * yy - xy * xy, xy * my - mx * yy, mx * xy - xx * my
         c11, c12, c22 = m * yy - my * my, mx * my - m * xy, m * xx - mx * mx
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -196,11 +212,6 @@ class Springs:
             )
 
 
-def _wrong(depth: Array, loaded: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which sets of loaded points are not those that the depths press, or carry nothing, (n,)."""
-    return np.asarray((_pressing(depth) != loaded).any(axis=0) | ~np.isfinite(depth).all(axis=0))
-
-
 def _pressing(depth: Array) -> NDArray[np.bool_]:
     """Which points are loaded; those that just touch count, so that three or more always are."""
-    return np.asarray(depth > -_TOUCHING * np.abs(depth).max(axis=0))
+    return np.asarray(depth > -_TOUCHING * np.minimum(np.abs(depth).max(axis=0), _DEEP))
