@@ -1,9 +1,10 @@
 """What a force that is applied at once does at that instant, inertia included.
 
-Model: the accelerations of a rigid body from rest, seen in the upright plane through the centre of
-mass along the force; its base touches the table at a front and a back edge, with Coulomb friction.
-Each way of moving is tried and the one whose contact forces are possible is taken. Turning about
-the vertical is left out: the force is taken as if it passed through the centre of mass sideways.
+Model: nothing moves below the onset of the closed form. Beyond it, the accelerations of a rigid
+body from rest, seen in an upright plane through the centre of mass: along the force, or across the
+edge that the object would topple over. Its base touches the table at a front and a back edge, with
+edge that the object would topple over. Its base touches the table at a front and a back edge, with
+Coulomb friction. Each way of moving is tried, and the one whose contact forces are possible counts.
 
 Frame: x along the horizontal part of the force, z up, origin at the centre of mass; angles tip the
 top forwards.
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 
 from objectmodels.base import Array
 from objectmodels.exact import axes
+from objectmodels.prediction import OUTCOMES
 
 if TYPE_CHECKING:
     from objectmodels.model import ObjectModel
@@ -41,30 +43,39 @@ class SuddenPush:
 
 def sudden_push(model: ObjectModel, p: Array, f: Array) -> SuddenPush:
     """See `ObjectModel.sudden`, which checks its arguments."""
-    c, m, mu, base = np.array(model.com), model.mass, model.friction, model.base
-    fx, along, across = axes(f)
-    fz = f[:, 2]
+    slowly = model.predict(p, f)
+    t, c, m, mu = slowly.thresholds, np.array(model.com), model.mass, model.friction
+    _, level, _ = axes(f)
+    # Across the edge that it would topple over first, if it topples first; else along the force.
+    tips = (t.code == 2)[:, None]
+    along = np.where(tips, t.tipping_normal, level)
+    across = np.column_stack((-along[:, 1], along[:, 0]))
+    fx, fz = np.sum(f[:, :2] * along, axis=1), f[:, 2]
     r = p - c
     x, z = np.sum(r[:, :2] * along, axis=1), r[:, 2]
-    ahead, behind = base.extent(along) - along @ c[:2], base.extent(-along) + along @ c[:2]
+    ahead = model.base.extent(along) - along @ c[:2]
+    behind = model.base.extent(-along) + along @ c[:2]
     k_x, k_y, _ = model.gyration
-    # About the axis across the push.
+    # About the axis across.
     inertia = m * (k_x * across[:, 0] ** 2 + k_y * across[:, 1] ** 2)
-    load, torque, c_z = model.weight - fz, z * fx - x * fz, c[2]
+    load, torque, c_z, zero = model.weight - fz, z * fx - x * fz, c[2], np.zeros_like(fx)
 
-    rests = _both_edges(torque + c_z * fx, load, ahead, behind) & (fx <= mu * load)
     slides = _both_edges(torque + c_z * mu * load, load, ahead, behind) & (fx > mu * load)
+    # What moves by turning about the vertical too, or slides aside, seems to rest in the plane.
+    rests = _both_edges(torque + c_z * fx, load, ahead, behind) & (np.abs(fx) <= mu * load)
     ways = [
-        (rests, "none", np.zeros_like(fx), np.zeros_like(fx)),
+        (~slowly.moves, "none", zero, zero),
+        (rests, "", zero, zero),
         *_tips(fx, load, torque, inertia, m, mu, c_z, ahead),
-        (slides, "slide", (fx - mu * load) / m, np.zeros_like(fx)),
+        (slides, "slide", (fx - mu * load) / m, zero),
         *_tips(-fx, load, -torque, inertia, m, mu, c_z, behind, sign=-1.0),
         (np.ones(len(fx), dtype=bool), "lift", fx / m, torque / inertia),
     ]
     which = np.argmax([way[0] for way in ways], axis=0)
     row = np.arange(len(fx))
+    outcome = np.array([way[1] for way in ways], dtype=OUTCOMES.dtype)[which]
     return SuddenPush(
-        outcome=np.array([way[1] for way in ways])[which],
+        outcome=np.where(which == 1, t.outcome, outcome),
         acceleration=np.array([way[2] for way in ways])[which, row],
         angular=np.array([way[3] for way in ways])[which, row],
     )
