@@ -3,7 +3,6 @@
 Model: nothing moves below the onset of the closed form. Beyond it, the accelerations of a rigid
 body from rest, seen in an upright plane through the centre of mass: along the force, or across the
 edge that the object would topple over. Its base touches the table at a front and a back edge, with
-edge that the object would topple over. Its base touches the table at a front and a back edge, with
 Coulomb friction. Each way of moving is tried, and the one whose contact forces are possible counts.
 
 Frame: x along the horizontal part of the force, z up, origin at the centre of mass; angles tip the
