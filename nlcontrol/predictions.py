@@ -106,6 +106,26 @@ def predict_push(
     Raises:
         ControlError: `bad_push` if the place is not on the face, or the force does not press on it.
     """
+    point, normal = _place(face_name, face, lateral, height)
+    u = -normal if direction is None else _unit(direction)
+    if u @ normal >= 0.0:
+        raise error("bad_push", f"that force does not press on the {face_name} face")
+    push = Push(
+        face=face_name,
+        lateral=lateral,
+        height=height,
+        point=_triple(point),
+        direction=_triple(u),
+        force=force,
+    )
+    found = _predicted(model, push, point[None], u[None], normal, friction)
+    return found.model_copy(update={"text": "\n".join(_sentences(found))})
+
+
+def _place(
+    face_name: str, face: Face, lateral: float, height: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Point and outward normal of a place that must be on the face."""
     if not bool(face.contains(lateral, height)):
         raise error(
             "bad_push",
@@ -115,29 +135,26 @@ def predict_push(
                 f"{1e3 * face.bottom:.0f} to {1e3 * face.top:.0f} mm in height",
             ),
         )
-    point, normal = face.at(lateral, height)
-    u = -normal if direction is None else _unit(direction)
-    if u @ normal >= 0.0:
-        raise error("bad_push", f"that force does not press on the {face_name} face")
-    p, f = point[None], u[None]
-    t: Any = model.thresholds(p, f, exact=True, friction=friction)
-    likely = model.likelihood(p, f, force=force)
-    onset = float(t.onset[0])
-    outcome = str(t.outcome[0])
-    if force is not None and force < onset:
-        outcome = "none"
+    return face.at(lateral, height)
+
+
+def _predicted(
+    model: ObjectModel,
+    push: Push,
+    p: np.ndarray,
+    u: np.ndarray,
+    normal: np.ndarray,
+    friction: Literal["static", "kinetic"],
+) -> PushPrediction:
+    """All that the model says of one push, but for the words."""
+    t: Any = model.thresholds(p, u, exact=True, friction=friction)
+    likely = model.likelihood(p, u, force=push.force)
+    onset, force = float(t.onset[0]), push.force
     size = force if force is not None else (onset if np.isfinite(onset) else 1.0)
-    found = PushPrediction(
+    return PushPrediction(
         object=model.name,
-        push=Push(
-            face=face_name,
-            lateral=lateral,
-            height=height,
-            point=_triple(point),
-            direction=_triple(u),
-            force=force,
-        ),
-        outcome=outcome,
+        push=push,
+        outcome="none" if force is not None and force < onset else str(t.outcome[0]),
         onset=_finite(onset),
         slide=_finite(t.slide[0]),
         topple=_finite(t.topple[0]),
@@ -149,13 +166,12 @@ def predict_push(
             "slide": float(likely.slide[0]),
             "topple": float(likely.topple[0]),
         },
-        suddenly=None if force is None else str(model.sudden(p, force * f).outcome[0]),
-        slips=bool(model.slips(normal[None], size * f)[0]),
-        motion=_motion(model, t, u),
+        suddenly=None if force is None else str(model.sudden(p, force * u).outcome[0]),
+        slips=bool(model.slips(normal[None], size * u)[0]),
+        motion=_motion(model, t),
         friction=friction,
         text="",
     )
-    return found.model_copy(update={"text": "\n".join(_sentences(found, model))})
 
 
 def _unit(direction: tuple[float, float, float]) -> np.ndarray:
@@ -165,7 +181,7 @@ def _unit(direction: tuple[float, float, float]) -> np.ndarray:
     return np.asarray(v / np.linalg.norm(v))
 
 
-def _motion(model: ObjectModel, t: Any, u: np.ndarray) -> dict[str, float]:
+def _motion(model: ObjectModel, t: Any) -> dict[str, float]:
     """How it begins to move."""
     twist = t.twist[0]
     if np.isnan(twist).any():
@@ -176,7 +192,7 @@ def _motion(model: ObjectModel, t: Any, u: np.ndarray) -> dict[str, float]:
     return {"heading": heading_of(twist[3:]), "turning": float(twist[2])}
 
 
-def _sentences(found: PushPrediction, model: ObjectModel) -> list[str]:
+def _sentences(found: PushPrediction) -> list[str]:
     push = found.push
     how = "" if push.force is None else f" with {push.force:g} N"
     lines = [

@@ -58,6 +58,14 @@ class Solid:
     closed: bool
     stood: str
 
+    def told(self) -> str:
+        """How shape and centre of mass were found."""
+        hull_only = "" if self.closed else " of the convex hull"
+        return (
+            f"shape from a mesh, standing on {self.stood}; "
+            f"centre of mass at uniform density{hull_only}"
+        )
+
 
 def read_mesh(path: Path, *, unit: str = "m", up: str = "+z") -> Solid:
     """Reads a mesh and stands it on the table.
@@ -199,28 +207,22 @@ def import_mesh(
             suggestions=("a full carton has about 900 kg/m³",),
         )
     solid = read_mesh(path, unit=unit, up=up)
-    if mass is None:
-        assert density is not None
-        mass = density * solid.volume
-    extents = np.ptp(solid.vertices, axis=0)
-    estimated = [
-        f"shape from {path.name}, standing on {solid.stood}",
-        "centre of mass at uniform density" + ("" if solid.closed else " of the convex hull"),
-    ]
-    estimated.append("mass stated" if density is None else f"mass from {density:g} kg/m³")
-    estimated.append("friction estimated (30 %)" if friction is None else "friction stated")
+    heavy = mass if density is None else density * solid.volume
+    assert heavy is not None
     mu = FRICTION if friction is None else friction
+    how = "mass stated" if density is None else f"mass from {density:g} kg/m³"
+    sure = "friction estimated (30 %)" if friction is None else "friction stated"
     return HullModel(
         name=name,
         synonyms=synonyms,
-        mass=round(mass, 6),
-        mass_sd=round((0.02 if density is None else 0.1) * mass, 6),
+        mass=round(heavy, 6),
+        mass_sd=round((0.02 if density is None else 0.1) * heavy, 6),
         friction=mu,
         friction_sd=round(FRICTION_SD / FRICTION * mu, 6),
         finger_friction=0.6,
         finger_friction_sd=0.12,
         com=tuple(np.round(solid.com, 6).tolist()),
-        com_sd=tuple(np.round(COM_SHARE_SD * extents, 6).tolist()),
+        com_sd=tuple(np.round(COM_SHARE_SD * np.ptp(solid.vertices, axis=0), 6).tolist()),
         vertices=tuple(map(tuple, solid.vertices.tolist())),
-        provenance=Provenance(source=f"mesh {path.name}", method="; ".join(estimated)),
+        provenance=Provenance(source=f"mesh {path.name}", method=f"{solid.told()}; {how}; {sure}"),
     )

@@ -22,7 +22,8 @@ from numpy.typing import ArrayLike
 from pydantic import model_validator
 
 from objectmodels import tilting
-from objectmodels.base import Array, Base, Disc
+from objectmodels.arrays import pairs, require_normals, require_units
+from objectmodels.base import Array, Base, Disc, Polygon
 from objectmodels.cone import ConeThresholds, cone_thresholds
 from objectmodels.errors import ModelError
 from objectmodels.faces import Face
@@ -31,6 +32,7 @@ from objectmodels.prediction import Prediction, Thresholds
 from objectmodels.support import carrying_base, friction_radius, within
 from objectmodels.thresholds import (
     GRAVITY,
+    push_moment,
     slide_threshold,
     topple_threshold,
     yaw_arm,
@@ -219,8 +221,7 @@ class ObjectModel(Parameters, ABC):
             ModelError: `bad_array` if a shape or a value is wrong.
         """
         p, u = pairs(points, directions)
-        if np.any(np.abs(np.linalg.norm(u, axis=1) - 1.0) > 1e-6):
-            raise ModelError("bad_array", "directions must be unit vectors")
+        require_units(u)
         if exact == "border":
             return self._exact_at_the_border(p, u, friction)
         return self._exact(p, u, friction) if exact else self._thresholds(p, u, friction)
@@ -263,9 +264,6 @@ class ObjectModel(Parameters, ABC):
         Raises:
             ModelError: `bad_array`; `no_edges` on a round base.
         """
-        from objectmodels.base import Polygon
-        from objectmodels.thresholds import push_moment
-
         p, u = pairs(points, directions)
         if not isinstance(self.base, Polygon):
             raise ModelError("no_edges", f"the base of the {self.name} is round")
@@ -313,7 +311,7 @@ class ObjectModel(Parameters, ABC):
             ModelError: `bad_array` if a shape or a value is wrong.
         """
         p, n = pairs(points, normals)
-        _require_normals(n)
+        require_normals(n)
         if not 0.0 <= sigmas < np.inf:
             raise ModelError("bad_value", f"sigmas must be a number from 0 on, not {sigmas}")
         return cone_thresholds(self, p, n, sigmas, yaw)
@@ -429,22 +427,3 @@ class ObjectModel(Parameters, ABC):
             The smaller and the larger of the two.
         """
         return tilting.stroke_tilt(self, direction, height, travel)
-
-
-def pairs(points: ArrayLike, vectors: ArrayLike) -> tuple[Array, Array]:
-    """Two finite arrays of equal shape (n, 3), or a `ModelError`."""
-    p, v = np.asarray(points, dtype=np.float64), np.asarray(vectors, dtype=np.float64)
-    if p.ndim != 2 or p.shape[1] != 3 or p.shape != v.shape:
-        raise ModelError(
-            "bad_array",
-            f"expected two arrays of one shape (n, 3), found {p.shape} and {v.shape}",
-            suggestions=("a single push is an array of shape (1, 3)",),
-        )
-    if not (np.isfinite(p).all() and np.isfinite(v).all()):
-        raise ModelError("bad_array", "arrays must hold finite numbers only")
-    return p, v
-
-
-def _require_normals(n: Array) -> None:
-    if np.any(np.abs(np.linalg.norm(n, axis=1) - 1.0) > 1e-6) or np.any(np.abs(n[:, 2]) > 0.99):
-        raise ModelError("bad_array", "normals must be unit vectors of side faces")

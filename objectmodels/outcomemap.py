@@ -123,27 +123,11 @@ def outcome_map(
         ModelError: `bad_value` if a number makes no sense or the grid would be too fine;
             `bad_array` if the direction does not go into the face.
     """
-    if not (spacing > 0.0 and 0.0 <= band < 1.0 and (level is None or 0.5 <= level <= 1.0)):
-        raise ModelError(
-            "bad_value", "expected spacing > 0 m, 0 ≤ band < 1 and a level between 0.5 and 1"
-        )
-    if face.width * face.height / spacing**2 > MOST_CONTACTS:
-        raise ModelError(
-            "bad_value",
-            f"a spacing of {spacing} m makes more than {MOST_CONTACTS} contacts",
-            suggestions=("take a larger spacing",),
-        )
+    _require_sense(face, spacing, band, level)
     margin = min(MARGIN, face.width / 4.0, face.height / 4.0)
     lateral, height = face.grid(spacing, margin)
     points, normals = face.at(lateral, height)
-    u = -normals
-    if direction is not None:
-        given = np.asarray(direction, dtype=np.float64)
-        if given.shape != (3,) or not np.isfinite(given).all() or not given.any():
-            raise ModelError("bad_array", f"expected a direction of three numbers, found {given}")
-        u = np.broadcast_to(given / np.linalg.norm(given), points.shape)
-        if (np.sum(u * normals, axis=1) >= 0.0).any():
-            raise ModelError("bad_array", "the direction does not go into the face")
+    u = -normals if direction is None else _all_along(direction, normals)
     if not turning:
         # No moment about the vertical turns an object of infinite friction radius.
         model = model.model_copy(update={"friction_radius": np.inf, "friction_radius_sd": 0.0})
@@ -154,7 +138,7 @@ def outcome_map(
         lateral=lateral,
         height=height,
         points=points,
-        directions=np.array(u),
+        directions=u,
         slide=t.slide,
         topple=t.topple,
         band=band,
@@ -162,3 +146,27 @@ def outcome_map(
         friction=t.friction,
         model=model,
     )
+
+
+def _require_sense(face: Face, spacing: float, band: float, level: float | None) -> None:
+    if not (spacing > 0.0 and 0.0 <= band < 1.0 and (level is None or 0.5 <= level <= 1.0)):
+        raise ModelError(
+            "bad_value", "expected spacing > 0 m, 0 ≤ band < 1 and a level between 0.5 and 1"
+        )
+    if face.width * face.height / spacing**2 > MOST_CONTACTS:
+        raise ModelError(
+            "bad_value",
+            f"a spacing of {spacing} m makes more than {MOST_CONTACTS} contacts",
+            suggestions=("take a larger spacing",),
+        )
+
+
+def _all_along(direction: ArrayLike, normals: Array) -> Array:
+    """One direction for all contacts, as a unit vector that must go into the face there."""
+    given = np.asarray(direction, dtype=np.float64)
+    if given.shape != (3,) or not np.isfinite(given).all() or not given.any():
+        raise ModelError("bad_array", f"expected a direction of three numbers, found {given}")
+    u = np.tile(given / np.linalg.norm(given), (len(normals), 1))
+    if (np.sum(u * normals, axis=1) >= 0.0).any():
+        raise ModelError("bad_array", "the direction does not go into the face")
+    return u
