@@ -95,22 +95,13 @@ def farthest_from_toppling(box: ObjectModel, points: Array, directions: Array) -
     return int(np.argmax(np.where(t.slide < t.topple, t.topple - t.slide, -np.inf)))
 
 
-def measure(n: int, few: int, repetitions: int, *, seed: int = 0) -> list[Row]:
-    """Rates of all methods; the peers get `few` of the n pushes."""
-    box = Registry.default().get("ice tea box")
-    p, f = random_pushes(box, n, seed=seed)
+def closed_forms(box: ObjectModel, p: Array, f: Array, few: int, repetitions: int) -> list[Row]:
+    """Whether forces move the box, and how: all at once, and by peers one at a time."""
+    n = len(p)
     reference = SeedModel.of(box)
-    wrenches = corner_wrenches(box)
-    weight = np.concatenate(([0.0, 0.0, -box.weight], np.cross(box.com, [0.0, 0.0, -box.weight])))
-    loads = -(weight + np.hstack((f[:few], np.cross(p[:few], f[:few]))))
     face = box.faces()[2]
-    q = np.array(face.centre) + np.linspace(-0.04, 0.04, 20)[:, None, None] * face.tangent
-    q = q + np.linspace(-0.1, 0.1, n // 20)[None, :, None] * np.array([0.0, 0.0, 1.0])
-    contacts = q.reshape(-1, 3)
-    normals = np.tile(face.normal, (len(contacts), 1))
-
-    def balanced() -> list[bool]:
-        return [bool(nnls(wrenches, load)[1] < 1e-9) for load in loads]
+    lateral, height = np.meshgrid(np.linspace(-0.04, 0.04, 20), np.linspace(0.01, 0.22, n // 20))
+    contacts, normals = face.at(lateral.ravel(), height.ravel())
 
     def one_by_one() -> list[str]:
         return [reference.outcome(a, b) for a, b in zip(p[:few], f[:few], strict=True)]
@@ -122,40 +113,61 @@ def measure(n: int, few: int, repetitions: int, *, seed: int = 0) -> list[Row]:
     def in_the_cone() -> object:
         return box.cone_thresholds(contacts, normals, sigmas=2.0)
 
-    on_corners = BoxModel(**(box.model_dump() | _ON_CORNERS))
-    u = f / np.linalg.norm(f, axis=1, keepdims=True)
-    unit = np.hstack((u[:few], np.cross(p[:few], u[:few])))
-    candidates = search(box)
-
-    def largest() -> list[float | None]:
-        cost = np.zeros(wrenches.shape[1] + 1)
-        cost[-1] = -1.0
-        return [
-            linprog(cost, A_eq=np.column_stack((wrenches, push)), b_eq=-weight).fun for push in unit
-        ]
-
     return [
         Row("closed form, all at once", n, rate(lambda: box.predict(p, f).code, n, repetitions)),
         Row("closed form, one by one", few, rate(singly, few, repetitions)),
         Row("seed's reference", few, rate(one_by_one, few, repetitions)),
-        Row("corner forces, nnls", few, rate(balanced, few, repetitions)),
-        Row(
-            "exact tier, four corners",
-            n,
-            rate(lambda: on_corners.thresholds(p, u, exact=True), n, repetitions),
-        ),
-        Row(
-            "exact tier, even pressure",
-            10 * few,
-            rate(lambda: box.thresholds(p[: 10 * few], u[: 10 * few], exact=True), 10 * few, 1),
-        ),
-        Row("largest push, linprog", few, rate(largest, few, 1)),
-        Row(
-            "search over a face",
-            len(candidates[0]),
-            rate(lambda: farthest_from_toppling(box, *candidates), len(candidates[0]), repetitions),
-        ),
         Row("worst of the finger's cone", n, rate(in_the_cone, len(contacts), repetitions)),
+    ]
+
+
+def exact_tier(box: ObjectModel, p: Array, f: Array, few: int, repetitions: int) -> list[Row]:
+    """Onsets by the exact tier, and what corner forces hold by general solvers."""
+    n, some = len(p), 10 * few
+    on_corners = BoxModel(**(box.model_dump() | _ON_CORNERS))
+    u = f / np.linalg.norm(f, axis=1, keepdims=True)
+    wrenches = corner_wrenches(box)
+    weight = np.concatenate(([0.0, 0.0, -box.weight], np.cross(box.com, [0.0, 0.0, -box.weight])))
+    pushes = np.hstack((f[:few], np.cross(p[:few], f[:few])))
+    cost = np.append(np.zeros(wrenches.shape[1]), -1.0)
+
+    def balanced() -> list[bool]:
+        return [bool(nnls(wrenches, -weight - push)[1] < 1e-9) for push in pushes]
+
+    def largest() -> list[float | None]:
+        return [
+            linprog(cost, A_eq=np.column_stack((wrenches, push)), b_eq=-weight).fun
+            for push in pushes
+        ]
+
+    def all_at_once() -> object:
+        return on_corners.thresholds(p, u, exact=True)
+
+    def evenly() -> object:
+        return box.thresholds(p[:some], u[:some], exact=True)
+
+    return [
+        Row("exact tier, four corners", n, rate(all_at_once, n, repetitions)),
+        Row("exact tier, even pressure", some, rate(evenly, some, 1)),
+        Row("corner forces, nnls", few, rate(balanced, few, repetitions)),
+        Row("largest push, linprog", few, rate(largest, few, 1)),
+    ]
+
+
+def measure(n: int, few: int, repetitions: int, *, seed: int = 0) -> list[Row]:
+    """Rates of all methods; the peers get `few` of the n pushes."""
+    box = Registry.built_in().get("ice tea box")
+    p, f = random_pushes(box, n, seed=seed)
+    points, directions = search(box)
+    k = len(points)
+
+    def searched() -> int:
+        return farthest_from_toppling(box, points, directions)
+
+    return [
+        *closed_forms(box, p, f, few, repetitions),
+        *exact_tier(box, p, f, few, repetitions),
+        Row("search over a face", k, rate(searched, k, repetitions)),
     ]
 
 

@@ -24,7 +24,7 @@ SURE = 0.95
 """Outcomes that are less probable than this are told to be unsure."""
 
 
-class Push(BaseModel):
+class AskedPush(BaseModel):
     """A push as it was asked for, in B."""
 
     model_config = ConfigDict(frozen=True)
@@ -63,7 +63,7 @@ class PushPrediction(BaseModel):
     model_config = ConfigDict(frozen=True)
 
     object: str
-    push: Push
+    push: AskedPush
     outcome: str
     onset: float | None
     slide: float | None
@@ -110,7 +110,7 @@ def predict_push(
     u = -normal if direction is None else _unit(direction)
     if u @ normal >= 0.0:
         raise error("bad_push", f"that force does not press on the {face_name} face")
-    push = Push(
+    push = AskedPush(
         face=face_name,
         lateral=lateral,
         height=height,
@@ -140,7 +140,7 @@ def _place(
 
 def _predicted(
     model: ObjectModel,
-    push: Push,
+    push: AskedPush,
     p: np.ndarray,
     u: np.ndarray,
     normal: np.ndarray,

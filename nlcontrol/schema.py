@@ -8,26 +8,27 @@ from pydantic.json_schema import models_json_schema
 
 from grammar.frames import Command
 from nlcontrol.errors import ErrorInfo
+from nlcontrol.predictions import PushPrediction
 from nlcontrol.result import Result
 
 _SCHEMA = "https://json-schema.org/draft/2020-12/schema"
 
 
 def schema() -> dict[str, object]:
-    """JSON schema: `Command` is what `parse` answers, `Result` what `plan` and `say` answer.
+    """JSON schema: `Command` is what `parse` answers, `Result` `plan` and `say`.
 
-    Numbers are in SI units, angles in radians, spans are `[start, end)` in code points of the
+    `PushPrediction` is what `predict` answers. Numbers are in SI units, angles in radians, spans are `[start, end)` in code points of the
     sentence as given.
     """
     _, definitions = models_json_schema(
-        [(Command, "serialization"), (Result, "serialization"), (ErrorInfo, "serialization")],
+        [(model, "serialization") for model in (Command, Result, PushPrediction, ErrorInfo)],
         title="nlcontrol",
         description=(schema.__doc__ or "").split(":", 1)[1].strip(),
     )
     return {
         "$schema": _SCHEMA,
         **definitions,
-        "anyOf": [{"$ref": "#/$defs/Result"}, {"$ref": "#/$defs/Command"}],
+        "anyOf": [{"$ref": f"#/$defs/{name}"} for name in ("Result", "Command", "PushPrediction")],
     }
 
 

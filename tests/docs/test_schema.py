@@ -34,6 +34,9 @@ def test_the_answers_of_the_commands() -> None:
     assert {"clause", "spans", "expected", "measured", "tolerance", "ok"} <= set(
         _definition("Check")["properties"]
     )
+    assert {"outcome", "onset", "probability", "residual", "friction"} <= set(
+        _definition("PushPrediction")["properties"]
+    )
     assert {"code", "message", "span", "suggestions"} <= set(_definition("ErrorInfo")["properties"])
 
 
