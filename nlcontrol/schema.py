@@ -15,15 +15,16 @@ _SCHEMA = "https://json-schema.org/draft/2020-12/schema"
 
 
 def schema() -> dict[str, object]:
-    """JSON schema: `Command` is what `parse` answers, `Result` `plan` and `say`.
+    """JSON schema of the answers.
 
-    `PushPrediction` is what `predict` answers. Numbers are in SI units, angles in radians, spans are `[start, end)` in code points of the
-    sentence as given.
+    `Command` is what `parse` answers, `Result` what `plan` and `say`, `PushPrediction` what
+    `predict` does. Numbers are in SI units, angles in radians, spans are `[start, end)` in code
+    points of the sentence as given.
     """
     _, definitions = models_json_schema(
         [(model, "serialization") for model in (Command, Result, PushPrediction, ErrorInfo)],
         title="nlcontrol",
-        description=(schema.__doc__ or "").split(":", 1)[1].strip(),
+        description=" ".join((schema.__doc__ or "").split()),
     )
     return {
         "$schema": _SCHEMA,
