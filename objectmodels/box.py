@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +13,7 @@ from objectmodels.base import Polygon
 from objectmodels.faces import Face, sides
 from objectmodels.model import ObjectModel
 from objectmodels.parameters import Array, Size
+from objectmodels.resting import Resting
 
 # Rows are the new axes in the old frame: the named face comes to lie below.
 _TURNED: dict[str, Array] = {
@@ -49,33 +50,22 @@ class BoxModel(ObjectModel):
         """The four side faces: +x, +y, −x, −y."""
         return sides(self.footprint, self.size[2])
 
-    @property
-    def resting_faces(self) -> tuple[str, ...]:
-        """All six, named as if B's axes were the robot's."""
-        return tuple(_TURNED)
+    @cached_property
+    def rests(self) -> tuple[Resting, ...]:
+        """On all six faces, named as if B's axes were the robot's."""
+        return tuple(self._resting(face, turn) for face, turn in _TURNED.items())
 
-    def standing(self, face: str) -> BoxModel:
-        """The box lying on another face; see `ObjectModel.standing`.
-
-        What was fitted for the base (points to stand on, friction radius) does not go along; its
-        centre of mass and all coefficients do.
-        """
-        turn = _TURNED.get(face)
-        if turn is None:
-            super().standing(face)
-        assert turn is not None
-        size = np.abs(turn @ np.array(self.size))
+    def _resting(self, face: str, turn: Array) -> Resting:
+        if face == "bottom":
+            return Resting(face, self, np.eye(3), np.zeros(3))
         middle = np.array([0.0, 0.0, self.size[2] / 2.0])
-        com = turn @ (np.array(self.com) - middle) + [0.0, 0.0, size[2] / 2.0]
-        changes: dict[str, Any] = {
-            "size": tuple(size.tolist()),
-            "com": tuple(com.tolist()),
-            "com_sd": tuple(np.abs(turn @ np.array(self.com_sd)).tolist()),
-        }
-        if face != "bottom":
-            kept = {name: getattr(self, name) for name in type(self).model_fields}
-            for name in ("support", "friction_radius", "friction_radius_sd", "correlations"):
-                if name != "support" or not isinstance(self.support, str):
-                    del kept[name]
-            return type(self)(**(kept | changes))
-        return self
+        size = np.abs(turn @ np.array(self.size))
+        up = np.array([0.0, 0.0, size[2] / 2.0])
+        model = type(self)(
+            **self._changed(
+                size=tuple(size.tolist()),
+                com=tuple((turn @ (np.array(self.com) - middle) + up).tolist()),
+                com_sd=tuple(np.abs(turn @ np.array(self.com_sd)).tolist()),
+            )
+        )
+        return Resting(face, model, turn.T, middle - turn.T @ up)

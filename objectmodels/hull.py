@@ -17,6 +17,7 @@ from objectmodels.base import Array, Polygon
 from objectmodels.errors import ModelError
 from objectmodels.faces import AXES, Face
 from objectmodels.model import ObjectModel
+from objectmodels.resting import Resting
 from objectmodels.support import hull
 from objectmodels.tuples import as_tuples
 
@@ -134,42 +135,35 @@ class HullModel(ObjectModel):
         return [_face(normal, near + (depth.max() - near @ normal)[:, None] * normal)]
 
     @cached_property
-    def _poses(self) -> dict[str, HullModel]:
-        poses: dict[str, HullModel] = {"bottom": self}
-        for k, (normal, _) in enumerate(p for p in self._planes if p[0][2] > -1.0 + _FLAT):
+    def rests(self) -> tuple[Resting, ...]:
+        """On `bottom` and `face 1`, `face 2`, … by size, those off which it does not topple."""
+        found = [Resting("bottom", self, np.eye(3), np.zeros(3))]
+        others = [plane for plane in self._planes if plane[0][2] > -1.0 + _FLAT]
+        for k, (normal, _) in enumerate(others, start=1):
             try:
-                poses[f"face {k + 1}"] = self._turned(normal)
-            except ValueError:  # it would topple off that face by itself
+                found.append(self._resting(f"face {k}", normal))
+            except ValueError:  # its centre of mass is not above that face
                 continue
-        return poses
+        return tuple(found)
 
-    @property
-    def resting_faces(self) -> tuple[str, ...]:
-        """`bottom` and `face 1`, `face 2`, … by size, those on which it does not topple."""
-        return tuple(self._poses)
-
-    def standing(self, face: str) -> ObjectModel:
-        """See `ObjectModel.standing`; what was fitted for the old base does not go along."""
-        return self._poses[face] if face in self._poses else super().standing(face)
-
-    def _turned(self, normal: Array) -> HullModel:
+    def _resting(self, face: str, normal: Array) -> Resting:
         """The hull with the face of that outward normal on the table."""
-        R = turning_down(normal)
-        turned = self._points @ R.T
+        R_NB = turning_down(normal)
+        turned = self._points @ R_NB.T
         low = turned[:, 2].min()
         on_table = turned[turned[:, 2] <= low + _FLAT * np.ptp(turned[:, 2]), :2]
         origin = np.append(hull(on_table).centroid, low)
-        com = R @ np.array(self.com) - origin
         turned = turned - origin
         turned[np.abs(turned[:, 2]) < _FLAT * self.top, 2] = 0.0
-        sd = np.sqrt((R**2) @ np.array(self.com_sd) ** 2)
-        kept = {name: getattr(self, name) for name in type(self).model_fields}
-        for name in ("friction_radius", "friction_radius_sd", "correlations"):
-            del kept[name]
-        if not isinstance(self.support, str):
-            del kept["support"]
-        changes = {"vertices": turned.tolist(), "com": com.tolist(), "com_sd": sd.tolist()}
-        return HullModel(**(kept | changes))
+        sd = np.sqrt((R_NB**2) @ np.array(self.com_sd) ** 2)
+        model = HullModel(
+            **self._changed(
+                vertices=turned.tolist(),
+                com=(R_NB @ np.array(self.com) - origin).tolist(),
+                com_sd=sd.tolist(),
+            )
+        )
+        return Resting(face, model, R_NB.T, R_NB.T @ origin)
 
 
 def turning_down(normal: Array) -> Array:

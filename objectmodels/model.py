@@ -29,6 +29,7 @@ from objectmodels.errors import ModelError
 from objectmodels.faces import Face
 from objectmodels.parameters import RADIUS_SHARE_SD, Parameters
 from objectmodels.prediction import Prediction, Thresholds
+from objectmodels.resting import Resting, lying
 from objectmodels.support import carrying_base, friction_radius, within
 from objectmodels.thresholds import (
     GRAVITY,
@@ -96,28 +97,49 @@ class ObjectModel(Parameters, ABC):
         x, y, z = self.extents
         return ((y * y + z * z) / 12.0, (x * x + z * z) / 12.0, (x * x + y * y) / 12.0)
 
+    @cached_property
+    def rests(self) -> tuple[Resting, ...]:
+        """The ways in which it may lie on the table, the one it stands in first."""
+        return (Resting("bottom", self, np.eye(3), np.zeros(3)),)
+
     def standing(self, face: str) -> ObjectModel:
-        """The object standing on another of its faces.
+        """The object lying on another of its faces: a model in the frame of that one.
 
-        Args:
-            face: name of the face that comes to lie below, one of `resting_faces`.
-
-        Returns:
-            A model whose frame B belongs to the new base.
+        What was fitted for the base (points to stand on, friction radius) does not go along; the
+        centre of mass and all coefficients do.
 
         Raises:
             ModelError: `unknown_face` if it cannot rest on a face of that name.
         """
+        for rest in self.rests:
+            if rest.face == face:
+                return rest.model
+        names = ", ".join(rest.face for rest in self.rests)
         raise ModelError(
             "unknown_face",
             f"the {self.name} cannot rest on {face!r}",
-            suggestions=(f"it rests on: {', '.join(self.resting_faces)}",),
+            suggestions=(f"it rests on: {names}",),
         )
 
-    @property
-    def resting_faces(self) -> tuple[str, ...]:
-        """Names of the faces it can rest on; it stands on its `bottom`."""
-        return ("bottom",)
+    def lying(self, R_WB: ArrayLike) -> Resting:
+        """How it lies if it is seen in some orientation: the pose picks the base.
+
+        Args:
+            R_WB: orientation of B in W, shape (3, 3).
+
+        Raises:
+            ModelError: `bad_array`; `not_resting` if no face of it is below.
+        """
+        return lying(self, R_WB)
+
+    def _changed(self, **changes: object) -> dict[str, Any]:
+        """Fields of a model that lies on another face: all but what was fitted for the base."""
+        kept = {name: getattr(self, name) for name in type(self).model_fields if name != "kind"}
+        for name in ("friction_radius", "friction_radius_sd", "correlations"):
+            del kept[name]
+        if not isinstance(self.support, str):
+            del kept["support"]
+        return kept | changes
 
     # -- what follows from it ------------------------------------------------------------------
 

@@ -12,8 +12,10 @@ from pydantic import Field, PositiveFloat, model_validator
 from objectmodels.base import Polygon
 from objectmodels.errors import ModelError
 from objectmodels.faces import Face, sides
+from objectmodels.hull import HullModel
 from objectmodels.model import ObjectModel
 from objectmodels.parameters import Corners
+from objectmodels.resting import Resting
 
 
 class PrismModel(ObjectModel):
@@ -64,6 +66,15 @@ class PrismModel(ObjectModel):
         x2, y2 = _second_moments(self.footprint)
         z2 = self.height**2 / 12.0
         return (y2 + z2, x2 + z2, x2 + y2)
+
+    @cached_property
+    def rests(self) -> tuple[Resting, ...]:
+        """On `bottom`, and as a hull on its other faces: `face 1`, `face 2`, … by size."""
+        ends = [(x, y, z) for z in (0.0, self.height) for x, y in self.corners]
+        kept = self._changed(vertices=tuple(ends))
+        solid = HullModel(**{k: v for k, v in kept.items() if k not in ("corners", "height")})
+        upright = Resting("bottom", self, np.eye(3), np.zeros(3))
+        return (upright, *solid.rests[1:])
 
     def faces(self, headings: ArrayLike | None = None) -> tuple[Face, ...]:
         """One for each edge of the polygon, in its order."""

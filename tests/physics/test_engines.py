@@ -16,7 +16,7 @@ PUSHES = 12
 SEED = 0
 
 
-@pytest.mark.parametrize("engine", ["Drake", "MuJoCo"])
+@pytest.mark.parametrize("engine", ["Drake", pytest.param("MuJoCo", marks=pytest.mark.slow)])
 def test_engine_agrees_with_the_exact_tier(engine: str) -> None:
     if engine == "MuJoCo":
         pytest.importorskip("mujoco")

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from objectmodels import (
     BoxModel,
@@ -136,7 +137,7 @@ def test_a_box_lies_on_any_face() -> None:
     tea = Registry.built_in().get("ice tea box")
     assert isinstance(tea, BoxModel)
     lying = tea.standing("front")
-    assert lying.size == (0.23, 0.09, 0.09)
+    assert lying.extents == pytest.approx((0.23, 0.09, 0.09), rel=1e-12)
     np.testing.assert_allclose(lying.com, (0.0, 0.0, 0.045), atol=1e-12)
     assert lying.com_sd[0] == tea.com_sd[2]
     # Lying it cannot be tilted along either way (h* > 0.09 m at μ = 0.378).
@@ -153,12 +154,12 @@ def test_a_box_lies_on_any_face() -> None:
 
 
 def test_a_hull_lies_like_the_box_that_it_is() -> None:
-    lying = {face: HULL.standing(face) for face in HULL.resting_faces if face.startswith("face")}
+    lying = {rest.face: rest.model for rest in HULL.rests if rest.face.startswith("face")}
     heights = sorted(round(model.top, 9) for model in lying.values())
     assert heights == [0.06, 0.06, 0.08, 0.08, 0.15]
     for model in lying.values():
         box = min(
-            (BOX.standing(f) for f in BOX.resting_faces),
+            (rest.model for rest in BOX.rests),
             key=lambda b: abs(b.com[2] - model.com[2]) + abs(b.top - model.top),
         )
         assert model.com[2] == pytest.approx(box.com[2], abs=1e-9)
@@ -208,3 +209,31 @@ def test_finger_slips_outside_its_cone() -> None:
     rough = BOX.model_copy(update={"finger_friction": 0.6, "finger_friction_kinetic": 0.4})
     assert rough.slips(n, forces).tolist() == [False, True, True, True]
     assert rough.slips(n, forces, friction="kinetic").tolist() == [True, True, True, True]
+
+
+@pytest.mark.parametrize("model", [BOX, HULL, PRISM, Registry.built_in().get("tea tin")])
+def test_the_pose_picks_the_base(model: ObjectModel) -> None:
+    """Turned so that a face is below, it lies as that face's frame says."""
+    assert len(model.rests) >= 6
+    for number, rest in enumerate(model.rests):
+        yaw = Rotation.from_euler("z", 0.7 * number).as_matrix()
+        R_WB = yaw @ rest.R_BN.T
+        found = model.lying(R_WB)
+        assert found.face == rest.face
+        np.testing.assert_allclose(R_WB @ found.R_BN, yaw, atol=1e-9)  # N is upright in W
+        # The same centre of mass, once in each frame.
+        com = found.p_BN + found.R_BN @ np.array(found.model.com)
+        np.testing.assert_allclose(com, model.com, atol=1e-9)
+        assert found.model.extents[2] == pytest.approx(found.model.top)
+        leaning = Rotation.from_euler("x", np.radians(25.0)).as_matrix() @ R_WB
+        with pytest.raises(ModelError, match="leans"):
+            model.lying(leaning)
+
+
+def test_a_can_lies_nowhere_else_than_on_its_base() -> None:
+    assert [rest.face for rest in CAN.rests] == ["bottom"]
+    with pytest.raises(ModelError, match="rests on: bottom"):
+        CAN.lying(Rotation.from_euler("x", np.pi / 2).as_matrix())
+    for wrong in (np.eye(2), 2 * np.eye(3), np.diag([1.0, 1.0, -1.0])):
+        with pytest.raises(ModelError, match="rotation matrix"):
+            CAN.lying(wrong)
