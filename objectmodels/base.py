@@ -331,7 +331,7 @@ def _dot(n: Array, v: Array) -> Array:
 
 def _first(holding: Array, growing: Array) -> Array:
     """Holding / growing where that is positive, else never."""
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         return np.where(growing > 0.0, holding / growing, np.inf)
 
 
