@@ -188,6 +188,12 @@ def test_affordances_of_the_ice_tea_box(capsys: pytest.CaptureFixture[str]) -> N
     turning = found["turn", "left"]
     assert (turning["possible"], turning["can"], turning["reason"]) == (True, False, "unsupported")
     assert turning["least_force"] < away["least_force"]
+    # Pushed left of the middle it turns right, seen from above; the place says so.
+    for sense, side in (("left", 1.0), ("right", -1.0)):
+        turn = found["turn", sense]
+        pushed = ["--face", turn["face"], "--at", "{},{}".format(*turn["place"])]
+        _, push = answer(capsys, "predict", "ice tea", *pushed)
+        assert np.sign(push["motion"]["turning"]) == side
 
 
 def test_affordances_of_what_is_not_on_the_table(capsys: pytest.CaptureFixture[str]) -> None:

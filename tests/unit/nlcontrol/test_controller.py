@@ -173,3 +173,26 @@ def test_any_text_yields_a_result(controller: Controller, text: str) -> None:
     assert result.status == "not_understood"
     assert Result.model_validate_json(result.to_json()).error == result.error
     assert str(result)
+
+
+def test_a_scene_brings_models_of_its_own(tmp_path: Path) -> None:
+    (tmp_path / "models").mkdir()
+    (tmp_path / "models" / "crate.yaml").write_text(
+        "format: box/1\nname: crate\nsize_m: [0.1, 0.1, 0.2]\nmass_kg: 1.0\n"
+        "friction_table: 0.4\nprovenance: {source: a test}\n",
+        encoding="utf-8",
+    )
+    scene = tmp_path / "store.yaml"
+    scene.write_text(
+        "version: 1\nname: store\nmodels: [models]\n"
+        "robot: {home_deg: [41.0, -95.0, 75.0, -87.0, 110.0, -90.0, 42.0]}\n"
+        "objects:\n  - name: crate\n    model: crate\n    pose: {x_m: 0.45, y_m: 0.0}\n"
+        "    truth: {size_m: [0.1, 0.1, 0.2], mass_kg: 1.0, friction_table: 0.4,"
+        " friction_finger: 0.6}\n",
+        encoding="utf-8",
+    )
+    registry = Registry.built_in()
+    controller = Controller(scene, registry=registry)
+    assert controller.models["crate"].mass == 1.0
+    assert "crate" not in registry  # the caller's own is left as it was
+    assert controller.say("push the crate away", plan_only=True).ok

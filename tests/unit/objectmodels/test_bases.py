@@ -48,6 +48,7 @@ def test_the_centre_of_pressure_leaves_the_base_at_the_force_given(name: str, se
     weight, w = 9.81, rng.uniform(-0.9, 0.9)
     m, e = weight * rng.uniform(-0.015, 0.015, 2), rng.uniform(-0.2, 0.2, 2)
     s = float(base.topple(m, e, np.array(w), weight))
+    assert s >= 0.0
     last = min(s, 1e3)  # a push of a hundred weights is as good as endless
     for share in (0.1, 0.5, 0.999):
         load = weight - share * last * w

@@ -55,6 +55,15 @@ def test_a_wedge_has_its_centre_of_mass_over_a_third_of_its_base(tmp_path: Path)
     assert "friction estimated" in model.provenance.method
 
 
+def test_the_centre_of_mass_is_turned_along(tmp_path: Path) -> None:
+    """On its upright side, 0.08 m × 0.2 m, the wedge points up with its short edge."""
+    solid = read_mesh(wedge(tmp_path / "wedge.obj"), up="+x")
+    assert solid.vertices[:, 2].max() == pytest.approx(0.1, abs=1e-9)
+    assert solid.com[2] == pytest.approx(0.1 / 3, abs=1e-9)
+    # A third of 0.2 m from one end of that side, its middle at a half.
+    assert np.abs(solid.com[:2]).max() == pytest.approx(0.1 - 0.2 / 3, abs=1e-9)
+
+
 @pytest.mark.parametrize(("up", "height"), [("+z", 0.2), ("-z", 0.2), ("+x", 0.06), ("-y", 0.08)])
 def test_upwards_is_as_stated(tmp_path: Path, up: str, height: float) -> None:
     path = box_mesh(tmp_path / "box.stl", (0.06, 0.08, 0.2))

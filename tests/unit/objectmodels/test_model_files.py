@@ -206,6 +206,8 @@ def test_every_model_is_written_and_read_again(tmp_path: Path, name: str) -> Non
     model = Registry.built_in().get(name)
     save_model(model, tmp_path / "x.yaml")
     assert load_model(tmp_path / "x.yaml") == model
+    written_keys = {line.split(":")[0] for line in (tmp_path / "x.yaml").read_text().splitlines()}
+    assert "friction_radius_m" not in written_keys  # it follows from the support
     # Once more, byte for byte; and nothing else is left in the folder.
     first = (tmp_path / "x.yaml").read_bytes()
     save_model(load_model(tmp_path / "x.yaml"), tmp_path / "x.yaml")

@@ -83,3 +83,27 @@ def test_backwards_is_the_mirror_image_of_forwards() -> None:
     a, b = box.sudden(p, f), image.sudden(p * mirror, f * mirror)
     np.testing.assert_array_equal(a.outcome, b.outcome)
     np.testing.assert_allclose(a.acceleration, b.acceleration, rtol=1e-9)  # rounding
+
+
+def test_accelerations_obey_newton_and_euler() -> None:
+    """What the floor must do for them: press, and rub as Coulomb's law has it where it slips."""
+    rng = np.random.default_rng(1)
+    s, h = rng.uniform(1.0, 60.0, 400), rng.uniform(0.002, 0.229, 400)
+    p = np.column_stack((np.full(400, -0.045), 0 * h, h))
+    found = BOX.sudden(p, np.column_stack((s, 0 * s, 0 * s)))
+    m, b, c_z = BOX.mass, 0.045, 0.115
+    inertia = m * (0.09**2 + 0.23**2) / 12
+    alpha, a = found.angular, found.acceleration
+    normal = BOX.weight + m * np.abs(alpha) * b  # about either edge the centre of mass rises
+    rubs = m * a - s
+    edge = np.sign(alpha) * b
+    tilting = alpha != 0.0
+    moment = s * (h - c_z) - c_z * rubs - edge * normal
+    # Rounding of moments of a newton metre.
+    np.testing.assert_allclose(inertia * alpha[tilting], moment[tilting], atol=1e-9)
+    slips = np.isin(found.outcome, ["slide", "slide+topple"])
+    np.testing.assert_allclose(np.abs(rubs[slips]), 0.378 * normal[slips], rtol=1e-9)
+    sticks = found.outcome == "topple"
+    assert (np.abs(rubs[sticks]) <= 0.378 * normal[sticks] * (1 + 1e-9)).all()
+    np.testing.assert_allclose(a[sticks], alpha[sticks] * c_z, rtol=1e-9)
+    assert min(slips.sum(), sticks.sum(), (found.outcome == "slide+topple").sum()) > 20

@@ -72,3 +72,23 @@ def test_shapes_are_read(shape: str, corners: int, height: float) -> None:
 def test_shapes_that_make_no_sense_are_refused(shape: str, words: str) -> None:
     with pytest.raises(SceneError, match=words):
         scene(shape)
+
+
+def test_the_solids_in_drake_are_those_of_the_scene(world: DrakeWorld) -> None:
+    """A tall look at what was registered: radius, height, corners."""
+    from pydrake.geometry import Convex, Cylinder
+    from pydrake.systems.framework import DiagramBuilder
+
+    from sim.plant import add_plant
+
+    made = add_plant(DiagramBuilder(), load_scene("counter"))
+    inspector = made.scene_graph.model_inspector()
+    shapes = {}
+    for name, body in made.bodies.items():
+        for geometry in made.plant.GetCollisionGeometriesForBody(body):
+            if inspector.GetName(geometry).endswith("solid"):
+                shapes[name] = inspector.GetShape(geometry)
+    can, tin = shapes["soup can"], shapes["tea tin"]
+    assert isinstance(can, Cylinder)
+    assert (can.radius(), can.length()) == (0.033, 0.101)
+    assert isinstance(tin, Convex)

@@ -1,0 +1,79 @@
+"""Chosen pushes are looked at once more by the exact tier."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from objectmodels import BoxModel, CylinderModel, ObjectModel
+from planner.asked import read
+from planner.candidates import Side, rated
+from planner.defaults import DEFAULTS
+from planner.forecast import confirmed
+from planner.plan import Plan, Refusal
+from planner.planning import plan
+from planner.state import PlanarPose, SeenObject, WorldState
+from tests.unit.planner.conftest import RuledReach, frame_of
+
+# Its mass lies to one side, so that one finger in the middle turns it: the ellipsoid believes that
+# it tips first, but the corners under the load's far side let it turn before.
+LOPSIDED = BoxModel(
+    name="ice tea box", size=(0.09, 0.09, 0.23), mass=1.0, friction=0.378, com=(0.0, 0.02, 0.115),
+    finger_friction=0.05, support="corners", friction_radius_sd=0.0,
+)  # fmt: skip
+
+
+def state_of(model: ObjectModel) -> WorldState:
+    return WorldState({model.name: SeenObject(model.name, PlanarPose(0.45, 0.0), model)})
+
+
+def verdicts(model: ObjectModel, sentence: str) -> list[tuple[float, bool]]:
+    """Heights of the contacts that the closed form chooses, and what the exact tier says."""
+    state = state_of(model)
+    frame = frame_of(sentence)
+    asked = replace(read(frame, state, DEFAULTS), fingers=(1,))
+    face = model.faces(np.array([0.0]))[2 if isinstance(model, BoxModel) else 0]
+    reach, target = RuledReach(), state.objects[model.name]
+    found = [
+        (float(contacts.points[i, 2]), confirmed(contacts, k, asked, target, reach))
+        for case in rated(model, [Side(face, 0.0)], asked, reach, DEFAULTS)
+        for contacts in case
+        for k, i in enumerate(contacts.chosen)
+    ]
+    assert found
+    return found
+
+
+def test_contacts_that_turn_it_before_it_tips_are_not_confirmed() -> None:
+    found = verdicts(LOPSIDED, "topple the ice tea box")
+    assert not all(ok for _, ok in found)
+    centred = LOPSIDED.model_copy(update={"com": (0.0, 0.0, 0.115)})
+    assert all(ok for _, ok in verdicts(centred, "topple the ice tea box"))
+
+
+def test_a_plan_takes_no_contact_that_is_not_confirmed() -> None:
+    refused = {height for height, ok in verdicts(LOPSIDED, "topple the ice tea box") if not ok}
+    frame = frame_of("topple the ice tea box with one finger")
+    made = plan(frame, state_of(LOPSIDED), RuledReach())
+    if isinstance(made, Plan):
+        assert made.push.fingers == 1
+        assert made.push.p_BC[2] not in refused
+        assert made.prediction.tier == "exact"
+    else:
+        assert isinstance(made, Refusal)
+        assert made.reason in ("impossible", "too_uncertain")
+
+
+def test_a_round_object_may_spin_on_its_rim_before_it_tips() -> None:
+    bottle = CylinderModel(
+        name="ice tea box", radius=0.03, height=0.21, mass=0.5, friction=0.45,
+        finger_friction=0.5, support="corners", friction_radius_sd=0.0,
+    )  # fmt: skip
+    assert any(ok for _, ok in verdicts(bottle, "topple the ice tea box"))
+
+
+@pytest.mark.parametrize("sentence", ["push the ice tea box away with one finger"])
+def test_what_slides_is_confirmed_to_slide(sentence: str) -> None:
+    assert all(ok for _, ok in verdicts(LOPSIDED, sentence))
