@@ -290,8 +290,9 @@ def _contact(clause: g.ContactRegion, e: Evidence) -> Iterator[Check]:
     tolerance = e.defaults.height_tolerance
     height = e.model.top
     if clause.face is not None:
-        outside = [np.subtract(p_BT, f.centre) @ f.normal for f in e.model.faces()]
-        touched = e.model.faces()[int(np.argmax(outside))]
+        faces = e.model.faces(np.arctan2(-p_BT[1], -p_BT[0]))
+        outside = [np.subtract(p_BT, f.centre) @ f.normal for f in faces]
+        touched = faces[int(np.argmax(outside))]
         name, _ = face_name(R_WB @ np.array(touched.normal))
         yield _is(clause, "face touched", clause.face, name)
     if clause.region is not None:

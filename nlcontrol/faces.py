@@ -40,6 +40,10 @@ def face_of(model: ObjectModel, name: str) -> Face:
     named = face_names(model)
     if name in named:
         return named[name]
+    if not named:
+        raise error(
+            "unknown_face", f"the {model.name} has no side that is wide enough for a fingertip"
+        )
     near = [known for known in named if known.startswith(name)]
     raise error(
         "unknown_face",

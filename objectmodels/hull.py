@@ -28,6 +28,7 @@ WIDE = 0.02
 """Faces narrower than this have no room for a fingertip [m]."""
 
 _STRAIGHT = np.radians(10.0)  # a face that looks so nearly against a heading is pushed along it
+_BESIDE = 0.7  # a facet that looks less against a heading says nothing of the side there
 _BULGE = 0.0025  # depth within which a curved side counts as flat [m]
 
 # Vertices within this share of the size of a plane lie on it; normals closer than it are equal.
@@ -125,11 +126,18 @@ class HullModel(ObjectModel):
         return tuple(found)
 
     def _bulge(self, heading: float) -> list[Face]:
-        """What lies within a small depth of the farthest point against a heading, if it is wide."""
-        normal = -np.array([np.cos(heading), np.sin(heading), 0.0])
+        """What lies within a small depth of a plane against a heading, if it is wide enough.
+
+        The plane leans as the side does there.
+        """
+        level = -np.array([np.cos(heading), np.sin(heading), 0.0])
+        sides = [normal for normal, _ in self._planes if abs(normal[2]) <= SIDEWAYS]
+        nearest = max(sides, key=lambda n: float(n @ level), default=level)
+        slope = nearest[2] if nearest @ level > _BESIDE else 0.0
+        normal = np.sqrt(1.0 - slope**2) * level + np.array([0.0, 0.0, slope])
         depth = self._points @ normal
         near = self._points[depth >= depth.max() - _BULGE]
-        across = near @ np.array([-normal[1], normal[0], 0.0])
+        across = near @ np.array([-level[1], level[0], 0.0])
         if np.ptp(across) < WIDE or np.ptp(near[:, 2]) < WIDE:
             return []
         return [_face(normal, near + (depth.max() - near @ normal)[:, None] * normal)]

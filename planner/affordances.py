@@ -84,6 +84,11 @@ def _all(
     target: SeenObject, state: WorldState, reach: Reach, defaults: Defaults
 ) -> Iterator[Affordance]:
     faces = _faces(target)
+    if not faces:
+        message = f"the {target.name} has no side that is wide enough for a fingertip"
+        none = False, None, None, None, False, "impossible", message
+        yield from (Affordance("slide", way, None, *none) for way in HEADINGS)
+        return
     straight = {way: outcome_map(target.model, face, spacing=SPACING, turning=False)
                 for way, (_, face) in faces.items()}  # fmt: skip
     for outcome in ("slide", "topple", "tilt"):
@@ -106,6 +111,8 @@ def _faces(target: SeenObject) -> dict[str, tuple[str, Face]]:
             (target.pose.R_WB @ np.array(face.normal), face)
             for face in target.model.faces(headings)
         ]
+        if not outward:
+            continue
         normal, face = min(
             outward, key=lambda pair: abs(angle_between(heading_of(-pair[0]), heading))
         )

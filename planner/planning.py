@@ -123,16 +123,21 @@ def _best(
 
 def _sides(asked: Asked, target: SeenObject, defaults: Defaults) -> list[Side]:
     """Faces that a push as asked may touch, the straightest first."""
-    sides = []
+    sides, unclear = [], None
     for face in target.model.faces(_pushed_along(asked) - target.pose.yaw):
         outward = target.pose.R_WB @ np.array(face.normal)
         name, off = face_name(outward)
         if asked.face is not None:
             if abs(off) > UNCLEAR_FACE:
-                raise RefusedError(refusals.unclear_face(asked, target, off))
+                unclear = off
+                continue
             if name != asked.face:
                 continue
         sides.append(Side(face, heading_of(-outward)))
+    if not sides and unclear is not None:
+        raise RefusedError(refusals.unclear_face(asked, target, unclear))
+    if not sides:
+        raise RefusedError(refusals.no_side(asked, target))
     if asked.heading is None:
         return sides
     straightest = min(sides, key=lambda s: abs(angle_between(s.heading, asked.heading or 0.0)))

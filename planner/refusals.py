@@ -39,6 +39,16 @@ def unclear_face(asked: Asked, target: SeenObject, off: float) -> Refusal:
     )
 
 
+def no_side(asked: Asked, target: SeenObject) -> Refusal:
+    """Nothing on the object, or on the side that is said, is wide enough to be touched."""
+    where = "side" if asked.face is None else f"{asked.face} face"
+    return Refusal(
+        reason="impossible",
+        message=f"the {target.name} has no {where} that is wide enough for a fingertip",
+        spans=asked.contact_spans,
+    )
+
+
 def oblique(asked: Asked, target: SeenObject, side: Side, angle: float, largest: float) -> Refusal:
     """No face, or not the one that is said, is square enough to the direction."""
     assert asked.heading is not None

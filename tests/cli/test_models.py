@@ -271,6 +271,21 @@ def test_import_a_mesh_and_predict_it(
     assert mass == pytest.approx(900 * math.pi * 0.04**2 * 0.09, rel=0.003)
 
 
+def test_what_has_no_side_for_a_finger_is_told(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, objects_folder: Path
+) -> None:
+    trimesh.creation.box(extents=(0.006, 0.006, 0.3)).export(tmp_path / "needle.stl")
+    options = ["--name", "needle", "--mass", "0.05"]
+    assert run(["objects", "import", str(tmp_path / "needle.stl"), *options]) == 0
+    capsys.readouterr()
+    for command in (["predict", "needle", "--at", "0,0.1"], ["map", "needle"]):
+        status, found = answer(capsys, *command)
+        assert (status, found["error"]["code"]) == (2, "unknown_face")
+        assert "wide enough for a fingertip" in found["error"]["message"]
+    assert run(["affordances", "needle"]) == 0
+    assert "no side" in capsys.readouterr().out
+
+
 def test_show_says_all_there_is(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["objects", "show", "mug"]) == 0
     out = capsys.readouterr().out

@@ -184,3 +184,22 @@ def test_without_the_extra_it_says_what_to_install(
         read_mesh(tmp_path / "x.stl")
     assert error.value.code == "missing_extra"
     assert "nlcontrol[mesh]" in str(error.value)
+
+
+def test_a_cone_is_pushed_on_its_leaning_side(tmp_path: Path) -> None:
+    trimesh.creation.cone(radius=0.05, height=0.12, sections=40).export(tmp_path / "cone.obj")
+    model = import_mesh(tmp_path / "cone.obj", name="cone", density=300.0)
+    faces = model.faces()
+    assert len(faces) == 4
+    for face in faces:
+        assert face.normal[2] == pytest.approx(np.sin(np.arctan(0.05 / 0.12)), abs=0.01)
+        p, n = face.at([0.0], [0.03])
+        # The side at a quarter of the height; the plane stands off by the bulge at most.
+        assert np.hypot(*p[0, :2]) == pytest.approx(0.05 * 0.75, abs=0.003)
+        assert np.isfinite(model.cone_thresholds(p, n).slide_max).all()
+
+
+def test_a_needle_has_no_side_for_a_finger(tmp_path: Path) -> None:
+    box_mesh(tmp_path / "needle.stl", (0.006, 0.006, 0.3))
+    model = import_mesh(tmp_path / "needle.stl", name="needle", mass=0.1)
+    assert model.faces() == ()

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from objectmodels import BoxModel, CylinderModel, ObjectModel
+from objectmodels import BoxModel, CylinderModel, HullModel, ObjectModel
 from planner.asked import read
 from planner.candidates import Side, rated
 from planner.defaults import DEFAULTS
@@ -77,3 +77,17 @@ def test_a_round_object_may_spin_on_its_rim_before_it_tips() -> None:
 @pytest.mark.parametrize("sentence", ["push the ice tea box away with one finger"])
 def test_what_slides_is_confirmed_to_slide(sentence: str) -> None:
     assert all(ok for _, ok in verdicts(LOPSIDED, sentence))
+
+
+def test_what_has_no_side_for_a_finger_is_refused() -> None:
+    needle = HullModel(
+        name="ice tea box", mass=0.1, friction=0.3,
+        vertices=tuple((x, y, z) for x in (-1e-2, 1e-2) for y in (-5e-3, 5e-3) for z in (0.0, 0.3)),
+    )  # fmt: skip
+    thin = needle.model_copy(
+        update={"vertices": tuple((x / 3, y, z) for x, y, z in needle.vertices)}
+    )
+    made = plan(frame_of("push the ice tea box away"), state_of(thin), RuledReach())
+    assert isinstance(made, Refusal)
+    assert made.reason == "impossible"
+    assert "wide enough" in made.message
