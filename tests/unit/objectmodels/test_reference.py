@@ -8,7 +8,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from objectmodels import BoxModel, ModelError
+from objectmodels import BoxModel, ModelError, PrismModel
 from objectmodels.base import without_collinear
 from objectmodels.reference import SeedModel, TorqueRange, torque_range
 from objectmodels.thresholds import centre_of_pressure
@@ -115,6 +115,28 @@ def test_ten_thousand_random_pushes_agree_with_the_closed_form() -> None:
             checked += 1
     assert checked > 9_990  # nearly none lies in the band
     assert min(seen.values()) > 300
+
+
+@pytest.mark.parametrize("corners", [3, 5, 6, 8])
+def test_the_seed_tips_where_the_closed_form_does_on_any_polygon(corners: int) -> None:
+    rng = np.random.default_rng(corners)
+    turns = 2 * pi * (np.arange(corners) + rng.uniform(-0.2, 0.2, corners)) / corners
+    outline = 0.06 * np.column_stack((np.cos(turns), np.sin(turns)))
+    prism = PrismModel(
+        name="p", corners=tuple(map(tuple, outline.tolist())), height=0.2, mass=0.7, friction=0.4
+    )
+    seed, checked = SeedModel.of(prism), 0
+    p = rng.uniform([-0.06, -0.06, 0.0], [0.06, 0.06, 0.2], (300, 3))
+    u = rng.normal(size=(300, 3)) * [1.0, 1.0, 0.4]
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    t = prism.thresholds(p, u)
+    for i in np.nonzero(t.topple < 3.0 * prism.weight)[0]:
+        for share, tips in ((1.0 - BAND, False), (1.0 + BAND, True)):
+            force = share * t.topple[i] * u[i]
+            if force[2] < 0.99 * prism.weight:
+                assert (seed.rotation(p[i], force) is not None) is tips
+                checked += 1
+    assert checked > 300
 
 
 def test_axis_just_past_the_threshold_is_the_first_edge_crossed() -> None:
