@@ -121,7 +121,9 @@ class Controller:
             poses: dict[str, PlanarPose] = first_look(self.scene, LOOK, seed=self.seed)
         else:
             poses = self._world.look(LOOK)
-        objects = {name: SeenObject(name, pose, self.models[name]) for name, pose in poses.items()}
+        objects = {
+            name: SeenObject.lying(name, pose, self.models[name]) for name, pose in poses.items()
+        }
         return WorldState(objects, _table(self.scene))
 
     def affordances(self, name: str) -> tuple[Affordance, ...]:

@@ -65,6 +65,8 @@ def plan(
         assert frame.object is not None
         assert frame.object.id is not None
         target = state.objects[frame.object.id]
+        if target.lies_on != "bottom":
+            raise RefusedError(refusals.lies(target))
         sides = _sides(asked, target, defaults)
         sides = _with_free_way(sides, asked, target, state)
         return _best(sides, asked, target, state, reach, defaults)

@@ -39,6 +39,21 @@ def unclear_face(asked: Asked, target: SeenObject, off: float) -> Refusal:
     )
 
 
+def lies(target: SeenObject) -> Refusal:
+    """It lies on another face than the one that it stands on."""
+    return Refusal(
+        reason="unsupported",
+        message=f"the {target.name} lies on {_side(target.lies_on)}; "
+        "this version of the robot moves only what stands",
+        capability="moving an object that lies",
+        suggestions=("set it upright first",),
+    )
+
+
+def _side(face: str) -> str:
+    return face if face.startswith(("face", "nothing")) else f"its {face} side"
+
+
 def no_side(asked: Asked, target: SeenObject) -> Refusal:
     """Nothing on the object, or on the side that is said, is wide enough to be touched."""
     where = "side" if asked.face is None else f"{asked.face} face"

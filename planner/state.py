@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from objectmodels.errors import ModelError
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -21,22 +23,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class PlanarPose:
-    """Pose X_WB of an upright object on the table.
+    """Pose X_WB of an object on the table.
 
     Attributes:
         x, y: position of B's origin in W [m].
         yaw: angle of B's x axis, counter-clockwise from W's x axis [rad].
+        attitude: rotation of B against an upright frame of that yaw, row by row; None if the object
+            stands upright.
     """
 
     x: float
     y: float
     yaw: float = 0.0
+    attitude: tuple[float, ...] | None = None
 
     @property
     def R_WB(self) -> NDArray[np.float64]:
         """Rotation of B in W, shape (3, 3)."""
         c, s = np.cos(self.yaw), np.sin(self.yaw)
-        return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        upright = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        if self.attitude is None:
+            return upright
+        return np.asarray(upright @ np.reshape(self.attitude, (3, 3)))
 
     @property
     def p_WB(self) -> NDArray[np.float64]:
@@ -51,12 +59,30 @@ class SeenObject:
     Attributes:
         name: the object's name in the scene; unique.
         pose: where the vision port sees it.
-        model: the registry's model of it (the belief, never the truth).
+        model: the registry's model of it (the belief, never the truth), as it lies.
+        lies_on: name of the face that is below; `bottom` if it stands as its model does.
     """
 
     name: str
     pose: PlanarPose
     model: ObjectModel
+    lies_on: str = "bottom"
+
+    @classmethod
+    def lying(cls, name: str, pose: PlanarPose, model: ObjectModel) -> SeenObject:
+        """An object as it is seen: its pose picks the base that it lies on.
+
+        One that leans on something keeps the model that stands upright.
+        """
+        if pose.attitude is None:
+            return cls(name, pose, model)
+        try:
+            rest = model.lying(pose.R_WB)
+        except ModelError:
+            return cls(name, PlanarPose(pose.x, pose.y, pose.yaw), model, "nothing flat")
+        R_WN, p_WN = pose.R_WB @ rest.R_BN, pose.p_WB + pose.R_WB @ rest.p_BN
+        yaw = float(np.arctan2(R_WN[1, 0], R_WN[0, 0]))
+        return cls(name, PlanarPose(float(p_WN[0]), float(p_WN[1]), yaw), rest.model, rest.face)
 
 
 @dataclass(frozen=True)

@@ -121,7 +121,7 @@ class _Run:
         self.recorder.phase = "look"
         poses = self.recorder.look(LOOK)
         return WorldState(
-            {name: SeenObject(name, pose, self.models[name]) for name, pose in poses.items()}
+            {name: SeenObject.lying(name, pose, self.models[name]) for name, pose in poses.items()}
         )
 
     def _stance(self, state: WorldState) -> tuple[Stance, Way]:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from objectmodels.resting import LEVEL
 from planner.state import PlanarPose
 from sim.rotations import Array, rot_x, rot_y, rot_z, yaw_of
 from sim.scene import Scene, Vision
@@ -84,8 +85,14 @@ def mean_pose(poses: Iterable[SeenPose]) -> PlanarPose:
     """Mean of several views of an object that stands still."""
     seen = list(poses)
     x, y, _ = np.mean([pose.p_WB for pose in seen], axis=0)
-    yaw = yaw_of(np.mean([pose.R_WB for pose in seen], axis=0))
-    return PlanarPose(float(x), float(y), float(yaw))
+    R_WB = np.mean([pose.R_WB for pose in seen], axis=0)
+    yaw = float(yaw_of(R_WB))
+    if R_WB[2, 2] > np.cos(LEVEL):
+        return PlanarPose(float(x), float(y), yaw)
+    # The nearest rotation to a mean of rotations.
+    left, _, right = np.linalg.svd(R_WB)
+    attitude = rot_z(-yaw) @ left @ right
+    return PlanarPose(float(x), float(y), yaw, tuple(attitude.ravel().tolist()))
 
 
 def vision_rng(seed: int) -> np.random.Generator:

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
+from objectmodels import Registry
 from planner.directions import angle_between, bisector, face_name, heading_of, phrase, unit
 from planner.footprints import (
     footprint,
@@ -17,7 +19,7 @@ from planner.footprints import (
     overlaps,
     travel_to_edge,
 )
-from planner.state import PlanarPose, TableState
+from planner.state import PlanarPose, SeenObject, TableState
 from tests.unit.planner.conftest import world
 
 angles = st.floats(-math.pi, math.pi)
@@ -80,3 +82,25 @@ def test_where_a_box_falls() -> None:
     assert strip[:, 0].max() - strip[:, 0].min() == pytest.approx(0.32)
     assert strip[:, 1].max() - strip[:, 1].min() == pytest.approx(0.09)
     assert footprint(seen).mean(axis=0) == pytest.approx([0.4, 0.1])
+
+
+def attitude(axis: str, degrees: float) -> tuple[float, ...]:
+    return tuple(Rotation.from_euler(axis, degrees, degrees=True).as_matrix().ravel().tolist())
+
+
+def test_a_fallen_box_is_seen_as_it_lies() -> None:
+    """Toppled away over its front edge at x = 0.545 it covers the table beyond that."""
+    tea = Registry.built_in().get("ice tea box")
+    # Rolled over the edge: B's origin is 45 mm up, its z axis looks away.
+    seen = SeenObject.lying("tea", PlanarPose(0.545, 0.1, 0.0, attitude("y", 90.0)), tea)
+    assert seen.lies_on == "back"
+    assert seen.model.extents == pytest.approx((0.23, 0.09, 0.09), rel=1e-12)
+    corners = footprint(seen)
+    np.testing.assert_allclose(corners.min(axis=0), (0.545, 0.055), atol=1e-9)
+    np.testing.assert_allclose(corners.max(axis=0), (0.775, 0.145), atol=1e-9)
+
+
+def test_what_leans_lies_on_nothing_flat() -> None:
+    tea = Registry.built_in().get("ice tea box")
+    seen = SeenObject.lying("tea", PlanarPose(0.5, 0.0, 0.3, attitude("y", 40.0)), tea)
+    assert (seen.lies_on, seen.model) == ("nothing flat", tea)
