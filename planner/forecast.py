@@ -119,7 +119,7 @@ def remarks(
     if asked.region is not None:
         notes.append(f"the sentence asks for a contact {asked.region}")
     if push.fingers == 1 and 2 in asked.fingers:
-        notes.append("one finger, since two do not reach it")
+        notes.append("one finger, since two do not fit or do not reach it")
     if contacts.sigmas < d.sigmas:
         notes.append(
             f"certain within {contacts.sigmas:g} instead of {d.sigmas:g} standard deviations of "

@@ -231,7 +231,7 @@ class PushControl:
         inward = float(np.arctan2(self.way.inward[1], self.way.inward[0]))
         angle = np.radians(vision.angle_noise_deg)
         return LineKeeper(
-            PushedBox(float(depth) + TIP_RADIUS, model.friction_radius),
+            PushedBox(float(depth) + TIP_RADIUS, model.friction_radius, inward - pose.yaw),
             float(np.arctan2(self._u[1], self._u[0])),
             here.midpoint[:2],
             (pose.x, pose.y, inward),

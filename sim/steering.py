@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.rotations import Array, wrap
+from sim.rotations import Array, wrap, yaw_of
 from sim.vision import SeenPose
 
 _STEPS = 16  # of the remaining way in the least squares
@@ -44,10 +44,12 @@ class PushedBox:
     Attributes:
         ahead: distance a from the fingertip's centre to the box's middle, along the normal [m].
         friction_radius: c̄ [m].
+        facing: heading of the pushed face's inward normal in B [rad].
     """
 
     ahead: float
     friction_radius: float
+    facing: float = 0.0
 
     @property
     def alpha(self) -> float:
@@ -102,7 +104,6 @@ class LineKeeper:
             3
         )
         x, y, normal = seen
-        self._normal = normal
         heading = float(wrap(normal - direction))
         tip_D = self._R_DW @ tip
         middle = self._R_DW @ np.array([x, y])
@@ -149,10 +150,8 @@ class LineKeeper:
             state.contact += float(correction[1])
 
     def _normal_of(self, pose: SeenPose) -> float:
-        """Heading of the pushed face's inward normal: the seen one nearest to where it was."""
-        yaw = np.arctan2(pose.R_WB[1, 0], pose.R_WB[0, 0])
-        quarter = np.pi / 2
-        return float(yaw + quarter * np.round((self._normal - yaw) / quarter))
+        """Heading of the pushed face's inward normal in W, as the box is seen to be turned."""
+        return float(yaw_of(pose.R_WB)) + self._box.facing
 
     def slope(self, remaining: float) -> float:
         """Slope u = dy/dx of the fingertip's path in D, for the remaining way [m]."""

@@ -60,7 +60,7 @@ def test_the_same_seed_gives_the_same_result(capsys: pytest.CaptureFixture[str])
 @pytest.mark.parametrize(
     "sentence",
     ["push the mug away without toppling it", "push the soup can to the left 8 cm",
-     "push the tea tin away without toppling it"],
+     "push the tea tin towards me a little without turning it"],
 )  # fmt: skip
 def test_round_and_six_sided_things(capsys: pytest.CaptureFixture[str], sentence: str) -> None:
     status, result, _ = _say(capsys, sentence, "--scene", "counter")
