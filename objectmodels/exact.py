@@ -25,7 +25,7 @@ from objectmodels.base import Array, Base, Disc
 from objectmodels.limit import Limit, friction_limit
 from objectmodels.prediction import Thresholds
 from objectmodels.springs import Springs
-from objectmodels.support import friction_radius, hull, support_points
+from objectmodels.support import friction_radius, hull, mean_distance, support_points
 from objectmodels.thresholds import (
     force_at,
     push_moment,
@@ -117,7 +117,7 @@ def exact_thresholds(model: ObjectModel, p: Array, u: Array, friction: Friction)
     """See `ObjectModel.thresholds`, which checks its arguments."""
     c, weight, mu = np.array(model.com), model.weight, model.coefficient(friction)
     points, weights = support_points(model.support, model.footprint)
-    scale = model.friction_radius / friction_radius_of(points, weights)
+    scale = model.friction_radius / mean_distance(points, weights)
     topple = topple_threshold(model.base, p, u, c, weight)
     ellipsoid = slide_threshold(u, yaw_arm(p, u, c), mu, model.friction_radius, weight)
     slide, residual = np.full(len(p), np.inf), np.zeros(len(p))
@@ -145,11 +145,6 @@ def exact_thresholds(model: ObjectModel, p: Array, u: Array, friction: Friction)
         motion=motion,
         fitted=not isclose(model.friction_radius, friction_radius(model.support, model.footprint)),
     )
-
-
-def friction_radius_of(points: Array, weights: Array) -> float:
-    """Friction radius of points about their middle [m]; see `support.friction_radius`."""
-    return float(weights @ np.hypot(*(points - weights @ points).T))
 
 
 @dataclass(frozen=True)

@@ -57,18 +57,19 @@ def friction_radius(support: Support, base: Base) -> float:
     """Friction radius c̄ [m]: the mean distance of what carries from its middle."""
     if support == "uniform":
         return base.uniform_radius
-    points, weights = support_points(support, base)
+    return mean_distance(*support_points(support, base))
+
+
+def mean_distance(points: Array, weights: Array) -> float:
+    """Friction radius of points (k, 2) with weights (k,): mean distance from their middle [m]."""
     return float(weights @ np.hypot(*(points - weights @ points).T))
 
 
 def within(base: Base, points: Array, tolerance: float = 0.0) -> bool:
     """Whether all points (n, 2) lie in a base, or beyond it by at most a tolerance [m]."""
-    directions = base.normals if isinstance(base, Polygon) else _unit(points)
-    extent = base.extent(directions)
-    reached = (
-        points @ directions.T if isinstance(base, Polygon) else np.sum(points * directions, axis=1)
-    )
-    return bool((reached <= extent + tolerance).all())
+    if isinstance(base, Polygon):
+        return bool((points @ base.normals.T <= base.offsets + tolerance).all())
+    return bool((np.hypot(*points.T) <= base.size + tolerance).all())
 
 
 def hull(points: Array) -> Polygon:
@@ -83,8 +84,3 @@ def hull(points: Array) -> Polygon:
         return Polygon.convex(points[ConvexHull(points).vertices])
     except QhullError as error:
         raise ModelError("bad_value", "the support points lie on a line") from error
-
-
-def _unit(points: Array) -> Array:
-    length = np.maximum(np.hypot(*points.T), 1e-300)
-    return np.asarray(points / length[:, None])
