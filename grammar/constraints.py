@@ -51,11 +51,27 @@ class NoSpill(Part):
     spans: Spans = ()
 
 
+class MaxTilt(Part):
+    """The object tilts by `value` at most [rad]."""
+
+    kind: Literal["max_tilt"] = "max_tilt"
+    value: Positive
+    spans: Spans = ()
+
+
+class MaxTurn(Part):
+    """The object turns about the vertical by `value` at most [rad]."""
+
+    kind: Literal["max_turn"] = "max_turn"
+    value: Positive
+    spans: Spans = ()
+
+
 class NoTouch(Part):
-    """The moved object keeps off another one, by `clearance` [m] if given."""
+    """The moved object keeps off another one, by `clearance` [m] if given; None: off everything."""
 
     kind: Literal["no_touch"] = "no_touch"
-    object: ObjectRef
+    object: ObjectRef | None
     clearance: Annotated[float, Field(ge=0.0)] | None = None
     spans: Spans = ()
 
@@ -92,6 +108,14 @@ class MaxSpeed(Part):
     spans: Spans = ()
 
 
+class MinSpeed(Part):
+    """The object moves at least at `value` [m/s]."""
+
+    kind: Literal["min_speed"] = "min_speed"
+    value: Positive
+    spans: Spans = ()
+
+
 class Speed(Part):
     """The object moves at `value` [m/s]."""
 
@@ -104,6 +128,14 @@ class MaxDuration(Part):
     """It is done within `value` [s]."""
 
     kind: Literal["max_duration"] = "max_duration"
+    value: Positive
+    spans: Spans = ()
+
+
+class Duration(Part):
+    """It takes `value` [s]."""
+
+    kind: Literal["duration"] = "duration"
     value: Positive
     spans: Spans = ()
 
@@ -174,14 +206,15 @@ class Until(Part):
     """When to stop."""
 
     kind: Literal["until"] = "until"
-    event: Literal["touching", "in_line", "edge", "about_to_tip", "tips", "moves"]
+    event: Literal["touching", "in_line", "next_to", "edge", "about_to_tip", "tips", "moves"]
     object: ObjectRef | None = None
     spans: Spans = ()
 
 
 Constraint = Annotated[
-    NoTopple | NoTilt | NoTurn | NoSlide | NoLift | NoSpill | NoTouch
-    | MaxForce | MinForce | Force | MaxSpeed | Speed | MaxDuration | MaxDistance
+    NoTopple | NoTilt | NoTurn | NoSlide | NoLift | NoSpill | NoTouch | MaxTilt | MaxTurn
+    | MaxForce | MinForce | Force | MaxSpeed | MinSpeed | Speed | MaxDuration | Duration
+    | MaxDistance
     | Gentle | Hard | Slow | Fast | ContactRegion | Effector | Until,
     Field(discriminator="kind"),
 ]  # fmt: skip

@@ -15,6 +15,7 @@ from __future__ import annotations
 from grammar.constraints import (
     Constraint,
     ContactRegion,
+    Duration,
     Effector,
     Fast,
     Force,
@@ -24,7 +25,10 @@ from grammar.constraints import (
     MaxDuration,
     MaxForce,
     MaxSpeed,
+    MaxTilt,
+    MaxTurn,
     MinForce,
+    MinSpeed,
     NoLift,
     NoSlide,
     NoSpill,
@@ -40,6 +44,7 @@ from grammar.goals import (
     Close,
     Displace,
     Goal,
+    HandOver,
     Lift,
     NoGoal,
     Open,
@@ -58,10 +63,12 @@ from grammar.vocabulary import (
     ContactHeight,
     Dialogue,
     Direction,
+    Event,
     FaceName,
     ObjectRef,
     Part,
     Point,
+    Quality,
     Query,
     Relation,
     RelativeLength,
@@ -84,20 +91,26 @@ __all__ = [
     "Dialogue",
     "Direction",
     "Displace",
+    "Duration",
     "Effector",
+    "Event",
     "FaceName",
     "Fast",
     "Force",
     "Frame",
     "Gentle",
     "Goal",
+    "HandOver",
     "Hard",
     "Lift",
     "MaxDistance",
     "MaxDuration",
     "MaxForce",
     "MaxSpeed",
+    "MaxTilt",
+    "MaxTurn",
     "MinForce",
+    "MinSpeed",
     "NoGoal",
     "NoLift",
     "NoSlide",
@@ -112,6 +125,7 @@ __all__ = [
     "Place",
     "Point",
     "Pour",
+    "Quality",
     "Query",
     "Relation",
     "RelativeLength",
@@ -140,6 +154,7 @@ class Frame(Part):
         object: what it is done to.
         goal: what should become of the object.
         constraints: what must hold on the way, in the order of the sentence.
+        event: what a question asks about ("will it topple if…", "… to make it slide").
         spans: the words that gave the action, the query or the dialogue.
     """
 
@@ -149,6 +164,7 @@ class Frame(Part):
     object: ObjectRef | None = None
     goal: Goal = NoGoal()
     constraints: tuple[Constraint, ...] = ()
+    event: Event | None = None
     spans: Spans = ()
 
 

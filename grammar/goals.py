@@ -28,7 +28,8 @@ class Displace(Part):
     Attributes:
         direction: a direction, or two whose bisector is meant; None if not said.
         heading: direction as an angle, counter-clockwise from +x of W [rad].
-        toward: object to move towards.
+        toward: object, or part of the table, to move towards.
+        away_from: object to move away from.
         distance: how far [m], or measured in objects; None if not said.
         bound: whether `distance` is meant exactly or as a bound.
         fraction: share of the way to the place that is named ("halfway").
@@ -38,7 +39,8 @@ class Displace(Part):
     kind: Literal["displace"] = "displace"
     direction: Direction | tuple[Direction, Direction] | None = None
     heading: float | None = None
-    toward: ObjectRef | None = None
+    toward: ObjectRef | TableRegion | None = None
+    away_from: ObjectRef | None = None
     distance: Positive | RelativeLength | None = None
     bound: Bound = "exact"
     fraction: Positive | None = None
@@ -58,30 +60,49 @@ class Displace(Part):
 
 
 class Place(Part):
-    """Bring the object to a place; `distance` is the gap between the surfaces [m]."""
+    """Bring the object to a place.
+
+    Attributes:
+        relation: where, as seen from `reference`.
+        reference: objects, a point or a part of the table.
+        distance: gap between the surfaces [m]; None if not said.
+        fraction: share of the way to the place ("halfway to the left edge").
+    """
 
     kind: Literal["place"] = "place"
     relation: Relation
     reference: tuple[ObjectRef, ...] | Point | TableRegion
-    distance: Annotated[float, Field(ge=0.0)] | None = None
+    distance: Annotated[float, Field(ge=0.0)] | RelativeLength | None = None
+    fraction: Positive | None = None
     spans: Spans = ()
 
 
 class Rotate(Part):
-    """Turn the object about the vertical by `angle` [rad]; `ccw` as seen from above."""
+    """Turn the object about the vertical.
+
+    Attributes:
+        angle: how far [rad]; None if not said.
+        sense: `ccw` or `cw`, as seen from above; None if not said.
+        bound: whether `angle` is meant exactly or as a bound.
+        amount: `little` or `lot`, if the sentence says no more.
+    """
 
     kind: Literal["rotate"] = "rotate"
     angle: Positive | None = None
     sense: Sense | None = None
+    bound: Bound = "exact"
+    amount: Amount | None = None
     spans: Spans = ()
 
 
 class Tilt(Part):
-    """Tilt the object about an edge of its base by `angle` [rad]."""
+    """Tilt the object about an edge of its base by `angle` [rad], towards `direction`."""
 
     kind: Literal["tilt"] = "tilt"
     angle: Positive | None = None
     direction: Direction | None = None
+    bound: Bound = "exact"
+    amount: Amount | None = None
     spans: Spans = ()
 
 
@@ -101,10 +122,12 @@ class Upright(Part):
 
 
 class Lift(Part):
-    """Lift the object by `height` [m]."""
+    """Lift the object by `height` [m], or measured in objects."""
 
     kind: Literal["lift"] = "lift"
-    height: Positive | None = None
+    height: Positive | RelativeLength | None = None
+    bound: Bound = "exact"
+    amount: Amount | None = None
     spans: Spans = ()
 
 
@@ -133,6 +156,13 @@ class Pour(Part):
     spans: Spans = ()
 
 
+class HandOver(Part):
+    """Give the object to the person who speaks."""
+
+    kind: Literal["hand_over"] = "hand_over"
+    spans: Spans = ()
+
+
 class Parameters(Part):
     """Find out parameters of the object's model (mass, friction, …); none named means all."""
 
@@ -150,6 +180,6 @@ class NoGoal(Part):
 
 Goal = Annotated[
     Displace | Place | Rotate | Tilt | Topple | Upright | Lift | Open | Close | Pour
-    | Parameters | NoGoal,
+    | HandOver | Parameters | NoGoal,
     Field(discriminator="kind"),
 ]  # fmt: skip

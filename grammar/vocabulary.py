@@ -6,19 +6,27 @@ Directions are the robot's, which stands at the table's −x edge of W and looks
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_serializer
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+)
 
 Span = tuple[int, int]
 Spans = tuple[Span, ...]
 
 Action = Literal[
     "push", "pull", "move", "slide", "turn", "tilt", "topple",
-    "lift", "place", "open", "close", "pour", "explore",
+    "lift", "place", "open", "close", "pour", "explore", "hand_over",
 ]  # fmt: skip
 Query = Literal["predict", "possible", "how_hard", "where", "why", "value", "affordances"]
 Dialogue = Literal["undo", "stop", "repeat", "correct", "more"]
+
+Event = Literal["moves", "slides", "tips", "tilts", "turns", "stays_upright"]
 
 Direction = Literal["away", "toward", "left", "right"]
 Amount = Literal["little", "lot"]
@@ -34,6 +42,12 @@ TableRegion = Literal[
     "front_left_corner", "front_right_corner", "back_left_corner", "back_right_corner",
 ]  # fmt: skip
 
+Quality = Literal[
+    "red", "orange", "yellow", "green", "blue", "purple", "pink", "brown", "black", "white", "grey",
+    "big", "small", "tall", "short", "wide", "narrow", "heavy", "light",
+    "left", "right", "middle", "near", "far", "other", "same",
+]  # fmt: skip
+
 Positive = Annotated[float, Field(gt=0.0)]
 
 
@@ -46,17 +60,28 @@ class Part(BaseModel):
 
 
 class ObjectRef(Part):
-    """An object as the sentence names it.
+    """An object as the sentence names it, with what tells it from others.
 
     Attributes:
-        text: the name as written, without its article.
-        spans: where it stands in the sentence.
+        text: the name as written, without its article and without the place that tells it apart.
+        spans: where it stands in the sentence, the place included.
         id: name of the object in the scene, filled in when the name is resolved.
+        pronoun: whether it stands for what was spoken of before ("it", "that one").
+        qualities: what its adjectives say; of colours, sizes and positions each is the one that
+            has most of it ("the tall box": the tallest).
+        noun: `text` without the adjectives; "" if nothing is left ("the red one").
+        relation: where it is ("the box next to the mug"), as seen from `reference`.
+        reference: the objects that it is beside.
     """
 
     text: str = Field(min_length=1)
     spans: Spans = ()
     id: str | None = None
+    pronoun: bool = False
+    qualities: tuple[Quality, ...] = ()
+    noun: str = ""
+    relation: Relation | None = None
+    reference: tuple[ObjectRef, ...] = ()
 
 
 class RelativeLength(Part):
@@ -75,12 +100,20 @@ class Point(Part):
 
 
 class ContactHeight(Part):
-    """Height of a contact [m], measured upwards from the table or downwards from the top."""
+    """Height of a contact, measured upwards from the table or downwards from the top.
 
-    value: float = Field(ge=0.0)
+    Attributes:
+        value: in metres, or measured in objects ("half its height").
+        origin: where it is measured from; `from` in JSON.
+        bound: whether the contact is at this height, or at least or at most so high above the
+            table (so far below the top).
+    """
+
+    value: Annotated[float, Field(ge=0.0)] | RelativeLength
     origin: Literal["table", "top"] = Field(alias="from")
+    bound: Bound = "exact"
 
-    @model_serializer
-    def _with_the_contract_s_key(self) -> dict[str, float | str]:
+    @model_serializer(mode="wrap")
+    def _with_the_contract_s_key(self, fields: SerializerFunctionWrapHandler) -> dict[str, Any]:
         # `from` is a keyword of Python, so the field cannot bear the contract's name itself.
-        return {"value": self.value, "from": self.origin}
+        return {"from" if key == "origin" else key: value for key, value in fields(self).items()}

@@ -161,7 +161,7 @@ def _displace(goal: Displace, lexicon: Lexicon) -> list[str]:
     if goal.direction is not None:
         pair = (goal.direction,) if isinstance(goal.direction, str) else goal.direction
         words.append(" and ".join(_DIRECTIONS[direction] for direction in pair))
-    if goal.toward is not None:
+    if isinstance(goal.toward, ObjectRef):
         words.append(f"toward {_name(goal.toward, lexicon)}")
     if isinstance(goal.distance, float):
         words.append(f"by {_BOUNDS[goal.bound]}{_length(goal.distance)}")
@@ -193,7 +193,7 @@ def _constraints(
 def _constraint(constraint: Constraint, lexicon: Lexicon) -> str:
     if isinstance(constraint, Force | MinForce | MaxForce):
         return f"with {_FORCES[type(constraint)]}{_plain(constraint.value)} N"
-    if isinstance(constraint, NoTouch) and constraint.clearance is None:
+    if isinstance(constraint, NoTouch) and constraint.object and constraint.clearance is None:
         return f"without touching {_name(constraint.object, lexicon)}"
     if isinstance(constraint, Effector):
         return _effector(constraint)
@@ -208,7 +208,7 @@ def _contact(contact: ContactRegion, *, directed: bool) -> str:
     words = []
     if contact.region:
         words.append(_REGIONS[contact.region])
-    if contact.height:
+    if contact.height and isinstance(contact.height.value, float):
         words.append(f"at {_length(contact.height.value)} {_HEIGHTS[contact.height.origin]}")
     if contact.face:
         words.append(sides.get(contact.face, _ON[contact.face]))

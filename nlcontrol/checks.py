@@ -111,7 +111,7 @@ def require_checkable(frame: g.Frame) -> None:
     for clause in frame.constraints:
         if clause.kind not in _CONSTRAINTS:
             raise _uncheckable(clause.kind, clause.spans)
-        if isinstance(clause, g.NoTouch) and clause.clearance is not None:
+        if isinstance(clause, g.NoTouch) and (clause.clearance is not None or not clause.object):
             raise _uncheckable("clearance", clause.spans)
 
 
@@ -203,7 +203,7 @@ def _asked_heading(goal: g.Displace, e: Evidence) -> float | None:
     """Heading that the sentence asks for [rad], from where things stood at the start."""
     if goal.heading is not None:
         return goal.heading
-    if goal.toward is not None and goal.toward.id is not None:
+    if isinstance(goal.toward, g.ObjectRef) and goal.toward.id is not None:
         there, here = e.trace.poses[goal.toward.id][0, 4:], e.trace.poses[e.name][0, 4:]
         return heading_of(there - here)
     if isinstance(goal.direction, tuple):
@@ -250,6 +250,7 @@ def _no_turn(clause: g.NoTurn, e: Evidence) -> Iterator[Check]:
 
 
 def _no_touch(clause: g.NoTouch, e: Evidence) -> Iterator[Check]:
+    assert clause.object is not None
     other = clause.object.id or clause.object.text
     pair = {e.name, other}
     touched = any({c.body_a, c.body_b} == pair for c in e.trace.contacts)
@@ -304,9 +305,14 @@ def _contact(clause: g.ContactRegion, e: Evidence) -> Iterator[Check]:
             most = high * height / 3
             yield _compare(clause, "at_most", "contact height", most, p_BT[2], tolerance, "m")
     if clause.height is not None:
-        value, origin = clause.height.value, clause.height.origin
-        asked = value if origin == "table" else height - value
-        yield _compare(clause, "about", "contact height", asked, p_BT[2], tolerance, "m")
+        value, upwards = clause.height.value, clause.height.origin == "table"
+        assert isinstance(value, float)
+        asked = value if upwards else height - value
+        bound = clause.height.bound
+        relation: Relation = "about"
+        if bound != "exact":
+            relation = "at_least" if (bound == "at_least") == upwards else "at_most"
+        yield _compare(clause, relation, "contact height", asked, p_BT[2], tolerance, "m")
 
 
 def _effector(clause: g.Effector, e: Evidence) -> Iterator[Check]:

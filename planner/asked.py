@@ -29,6 +29,7 @@ _GOALS = {
     "open": "opening objects",
     "close": "closing objects",
     "pour": "pouring",
+    "hand_over": "handing objects over",
     "parameters": "finding out parameters by touching",
     "none": "a command that does not say what should become of the object",
 }
@@ -40,8 +41,12 @@ _CONSTRAINTS = {
     "force": "pushing with exactly a force",
     "hard": "pushing hard",
     "fast": "pushing fast",
+    "min_speed": "pushing with at least a speed",
     "speed": "keeping an exact speed",
     "max_duration": "limiting the duration",
+    "duration": "pushing for a time",
+    "max_tilt": "limiting how far an object tilts",
+    "max_turn": "limiting how far an object turns",
     "until": "stopping at an event",
 }
 
@@ -140,6 +145,9 @@ def _goal(frame: g.Frame, target: SeenObject, state: WorldState, defaults: Defau
         used.append(
             DefaultUsed(name="direction", value=0.0, unit="rad", reason="no direction said: away")
         )
+    if goal.away_from is not None or isinstance(goal.toward, str):
+        what = "moving away from objects, or towards parts of the table"
+        raise unsupported(what, f"this version of the robot is not capable of {what}", goal.spans)
     distance, reason = _distance(goal, defaults)
     if reason:
         used.append(DefaultUsed(name="distance", value=distance, unit="m", reason=reason))
@@ -153,7 +161,7 @@ def _goal(frame: g.Frame, target: SeenObject, state: WorldState, defaults: Defau
 def _heading(goal: g.Displace, target: SeenObject, state: WorldState) -> float | None:
     if goal.heading is not None:
         return goal.heading
-    if goal.toward is not None and goal.toward.id is not None:
+    if isinstance(goal.toward, g.ObjectRef) and goal.toward.id is not None:
         if goal.toward.id == target.name:
             message = f"the {target.name} cannot move towards itself"
             raise RefusedError(
@@ -194,6 +202,10 @@ def _constrained(
         case g.NoTopple() | g.NoTilt() if asked.outcome == "topple":
             message = "it cannot topple and stay on its base"
             raise RefusedError(Refusal(reason="impossible", message=message, spans=clause.spans))
+        case g.NoTouch(object=None):
+            what = "keeping clear of everything, the table's edge and the hand included"
+            message = f"this version of the robot is not capable of {what}"
+            raise unsupported(what, message, clause.spans, "name the object not to touch")
         case g.NoTouch() if clause.clearance is not None:
             what = "keeping a distance from other objects"
             message = (
@@ -275,11 +287,21 @@ def _contact(
             asked, third * height / 3.0, (third + 1) * height / 3.0, f"at the {clause.region}"
         )
     if clause.height is not None:
-        value = clause.height.value
-        at = value if clause.height.origin == "table" else height - value
-        near = 0.5 * defaults.height_tolerance
-        asked = _between(asked, at - near, at + near, f"{1e3 * at:.0f} mm above the table")
+        asked = _at_height(asked, clause.height, height, defaults)
     return replace(asked, contact_spans=spans)
+
+
+def _at_height(asked: Asked, height: g.ContactHeight, top: float, defaults: Defaults) -> Asked:
+    assert isinstance(height.value, float), "lengths measured in objects are resolved by now"
+    upwards = height.origin == "table"
+    at = height.value if upwards else top - height.value
+    where = f"{1e3 * at:.0f} mm above the table"
+    if height.bound == "exact":
+        near = 0.5 * defaults.height_tolerance
+        return _between(asked, at - near, at + near, where)
+    if (height.bound == "at_least") == upwards:
+        return _between(asked, at, top, f"at least {where}")
+    return _between(asked, 0.0, at, f"at most {where}")
 
 
 def _between(asked: Asked, low: float, high: float, region: str) -> Asked:

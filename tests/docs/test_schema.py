@@ -46,17 +46,18 @@ def test_the_names_of_the_frames() -> None:
     goals = set(frame["goal"]["discriminator"]["mapping"])
     assert goals == {
         "displace", "place", "rotate", "tilt", "topple", "upright", "lift", "open", "close",
-        "pour", "parameters", "none",
+        "pour", "hand_over", "parameters", "none",
     }  # fmt: skip
     constraints = set(frame["constraints"]["items"]["discriminator"]["mapping"])
     assert constraints == {
         "no_topple", "no_tilt", "no_turn", "no_slide", "no_lift", "no_spill", "no_touch",
-        "max_force", "min_force", "force", "max_speed", "speed", "max_duration", "max_distance",
+        "max_tilt", "max_turn", "max_force", "min_force", "force", "max_speed", "min_speed",
+        "speed", "max_duration", "duration", "max_distance",
         "gentle", "hard", "slow", "fast", "contact", "effector", "until",
     }  # fmt: skip
     assert set(get_args(g.Action)) == {
         "push", "pull", "move", "slide", "turn", "tilt", "topple", "lift", "place", "open",
-        "close", "pour", "explore",
+        "close", "pour", "explore", "hand_over",
     }  # fmt: skip
 
 

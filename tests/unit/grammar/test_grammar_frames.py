@@ -32,6 +32,7 @@ GOALS = [
     "open",
     "close",
     "pour",
+    "hand_over",
     "parameters",
     "none",
 ]
@@ -43,12 +44,16 @@ CONSTRAINTS = [
     "no_lift",
     "no_spill",
     "no_touch",
+    "max_tilt",
+    "max_turn",
     "max_force",
     "min_force",
     "force",
     "max_speed",
+    "min_speed",
     "speed",
     "max_duration",
+    "duration",
     "max_distance",
     "gentle",
     "hard",
@@ -75,8 +80,8 @@ def test_keys_of_a_frame() -> None:
         "action", "query", "dialogue", "object", "goal", "constraints",
     ]  # fmt: skip
     assert list(Displace.model_fields) == [
-        "kind", "direction", "heading", "toward", "distance", "bound", "fraction", "amount",
-        "spans",
+        "kind", "direction", "heading", "toward", "away_from", "distance", "bound", "fraction",
+        "amount", "spans",
     ]  # fmt: skip
 
 
@@ -102,7 +107,11 @@ def test_json_gives_the_frame_back() -> None:
     text = frame.model_dump_json()
     assert Frame.model_validate_json(text) == frame
     assert Frame.model_validate(json.loads(text)) == frame
-    assert json.loads(text)["constraints"][0]["height"] == {"value": 0.03, "from": "top"}
+    assert json.loads(text)["constraints"][0]["height"] == {
+        "value": 0.03,
+        "from": "top",
+        "bound": "exact",
+    }
 
 
 @pytest.mark.parametrize(

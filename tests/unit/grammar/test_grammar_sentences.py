@@ -19,7 +19,7 @@ def bare(value: Any) -> Any:
     """JSON without spans, and without what is null, empty or exact."""
     if isinstance(value, dict):
         kept = {key: bare(part) for key, part in value.items() if key not in ("spans", "id")}
-        return {key: p for key, p in kept.items() if p not in (None, []) and p != "exact"}
+        return {key: p for key, p in kept.items() if p not in (None, [], False, "", "exact")}
     if isinstance(value, list):
         return [bare(part) for part in value]
     return value

@@ -105,11 +105,12 @@ def test_every_reference_in_a_frame_is_bound() -> None:
     assert first.object is not None
     assert first.object.id == "ice tea box"
     assert isinstance(first.goal, g.Displace)
-    assert first.goal.toward is not None
+    assert isinstance(first.goal.toward, g.ObjectRef)
     assert first.goal.toward.id == "coffee box"
     assert isinstance(first.goal.distance, g.RelativeLength)
     assert first.goal.distance.of.id == "cereal box"
     assert isinstance(first.constraints[1], g.NoTouch)
+    assert first.constraints[1].object is not None
     assert first.constraints[1].object.id == "cereal box"
     assert first.object.spans == frame.object.spans if frame.object else False
     assert isinstance(second.goal, g.Place)
