@@ -8,6 +8,8 @@ from grammar.errors import ParseError
 from grammar.frames import Command, Frame, ObjectRef
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from grammar.lexicon import Lexicon
 
 __all__ = ["Command", "Frame", "ObjectRef", "ParseError", "paraphrase", "parse"]
@@ -25,8 +27,8 @@ def parse(text: str) -> Command:
     return parser.parse(text)
 
 
-def paraphrase(frame: Frame, lexicon: Lexicon | None = None) -> str:
-    """Says in plain words what a frame asks; see `grammar.wording.paraphrase`."""
+def paraphrase(said: Frame | Sequence[Frame], lexicon: Lexicon | None = None) -> str:
+    """Says in plain words what frames ask; see `grammar.wording.paraphrase`."""
     from grammar import wording
 
-    return wording.paraphrase(frame, lexicon)
+    return wording.paraphrase(said, lexicon)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Set
 
-from lark.exceptions import UnexpectedInput, UnexpectedToken
+from lark.exceptions import UnexpectedToken
 
 from grammar.errors import ParseError
 from grammar.frames import Span
@@ -17,29 +17,13 @@ EXAMPLE = 'say, for example, "push the box away"'
 _TIE = 5.0
 """Likenesses nearer to the best than this are as good as it."""
 
-_UNITS = {"LENGTH_UNIT": "cm", "ANGLE_UNIT": "degrees", "FORCE_UNIT": "N"}
+_UNITS = {"LENGTH_UNIT": "cm", "ANGLE_UNIT": "degrees", "FORCE_UNIT": "N", "SPEED_UNIT": "cm/s",
+          "TIME_UNIT": "seconds"}  # fmt: skip
 _WORD = re.compile(r"[^ ]+")
-_NOT_FIRST = re.compile(r"[ ,]*(?:(?:robot|please|hey|ok|okay|now|hello)(?: |$)[ ,]*)*")
-
-
-def question(sentence: Normalised, lexicon: Lexicon) -> ParseError | None:
-    """The error for a question, unless it is a polite request."""
-    start = _NOT_FIRST.match(sentence.text)
-    text = sentence.text[start.end() if start else 0 :] + " "
-    asks = text.startswith(tuple(f"{word} " for word in lexicon.question_words))
-    requests = text.startswith(tuple(f"{word} " for word in lexicon.requests))
-    if not asks and (not sentence.question or requests):
-        return None
-    return ParseError(
-        "unsupported_question",
-        "questions are not understood, only commands",
-        None,
-        ("say it as a command, without a question mark",),
-    )
 
 
 def diagnose(
-    error: UnexpectedInput, accepts: Set[str], sentence: Normalised, lexicon: Lexicon
+    error: UnexpectedToken, accepts: Set[str], sentence: Normalised, lexicon: Lexicon
 ) -> ParseError:
     """Says in terms of the language why lark could not go on.
 
@@ -49,61 +33,48 @@ def diagnose(
         sentence: the sentence.
         lexicon: the words of the language.
     """
-    token = error.token.type if isinstance(error, UnexpectedToken) else ""
-    at_end = token == "$END"
-    start, word = _word(sentence, len(sentence.text) if at_end else error.pos_in_stream or 0)
-    span = None if at_end else sentence.span(start, start + len(word))
-    if "VERB" in accepts:
-        return _no_verb(word, token, span, lexicon)
-    if more := _more_than_one(start, word, span, accepts, sentence, lexicon):
-        return more
-    if "WORD" in accepts and "$END" not in accepts and token != "WORD":
+    at_end = error.token.type == "$END"
+    start, word = _word(sentence, len(sentence.text) if at_end else error.token.start_pos or 0)
+    said, last = _word(sentence, sentence.text.rfind(" ") + 1)
+    span = (
+        sentence.span(said, said + len(last)) if at_end else sentence.span(start, start + len(word))
+    )
+    if word.startswith('"'):
         return _no_object(span)
-    if units := [_UNITS[name] for name in _UNITS if name in accepts]:
-        number = sentence.text[:start].split()[-1]
+    if not at_end and word in lexicon.vague:
+        return _vague(word, span, lexicon)
+    if (
+        not at_end
+        and "VERB" in accepts
+        and (missing := _no_verb(start, word, span, sentence, lexicon))
+    ):
+        return missing
+    if "SIDE_OF_OBJECT" in accepts and not accepts & {*_UNITS, "VERB"}:
+        return _no_unit(start, sentence, lexicon)
+    if "WORD" in accepts and "$END" not in accepts and "VERB" not in accepts:
+        before = sentence.text[:start].split()[-1:]
+        if not any(name in accepts for name in _UNITS) or before in (["a"], ["an"]):
+            return _no_object(span)
+    if units := [_UNITS[name] for name in _UNITS if name in accepts and "VERB" not in accepts]:
+        number = word if at_end else sentence.text[:start].split()[-1]
+        wanted = _did_you_mean(word, _words(accepts, lexicon))
         return ParseError(
             "missing_unit",
             f'"{number}" lacks its unit',
             span,
-            tuple(f"{number} {unit}" for unit in units),
+            (*wanted, *(f"{number} {unit}" for unit in units)),
         )
     if at_end:
-        return _incomplete(accepts, lexicon)
+        return _incomplete(accepts, span, lexicon)
+    written = sentence.written(span)
+    anything = "VERB" in accepts
+    instead = (f'leave out "{written}"',) if anything else _could_stand_here(accepts, lexicon)
     return ParseError(
         "unexpected_words",
-        f'"{word}" is not understood here',
+        f'"{written}" is not understood here',
         span,
-        (*_did_you_mean(word, _words(accepts, lexicon)), *_could_stand_here(accepts, lexicon)),
+        (*_did_you_mean(word, _words(accepts, lexicon)), *instead),
     )
-
-
-def _more_than_one(
-    start: int,
-    word: str,
-    span: Span | None,
-    accepts: Set[str],
-    sentence: Normalised,
-    lexicon: Lexicon,
-) -> ParseError | None:
-    """The error for a second command or a second object, if the stop is at one."""
-    before = sentence.text[:start].split()[-1:]
-    joined = bool(before) and before[0] in lexicon.terminals["SEPARATOR"]
-    ended = "$END" in accepts or joined
-    if ended and (word in ("then", ".", ";", "!", "?") or word in lexicon.verb_words()):
-        return ParseError(
-            "several_commands",
-            f'"{word}" begins a second command; one at a time is understood',
-            span,
-            ("say one command after the other",),
-        )
-    if joined and word in (*lexicon.terminals["THE"], *lexicon.terminals["A"]):
-        return ParseError(
-            "several_objects",
-            f'"{sentence.text[start:]}" names a second object; one at a time is understood',
-            sentence.span(start, len(sentence.text)),
-            ("say one command for each object",),
-        )
-    return None
 
 
 def _word(sentence: Normalised, position: int) -> tuple[int, str]:
@@ -112,48 +83,68 @@ def _word(sentence: Normalised, position: int) -> tuple[int, str]:
     return (match.start(), match.group()) if match else (len(sentence.text), "")
 
 
-def _no_verb(word: str, token: str, span: Span | None, lexicon: Lexicon) -> ParseError:
-    if word in lexicon.later_verbs:
-        return ParseError(
-            "unsupported_verb",
-            f'the verb "{word}" is not understood yet',
-            span,
-            (f"understood are {', '.join(sorted(lexicon.verb_words()))}",),
-        )
-    if token == "WORD":
-        close = _did_you_mean(word, lexicon.verb_words(), close=65.0)
-        return ParseError("unknown_verb", f'"{word}" is no known verb', span, close or (EXAMPLE,))
-    return ParseError("no_verb", "the sentence does not say what to do", span, (EXAMPLE,))
-
-
-def _no_object(span: Span | None) -> ParseError:
+def _vague(word: str, span: Span, lexicon: Lexicon) -> ParseError:
     return ParseError(
-        "no_object",
-        "the name of an object is missing",
+        "unexpected_words",
+        f'"{word}" may mean several things',
         span,
-        (EXAMPLE,),
+        tuple(f'say "{instead}"' for instead in lexicon.vague[word]),
     )
 
 
-def _incomplete(expected: Set[str], lexicon: Lexicon) -> ParseError:
-    if "THE" in expected and not expected & {"AVOIDING", "TOOL"}:
-        return _no_object(None)
+def _no_verb(
+    start: int, word: str, span: Span, sentence: Normalised, lexicon: Lexicon
+) -> ParseError | None:
+    """The error for a word where a command should begin; None if one has begun."""
+    before = sentence.text[:start].split()
+    first = set(before) <= lexicon.silent
+    if not (first or before[-1] in lexicon.joints):
+        return None
+    if word in lexicon.later_verbs:
+        known = ", ".join(sorted(lexicon.verb_words["VERB"]))
+        message = f'the verb "{word}" is not understood yet'
+        return ParseError("unsupported_verb", message, span, (f"understood are {known}",))
+    if not word.isalpha() or word in lexicon.reserved | lexicon.first_words:
+        return None
+    close = _did_you_mean(word, lexicon.verb_words["VERB"], close=65.0)
+    if not (first or close):
+        return None
+    return ParseError("unknown_verb", f'"{word}" is no known verb', span, close or (EXAMPLE,))
+
+
+def _no_unit(end: int, sentence: Normalised, lexicon: Lexicon) -> ParseError:
+    """The error for a word behind a number that is no unit: "10 blorps"."""
+    start = sentence.text[:end].rstrip().rfind(" ") + 1
+    span = sentence.span(start, len(sentence.text[:end].rstrip()))
+    written = sentence.written(span)
+    close = _did_you_mean(written.casefold(), _words(_UNITS, lexicon))
+    message = f'"{written}" is no unit'
+    return ParseError("missing_unit", message, span, close or ("cm", "degrees", "N"))
+
+
+def _no_object(span: Span) -> ParseError:
+    return ParseError("no_object", "the name of an object is missing", span, (EXAMPLE,))
+
+
+def _incomplete(expected: Set[str], span: Span, lexicon: Lexicon) -> ParseError:
+    if "THE" in expected and not expected & {"AVOIDING", "TOOL", "VERB"}:
+        return _no_object(span)
     return ParseError(
         "incomplete",
         "the sentence ends too early",
-        None,
-        _could_stand_here(expected, lexicon),
+        span,
+        _could_stand_here(expected, lexicon) or (EXAMPLE,),
     )
 
 
 def _could_stand_here(expected: Set[str], lexicon: Lexicon) -> tuple[str, ...]:
     labels = [label for name, label in lexicon.labels.items() if name in expected]
-    return (f"could stand here: {', '.join(labels)}",) if labels else ()
+    return (f"could stand here: {', '.join(labels)}",) if labels else (EXAMPLE,)
 
 
-def _words(expected: Set[str], lexicon: Lexicon) -> set[str]:
+def _words(expected: Iterable[str], lexicon: Lexicon) -> set[str]:
     """Every word of the terminals that could have stood here."""
-    known = [name for name in expected if name in lexicon.terminals or name == "VERB"]
+    known = [n for n in expected if n in lexicon.terminals or n in lexicon.verb_words]
     return {w for name in known for p in lexicon.phrases(name) for w in p.split() if len(w) > 3}
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grammar.frames import Span
+from grammar.frames import Span, Spans
 
 
 class ParseError(Exception):
@@ -13,6 +13,7 @@ class ParseError(Exception):
         message: the same as a sentence.
         span: where in the sentence as given, `[start, end)` in code points; None if it is about
             the whole.
+        spans: every place that it is about; two for a contradiction.
         suggestions: what might have been meant, or could stand there.
     """
 
@@ -22,9 +23,12 @@ class ParseError(Exception):
         message: str,
         span: Span | None = None,
         suggestions: tuple[str, ...] = (),
+        *,
+        spans: Spans = (),
     ) -> None:
         super().__init__(message)
         self.code = code
         self.message = message
         self.span = span
+        self.spans = spans or (() if span is None else (span,))
         self.suggestions = suggestions

@@ -148,11 +148,12 @@ class Close(Part):
 
 
 class Pour(Part):
-    """Pour what the object holds into another one."""
+    """Pour what the object holds into another one; `fraction` is how much of it."""
 
     kind: Literal["pour"] = "pour"
     into: ObjectRef | None = None
     amount: Amount | None = None
+    fraction: Positive | None = None
     spans: Spans = ()
 
 

@@ -10,16 +10,21 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
+
+from grammar.frames import Quality
+from grammar.numerals import NumberWords
 
 T = TypeVar("T")
 
-END = "(?= |$)"
-"""What follows a word in the plain form, as a regular expression."""
-
 _GROUP = re.compile(r"\(([^()\[\]]*)\)|\[([^()\[\]]*)\]")
+
+NAME_TERMINALS = ("VERB", "VERB_ED", "VERB_ING")
+"""Terminals that are made of the verbs: infinitives, participles, gerunds."""
+
+OPENERS = frozenset({"CAN", "WILL", "FIND_OUT", "TELL", "STOP", "VOCATIVE"})
+"""Terminals that begin something new, so that right behind a name they are a part of it."""
 
 
 def expand(template: str) -> Iterator[str]:
@@ -40,13 +45,19 @@ class Verb:
 
     Attributes:
         action: action of the frame.
-        goal: kind of the goal.
+        goal: kind of the goal; `contact` is none unless the sentence says where the object goes.
         amount: how far, if the verb itself says so ("nudge").
+        direction: where to, if the verb itself says so ("bring").
+        turns: how far it turns, if the verb itself says so ("turn around").
+        which: what is found out, if the verb itself says so ("weigh").
     """
 
     action: str
     goal: str
     amount: str | None = None
+    direction: str | None = None
+    turns: float | None = None
+    which: str | None = None
 
 
 @dataclass(frozen=True)
@@ -55,21 +66,31 @@ class Lexicon:
 
     Attributes:
         verbs: verb, or verb and particle → what it asks for.
+        verb_forms: verb → its participle and gerund, where they are not made by rule.
         terminals: terminal → phrase → value.
+        adjectives: word of a name → what it tells the object by.
+        nobodies: words that stand for an object without naming it.
+        parts: parts of objects that may be opened.
+        names: names of several words that are read as one, whatever their words mean elsewhere.
+        numbers: words that number words are made of.
         later_verbs: verbs that are known but not read.
         later_words: words that begin phrases which are not read.
-        question_words: how questions begin.
-        requests: questions that are polite requests.
+        vague: words of no clear meaning → what to say instead.
         contractions: contracted word → spelled out.
         labels: terminal → how a message names it.
     """
 
     verbs: Mapping[str, Verb]
+    verb_forms: Mapping[str, tuple[str, str]]
     terminals: Mapping[str, Mapping[str, str]]
+    adjectives: Mapping[str, Quality]
+    nobodies: frozenset[str]
+    parts: frozenset[str]
+    names: frozenset[str]
+    numbers: NumberWords
     later_verbs: frozenset[str]
     later_words: frozenset[str]
-    question_words: tuple[str, ...]
-    requests: tuple[str, ...]
+    vague: Mapping[str, tuple[str, ...]]
     contractions: Mapping[str, str]
     labels: Mapping[str, str]
 
@@ -90,11 +111,16 @@ class Lexicon:
         """Builds a lexicon from the mapping that its file holds."""
         return cls(
             verbs=_verbs(data["verbs"]),
+            verb_forms={verb: (ed, ing) for verb, (ed, ing) in data["verb_forms"].items()},
             terminals={name: _phrases(name, v) for name, v in data["terminals"].items()},
+            adjectives=cast("dict[str, Quality]", _phrases("adjectives", data["adjectives"])),
+            nobodies=frozenset(data["nobodies"]),
+            parts=frozenset(data["parts"]),
+            names=frozenset(),
+            numbers=NumberWords.from_data(data["numbers"]),
             later_verbs=frozenset(data["later_verbs"]),
             later_words=frozenset(data["later_words"]),
-            question_words=tuple(data["question_words"]),
-            requests=tuple(data["requests"]),
+            vague={word: tuple(instead) for word, instead in data["vague"].items()},
             contractions=data["contractions"],
             labels=data["labels"],
         )
@@ -104,8 +130,16 @@ class Lexicon:
         *,
         verbs: Iterable[Mapping[str, Any]] = (),
         terminals: Mapping[str, Mapping[str, Iterable[str]]] | None = None,
+        adjectives: Mapping[str, Iterable[str]] | None = None,
+        names: Iterable[str] = (),
     ) -> Lexicon:
         """Returns this lexicon with more words, in the form of the lexicon's file.
+
+        Args:
+            verbs: more verbs.
+            terminals: more phrases for terminals that there are.
+            adjectives: more words for qualities that there are.
+            names: names of objects whose words mean something else in the language ("hard drive").
 
         Raises:
             ValueError: if a word already means something else, or a terminal is unknown.
@@ -116,8 +150,17 @@ class Lexicon:
         merged = {
             name: _merged(name, known, more.get(name, {})) for name, known in self.terminals.items()
         }
-        all_verbs = _merged("VERB", self.verbs, _verbs(verbs))
-        return replace(self, verbs=all_verbs, terminals=merged)
+        words = cast("dict[str, Quality]", _phrases("adjectives", adjectives or {}))
+        if unknown := sorted(set(words.values()) - set(self.adjectives.values())):
+            raise ValueError(f"objects are not told apart by {', '.join(unknown)}")
+        plain = {" ".join(name.casefold().replace("-", " ").split()) for name in names}
+        return replace(
+            self,
+            verbs=_merged("VERB", self.verbs, _verbs(verbs)),
+            terminals=merged,
+            adjectives=_merged("adjectives", self.adjectives, words),
+            names=self.names | plain,
+        )
 
     def value(self, terminal: str, phrase: str) -> str:
         """What a phrase means as this terminal."""
@@ -127,64 +170,79 @@ class Lexicon:
         """The verb that a word makes, alone or with a particle; None if it makes none."""
         return self.verbs.get(word if particle is None else f"{word} {particle}")
 
-    def verb_words(self) -> set[str]:
-        """The words that verbs begin with."""
-        return {phrase.split()[0] for phrase in self.verbs}
+    @cached_property
+    def verb_words(self) -> Mapping[str, Mapping[str, str]]:
+        """`VERB`, `VERB_ED` and `VERB_ING`: form → the verb that it is a form of."""
+        words = sorted({phrase.split()[0] for phrase in self.verbs})
+        forms = [(word, *self.verb_forms.get(word, _regular(word))) for word in words]
+        return {name: {form[i]: form[0] for form in forms} for i, name in enumerate(NAME_TERMINALS)}
 
     def phrases(self, terminal: str) -> list[str]:
         """Everything that a terminal may be, longest first."""
-        known = self.verb_words() if terminal == "VERB" else self.terminals[terminal]
+        known = self.verb_words.get(terminal) or self.terminals[terminal]
         return sorted(known, key=lambda phrase: (-len(phrase), phrase))
 
-    def grammar_terminals(self) -> str:
-        """The terminals as text of a lark grammar."""
-        words = {name: _choice(self.phrases(name)) for name in ("VERB", *self.terminals)}
-        units = "|".join(words[name] for name in self.terminals if name.endswith("_UNIT"))
-        number = rf"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[-+]?\d+)?(?={END}|(?:{units}){END})"
-        not_a_name = f"{_choice(sorted(self.function_words))}{END}|{number}"
-        priorities = self._priorities()
-        lines = [f"{name}.{priorities[name]}: /{words[name]}{END}/" for name in words]
-        lines += [f"NUMBER.1: /{number}/", f'WORD.-1: /(?!{not_a_name})[^\\W_][^ ,";!?]*/']
-        return "\n".join(lines)
+    def says(self, terminal: str, value: str = "") -> list[str]:
+        """The phrases by which a terminal says a value; paraphrases use the first."""
+        return [phrase for phrase, meaning in self.terminals[terminal].items() if meaning == value]
 
-    def _priorities(self) -> dict[str, int]:
-        """Priorities by which the lexer finds "at the top face" before it finds "at the top".
-
-        Raises:
-            ValueError: if two terminals would each have to come before the other.
-        """
-        prefixes = {
-            name: {phrase[:i] for phrase in known for i, c in enumerate(phrase) if c == " "}
-            for name, known in self.terminals.items()
-        }
-        after = {
-            name: [other for other in prefixes if other != name and prefixes[other] & known.keys()]
-            for name, known in self.terminals.items()
-        }
-        try:
-            order = list(TopologicalSorter(after).static_order())
-        except CycleError as error:
-            raise ValueError(f"these terminals begin with one another: {error.args[1]}") from None
-        return {"VERB": 1, **{name: len(order) - i for i, name in enumerate(order)}}
+    def declarations(self) -> str:
+        """The terminals, declared for a lark grammar whose lexer finds them itself."""
+        names = (*NAME_TERMINALS, *self.terminals, "WORD", "QUOTED", "NUMBER", "NUMBER_WORD")
+        return f"%declare {' '.join(names)}"
 
     @cached_property
-    def function_words(self) -> frozenset[str]:
-        """Words that never belong to a bare name."""
-        terminals = ("THE", "A", "IT", "SEPARATOR", "WITHOUT", "WITH", "TOWARD", "INTO", "AT")
-        single = {p for name in terminals for p in self.terminals[name] if " " not in p}
-        return self.later_words | single
+    def first_words(self) -> frozenset[str]:
+        """Words that phrases of the language begin with."""
+        return frozenset(p.split()[0] for known in self.terminals.values() for p in known)
+
+    @cached_property
+    def joints(self) -> frozenset[str]:
+        """Words and marks behind which a new command may begin."""
+        known = (*self.terminals["SEPARATOR"], *self.terminals["NEXT"])
+        return frozenset(phrase.split()[-1] for phrase in known)
+
+    @cached_property
+    def silent(self) -> frozenset[str]:
+        """Words that may stand before a command without being a part of it."""
+        names = ("FILLER", "VOCATIVE", "SEPARATOR", "NEXT", "CAN_YOU", "NO")
+        return frozenset(w for n in names for p in self.terminals[n] for w in p.split())
+
+    @cached_property
+    def openers(self) -> frozenset[str]:
+        """Words that by themselves begin something new and mean nothing else ("soup can")."""
+        kinds: dict[str, set[str]] = {}
+        for name, known in self.terminals.items():
+            for phrase in known:
+                kinds.setdefault(phrase, set()).add(name)
+        return frozenset(p for p, known in kinds.items() if " " not in p and known <= OPENERS)
+
+    @cached_property
+    def ends_names(self) -> frozenset[str]:
+        """Words that are never a part of a name, unless they stand right behind its article."""
+        return self.reserved - self.openers - self.verb_words["VERB"].keys()
 
     @cached_property
     def reserved(self) -> frozenset[str]:
-        """Words with which a phrase of the language begins; they end a bare name."""
-        phrases = (phrase for known in self.terminals.values() for phrase in known)
-        return self.function_words | {phrase.split()[0] for phrase in phrases} | self.verb_words()
+        """Words that mean something by themselves; they end a name."""
+        single = {p for known in self.terminals.values() for p in known if " " not in p}
+        return frozenset(
+            single | self.later_words | self.vague.keys() | self.numbers.first_words
+            | self.verb_words["VERB"].keys()
+        )  # fmt: skip
+
+
+def _regular(verb: str) -> tuple[str, str]:
+    """Participle and gerund of a regular verb."""
+    if verb.endswith("e"):
+        return f"{verb}d", f"{verb[:-1]}ing"
+    return f"{verb}ed", f"{verb}ing"
 
 
 def _verbs(entries: Iterable[Mapping[str, Any]]) -> dict[str, Verb]:
     verbs: dict[str, Verb] = {}
     for entry in entries:
-        verb = Verb(entry["action"], entry["goal"], entry.get("amount"))
+        verb = Verb(**{key: value for key, value in entry.items() if key != "says"})
         verbs = _merged("VERB", verbs, {p: verb for t in entry["says"] for p in expand(t)})
     return verbs
 
@@ -201,10 +259,6 @@ def _merged(name: str, known: Mapping[str, T], more: Mapping[str, T]) -> dict[st
         if known[phrase] != more[phrase]:
             raise ValueError(f"{name}: {phrase!r} means both {known[phrase]} and {more[phrase]}")
     return {**known, **more}
-
-
-def _choice(phrases: Iterable[str]) -> str:
-    return "(?:" + "|".join(re.escape(phrase).replace("/", r"\/") for phrase in phrases) + ")"
 
 
 @cache

@@ -11,6 +11,7 @@ import re
 import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from grammar.errors import ParseError
 from grammar.frames import Span
@@ -18,14 +19,16 @@ from grammar.frames import Span
 MAX_LENGTH = 500
 """Longest sentence that is read [code points]."""
 
-_SAME = str.maketrans("‘’´`“”„«»−‐‑‒–—:", '\'\'\'\'"""""-----,,')
+_SAME = str.maketrans("‘’´`“”„«»−‐‑‒–—:…", '\'\'\'\'"""""-----,,.')
+_PLAIN = frozenset(" ,.'-\"")
 _PUNCTUATION = frozenset(".,!?'\"-/°&_+%;")
+_ALIKE = frozenset({"CYRILLIC", "GREEK", "ARMENIAN", "CHEROKEE"})
 _WORD = re.compile(r"[^ ]+")
 _MINUS = re.compile(r"(?<![^ ])-(?=[.\d])|(?<=\de)-(?=\d)")
+_RANGE = re.compile(r"(?<=\d)-(?=[.\d])")
 
 
-@dataclass(frozen=True)
-class _Letter:
+class _Letter(NamedTuple):
     """A character of the plain form and the columns it came from."""
 
     char: str
@@ -81,6 +84,7 @@ def normalise(text: str, contractions: Mapping[str, str]) -> Normalised:
     while letters and letters[-1].char in " .!?,;":
         letters.pop()
     letters = _spell_out(_space_out(letters), contractions)
+    _require_one_script(letters)
     if not letters:
         raise ParseError(
             "empty", "the sentence is empty", None, ('say, for example, "push the box away"',)
@@ -101,8 +105,26 @@ def normalise(text: str, contractions: Mapping[str, str]) -> Normalised:
     )
 
 
+def _require_one_script(letters: list[_Letter]) -> None:
+    """Refuses words of Latin and other letters that look alike, since names would differ unseen."""
+    if all(letter.char.isascii() for letter in letters):
+        return
+    for match in _WORD.finditer("".join(letter.char for letter in letters)):
+        word = letters[match.start() : match.end()]
+        scripts = {unicodedata.name(w.char, "").split()[0] for w in word if w.char.isalpha()}
+        if "LATIN" in scripts and scripts & _ALIKE:
+            raise ParseError(
+                "unexpected_character",
+                "a word mixes letters of two alphabets",
+                (word[0].start, word[-1].end),
+                ("write the word in Latin letters",),
+            )
+
+
 def _plain(char: str, column: int) -> list[_Letter]:
     """One character of the sentence as characters of the plain form."""
+    if char.isascii() and (char.isalnum() or char in _PLAIN):
+        return [_Letter(char.lower(), column, column + 1)]
     if char.isspace():
         return [_Letter(" ", column, column + 1)]
     category = unicodedata.category(char)
@@ -118,6 +140,8 @@ def _plain(char: str, column: int) -> list[_Letter]:
         same = str(unicodedata.digit(char))
     elif same == char and char.isalpha():
         same = unicodedata.normalize("NFKC", char).casefold()
+    elif category == "No" and "FRACTION" in unicodedata.name(char, ""):
+        same = f" {unicodedata.normalize('NFKC', char).replace(chr(0x2044), '/')}"
     elif same not in _PUNCTUATION and category != "Mn":
         raise ParseError(
             "unexpected_character",
@@ -131,13 +155,17 @@ def _plain(char: str, column: int) -> list[_Letter]:
 def _space_out(letters: list[_Letter]) -> list[_Letter]:
     """Sets punctuation apart, opens hyphens, and turns single quotes around words into double."""
     out: list[_Letter] = []
-    minus = {m.start() for m in _MINUS.finditer("".join(letter.char for letter in letters))}
+    plain = "".join(letter.char for letter in letters)
+    minus = {m.start() for m in _MINUS.finditer(plain)}
+    ranges = {m.start() for m in _RANGE.finditer(plain)} - minus
     quoted = within = False
     for i, letter in enumerate(letters):
         before = letters[i - 1].char if i else " "
         after = letters[i + 1].char if i + 1 < len(letters) else " "
         within ^= letter.char == '"'
-        if letter.char == "-" and i not in minus:
+        if i in ranges:
+            out += [_Letter(c, letter.start, letter.end) for c in " to "]
+        elif letter.char == "-" and i not in minus:
             out.append(_Letter(" ", letter.start, letter.end))
         elif (
             letter.char == "'"

@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import Any, cast
 
 from lark import Lark, Token, Tree
-from lark.exceptions import UnexpectedInput, VisitError
+from lark.exceptions import UnexpectedToken, VisitError
 
-from grammar.diagnosis import diagnose, question
+from grammar.diagnosis import diagnose
 from grammar.frames import Command
+from grammar.lexer import PhraseLexer
 from grammar.lexicon import Lexicon, default_lexicon
-from grammar.meaning import frame_of
+from grammar.meaning import frames_of
 from grammar.normalise import Normalised, normalise
 from grammar.transform import parts_of
 from grammar.wording import paraphrase
@@ -28,9 +29,9 @@ class Parser:
         rules = Path(__file__).with_name("nlcontrol.lark").read_text(encoding="utf-8")
         self._lexicon = lexicon
         self._lark = Lark(
-            f"{rules}\n{lexicon.grammar_terminals()}",
+            f"{rules}\n{lexicon.declarations()}",
             parser="lalr",
-            lexer="contextual",
+            lexer=PhraseLexer.bound_to(lexicon),
             maybe_placeholders=False,
         )
 
@@ -38,7 +39,7 @@ class Parser:
         """Reads a sentence.
 
         Args:
-            text: an English command about one object.
+            text: one or several English commands, a question, or a remark on what was done.
 
         Returns:
             The command, with the spans of the words in `text`.
@@ -47,14 +48,12 @@ class Parser:
             ParseError: if the sentence, or a part of it, is not understood.
         """
         sentence = normalise(text, self._lexicon.contractions)
-        if asked := question(sentence, self._lexicon):
-            raise asked
         try:
             parts = parts_of(self._tree(sentence), self._lexicon, sentence)
         except VisitError as error:
             raise error.orig_exc from None
-        frame = frame_of(parts, self._lexicon, sentence)
-        return Command(text=text, frames=(frame,), paraphrase=paraphrase(frame, self._lexicon))
+        frames = frames_of(parts, self._lexicon, sentence)
+        return Command(text=text, frames=frames, paraphrase=paraphrase(frames, self._lexicon))
 
     def _tree(self, sentence: Normalised) -> Tree[Token]:
         steps: Any = self._lark.parse_interactive(sentence.text)  # lark gives it no types
@@ -62,7 +61,7 @@ class Parser:
             for _ in steps.iter_parse():
                 pass
             return cast("Tree[Token]", steps.feed_eof())
-        except UnexpectedInput as error:
+        except UnexpectedToken as error:
             raise diagnose(error, steps.accepts(), sentence, self._lexicon) from None
 
 

@@ -1,4 +1,4 @@
-"""What the phrases of a sentence say, one by one, before they are put together as a frame.
+"""What the phrases of a sentence say, one by one, before they are put together as frames.
 
 Quantities are in SI units and radians; spans are columns of the sentence as given.
 """
@@ -7,7 +7,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from grammar.frames import Bound, Constraint, Direction, ObjectRef, Span
+from grammar.frames import (
+    Bound,
+    Constraint,
+    Dialogue,
+    Direction,
+    Event,
+    NoTouch,
+    ObjectRef,
+    Point,
+    Quality,
+    Query,
+    RelativeLength,
+    Span,
+    TableRegion,
+)
 
 
 @dataclass(frozen=True)
@@ -17,32 +31,69 @@ class Part:
     span: Span
 
 
+# --- what holds the sentence together ---------------------------------------------------------
+
+
 @dataclass(frozen=True)
-class VerbPart(Part):
-    """A verb, without its particle."""
+class SeparatorPart(Part):
+    """A comma, a full stop, or a word that joins: `and`, `or`, `but`."""
 
     word: str
 
 
 @dataclass(frozen=True)
-class ObjectPart(Part):
+class NextPart(Part):
+    """Then; first."""
+
+    word: str
+
+
+@dataclass(frozen=True)
+class FillerPart(Part):
+    """Words without a meaning of their own, and whether they may stand anywhere (please)."""
+
+    anywhere: bool
+
+
+@dataclass(frozen=True)
+class MePart(Part):
+    """The person who speaks, as the one to whom something is handed."""
+
+
+@dataclass(frozen=True)
+class TherePart(Part):
+    """There: a place that only the situation names."""
+
+
+# --- the verb and things ----------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class VerbPart(Part):
+    """A verb in its base form, without its particle; `passive` if something is said to be done."""
+
+    word: str
+    passive: bool = False
+
+
+@dataclass(frozen=True)
+class ThingPart(Part):
     """What is named: the name, or "it"; `span` is the name's, without the article."""
 
     ref: ObjectRef
     contents: bool = False
 
-    @property
-    def is_pronoun(self) -> bool:
-        """Whether the object is called "it"."""
-        return self.ref.text.lower() == "it"
+
+@dataclass(frozen=True)
+class ThatIsPart(Part):
+    """That is, which stands: a place follows that tells the object from others."""
 
 
 @dataclass(frozen=True)
-class DirectionPart(Part):
-    """A direction; `implied` if it follows from the side that is touched."""
+class SidePart(Part):
+    """On the left: tells the object from others."""
 
-    value: Direction
-    implied: bool = False
+    quality: Quality
 
 
 @dataclass(frozen=True)
@@ -58,11 +109,57 @@ class ParticlePart(Part):
 
 
 @dataclass(frozen=True)
-class LengthPart(Part):
-    """A distance [m]."""
+class DiagonalPart(Part):
+    """Diagonally: two directions are to follow."""
+
+
+# --- what should become of it -----------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class DirectionPart(Part):
+    """A direction; `implied` if it follows from the side that is touched."""
+
+    value: Direction
+    implied: bool = False
+
+
+@dataclass(frozen=True)
+class HeadingPart(Part):
+    """A direction as an angle, counter-clockwise from straight ahead [rad]."""
 
     value: float
+
+
+@dataclass(frozen=True)
+class TowardPart(Part):
+    """What to move towards."""
+
+    target: ObjectRef | TableRegion
+
+
+@dataclass(frozen=True)
+class PlacePart(Part):
+    """Where to bring it; the relation is one of the contract's, or `from`, `away_from`, `to`."""
+
+    relation: str
+    reference: tuple[ObjectRef, ...] | Point | TableRegion
+
+
+@dataclass(frozen=True)
+class IntoPart(Part):
+    """What to pour into."""
+
+    target: ObjectRef
+
+
+@dataclass(frozen=True)
+class LengthPart(Part):
+    """A distance [m], or measured in objects; `most` is the other end of a range."""
+
+    value: float | RelativeLength
     bound: Bound
+    most: float | None = None
 
 
 @dataclass(frozen=True)
@@ -81,31 +178,29 @@ class AmountPart(Part):
 
 
 @dataclass(frozen=True)
+class SharePart(Part):
+    """Half of the way, all the way; or, of a liquid, half of it."""
+
+    value: float
+    of_way: bool
+
+
+@dataclass(frozen=True)
 class SensePart(Part):
     """Clockwise or not."""
 
     value: str
 
 
-@dataclass(frozen=True)
-class TowardPart(Part):
-    """The object to move towards."""
-
-    target: ObjectPart
-
-
-@dataclass(frozen=True)
-class IntoPart(Part):
-    """The object to pour into."""
-
-    target: ObjectPart
+# --- constraints ------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class ConstraintPart(Part):
-    """A constraint, whole in itself."""
+    """A constraint, whole in itself; `subject` is what it says this of, if it names it."""
 
     constraint: Constraint
+    subject: ThingPart | None = None
 
 
 @dataclass(frozen=True)
@@ -121,5 +216,80 @@ class AvoidPart(Part):
 
     kind: str
     word: str
-    thing: ObjectPart | None = None
+    thing: ThingPart | None = None
     further: bool = False
+
+
+@dataclass(frozen=True)
+class FurtherNoTouchPart(Part):
+    """… or touching the mug; `either` if it says "or"."""
+
+    constraint: NoTouch
+    either: bool
+
+
+@dataclass(frozen=True)
+class ResultPart(Part):
+    """What should come of it: "so that it falls over"."""
+
+    event: str
+    subject: ThingPart
+    amount: str | None = None
+
+
+# --- questions and remarks --------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class AskPart(Part):
+    """What is asked.
+
+    Attributes:
+        query: kind of the question; None if it is asked only with a question mark ("can you").
+        event: what may happen, if the question names it.
+        thing: what it is about, if the question itself names it.
+        which: the parameters that are asked for.
+        whole: whether it needs no action to be said.
+    """
+
+    query: Query | None
+    event: Event | None = None
+    thing: ThingPart | None = None
+    which: tuple[str, ...] = ()
+    whole: bool = False
+
+
+@dataclass(frozen=True)
+class IfPart(Part):
+    """If, when: the action that is asked about follows."""
+
+
+@dataclass(frozen=True)
+class PurposePart(Part):
+    """To make it slide; `before` if it is about what must not yet happen ("before it tips")."""
+
+    event: Event
+    thing: ThingPart | None
+    before: bool = False
+
+
+@dataclass(frozen=True)
+class ExplorePart(Part):
+    """Find out how heavy it is."""
+
+    which: tuple[str, ...]
+    thing: ThingPart
+
+
+@dataclass(frozen=True)
+class RemarkPart(Part):
+    """What a remark does: undo that, again, no."""
+
+    dialogue: Dialogue
+
+
+@dataclass(frozen=True)
+class NotThisPart(Part):
+    """Not the mug: what was not meant."""
+
+    thing: ThingPart

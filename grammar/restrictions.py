@@ -5,57 +5,115 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from grammar.contradictions import once
 from grammar.errors import ParseError
 from grammar.frames import (
     Constraint,
     ContactRegion,
+    MaxDistance,
+    MaxTilt,
+    MaxTurn,
     NoLift,
     NoSlide,
     NoSpill,
     NoTilt,
     NoTopple,
+    NoTouch,
     NoTurn,
 )
 from grammar.lexicon import Lexicon
 from grammar.normalise import Normalised
-from grammar.parts import AvoidPart, ConstraintPart, ObjectPart, Part, ParticlePart
+from grammar.parts import (
+    AnglePart,
+    AvoidPart,
+    ConstraintPart,
+    FurtherNoTouchPart,
+    LengthPart,
+    Part,
+    ParticlePart,
+    ThingPart,
+)
 
-_AVOIDED: dict[str, type[NoTopple | NoTilt | NoTurn | NoSlide | NoLift | NoSpill]] = {
-    "no_topple": NoTopple,
-    "no_tilt": NoTilt,
-    "no_turn": NoTurn,
-    "no_slide": NoSlide,
-    "no_lift": NoLift,
-    "no_spill": NoSpill,
+_Avoided = type[NoTopple | NoTilt | NoTurn | NoSlide | NoLift | NoSpill]
+AVOIDED: dict[str, tuple[_Avoided, ...]] = {
+    "no_topple": (NoTopple,),
+    "no_tilt": (NoTilt,),
+    "no_turn": (NoTurn,),
+    "no_slide": (NoSlide,),
+    "no_lift": (NoLift,),
+    "no_spill": (NoSpill,),
+    "no_move": (NoSlide, NoTilt, NoTurn),
 }
 
 
+_LISTED = ("no_touch", "max_tilt", "max_turn", "max_distance")
+"""Constraints that further things to avoid may follow."""
+
+
 def constraints_of(
-    parts: list[Part], thing: ObjectPart, lexicon: Lexicon, sentence: Normalised
+    parts: Sequence[Part], thing: ThingPart, lexicon: Lexicon, sentence: Normalised
 ) -> tuple[list[Part], tuple[Constraint, ...]]:
     """Separates the constraints, in their order, from the parts that belong to the goal."""
     rest: list[Part] = []
     constraints: list[Constraint] = []
     previous: Part | None = None
-    for part in _with_particles(parts, lexicon):
+    for part in _with_bounds(_with_ranges(_with_particles(parts, lexicon))):
+        if isinstance(part, AvoidPart | FurtherNoTouchPart):
+            _require_opened(part, previous, sentence)
         if isinstance(part, AvoidPart):
-            if part.further and not isinstance(previous, AvoidPart):
-                raise ParseError(
-                    "unexpected_words",
-                    f'"{sentence.written(part.span)}" needs "without" before it',
-                    part.span,
-                    (f"without {sentence.written(part.span)}",),
-                )
-            constraints.append(_avoided(part, thing, lexicon, sentence))
+            constraints += _avoided(part, thing, sentence)
         elif isinstance(part, ConstraintPart):
+            require_same(part.subject, thing, part, sentence)
+            constraints.append(part.constraint)
+        elif isinstance(part, FurtherNoTouchPart):
             constraints.append(part.constraint)
         else:
             rest.append(part)
         previous = part
-    return rest, tuple(_once(_one_contact(constraints, sentence)))
+    return rest, tuple(once(_one_contact(constraints, sentence)))
 
 
-def _with_particles(parts: list[Part], lexicon: Lexicon) -> list[Part]:
+def require_same(
+    mention: ThingPart | None, thing: ThingPart, part: Part, sentence: Normalised
+) -> None:
+    """Refuses a phrase that is about another object than the clause.
+
+    Raises:
+        ParseError: `other_object`.
+    """
+    if mention is None or same(mention, thing):
+        return
+    raise ParseError(
+        "other_object",
+        f'the sentence is about "{thing.ref.text}", but "{sentence.written(part.span)}" '
+        f'is about "{mention.ref.text}"',
+        mention.span,
+        (f'name "{thing.ref.text}" in both places, or say "it"',),
+        spans=(thing.span, mention.span),
+    )
+
+
+def same(mention: ThingPart, thing: ThingPart) -> bool:
+    """Whether a later mention can be the object itself: "it", or the end of its name."""
+    words, name = mention.ref.text.casefold().split(), thing.ref.text.casefold().split()
+    return mention.ref.pronoun or words == name[-len(words) :]
+
+
+def _require_opened(
+    part: AvoidPart | FurtherNoTouchPart, previous: Part | None, sentence: Normalised
+) -> None:
+    """A further thing to avoid needs a first one before it."""
+    listed = isinstance(previous, AvoidPart | FurtherNoTouchPart) or (
+        isinstance(previous, ConstraintPart) and previous.constraint.kind in _LISTED
+    )
+    if not getattr(part, "further", True) or listed:
+        return
+    written = sentence.written(part.span)
+    message = f'"{written}" needs "without" before it'
+    raise ParseError("unexpected_words", message, part.span, (f"without {written}",))
+
+
+def _with_particles(parts: Sequence[Part], lexicon: Lexicon) -> list[Part]:
     """Gives "over" in "without knocking it over" to the verb that it stands behind."""
     out: list[Part] = []
     for part in parts:
@@ -71,9 +129,55 @@ def _with_particles(parts: list[Part], lexicon: Lexicon) -> list[Part]:
     return out
 
 
-def _avoided(
-    part: AvoidPart, thing: ObjectPart, lexicon: Lexicon, sentence: Normalised
-) -> Constraint:
+def _with_ranges(parts: Sequence[Part]) -> list[Part]:
+    """Turns the upper ends of distances ("5 to 10 cm", "…, at most 10 cm") into constraints."""
+    out: list[Part] = []
+    known: LengthPart | None = None
+    for part in parts:
+        if not isinstance(part, LengthPart):
+            out.append(part)
+            continue
+        if part.most is not None:
+            out += [replace(part, most=None), _at_most(part, part.most)]
+        elif part.bound == "at_most" and known is not None and isinstance(part.value, float):
+            out.append(_at_most(part, part.value))
+        else:
+            out.append(part)
+        known = known or part
+    return out
+
+
+def _at_most(part: LengthPart, value: float) -> ConstraintPart:
+    return ConstraintPart(part.span, MaxDistance(value=value, spans=(part.span,)))
+
+
+def _with_bounds(parts: Sequence[Part]) -> list[Part]:
+    """Joins "without tilting it" and "more than 5 degrees" to one limit."""
+    out: list[Part] = []
+    for part in parts:
+        before = out[-1] if out else None
+        limit = _limit(before, part) if isinstance(before, AvoidPart) else None
+        if limit is not None:
+            out[-1] = limit
+        else:
+            out.append(part)
+    return out
+
+
+def _limit(avoid: AvoidPart, part: Part) -> ConstraintPart | None:
+    if not isinstance(part, AnglePart | LengthPart) or part.bound != "at_least":
+        return None
+    span = avoid.span[0], part.span[1]
+    value = part.value
+    if isinstance(part, AnglePart) and avoid.kind in ("no_topple", "no_tilt", "no_turn"):
+        kind: type[MaxTilt | MaxTurn] = MaxTurn if avoid.kind == "no_turn" else MaxTilt
+        return ConstraintPart(span, kind(value=part.value, spans=(span,)), avoid.thing)
+    if isinstance(value, float) and avoid.kind in ("no_slide", "no_move"):
+        return ConstraintPart(span, MaxDistance(value=value, spans=(span,)), avoid.thing)
+    return None
+
+
+def _avoided(part: AvoidPart, thing: ThingPart, sentence: Normalised) -> list[Constraint]:
     if not part.kind:
         raise ParseError(
             "unexpected_words",
@@ -81,21 +185,11 @@ def _avoided(
             part.span,
             (f"{part.word} it over",),
         )
-    if part.thing is not None and not _same(part.thing, thing):
-        raise ParseError(
-            "other_object",
-            f'the sentence is about "{thing.ref.text}", but "{sentence.written(part.span)}" '
-            f'is about "{part.thing.ref.text}"',
-            part.thing.span,
-            (f'name "{thing.ref.text}" in both places, or say "it"',),
-        )
-    return _AVOIDED[part.kind](spans=(part.span,))
-
-
-def _same(mention: ObjectPart, thing: ObjectPart) -> bool:
-    """Whether a later mention can be the object itself: "it", or the end of its name."""
-    words, name = mention.ref.text.casefold().split(), thing.ref.text.casefold().split()
-    return mention.is_pronoun or words == name[-len(words) :]
+    if part.word.startswith("knock") and part.thing and not same(part.thing, thing):
+        # What is not touched is not knocked over.
+        return [NoTouch(object=part.thing.ref, spans=(part.span,))]
+    require_same(part.thing, thing, part, sentence)
+    return [kind(spans=(part.span,)) for kind in AVOIDED[part.kind]]
 
 
 def _one_contact(constraints: Sequence[Constraint], sentence: Normalised) -> list[Constraint]:
@@ -115,22 +209,9 @@ def _one_contact(constraints: Sequence[Constraint], sentence: Normalised) -> lis
                 f"{quoted[0]} and {quoted[1]} name different places to touch",
                 new.spans[-1],
                 tuple(f"say only {quote}" for quote in quoted),
+                spans=(known.spans[-1], new.spans[-1]),
             )
         update = {key: getattr(new, key) for key in more}
         spans = known.spans + new.spans
         out[out.index(known)] = known.model_copy(update={**update, "spans": spans})
-    return out
-
-
-def _once(constraints: Sequence[Constraint]) -> list[Constraint]:
-    """Joins constraints that say the same ("gently … carefully")."""
-    out: list[Constraint] = []
-    for new in constraints:
-        bare = new.model_copy(update={"spans": ()})
-        for i, known in enumerate(out):
-            if known.model_copy(update={"spans": ()}) == bare:
-                out[i] = known.model_copy(update={"spans": (*known.spans, *new.spans)})
-                break
-        else:
-            out.append(new)
     return out

@@ -1,317 +1,421 @@
-"""From lark's tree to parts with spans: what each phrase says, with quantities in SI units."""
+"""From lark's tree to parts with spans: what each phrase says."""
 
 from __future__ import annotations
 
-import math
-from decimal import Context, Decimal
 from typing import Any, Literal, cast
 
 from lark import Token, Transformer, Tree
 
+from grammar import frames as g
+from grammar import quantities as q
 from grammar.errors import ParseError
-from grammar.frames import (
-    Bound,
-    ContactHeight,
-    ContactRegion,
-    Direction,
-    Effector,
-    Fast,
-    Force,
-    Gentle,
-    Hard,
-    MaxForce,
-    MinForce,
-    NoTouch,
-    ObjectRef,
-    Slow,
-    Span,
-)
 from grammar.lexicon import Lexicon
 from grammar.normalise import Normalised
 from grammar.parts import (
     AmountPart,
     AnglePart,
-    AvoidPart,
     ConstraintPart,
+    DiagonalPart,
     DirectionPart,
+    FillerPart,
+    HeadingPart,
     IntoPart,
     LengthPart,
-    ObjectPart,
+    MePart,
+    NextPart,
     Part,
     ParticlePart,
+    PlacePart,
+    RemarkPart,
     SensePart,
+    SeparatorPart,
+    SharePart,
+    SidePart,
+    ThatIsPart,
+    TherePart,
+    ThingPart,
     TowardPart,
     VerbPart,
 )
+from grammar.phrases import MANNERS, Outcomes, Questions
 
-MAX_LENGTH_M = 10.0
-"""Longest distance that is taken seriously [m]."""
-
-MAX_FORCE_N = 1000.0
-"""Largest force that is taken seriously [N]."""
-
-MAX_ANGLE_RAD = 20 * math.pi
-"""Largest angle that is taken seriously [rad]."""
-
-_FORCES: dict[str, type[Force | MinForce | MaxForce]] = {
-    "exact": Force,
-    "at_least": MinForce,
-    "at_most": MaxForce,
+_FORCES: dict[str, type[g.Force | g.MinForce | g.MaxForce]] = {
+    "exact": g.Force,
+    "at_least": g.MinForce,
+    "at_most": g.MaxForce,
 }
-_MANNERS: dict[str, type[Gentle | Hard | Slow | Fast]] = {
-    "gentle": Gentle,
-    "hard": Hard,
-    "slow": Slow,
-    "fast": Fast,
+_SPEEDS: dict[str, type[g.Speed | g.MinSpeed | g.MaxSpeed]] = {
+    "exact": g.Speed,
+    "at_least": g.MinSpeed,
+    "at_most": g.MaxSpeed,
 }
-_BEFORE_FACE: dict[str, Direction] = {
+_BEFORE_FACE: dict[str, g.Direction] = {
     "front": "away",
     "back": "toward",
     "left": "right",
     "right": "left",
 }
 
-# Numbers beyond all bounds become infinite or NaN, which no range admits, and raise nothing.
-_LENIENT = Context(prec=60, traps=[])
-
 Children = list[Any]
+Face = Literal["front", "back", "left", "right", "top"]
 
 
-class Parts(Transformer[Token, list[Part]]):
+class Parts(Outcomes, Questions, Transformer[Token, list[Part]]):
     """Turns the tree of one sentence into its parts, in the order of the sentence."""
 
     def __init__(self, lexicon: Lexicon, sentence: Normalised) -> None:
         super().__init__(visit_tokens=False)
-        self._lexicon = lexicon
-        self._sentence = sentence
+        self._w = q.Words(lexicon, sentence)
 
-    # --- words and numbers -------------------------------------------------------------------
+    # --- what holds the sentence together -----------------------------------------------------
 
-    def _span(self, children: Children) -> Span:
-        """From the first to the last of tokens and parts."""
-        starts = [self._ends(child)[0] for child in children]
-        ends = [self._ends(child)[1] for child in children]
-        return min(starts), max(ends)
+    def separator(self, children: Children) -> SeparatorPart:
+        """And."""
+        word = self._w.value(children, "SEPARATOR") or self._w.value(children, "OR")
+        return SeparatorPart(self._w.span(children), word)
 
-    def _ends(self, child: Token | Part) -> Span:
-        if isinstance(child, Part):
-            return child.span
-        if child.start_pos is None or child.end_pos is None:
-            raise AssertionError(f"token {child!r} without position")
-        return self._sentence.span(child.start_pos, child.end_pos)
+    def next(self, children: Children) -> NextPart:
+        """Then."""
+        return NextPart(self._w.span(children), self._w.value(children, "NEXT"))
 
-    def _value(self, children: Children, terminal: str, default: str = "") -> str:
-        for child in children:
-            if isinstance(child, Token) and child.type == terminal:
-                return self._lexicon.value(terminal, str(child))
-        return default
+    def filler(self, children: Children) -> FillerPart:
+        """Please."""
+        polite = self._w.value(children, "FILLER") == "please"
+        return FillerPart(self._w.span(children), anywhere=polite)
 
-    def _bound(self, children: Children) -> Bound:
-        return cast(Bound, self._value(children, "BOUND", "exact"))
+    def me(self, children: Children) -> MePart:
+        """To me."""
+        return MePart(self._w.span(children))
 
-    def _number(self, children: Children) -> Decimal:
-        """The number among the children. Decimals keep "7 cm" at 0.07, not 0.07000000000000001."""
-        number = next(c for c in children if isinstance(c, Token) and c.type.startswith("NUMBER"))
-        word = number.type == "NUMBER_WORD"
-        written = self._lexicon.value("NUMBER_WORD", str(number)) if word else str(number)
-        return _LENIENT.create_decimal(written)
+    def there(self, children: Children) -> TherePart:
+        """There."""
+        return TherePart(self._w.span(children))
 
-    def _times_unit(self, children: Children, terminal: str) -> float:
-        factor = Decimal(self._value(children, terminal))
-        return float(_LENIENT.multiply(self._number(children), factor))
+    def diagonally(self, children: Children) -> DiagonalPart:
+        """Diagonally."""
+        return DiagonalPart(self._w.span(children))
 
-    def _possible(self, children: Children, value: float, most: float, range_: str) -> float:
-        """The value, if it lies in (0, most]; `range_` says so in words."""
-        if not 0.0 < value <= most:
-            span = self._span(children)
-            raise ParseError(
-                "impossible_quantity",
-                f'"{self._sentence.written(span)}" is out of range: {range_}',
-                span,
-            )
-        return value
+    # --- the verb and things ------------------------------------------------------------------
 
-    def _length(self, children: Children) -> float:
-        metres = self._times_unit(children, "LENGTH_UNIT")
-        range_ = f"a distance is more than 0 and at most {MAX_LENGTH_M:g} m"
-        return self._possible(children, metres, MAX_LENGTH_M, range_)
+    def verb(self, children: Children) -> list[Part]:
+        """Push; you push; would you mind pushing."""
+        token = next(c for c in children if isinstance(c, Token) and c.type.startswith("VERB"))
+        word = self._w.lexicon.verb_words[token.type][str(token)]
+        rest = [c for c in children if isinstance(c, Part)]
+        return [VerbPart(self._w.span([token]), word), *rest]
 
-    # --- the verb and what it is done to ------------------------------------------------------
-
-    def number(self, children: Children) -> Token:
-        """A number, in digits or as a word."""
-        return cast(Token, children[0])
-
-    def verb(self, children: Children) -> VerbPart:
-        """The verb."""
-        return VerbPart(self._span(children), str(children[0]))
-
-    def particle(self, children: Children) -> ParticlePart:
+    def particle(self, children: Children) -> list[Part]:
         """Over, up, down."""
-        return ParticlePart(self._span(children), str(children[0]))
+        rest = [c for c in children if isinstance(c, Part)]
+        word = self._w.value(children, "PARTICLE")
+        return [ParticlePart(self._w.span(children[:1]), word), *rest]
 
-    def object(self, children: Children) -> ObjectPart:
+    def name(self, children: Children) -> ThingPart:
         """A name, without its article; quotation marks are no part of it."""
         words = [c for c in children if c.type in ("WORD", "QUOTED", "IT")]
-        span = self._span(words)
+        contents = any(c.type == "CONTENTS" for c in children)
+        if not words:
+            words = [c for c in children if c.type == "THAT"]
+        first, last = self._w.span(words[:1])[0], self._w.span(words[-1:])[1]
+        span = first, last
         if words[0].type == "QUOTED":
             span = span[0] + 1, span[1] - 1
-            inner = self._sentence.original[span[0] : span[1]]
+            inner = self._w.sentence.original[span[0] : span[1]]
             span = span[0] + len(inner) - len(inner.lstrip()), span[0] + len(inner.rstrip())
-        ref = ObjectRef(text=self._sentence.written(span), spans=(span,))
-        return ObjectPart(span, ref, contents=any(c.type == "CONTENTS" for c in children))
+        text = self._w.sentence.written(span)
+        if words[0].type in ("IT", "THAT"):
+            ref = g.ObjectRef(text=text, spans=(span,), pronoun=True)
+        else:
+            ref = self._named(text, span, [w for w in words if w.type == "WORD"])
+        return ThingPart(span, ref, contents)
 
-    # --- what should become of it -------------------------------------------------------------
+    def _named(self, text: str, span: g.Span, words: list[Token]) -> g.ObjectRef:
+        """A name with what its adjectives say; a quoted name has none."""
+        lexicon = self._w.lexicon
+        qualities = tuple(lexicon.adjectives[w] for w in words if w in lexicon.adjectives)
+        if not qualities and not set(words) <= {"one", "ones"}:
+            return g.ObjectRef(text=text, spans=(span,))
+        nouns = [w for w in words if w not in lexicon.adjectives and w not in lexicon.nobodies]
+        noun = " ".join(self._w.sentence.written(self._w.span([w])) for w in nouns)
+        return g.ObjectRef(text=text, spans=(span,), qualities=qualities, noun=noun)
+
+    def that_is(self, children: Children) -> ThatIsPart:
+        """That is."""
+        return ThatIsPart(self._w.span(children))
+
+    def side(self, children: Children) -> SidePart:
+        """On the left."""
+        quality = cast(g.Quality, self._w.value(children, "SIDE_QUALITY"))
+        return SidePart(self._w.span(children), quality)
+
+    # --- where to -----------------------------------------------------------------------------
 
     def direction(self, children: Children) -> list[Part]:
         """Away, over to the left."""
-        span = self._span(children)
-        direction = DirectionPart(span, cast(Direction, self._value(children, "DIRECTION")))
+        span = self._w.span(children)
+        direction = DirectionPart(span, cast(g.Direction, self._w.value(children, "DIRECTION")))
         if str(children[0]).startswith("over "):
             return [ParticlePart((span[0], span[0] + 4), "over", optional=True), direction]
         return [direction]
 
-    def sense(self, children: Children) -> SensePart:
-        """Clockwise."""
-        return SensePart(self._span(children), self._value(children, "SENSE"))
+    def off_straight(self, children: Children) -> HeadingPart:
+        """30 degrees left of straight ahead."""
+        sign = 1.0 if self._w.value(children, "OFF_STRAIGHT") == "left" else -1.0
+        return HeadingPart(self._w.span(children), sign * self._w.angle(children))
 
-    def amount(self, children: Children) -> AmountPart:
-        """A little."""
-        return AmountPart(self._span(children), self._value(children, "AMOUNT"))
+    def heading(self, children: Children) -> HeadingPart:
+        """At a heading of 30 degrees."""
+        return HeadingPart(self._w.span(children), self._w.angle(children, signed=True))
 
     def toward(self, children: Children) -> TowardPart:
         """Towards the mug."""
-        return TowardPart(self._span(children), children[1])
+        return TowardPart(self._w.span(children), children[1].ref)
+
+    def toward_region(self, children: Children) -> TowardPart:
+        """Towards the edge."""
+        region = cast(g.TableRegion, self._w.value(children, "TOWARD_REGION"))
+        return TowardPart(self._w.span(children), region)
 
     def into(self, children: Children) -> IntoPart:
         """Into the mug."""
-        return IntoPart(self._span(children), children[1])
+        return IntoPart(self._w.span(children), children[1].ref)
+
+    def place(self, children: Children) -> PlacePart:
+        """Next to the mug; between the mug and the box."""
+        things = tuple(c.ref for c in children if isinstance(c, ThingPart))
+        if children[0].type == "BETWEEN":
+            joined = children[2]
+            if self._w.value([joined], "SEPARATOR") != "and":
+                raise ParseError(
+                    "unexpected_words",
+                    'two things are joined by "and"',
+                    self._w.span([joined]),
+                    ('say "between the one and the other"',),
+                )
+            return PlacePart(self._w.span(children), "between", things)
+        return PlacePart(self._w.span(children), self._w.value(children, "RELATION"), things)
+
+    def region_of_table(self, children: Children) -> PlacePart:
+        """To the middle of the table."""
+        region = cast(g.TableRegion, self._w.value(children, "REGION_OF_TABLE"))
+        return PlacePart(self._w.span(children), "at", region)
+
+    def point(self, children: Children) -> PlacePart:
+        """To x 0.6 y −0.1."""
+        numbers = [float(number) for number in self._w.numbers(children)]
+        units = [
+            float(self._w.lexicon.value("LENGTH_UNIT", str(c)))
+            for c in children
+            if isinstance(c, Token) and c.type == "LENGTH_UNIT"
+        ]
+        scale = units[-1] if units else 1.0
+        x, y = (value * scale for value in numbers)
+        for value in (x, y):
+            # A place may lie on either side of the middle, so only its size is of interest.
+            range_ = f"a place is at most {q.MAX_LENGTH_M:g} m away"
+            self._w.possible(children, max(abs(value), 1e-9), q.MAX_LENGTH_M, range_)
+        return PlacePart(self._w.span(children), "at", g.Point(x=x, y=y))
+
+    # --- how far ------------------------------------------------------------------------------
 
     def length(self, children: Children) -> LengthPart:
         """By at least 10 cm."""
-        return LengthPart(self._span(children), self._length(children), self._bound(children))
+        value, span = self._w.lengths(children)[0], self._w.span(children)
+        return LengthPart(span, value, self._w.bound(children))
+
+    def length_range(self, children: Children) -> LengthPart:
+        """5 to 10 cm."""
+        low, high = self._w.lengths(children)
+        span = self._w.span(children)
+        if low >= high or self._w.bound(children) != "exact":
+            raise ParseError(
+                "impossible_quantity",
+                f'"{self._w.sentence.written(span)}" is no range',
+                span,
+                ('say it like "5 to 10 cm"',),
+            )
+        return LengthPart(span, low, "at_least", high)
+
+    def relative(self, children: Children) -> LengthPart:
+        """Twice its width; the width of the mug."""
+        things = [c for c in children if isinstance(c, ThingPart)]
+        its = [c for c in children if isinstance(c, Token) and c.type == "ITS"]
+        terminal = "THE_SIDE_OF" if things else "SIDE_OF_OBJECT"
+        if things:
+            of = things[0].ref
+        elif its:
+            start, _ = self._w.span(its)
+            of = g.ObjectRef(text="its", spans=((start, start + 3),), pronoun=True)
+        else:
+            of = g.ObjectRef(text="its", pronoun=True)
+        return self._relative(children, of, self._w.value(children, terminal))
+
+    def relative_to_word(self, children: Children) -> LengthPart:
+        """Two box widths."""
+        words = [c for c in children if isinstance(c, Token) and c.type == "WORD"]
+        span = self._w.span(words)
+        of = g.ObjectRef(text=self._w.sentence.written(span), spans=(span,))
+        return self._relative(children, of, self._w.value(children, "SIDE_OF_OBJECT"))
+
+    def _relative(self, children: Children, of: g.ObjectRef, side: str) -> LengthPart:
+        span = self._w.span(children)
+        times = float(next(iter(self._w.numbers(children)), 1))
+        times = self._w.possible(children, times, 100.0, "a length is at most 100 objects long")
+        length = g.RelativeLength(value=times, of=of, side=cast(g.Side, side))
+        return LengthPart(span, length, self._w.bound(children))
 
     def angle(self, children: Children) -> AnglePart:
         """By 30 degrees."""
-        angle = float(self._number(children))
-        if self._value(children, "ANGLE_UNIT") == "degree":
-            angle = math.radians(angle)
-        range_ = "an angle is more than 0 and at most ten turns"
-        angle = self._possible(children, angle, MAX_ANGLE_RAD, range_)
-        return AnglePart(self._span(children), angle, self._bound(children))
+        value = self._w.angle(children)
+        return AnglePart(self._w.span(children), value, self._w.bound(children))
+
+    def sense(self, children: Children) -> SensePart:
+        """Clockwise."""
+        return SensePart(self._w.span(children), self._w.value(children, "SENSE"))
+
+    def amount(self, children: Children) -> AmountPart:
+        """A little."""
+        amount = self._w.value(children, "AMOUNT") or self._w.value(children, "SOME_OF")
+        return AmountPart(self._w.span(children), amount)
+
+    def way(self, children: Children) -> SharePart:
+        """Halfway."""
+        return self._share(children, "WAY", of_way=True)
+
+    def portion(self, children: Children) -> SharePart:
+        """Half of."""
+        return self._share(children, "PORTION", of_way=False)
+
+    def _share(self, children: Children, terminal: str, *, of_way: bool) -> SharePart:
+        over, _, under = self._w.value(children, terminal).partition("/")
+        return SharePart(self._w.span(children), float(over) / float(under or 1), of_way)
 
     # --- how ----------------------------------------------------------------------------------
 
     def manner(self, children: Children) -> ConstraintPart:
         """Gently."""
-        span = self._span(children)
-        return ConstraintPart(span, _MANNERS[self._value(children, "MANNER")](spans=(span,)))
+        span = self._w.span(children)
+        return ConstraintPart(span, MANNERS[self._w.value(children, "MANNER")](spans=(span,)))
+
+    def compared(self, children: Children) -> list[Part]:
+        """More gently: as the last time, but so."""
+        span = self._w.span(children)
+        manner = MANNERS[self._w.value(children, "COMPARED")](spans=(span,))
+        return [RemarkPart(span, "more"), ConstraintPart(span, manner)]
 
     def force(self, children: Children) -> ConstraintPart:
         """With at most 5 N."""
-        span = self._span(children)
-        newtons = self._times_unit(children, "FORCE_UNIT")
-        range_ = f"a force is more than 0 and at most {MAX_FORCE_N:g} N"
-        value = self._possible(children, newtons, MAX_FORCE_N, range_)
-        return ConstraintPart(span, _FORCES[self._bound(children)](value=value, spans=(span,)))
+        span = self._w.span(children)
+        range_ = f"a force is more than 0 and at most {q.MAX_FORCE_N:g} N"
+        newtons = self._w.in_unit(children, "FORCE_UNIT")[0]
+        value = self._w.possible(children, newtons, q.MAX_FORCE_N, range_)
+        return ConstraintPart(span, _FORCES[self._w.bound(children)](value=value, spans=(span,)))
+
+    def speed(self, children: Children) -> ConstraintPart:
+        """At 2 cm/s."""
+        span = self._w.span(children)
+        range_ = f"a speed is more than 0 and at most {q.MAX_SPEED:g} m/s"
+        speed = self._w.in_unit(children, "SPEED_UNIT")[0]
+        value = self._w.possible(children, speed, q.MAX_SPEED, range_)
+        return ConstraintPart(span, _SPEEDS[self._w.bound(children)](value=value, spans=(span,)))
+
+    def duration(self, children: Children) -> ConstraintPart:
+        """In under four seconds; for three seconds."""
+        span = self._w.span(children)
+        range_ = f"a time is more than 0 and at most {q.MAX_TIME_S:g} s"
+        seconds = self._w.in_unit(children, "TIME_UNIT")[0]
+        value = self._w.possible(children, seconds, q.MAX_TIME_S, range_)
+        bound = self._w.bound(children)
+        if bound == "at_least":
+            raise ParseError(
+                "does_not_apply",
+                f'"{self._w.sentence.written(span)}" leaves open how long it takes',
+                span,
+                ("for three seconds", "in at most three seconds"),
+            )
+        lasts = children[0].type == "BY" and bound == "exact"
+        kind = g.Duration if lasts else g.MaxDuration
+        return ConstraintPart(span, kind(value=value, spans=(span,)))
 
     def effector(self, children: Children) -> ConstraintPart:
         """With two fingers, with your left hand."""
-        span = self._span(children)
-        numbers = [c for c in children if c.type.startswith("NUMBER")]
-        count = float(self._number(children)) if numbers else None
+        span = self._w.span(children)
+        written = self._w.sentence.written(span)
+        numbers = self._w.numbers(children)
+        count = float(numbers[0]) if numbers else None
         if count is not None and count not in range(1, 11):
-            raise ParseError(
-                "impossible_quantity",
-                f'"{self._sentence.written(span)}" is out of range: one to ten can be used',
-                span,
-            )
-        if self._bound(children) != "exact":
-            raise ParseError(
-                "unexpected_words",
-                f'"{self._sentence.written(span)}" leaves open how many to use',
-                span,
-                ("with one finger", "with two fingers"),
-            )
-        effector = Effector(
-            tool=cast(Literal["finger", "hand", "arm"], self._value(children, "TOOL")),
+            message = f'"{written}" is out of range: one to ten can be used'
+            raise ParseError("impossible_quantity", message, span, ("with one finger",))
+        if self._w.bound(children) != "exact":
+            message = f'"{written}" leaves open how many to use'
+            suggestions = ("with one finger", "with two fingers")
+            raise ParseError("unexpected_words", message, span, suggestions)
+        effector = g.Effector(
+            tool=cast(Literal["finger", "hand", "arm"], self._w.value(children, "TOOL")),
             count=None if count is None else int(count),
-            side=cast(Literal["left", "right"] | None, self._value(children, "SIDE") or None),
+            side=cast(Literal["left", "right"] | None, self._w.value(children, "SIDE") or None),
             spans=(span,),
         )
         return ConstraintPart(span, effector)
 
+    # --- where it is touched ------------------------------------------------------------------
+
     def region(self, children: Children) -> ConstraintPart:
         """At the top."""
-        region = cast(Literal["top", "middle", "bottom"], self._value(children, "REGION"))
-        span = self._span(children)
-        return ConstraintPart(span, ContactRegion(region=region, spans=(span,)))
+        region = cast(Literal["top", "middle", "bottom"], self._w.value(children, "REGION"))
+        return self._contact(children, region=region)
 
     def face(self, children: Children) -> ConstraintPart:
         """On the left side."""
-        face = cast(Literal["front", "back", "left", "right"], self._value(children, "FACE"))
-        span = self._span(children)
-        return ConstraintPart(span, ContactRegion(face=face, spans=(span,)))
+        return self._contact(children, face=cast(Face, self._w.value(children, "FACE")))
 
     def from_side(self, children: Children) -> list[Part]:
         """From the left: the left face is touched and, if nothing else is said, pushed right."""
-        face = cast(Literal["front", "back", "left", "right"], self._value(children, "FROM_SIDE"))
-        span = self._span(children)
-        return [
-            ConstraintPart(span, ContactRegion(face=face, spans=(span,))),
-            DirectionPart(span, _BEFORE_FACE[face], implied=True),
-        ]
+        face = cast(Face, self._w.value(children, "FROM_SIDE"))
+        implied = DirectionPart(self._w.span(children), _BEFORE_FACE[face], implied=True)
+        return [self._contact(children, face=face), implied]
 
     def height(self, children: Children) -> ConstraintPart:
-        """At 3 cm above the table."""
-        span = self._span(children)
-        origin = cast(Literal["table", "top"], self._value(children, "HEIGHT_REFERENCE", "table"))
-        height = ContactHeight(value=self._length(children), origin=origin)
-        return ConstraintPart(span, ContactRegion(height=height, spans=(span,)))
+        """At 3 cm above the table; no higher than 3 cm."""
+        value, bound = self._w.lengths(children)[0], self._w.bound(children)
+        limit = self._w.value(children, "HEIGHT_BOUND", bound)
+        if limit != bound and self._w.value(children, "HEIGHT_REFERENCE") == "top":
+            # No higher than 3 cm below the top: at least so far below it.
+            limit = "at_least" if limit == "at_most" else "at_most"
+        bound = cast(g.Bound, limit)
+        return self._contact(children, height=self._height(children, value, bound))
 
-    # --- what must not happen -----------------------------------------------------------------
+    def relative_height(self, children: Children) -> ConstraintPart:
+        """At half its height."""
+        length = children[1]
+        return self._contact(children, height=self._height(children, length.value, length.bound))
 
-    def avoid(self, children: Children) -> AvoidPart:
-        """Without toppling it."""
-        word = next(c for c in children if isinstance(c, Token) and c.type in _AVOIDED)
-        thing = next((c for c in children if isinstance(c, ObjectPart)), None)
-        kind = self._lexicon.value(word.type, str(word))
-        return AvoidPart(self._span(children), kind, str(word), thing)
+    def _height(
+        self, children: Children, value: float | g.RelativeLength, bound: g.Bound
+    ) -> g.ContactHeight:
+        origin = self._w.value(children, "HEIGHT_REFERENCE", "table")
+        return g.ContactHeight(
+            value=value, origin=cast(Literal["table", "top"], origin), bound=bound
+        )
 
-    def further(self, children: Children) -> AvoidPart:
-        """… or turning it."""
-        part = self.avoid(children)
-        return AvoidPart(part.span, part.kind, part.word, part.thing, further=True)
-
-    def no_touch(self, children: Children) -> ConstraintPart:
-        """Without touching the mug."""
-        span = self._span(children)
-        return ConstraintPart(span, NoTouch(object=children[-1].ref, spans=(span,)))
+    def _contact(self, children: Children, **said: Any) -> ConstraintPart:
+        span = self._w.span(children)
+        return ConstraintPart(span, g.ContactRegion(**said, spans=(span,)))
 
     # --- the whole ----------------------------------------------------------------------------
 
-    def clause(self, children: Children) -> list[Part]:
-        """The parts of the clause."""
-        return self.start(children)
-
     def start(self, children: Children) -> list[Part]:
-        """The parts of the sentence; tokens that are left carry no meaning (please, and)."""
+        """The parts of the sentence."""
         parts: list[Part] = []
         for child in children:
-            if isinstance(child, list):
-                parts += child
-            elif isinstance(child, Part):
-                parts.append(child)
+            parts += child if isinstance(child, list) else [child]
         return parts
-
-
-_AVOIDED = ("AVOIDING", "AVOID", "UPRIGHT")
 
 
 def parts_of(tree: Tree[Token], lexicon: Lexicon, sentence: Normalised) -> list[Part]:
     """The parts of a parsed sentence.
 
     Raises:
-        ParseError: `impossible_quantity` or `unexpected_words`.
+        ParseError: `impossible_quantity`, `does_not_apply` or `unexpected_words`.
     """
     return Parts(lexicon, sentence).transform(tree)

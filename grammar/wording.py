@@ -1,242 +1,195 @@
-"""A frame in plain words: what was understood.
+"""Frames in plain words: what was understood.
 
-The words are chosen so that reading them gives the same frame again, up to spans.
+The words are chosen so that reading them gives the same frames again, up to spans.
 """
 
 from __future__ import annotations
 
-import math
-import re
 from collections.abc import Sequence
-from decimal import Decimal
 
-from grammar.frames import (
-    Constraint,
-    ContactRegion,
-    Direction,
-    Displace,
-    Effector,
-    Fast,
-    Force,
-    Frame,
-    Gentle,
-    Goal,
-    Hard,
-    Lift,
-    MaxForce,
-    MinForce,
-    NoLift,
-    NoSlide,
-    NoSpill,
-    NoTilt,
-    NoTopple,
-    NoTouch,
-    NoTurn,
-    ObjectRef,
-    Pour,
-    Rotate,
-    Slow,
-    Tilt,
-    Topple,
-)
+from grammar import frames as g
 from grammar.lexicon import Lexicon, default_lexicon
+from grammar.phrasing import Choice, Phrasing, no_words
 
 _VERBS = {
     ("push", "displace"): "push",
-    ("pull", "displace"): "pull",
+    ("push", "none"): "press",
     ("move", "displace"): "move",
-    ("slide", "displace"): "slide",
-    ("topple", "topple"): "topple",
     ("turn", "rotate"): "turn",
-    ("tilt", "tilt"): "tilt",
-    ("lift", "lift"): "lift",
-    ("open", "open"): "open",
-    ("close", "close"): "close",
-    ("pour", "pour"): "pour the contents of",
+    ("place", "place"): "put",
+    ("place", "upright"): "stand",
+    ("hand_over", "hand_over"): "hand",
     ("explore", "parameters"): "explore",
+    **{(verb, "displace"): verb for verb in ("pull", "slide")},
+    **{(verb, "place"): verb for verb in ("push", "pull", "move", "slide")},
+    **{(verb, verb): verb for verb in ("topple", "tilt", "lift", "open", "close", "pour")},
 }
-_DIRECTIONS: dict[Direction, str] = {
-    "away": "away",
-    "toward": "toward the robot",
-    "left": "to the left",
-    "right": "to the right",
+_PARTICLES = {"stand": "upright", "hand": "over"}
+_RESULTS = {"topple": "tips", "tilt": "tilts", "rotate": "turns"}
+_OPENINGS: dict[str, tuple[str, str]] = {
+    "possible": ("POSSIBLE", ""),
+    "how_hard": ("HOW_HARD", ""),
+    "where": ("WHERE", ""),
+    "why": ("WHY_DID", ""),
 }
-_AMOUNTS = {"little": "a little", "lot": "a lot"}
-_BOUNDS = {"exact": "", "at_least": "at least ", "at_most": "at most "}
-_FORCES: dict[type[Constraint], str] = {Force: "", MinForce: "at least ", MaxForce: "at most "}
-_SENSES = {"cw": "clockwise", "ccw": "counterclockwise"}
-_REGIONS = {"top": "at the top", "middle": "in the middle", "bottom": "at the bottom"}
-_ON: dict[str, str] = {
-    "front": "on the front side",
-    "back": "on the back side",
-    "left": "on the left side",
-    "right": "on the right side",
-    "top": "on the top face",
-}
-_FROM: dict[str, str] = {
-    "front": "from the front",
-    "back": "from behind",
-    "left": "from the left",
-    "right": "from the right",
-}
-_HEIGHTS = {"table": "above the table", "top": "below the top"}
-_MANNERS: dict[type[Constraint], str] = {
-    Gentle: "gently",
-    Hard: "hard",
-    Slow: "slowly",
-    Fast: "quickly",
-}
-_AVOIDED: dict[type[Constraint], str] = {
-    NoTopple: "toppling it",
-    NoTilt: "tilting it",
-    NoTurn: "turning it",
-    NoSlide: "sliding it",
-    NoLift: "lifting it",
-    NoSpill: "spilling it",
-}
-_COUNTS = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
 
 
-def paraphrase(frame: Frame, lexicon: Lexicon | None = None) -> str:
-    """Says in plain words what a frame asks.
+def paraphrase(
+    said: g.Frame | Sequence[g.Frame],
+    lexicon: Lexicon | None = None,
+    choose: Choice | None = None,
+) -> str:
+    """Says in plain words what frames ask.
 
     Args:
-        frame: what was understood.
-        lexicon: the words of the language; decides which names need quotation marks.
+        said: what was understood, one frame or several.
+        lexicon: the words of the language.
+        choose: picks one of the phrases that mean the same; the first by default.
 
     Raises:
         ValueError: if the language has no words for it.
     """
-    lexicon = default_lexicon() if lexicon is None else lexicon
-    verb = _VERBS.get((frame.action or "", frame.goal.kind))
-    if verb is None or frame.object is None or frame.query or frame.dialogue:
-        raise ValueError(f"there are no words for action {frame.action}, goal {frame.goal.kind}")
-    constraints = list(frame.constraints)
-    words = []
-    if constraints and type(constraints[0]) in _MANNERS:
-        words.append(_MANNERS[type(constraints.pop(0))])
-    words += [verb, _name(frame.object, lexicon), *_goal(frame.goal, lexicon)]
-    directed = getattr(frame.goal, "direction", None) is not None
-    words += _constraints(constraints, lexicon, directed=directed)
-    return " ".join(words)
+    frames = (said,) if isinstance(said, g.Frame) else said
+    speaker = _Speaker(default_lexicon() if lexicon is None else lexicon, choose)
+    return ", then ".join(speaker.frame(frame) for frame in frames)
 
 
-def _name(ref: ObjectRef, lexicon: Lexicon) -> str:
-    """The object's name as the language reads it; with quotation marks unless it is plain."""
-    if ref.text.casefold() == "it":
-        return ref.text
-    words = ref.text.replace("-", " ").casefold().split()
-    plain = all(word.isascii() and word.isalnum() and not word[0].isdigit() for word in words)
-    bare = not lexicon.reserved & set(words)
-    return f"the {ref.text}" if plain and bare else f'"{ref.text}"'
+class _Speaker:
+    """Says whole frames."""
 
+    def __init__(self, lexicon: Lexicon, choose: Choice | None) -> None:
+        self._p = Phrasing(lexicon, choose)
 
-def _goal(goal: Goal, lexicon: Lexicon) -> list[str]:
-    words: list[str] = []
-    match goal:
-        case Displace():
-            words = _displace(goal, lexicon)
-        case Topple(direction=str(direction)):
-            words = [_DIRECTIONS[direction]]
-        case Tilt():
-            words = [_DIRECTIONS[goal.direction]] if goal.direction else []
-        case Rotate(sense=str(sense)):
-            words = [_SENSES[sense]]
-        case Lift(height=float(height)):
-            words = [f"by {_length(height)}"]
-        case Pour():
-            words = [f"into {_name(goal.into, lexicon)}"] if goal.into else []
-            words += [_AMOUNTS[goal.amount]] if goal.amount else []
-        case _:
-            pass
-    if isinstance(goal, Tilt | Rotate) and goal.angle is not None:
-        words.append(f"by {_angle(goal.angle)}")
-    return words
+    def frame(self, frame: g.Frame) -> str:
+        """One frame: a command, a question or a remark."""
+        if frame.dialogue is not None:
+            return self._remark(frame, frame.dialogue)
+        if frame.query is not None:
+            return self._question(frame, frame.query)
+        return self._command(frame)
 
+    # --- commands -----------------------------------------------------------------------------
 
-def _displace(goal: Displace, lexicon: Lexicon) -> list[str]:
-    if goal.heading is not None or goal.fraction is not None:
-        raise ValueError("there are no words for headings and shares of a way")
-    words = []
-    if goal.direction is not None:
-        pair = (goal.direction,) if isinstance(goal.direction, str) else goal.direction
-        words.append(" and ".join(_DIRECTIONS[direction] for direction in pair))
-    if isinstance(goal.toward, ObjectRef):
-        words.append(f"toward {_name(goal.toward, lexicon)}")
-    if isinstance(goal.distance, float):
-        words.append(f"by {_BOUNDS[goal.bound]}{_length(goal.distance)}")
-    elif goal.distance is not None:
-        raise ValueError("there are no words for lengths measured in objects")
-    if goal.amount is not None:
-        words.append(_AMOUNTS[goal.amount])
-    return words
+    def _command(self, frame: g.Frame, name: str | None = None, more: str = "") -> str:
+        """A clause; `name` stands for the object, `more` behind the goal."""
+        if frame.object is None or frame.action is None:
+            raise no_words(f"action {frame.action} without an object")
+        goal = frame.goal
+        if isinstance(goal, g.Parameters) and goal.which:
+            return self._explored(frame, goal.which)
+        verb, result = self._verb(frame)
+        constraints = list(frame.constraints)
+        words = []
+        if constraints and (manner := self._p.manner(constraints[0])):
+            words.append(manner)
+            constraints.pop(0)
+        words += [verb, name or self._of_a_part(frame)]
+        if verb in _PARTICLES:
+            words.append(_PARTICLES[verb])
+        words += [*result, *self._p.goal(goal), *([more] if more else [])]
+        words += self._constraints(goal, constraints)
+        return " ".join(words)
 
+    def _verb(self, frame: g.Frame) -> tuple[str, list[str]]:
+        """The verb, and the result if another outcome than its own is wanted."""
+        action, goal = frame.action or "", frame.goal
+        if (action, goal.kind) in _VERBS:
+            return _VERBS[action, goal.kind], []
+        if (action, "displace") in _VERBS and goal.kind in _RESULTS:
+            event = self._p.say("EVENT", _RESULTS[goal.kind])
+            return _VERBS[action, "displace"], [f"so that it {event}"]
+        raise no_words(f"action {action}, goal {goal.kind}")
 
-def _constraints(
-    constraints: Sequence[Constraint], lexicon: Lexicon, *, directed: bool
-) -> list[str]:
-    words: list[str] = []
-    previous: Constraint | None = None
-    for constraint in constraints:
-        avoided = _AVOIDED.get(type(constraint))
-        if isinstance(constraint, ContactRegion):
-            words.append(_contact(constraint, directed=directed))
-        elif avoided is None:
-            words.append(_constraint(constraint, lexicon))
-        else:
-            listed = previous is not None and type(previous) in _AVOIDED
-            words.append(f"or {avoided}" if listed else f"without {avoided}")
-        previous = constraint
-    return words
+    def _of_a_part(self, frame: g.Frame) -> str:
+        """The object; with its part, if that is opened; with its contents, if they are poured."""
+        assert frame.object is not None
+        name, goal = self._p.name(frame.object), frame.goal
+        if isinstance(goal, g.Open | g.Close) and goal.part:
+            if not name.startswith("the "):
+                raise no_words(f"the {goal.part} of {name}")
+            return f"the {goal.part} of {name}"
+        if isinstance(goal, g.Pour):
+            share = {None: "", 0.5: "half of ", 1.0: "all of "}.get(goal.fraction)
+            if share is None:
+                raise no_words(f"a share of {goal.fraction}")
+            return f"{share}the contents of {name}"
+        return name
 
+    def _constraints(self, goal: g.Goal, constraints: Sequence[g.Constraint]) -> list[str]:
+        said = ("direction", "heading", "toward", "away_from", "reference")
+        directed = any(getattr(goal, field, None) is not None for field in said)
+        return self._p.constraints(constraints, directed=directed)
 
-def _constraint(constraint: Constraint, lexicon: Lexicon) -> str:
-    if isinstance(constraint, Force | MinForce | MaxForce):
-        return f"with {_FORCES[type(constraint)]}{_plain(constraint.value)} N"
-    if isinstance(constraint, NoTouch) and constraint.object and constraint.clearance is None:
-        return f"without touching {_name(constraint.object, lexicon)}"
-    if isinstance(constraint, Effector):
-        return _effector(constraint)
-    if type(constraint) in _MANNERS:
-        return _MANNERS[type(constraint)]
-    raise ValueError(f"there are no words for {constraint.kind}")
+    def _explored(self, frame: g.Frame, which: Sequence[str]) -> str:
+        constraints = self._constraints(frame.goal, frame.constraints)
+        return " ".join([f"find out {self._property(frame, which)}", *constraints])
 
+    def _property(self, frame: g.Frame, which: Sequence[str]) -> str:
+        """The mass and the friction of an object."""
+        assert frame.object is not None
+        if frame.object.text == "its":
+            return " and ".join(self._p.say("ITS_PROPERTY", name) for name in which)
+        *others, last = which
+        known = self._p.lexicon.says("THE_PROPERTY_OF", last)
+        of = "THE_PROPERTY_OF" if known else "THE_SIDE_OF"
+        said = [self._p.say("THE_PROPERTY", name) for name in others]
+        return f"{' and '.join([*said, self._p.say(of, last)])} {self._p.name(frame.object)}"
 
-def _contact(contact: ContactRegion, *, directed: bool) -> str:
-    # "From the left" also means "to the right" unless a direction is said, so it is kept for then.
-    sides = _FROM if directed else _ON
-    words = []
-    if contact.region:
-        words.append(_REGIONS[contact.region])
-    if contact.height and isinstance(contact.height.value, float):
-        words.append(f"at {_length(contact.height.value)} {_HEIGHTS[contact.height.origin]}")
-    if contact.face:
-        words.append(sides.get(contact.face, _ON[contact.face]))
-    return " ".join(words)
+    # --- questions ----------------------------------------------------------------------------
 
+    def _question(self, frame: g.Frame, query: g.Query) -> str:
+        if query == "value" and isinstance(frame.goal, g.Parameters):
+            return f"{self._p.say('WHAT_IS')} {self._property(frame, frame.goal.which)}?"
+        if query == "affordances" and frame.object is not None:
+            return f"{self._p.say('WHAT_CAN')} {self._p.name(frame.object)}?"
+        if query == "why" and frame.action is None:
+            return f"{self._p.say('WHY')}?"
+        if query == "predict":
+            return f"{self._predicted(frame)}?"
+        if query not in _OPENINGS:
+            raise no_words(f"the question {query}")
+        event = [] if frame.event is None else [self._to_make(frame.event)]
+        clause = self._command(frame)
+        return f"{' '.join([self._p.say(*_OPENINGS[query]), clause, *event])}?"
 
-def _effector(effector: Effector) -> str:
-    count = "your" if effector.count is None else _COUNTS[effector.count - 1]
-    plural = "s" if (effector.count or 1) > 1 else ""
-    words = ("with", count, effector.side or "", effector.tool + plural)
-    return " ".join(word for word in words if word)
+    def _to_make(self, event: g.Event) -> str:
+        return f"{self._p.say('TO_MAKE')} it {self._p.say('EVENT_INFINITIVE', event)}"
 
+    def _predicted(self, frame: g.Frame) -> str:
+        if frame.event is None:
+            return f"{self._p.say('WHAT_IF')} you {self._command(frame)}"
+        assert frame.object is not None
+        happens = self._p.say("EVENT_INFINITIVE", frame.event)
+        partly = isinstance(frame.goal, g.Pour | g.Open | g.Close)
+        if partly or frame.object.relation is not None or frame.object.reference:
+            return f"if you {self._command(frame)}, will it {happens}"
+        name = self._p.name(frame.object)
+        return f"will {name} {happens} if you {self._command(frame, name='it')}"
 
-def _length(metres: float) -> str:
-    """A length in centimetres, or in millimetres below one; exact, so that it is read back."""
-    length = Decimal(repr(metres))
-    if length < Decimal("0.01"):
-        return f"{_plain(length * 1000)} mm"
-    return f"{_plain(length * 100)} cm"
+    # --- remarks ------------------------------------------------------------------------------
 
+    def _remark(self, frame: g.Frame, dialogue: g.Dialogue) -> str:
+        if dialogue in ("undo", "stop"):
+            return self._p.say(dialogue.upper())
+        if dialogue == "correct":
+            return f"no, {self._corrected(frame)}"
+        word = self._p.say(dialogue.upper())
+        if frame.action is not None:
+            name = None if frame.object is not None else "it"
+            if frame.object is None:
+                frame = frame.model_copy(update={"object": g.ObjectRef(text="it", pronoun=True)})
+            return self._command(frame, name, word)
+        if frame.object is not None:
+            raise no_words(f"{dialogue} with an object and no action")
+        rest = [*self._p.goal(frame.goal), *self._constraints(frame.goal, frame.constraints)]
+        return " ".join([word, *rest])
 
-def _angle(radians: float) -> str:
-    degrees = round(math.degrees(radians), 9)
-    if math.radians(degrees) == radians:
-        return f"{_plain(degrees)} degrees"
-    return f"{_plain(radians)} radians"
-
-
-def _plain(value: float | Decimal) -> str:
-    text = f"{Decimal(repr(value)) if isinstance(value, float) else value:f}"
-    return re.sub(r"\.?0+$", "", text) if "." in text else text
+    def _corrected(self, frame: g.Frame) -> str:
+        if frame.action is not None:
+            return self._command(frame)
+        words = [] if frame.object is None else [self._p.name(frame.object)]
+        goal = self._p.goal(frame.goal)
+        if words and isinstance(frame.goal, g.Place):
+            words.append(",")
+        words += [*goal, *self._constraints(frame.goal, frame.constraints)]
+        return " ".join(words).replace(" ,", ",")

@@ -1,4 +1,4 @@
-"""Sentences that are understood, and sentences that are refused, from two lists."""
+"""Sentences that are understood, and sentences that are refused, from lists."""
 
 from __future__ import annotations
 
@@ -8,42 +8,65 @@ from typing import Any
 import pytest
 import yaml
 
-from grammar import ParseError, paraphrase, parse
+from grammar import Frame, ParseError, paraphrase, parse
 
 COMMANDS = Path(__file__).parents[2] / "data" / "commands"
-UNDERSTOOD = yaml.safe_load((COMMANDS / "understood.yaml").read_text(encoding="utf-8"))
-REFUSED = yaml.safe_load((COMMANDS / "refused.yaml").read_text(encoding="utf-8"))
+REFUSALS = {"refused", "out_of_domain", "typos"}
+EMPTY = (None, [], False, "", "exact")
+
+
+def read(name: str) -> list[dict[str, Any]]:
+    return list(yaml.safe_load((COMMANDS / f"{name}.yaml").read_text(encoding="utf-8")))
+
+
+THEMES = sorted(path.stem for path in COMMANDS.glob("*.yaml") if path.stem not in REFUSALS)
+UNDERSTOOD = [case for theme in THEMES for case in read(theme)]
+TOPPLE_AND_TILT = {"no_topple", "no_tilt", "max_tilt"}
 
 
 def bare(value: Any) -> Any:
-    """JSON without spans, and without what is null, empty or exact."""
+    """JSON without spans, without what is empty or exact, and objects that are no more than a name
+    as that name."""
     if isinstance(value, dict):
         kept = {key: bare(part) for key, part in value.items() if key not in ("spans", "id")}
-        return {key: p for key, p in kept.items() if p not in (None, [], False, "", "exact")}
+        kept = {k: p for k, p in kept.items() if isinstance(p, float) or p not in EMPTY}
+        if kept.get("goal") == {"kind": "none"}:
+            del kept["goal"]
+        return kept["text"] if kept.keys() == {"text"} else kept
     if isinstance(value, list):
         return [bare(part) for part in value]
     return value
 
 
-@pytest.mark.parametrize("case", UNDERSTOOD, ids=lambda case: case["text"])
-def test_sentence_means_its_frame(case: dict[str, Any]) -> None:
-    (frame,) = parse(case["text"]).frames
-    found = bare(frame.model_dump(mode="json"))
-    found["object"] = found["object"]["text"]
-    assert found == case["frame"]
+def bare_frames(frames: tuple[Frame, ...]) -> list[Any]:
+    return [bare(frame.model_dump(mode="json")) for frame in frames]
 
 
-@pytest.mark.parametrize("case", UNDERSTOOD, ids=lambda case: case["text"])
-def test_paraphrase_means_the_same(case: dict[str, Any]) -> None:
-    command = parse(case["text"])
-    again = parse(command.paraphrase)
-    assert command.paraphrase == paraphrase(command.frames[0])
-    assert [bare(f.model_dump(mode="json")) for f in again.frames] == [
-        bare(f.model_dump(mode="json")) for f in command.frames
-    ]
+def meant(case: dict[str, Any]) -> list[Any]:
+    frames: list[Any] = bare(case.get("frames") or [case["frame"]])
+    return frames
 
 
-@pytest.mark.parametrize("case", REFUSED, ids=lambda case: case["text"] or "nothing")
+@pytest.mark.parametrize("theme", THEMES)
+def test_sentences_mean_their_frames(theme: str) -> None:
+    wrong = {
+        case["text"]: found
+        for case in read(theme)
+        if (found := bare_frames(parse(case["text"]).frames)) != meant(case)
+    }
+    assert not wrong
+
+
+@pytest.mark.parametrize("theme", THEMES)
+def test_paraphrases_mean_the_same(theme: str) -> None:
+    for case in read(theme):
+        command = parse(case["text"])
+        assert command.paraphrase == paraphrase(command.frames)
+        again = parse(command.paraphrase)
+        assert bare_frames(again.frames) == bare_frames(command.frames), command.paraphrase
+
+
+@pytest.mark.parametrize("case", read("refused"), ids=lambda case: case["text"] or "nothing")
 def test_sentence_is_refused(case: dict[str, Any]) -> None:
     with pytest.raises(ParseError) as caught:
         parse(case["text"])
@@ -55,6 +78,39 @@ def test_sentence_is_refused(case: dict[str, Any]) -> None:
     assert at == case["at"]
 
 
+@pytest.mark.parametrize("case", read("out_of_domain"), ids=lambda case: case["text"])
+def test_what_is_not_for_this_robot_is_refused(case: dict[str, Any]) -> None:
+    with pytest.raises(ParseError) as caught:
+        parse(case["text"])
+    error = caught.value
+    assert error.span is not None
+    assert error.suggestions
+    assert error.code == case.get("code", error.code)
+    if case["about"]:
+        start = case["text"].index(case["about"])
+        first, last = error.span
+        assert first < start + len(case["about"])
+        assert start < last
+
+
+@pytest.mark.parametrize("case", read("typos"), ids=lambda case: case["text"])
+def test_typo_is_pointed_at_and_set_right(case: dict[str, Any]) -> None:
+    with pytest.raises(ParseError) as caught:
+        parse(case["text"])
+    error = caught.value
+    assert error.span is not None
+    assert case["text"][slice(*error.span)] == case["about"]
+    assert any(case["suggests"] in suggestion for suggestion in error.suggestions)
+
+
 def test_lists_are_long_enough_to_mean_something() -> None:
-    assert len(UNDERSTOOD) >= 200
-    assert len(REFUSED) >= 120
+    texts = [case["text"] for case in UNDERSTOOD]
+    assert len(set(texts)) == len(texts) >= 1000
+    assert len(read("out_of_domain")) >= 250
+    limits = [
+        text
+        for text, case in zip(texts, UNDERSTOOD, strict=True)
+        for frame in meant(case)
+        if TOPPLE_AND_TILT & {clause["kind"] for clause in frame.get("constraints", [])}
+    ]
+    assert len(set(limits)) >= 150

@@ -1,0 +1,143 @@
+"""What must follow a phrase for it to be taken: the lexer's look at the next word or two.
+
+Some words mean one thing before a number and another before a name ("up to 5 cm", "up to the mug"),
+and some phrases are the beginning of a name ("from the left", "from the left box").
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+
+from grammar.lexicon import Lexicon
+
+WORD = re.compile(r"[^ ]+")
+"""A word of the plain form."""
+
+BEFORE_NUMBERS = frozenset({"BY", "BOUND", "RANGE", "FROM"})
+"""Terminals that stand before quantities only."""
+
+_QUANTITIES = ("THE_SIDE_OF", "BOUND")
+_MULTIPLES = frozenset({"twice", "double", "its"})
+_NAMES_BEGIN = re.compile(r" (?:the|a|an|my|your|its) ")
+
+Rule = Callable[[str, str, int, str], bool]
+
+
+def stands(phrase: str, text: str, start: int) -> bool:
+    """Whether a phrase stands in a text, from here to the end of a word."""
+    end = start + len(phrase)
+    return text.startswith(phrase, start) and (end == len(text) or text[end] == " ")
+
+
+class Lookahead:
+    """The rules, by terminal.
+
+    Args:
+        lexicon: the words of the language.
+        phrases: the phrases of each terminal.
+    """
+
+    def __init__(self, lexicon: Lexicon, phrases: Mapping[str, Sequence[str]]) -> None:
+        self._phrases = phrases
+        self._first_of_number = lexicon.numbers.first_words
+        self._adjectives = lexicon.adjectives
+        self._function_words = lexicon.reserved | lexicon.first_words
+        self._determiners = {p for n in ("THE", "A", "THAT", "IT") for p in lexicon.phrases(n)}
+        self._rules: dict[str, Rule] = {
+            **dict.fromkeys(BEFORE_NUMBERS, self._before_a_number),
+            **dict.fromkeys(("REGION", "FACE", "SIDE_QUALITY"), self._not_into_a_name),
+            **dict.fromkeys(("DIRECTION", "TOWARD_REGION"), self._not_towards_a_name),
+            "AMOUNT": self._no_little_box,
+            "FROM_SIDE": lambda _phrase, text, end, _last: self._ends(text, end),
+            "LENGTH_UNIT": self._no_preposition,
+            "NEXT": self._not_next_to,
+            "OF": lambda _phrase, text, end, _last: bool(_NAMES_BEGIN.match(text, end)),
+            "OR": self._in_a_list,
+            "RELATION": self._before_a_thing,
+            "SOME_OF": self._not_of_a_face,
+            "TO_DO": lambda _phrase, text, end, _last: self._any("EVENT_INFINITIVE", text, end + 1),
+            "WHY_DID": lambda _phrase, text, end, _last: end < len(text),
+        }
+
+    def fits(self, kind: str, phrase: str, text: str, end: int, last: str) -> bool:
+        """Whether a phrase that ends here is what it seems.
+
+        Args:
+            kind: terminal that it may be.
+            phrase: the phrase.
+            text: the sentence in plain form.
+            end: where the phrase ends.
+            last: terminal of the token before it.
+        """
+        rule = self._rules.get(kind)
+        return rule is None or rule(phrase, text, end, last)
+
+    def _any(self, kind: str, text: str, start: int) -> bool:
+        return any(stands(phrase, text, start) for phrase in self._phrases[kind])
+
+    def _ends(self, text: str, end: int) -> bool:
+        """Whether no word of a name follows."""
+        follower = WORD.match(text, end + 1)
+        if follower is None or not follower.group()[0].isalpha():
+            return True
+        return follower.group() in self._function_words
+
+    def _begins_a_number(self, text: str, start: int) -> bool:
+        match = WORD.match(text, start)
+        if match is None:
+            return False
+        word = match.group()
+        return (
+            word[0] in "+-.0123456789"
+            or word in self._first_of_number
+            or word in _MULTIPLES
+            or any(self._any(kind, text, start) for kind in _QUANTITIES)
+        )
+
+    # --- rules --------------------------------------------------------------------------------
+
+    def _before_a_number(self, _phrase: str, text: str, end: int, _last: str) -> bool:
+        return self._begins_a_number(text, end + 1)
+
+    def _not_into_a_name(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """On the right, but not on the right bottle."""
+        word = phrase.rsplit(maxsplit=1)[-1]
+        return word not in self._adjectives or self._ends(text, end)
+
+    def _not_towards_a_name(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """Towards the left, but not towards the left mug."""
+        return not phrase.startswith("toward") or self._ends(text, end)
+
+    def _no_little_box(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """A little, but not a little box."""
+        return not phrase.startswith("a ") or self._ends(text, end)
+
+    def _no_preposition(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """2 in, but not y -0.1 in at most 5 s."""
+        return phrase != "in" or not self._begins_a_number(text, end + 1)
+
+    def _not_next_to(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """Next, but not next to."""
+        return not (phrase.endswith("next") and stands("to", text, end + 1))
+
+    def _in_a_list(self, phrase: str, text: str, end: int, last: str) -> bool:
+        """A comma stands for "or" in "do not tilt, turn or topple it"."""
+        return phrase != "," or (last == "AVOID" and self._any("AVOID", text, end + 1))
+
+    def _before_a_thing(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """Over to the mug, away from the jar, but not away from the left."""
+        if phrase == "over to":
+            follower = WORD.match(text, end + 1)
+            return follower is not None and follower.group() in self._determiners
+        if not phrase.endswith("from"):
+            return True
+        start = end - len("from")
+        return not any(
+            stands(side, text, start) and self._ends(text, start + len(side))
+            for side in self._phrases["FROM_SIDE"]
+        )
+
+    def _not_of_a_face(self, _phrase: str, text: str, end: int, _last: str) -> bool:
+        """A bit of the milk, but not a bit, of its front side."""
+        return not self._any("FACE", text, end - len("of"))

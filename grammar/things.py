@@ -1,0 +1,166 @@
+"""What tells objects apart: "the box next to the mug", "the one on the left".
+
+A place behind an object is where the object is, if the verb takes no place or the sentence says
+elsewhere where to go; else it is where to go. A length before a place is the gap to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import cast
+
+from grammar import frames as g
+from grammar.errors import ParseError
+from grammar.lexicon import Lexicon
+from grammar.normalise import Normalised
+from grammar.parts import (
+    AskPart,
+    AvoidPart,
+    ConstraintPart,
+    DirectionPart,
+    ExplorePart,
+    FurtherNoTouchPart,
+    HeadingPart,
+    LengthPart,
+    Part,
+    ParticlePart,
+    PlacePart,
+    RemarkPart,
+    ResultPart,
+    SidePart,
+    ThatIsPart,
+    ThingPart,
+    TowardPart,
+    VerbPart,
+)
+
+_TAKES_PLACE = ("displace", "contact", "place")
+_ELSEWHERE = (HeadingPart, TowardPart, LengthPart)
+_TELLING = ("next_to", "left_of", "right_of", "in_front_of", "behind", "between", "touching",
+            "on", "nearest")  # fmt: skip
+"""Relations that can tell an object from others."""
+
+Parts = list[Part]
+
+
+def described(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
+    """The parts of a clause, with the places that tell objects apart given to the objects.
+
+    Raises:
+        ParseError: `unexpected_words` if there is nothing that they could belong to.
+    """
+    out: Parts = []
+    parts = _touching(parts)
+    for i, part in enumerate(parts):
+        telling = isinstance(part, SidePart)
+        if isinstance(part, PlacePart):
+            after_that_is = bool(out) and isinstance(out[-1], ThatIsPart)
+            telling = after_that_is or _tells(part, parts, i, out, lexicon)
+            if after_that_is:
+                out.pop()
+        if telling:
+            _give(cast("SidePart | PlacePart", part), out, sentence)
+        else:
+            out.append(part)
+    for part in out:
+        if isinstance(part, ThatIsPart):
+            raise _unexpected(part, sentence)
+    return out
+
+
+def _touching(parts: Sequence[Part]) -> Parts:
+    """Takes "touching the block" for a place, unless it goes on with what is to be avoided."""
+    out: Parts = []
+    for part in parts:
+        before = out[-1] if out else None
+        avoiding = isinstance(before, AvoidPart | FurtherNoTouchPart) or (
+            isinstance(before, ConstraintPart) and before.constraint.kind == "no_touch"
+        )
+        if isinstance(part, FurtherNoTouchPart) and not avoiding and not part.either:
+            touched = part.constraint.object
+            if touched is not None:
+                out.append(PlacePart(part.span, "touching", (touched,)))
+                continue
+        out.append(part)
+    return out
+
+
+def _tells(part: PlacePart, parts: Parts, i: int, before: Parts, lexicon: Lexicon) -> bool:
+    """Whether a place tells an object from others, rather than where to go."""
+    if part.relation == "nearest":
+        return True
+    owner = before[-1] if before else None
+    asked = isinstance(owner, AskPart | ExplorePart) and owner.thing is not None
+    if part.relation not in _TELLING or not (isinstance(owner, ThingPart) or asked):
+        return False
+    if asked or any(isinstance(p, ResultPart) and p.event == "ends_up" for p in parts[:i]):
+        return asked
+    goal = _goal(parts, lexicon)
+    if goal not in _TAKES_PLACE:
+        return goal is not None
+    rest = _not_avoided(parts[i + 1 :])
+    if any(isinstance(p, PlacePart) and p.relation != "nearest" for p in rest):
+        return True
+    said = [*parts[:i], *rest]
+    directed = any(isinstance(p, DirectionPart) and not p.implied for p in said)
+    return goal != "place" and (directed or any(isinstance(p, _ELSEWHERE) for p in said))
+
+
+def _not_avoided(parts: Parts) -> Parts:
+    """The parts that say where to go; "more than 5 cm" behind something to avoid is its limit."""
+    return [
+        part
+        for before, part in zip([None, *parts], parts, strict=False)
+        if not isinstance(part, AvoidPart | ConstraintPart)
+        and not (isinstance(part, LengthPart) and isinstance(before, AvoidPart))
+    ]
+
+
+def _goal(parts: Parts, lexicon: Lexicon) -> str | None:
+    """Goal of the clause's verb; None if it has none."""
+    verb = next((p for p in parts if isinstance(p, VerbPart)), None)
+    if verb is None:
+        return "none" if any(isinstance(p, RemarkPart) for p in parts) else None
+    particle = next((p for p in parts if isinstance(p, ParticlePart)), None)
+    found = particle and lexicon.verb(verb.word, particle.word)
+    found = found or lexicon.verb(verb.word)
+    return found.goal if found else "displace"
+
+
+def _give(part: SidePart | PlacePart, out: Parts, sentence: Normalised) -> None:
+    """Gives what tells it apart to the last thing that was named."""
+    for i in reversed(range(len(out))):
+        owner = out[i]
+        if isinstance(owner, ThingPart):
+            out[i] = _with(owner, part)
+            return
+        if isinstance(owner, AskPart | ExplorePart) and owner.thing is not None:
+            out[i] = replace(owner, thing=_with(owner.thing, part))
+            return
+    raise _unexpected(part, sentence)
+
+
+def _with(thing: ThingPart, part: SidePart | PlacePart) -> ThingPart:
+    ref = thing.ref
+    noun = ref.noun if ref.qualities else _noun(ref)
+    update: dict[str, object] = {"spans": (*ref.spans, part.span)}
+    if isinstance(part, SidePart):
+        update |= {"qualities": (*ref.qualities, part.quality), "noun": noun}
+    elif part.relation == "nearest":
+        update |= {
+            "qualities": (*ref.qualities, "near"), "noun": noun, "reference": part.reference
+        }  # fmt: skip
+    else:
+        update |= {"relation": part.relation, "reference": part.reference}
+    return replace(thing, ref=ref.model_copy(update=update))
+
+
+def _noun(ref: g.ObjectRef) -> str:
+    return "" if ref.text.casefold() in ("one", "ones") else ref.text.casefold()
+
+
+def _unexpected(part: Part, sentence: Normalised) -> ParseError:
+    written = sentence.written(part.span)
+    message = f'"{written}" is not understood here'
+    return ParseError("unexpected_words", message, part.span, (f'leave out "{written}"',))
