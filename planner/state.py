@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     from objectmodels.model import ObjectModel
 
+Colour = tuple[float, float, float]
+
 
 @dataclass(frozen=True)
 class PlanarPose:
@@ -61,28 +63,34 @@ class SeenObject:
         pose: where the vision port sees it.
         model: the registry's model of it (the belief, never the truth), as it lies.
         lies_on: name of the face that is below; `bottom` if it stands as its model does.
+        colour: what the camera sees, red, green, blue in 0…1; None if it was not looked at.
     """
 
     name: str
     pose: PlanarPose
     model: ObjectModel
     lies_on: str = "bottom"
+    colour: Colour | None = None
 
     @classmethod
-    def lying(cls, name: str, pose: PlanarPose, model: ObjectModel) -> SeenObject:
+    def lying(
+        cls, name: str, pose: PlanarPose, model: ObjectModel, colour: Colour | None = None
+    ) -> SeenObject:
         """An object as it is seen: its pose picks the base that it lies on.
 
         One that leans on something keeps the model that stands upright.
         """
         if pose.attitude is None:
-            return cls(name, pose, model)
+            return cls(name, pose, model, colour=colour)
         try:
             rest = model.lying(pose.R_WB)
         except ModelError:
-            return cls(name, PlanarPose(pose.x, pose.y, pose.yaw), model, "nothing flat")
+            here = PlanarPose(pose.x, pose.y, pose.yaw)
+            return cls(name, here, model, "nothing flat", colour)
         R_WN, p_WN = pose.R_WB @ rest.R_BN, pose.p_WB + pose.R_WB @ rest.p_BN
         yaw = float(np.arctan2(R_WN[1, 0], R_WN[0, 0]))
-        return cls(name, PlanarPose(float(p_WN[0]), float(p_WN[1]), yaw), rest.model, rest.face)
+        here = PlanarPose(float(p_WN[0]), float(p_WN[1]), yaw)
+        return cls(name, here, rest.model, rest.face, colour)
 
 
 @dataclass(frozen=True)

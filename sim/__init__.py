@@ -10,7 +10,7 @@ from sim.reach import ArmReach
 from sim.replay import save_replay
 from sim.scene import Scene, load_scene
 from sim.trace import Trace
-from sim.vision import first_look
+from sim.vision import first_look, seen_colours
 from sim.world import DrakeWorld
 
 __all__ = [
@@ -26,4 +26,5 @@ __all__ = [
     "load_scene",
     "save_picture",
     "save_replay",
+    "seen_colours",
 ]

@@ -62,7 +62,7 @@ class Truth(_Part):
         centre_of_mass_m: in B; above the origin at half the height if not given.
         support_m: points of the base on which the object stands, in B's x, y; its corners (of a
             cylinder: points of its rim) if not given.
-        colour: red, green, blue in 0…1, for pictures.
+        colour: red, green, blue in 0…1, for the camera and for pictures.
     """
 
     size_m: tuple[Positive, Positive, Positive] | None = None

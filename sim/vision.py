@@ -1,4 +1,4 @@
-"""The port through which object poses reach the robot: at a rate, late, with white noise.
+"""The port through which the robot sees: poses at a rate, late, with white noise; and colours.
 
 Frames: poses are X_WB; noise on the position is in W, noise on the orientation a rotation about
 W's axes. Every frame shows all objects and draws its noise in their order, so that the same seed
@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from objectmodels.resting import LEVEL
-from planner.state import PlanarPose
+from planner.state import Colour, PlanarPose
 from sim.rotations import Array, rot_x, rot_y, rot_z, yaw_of
 from sim.scene import Scene, Vision
 
@@ -127,6 +127,11 @@ def first_look(scene: Scene, seconds: float, *, seed: int) -> dict[str, PlanarPo
         if frames and time + _SAME_TIME > seconds:
             break
     return averaged(frames)
+
+
+def seen_colours(scene: Scene) -> dict[str, Colour]:
+    """What the camera sees of each object's colour, sRGB in 0…1; light and noise do not count."""
+    return {item.name: item.truth.colour for item in scene.objects}
 
 
 def averaged(frames: Iterable[Frame]) -> dict[str, PlanarPose]:
