@@ -15,7 +15,8 @@ import grammar
 from grammar.frames import Command, Frame
 from nlcontrol.checks import Check, check, require_checkable
 from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error, translated
-from nlcontrol.resolve import Candidate, resolve
+from nlcontrol.names import Candidate
+from nlcontrol.resolve import NOTHING_SAID, Context, resolve
 from nlcontrol.result import Result, summary
 from nlcontrol.text import encodable
 from objectmodels import ModelError, ObjectModel, Registry
@@ -23,6 +24,7 @@ from planner.defaults import DEFAULTS, Defaults
 from planner.plan import Plan, Refusal
 from planner.state import PlanarPose, SeenObject, TableState, WorldState
 from sim.scene import Scene, SceneObject, load_scene
+from sim.vision import seen_colours
 
 if TYPE_CHECKING:
     from planner.affordances import Affordance
@@ -97,11 +99,18 @@ class Controller:
         with translated():
             return grammar.parse(text)
 
-    def resolve(self, command: Command) -> Command:
-        """The command with every object bound to one on the table.
+    def resolve(self, command: Command, context: Context = NOTHING_SAID) -> Command:
+        """The command with every object bound to one on the table, and lengths in metres.
+
+        The object of a question may be bound to a model of the registry that is not on the table:
+        `surroundings` says where it is taken to stand.
+
+        Args:
+            command: what was understood.
+            context: what was spoken of before, for "it" and "the other one".
 
         Raises:
-            ControlError: `unknown_object`, `ambiguous_object` or `not_on_table`.
+            ControlError: `unknown_object`, `ambiguous_object`, `not_on_table` or `no_antecedent`.
         """
         on_table = [
             Candidate(
@@ -110,8 +119,7 @@ class Controller:
             )
             for item in self.scene.objects
         ]
-        known = [(model.name, *model.synonyms) for model in self.registry]
-        return resolve(command, on_table, known)
+        return resolve(command, on_table, tuple(self.registry), self.look, context)
 
     def look(self) -> WorldState:
         """What the robot believes now: poses from the vision port, models from the registry."""
@@ -121,8 +129,10 @@ class Controller:
             poses: dict[str, PlanarPose] = first_look(self.scene, LOOK, seed=self.seed)
         else:
             poses = self._world.look(LOOK)
+        colours = seen_colours(self.scene)
         objects = {
-            name: SeenObject.lying(name, pose, self.models[name]) for name, pose in poses.items()
+            name: SeenObject.lying(name, pose, self.models[name], colours[name])
+            for name, pose in poses.items()
         }
         return WorldState(objects, _table(self.scene))
 
@@ -138,6 +148,18 @@ class Controller:
         """
         from planner.affordances import affordances
 
+        seen, state = self.surroundings(name)
+        return affordances(seen, state, self.reach, defaults=self.defaults)
+
+    def surroundings(self, name: str) -> tuple[SeenObject, WorldState]:
+        """An object and everything about it that is believed.
+
+        Args:
+            name: as in `affordances`.
+
+        Raises:
+            ControlError: `unknown_object`.
+        """
         with translated():
             known = {item.casefold(): item for item in self.scene.names}
             here = known.get(name.casefold())
@@ -147,13 +169,10 @@ class Controller:
             here = next((n for n, m in self.models.items() if m == model), None)
         if here is not None:
             state = self.look()
-        else:
-            assert model is not None
-            here = model.name
-            x, y = self.scene.table.centre_m
-            alone = SeenObject(here, PlanarPose(x, y), model)
-            state = WorldState({here: alone}, _table(self.scene))
-        return affordances(state.objects[here], state, self.reach, defaults=self.defaults)
+            return state.objects[here], state
+        assert model is not None
+        alone = SeenObject(model.name, PlanarPose(*self.scene.table.centre_m), model)
+        return alone, WorldState({alone.name: alone}, _table(self.scene))
 
     def plan(self, frame: Frame, state: WorldState | None = None) -> Plan | Refusal:
         """The push that satisfies a frame, or why there is none.

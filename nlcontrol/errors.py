@@ -37,6 +37,7 @@ CODES: dict[str, Status] = {
     "unknown_object": _SENTENCE,
     "ambiguous_object": _SENTENCE,
     "not_on_table": _SENTENCE,
+    "no_antecedent": _SENTENCE,
     # Refusals of the planner: its reasons are the codes.
     "impossible": _NO_PLAN,
     "out_of_reach": _NO_PLAN,

@@ -1,153 +1,176 @@
-"""Which object on the table a sentence means.
+"""From what a sentence names to objects of the scene: every reference gets its `id`.
 
-A name is taken in three steps, the first that fits decides: the whole name, a synonym (of the
-scene or of the registry's model), or some of the words of a name ("the box", "the coffee"). Two
-objects that fit are an ambiguity and never guessed; neither is a misspelled name, which only
-yields a suggestion.
+What "it" means depends on where it stands. As the object of a clause it is what was last spoken
+of, in the clause before or in the dialogue. In a goal ("push the mug to it") it is that as well,
+but never the object itself; in a constraint ("without touching it") it is the goal's other object
+if there is one, else the object. "Its" in a length is always the object.
+
+Lengths measured in objects ("twice its width") become metres: of the believed model, as the object
+lies. Width and length are the shorter and the longer side of the rectangle around its footprint
+along B's axes, height is that of its top; a side that is not said is the width.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import TypeVar, cast
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import TYPE_CHECKING, TypeVar
 
 from pydantic import BaseModel
 
-from grammar.frames import Command, ObjectRef, Span
-from nlcontrol.errors import ControlError, error
-from objectmodels import suggest
+from grammar.frames import Command, Frame, ObjectRef, Parameters, Query, RelativeLength
+from nlcontrol.names import Candidate
+from nlcontrol.references import Spoken, Surroundings, find, fitting
+
+if TYPE_CHECKING:
+    from objectmodels import ObjectModel
+    from planner.state import WorldState
 
 Part = TypeVar("Part", bound=BaseModel)
 
 
 @dataclass(frozen=True)
-class Candidate:
-    """A name that may be meant.
+class Context:
+    """What a command may refer back to.
 
     Attributes:
-        name: name of the object in the scene.
-        names: everything that it is called: its name, synonyms, the model's name.
+        last: names of the objects that were spoken of, the most recent first.
     """
 
-    name: str
-    names: tuple[str, ...]
+    last: tuple[str, ...] = ()
+
+
+NOTHING_SAID = Context()
+
+_ALONE: frozenset[Query | None] = frozenset({"value", "affordances", "predict"})
+"""Questions that concern the model more than the table."""
 
 
 def resolve(
-    command: Command, on_table: Sequence[Candidate], known: Iterable[Sequence[str]] = ()
+    command: Command,
+    on_table: Sequence[Candidate],
+    known: Sequence[ObjectModel],
+    look: Callable[[], WorldState],
+    context: Context = NOTHING_SAID,
 ) -> Command:
-    """The command with the `id` of every object filled in.
+    """The command with the `id` of every object filled in, and every length in metres.
+
+    The `id` is a name of the scene. The object of a question that can be answered for one that
+    stands alone may get the name of a model of the registry instead.
 
     Args:
         command: what was understood.
         on_table: objects of the scene.
-        known: for each model of the registry, its name and synonyms.
+        known: models of the registry.
+        look: what the robot sees; called once, and only if names do not decide.
+        context: what was spoken of before the command.
 
     Raises:
-        ControlError: `unknown_object`, `ambiguous_object` or `not_on_table`.
+        ControlError: `unknown_object`, `ambiguous_object`, `not_on_table` or `no_antecedent`.
     """
-    models = [tuple(names) for names in known]
-    frames = tuple(_bind(frame, on_table, models) for frame in command.frames)
-    return command.model_copy(update={"frames": frames})
+    around = Surroundings(on_table, known, cache(look))
+    spoken = context.last
+    frames = []
+    for frame in command.frames:
+        frames.append(_resolved(frame, around, spoken))
+        said = spoken_of(frames[-1])
+        spoken = (*said, *(name for name in spoken if name not in said))
+    return command.model_copy(update={"frames": tuple(frames)})
 
 
-def _bind(part: Part, on_table: Sequence[Candidate], known: list[tuple[str, ...]]) -> Part:
-    """A copy of any part of a frame in which each object reference has its id."""
-    if isinstance(part, ObjectRef):
-        return cast("Part", part.model_copy(update={"id": find(part, on_table, known)}))
-    changed: dict[str, object] = {}
-    for key in type(part).model_fields:
-        value = getattr(part, key)
-        if isinstance(value, BaseModel):
-            changed[key] = _bind(value, on_table, known)
-        elif isinstance(value, tuple) and any(isinstance(v, BaseModel) for v in value):
-            changed[key] = tuple(_bind(v, on_table, known) for v in value)
-    return part.model_copy(update=changed) if changed else part
+def spoken_of(frame: Frame) -> tuple[str, ...]:
+    """Names of the objects that a resolved frame speaks of: its own first, then its goal's."""
+    refs = ([frame.object] if frame.object else []) + _references(frame.goal)
+    return tuple(dict.fromkeys(ref.id for ref in refs if ref.id is not None))
 
 
-def find(ref: ObjectRef, on_table: Sequence[Candidate], known: Sequence[Sequence[str]]) -> str:
-    """Name of the one object in the scene that a reference means.
+def _references(part: BaseModel) -> list[ObjectRef]:
+    values = [getattr(part, key) for key in type(part).model_fields]
+    parts = [v for value in values for v in (value if isinstance(value, tuple) else (value,))]
+    return [part for part in parts if isinstance(part, ObjectRef)]
 
-    Raises:
-        ControlError: `unknown_object`, `ambiguous_object` or `not_on_table`.
+
+def _resolved(frame: Frame, around: Surroundings, spoken: tuple[str, ...]) -> Frame:
+    """A frame whose objects are bound, given what was spoken of before it."""
+    if frame.dialogue in {"undo", "stop"}:
+        return frame
+    binder = _Binder(around, Spoken(spoken, spoken[:1]))
+    target = frame.object
+    if target is not None:
+        target = binder.bound(target, alone=_answered_alone(frame))
+    own = (target.id,) if target is not None and target.id is not None else ()
+    others = tuple(name for name in spoken if name not in own)
+    last = own or spoken[:1]
+    goal = replace(binder, own=own, spoken=Spoken(others, last)).filled(frame.goal)
+    named = tuple(ref.id for ref in _references(goal) if ref.id is not None)
+    within = replace(binder, own=own, spoken=Spoken((*named, *own, *others), last))
+    constraints = tuple(within.filled(clause) for clause in frame.constraints)
+    return frame.model_copy(update={"object": target, "goal": goal, "constraints": constraints})
+
+
+def _answered_alone(frame: Frame) -> bool:
+    """Whether a question can be answered for an object that is not on the table.
+
+    It cannot if it asks where the object is, or speaks of others, which would have to stand by.
     """
-    wanted = _words(ref.text)
-    for fits in (_is, _is_part_of):
-        found = [c for c in on_table if any(fits(wanted, _words(n)) for n in c.names)]
-        if len(found) == 1:
-            return found[0].name
-        if found:
-            raise _ambiguous(ref, found)
-    raise _missing(ref, on_table, known)
+    goal = frame.goal
+    if isinstance(goal, Parameters) and "position" in goal.which:
+        return False
+    parts = [goal, *frame.constraints, *([frame.object] if frame.object else [])]
+    return frame.query in _ALONE and not any(_references(part) for part in parts)
 
 
-def _words(text: str) -> tuple[str, ...]:
-    words = tuple(text.casefold().replace("-", " ").replace("_", " ").split())
-    return words[1:] if len(words) > 1 and words[0] in {"the", "a", "an", "my", "this"} else words
+@dataclass(frozen=True)
+class _Binder:
+    """Fills in references and lengths.
 
-
-def _is(wanted: tuple[str, ...], name: tuple[str, ...]) -> bool:
-    return wanted == name
-
-
-def _is_part_of(wanted: tuple[str, ...], name: tuple[str, ...]) -> bool:
-    """Whether the wanted words stand in the name, in this order, perhaps with others between."""
-    rest = iter(name)
-    return all(word in rest for word in wanted)
-
-
-def _ambiguous(ref: ObjectRef, found: Sequence[Candidate]) -> ControlError:
-    names = [c.name for c in found]
-    common = set.intersection(*(set(_words(name)) for name in names))
-    telling = [" ".join(w for w in _words(n) if w not in common) or n for n in names]
-    return error(
-        "ambiguous_object",
-        f"'{ref.text}' fits {len(names)} objects: {_listed(names)}; "
-        f"say which: {_listed(telling, 'or')}",
-        span=_span(ref),
-        suggestions=tuple(f"the {name}" for name in names),
-    )
-
-
-def _missing(
-    ref: ObjectRef, on_table: Sequence[Candidate], known: Sequence[Sequence[str]]
-) -> ControlError:
-    wanted = _words(ref.text)
-    there = _listed([c.name for c in on_table]) or "nothing"
-    for names in known:
-        if any(_is(wanted, _words(n)) for n in names):
-            return error(
-                "not_on_table",
-                f"'{ref.text}' is known, but there is none on the table; there is: {there}",
-                span=_span(ref),
-                suggestions=tuple(c.name for c in on_table),
-            )
-    message = f"there is no '{ref.text}' on the table; there is: {there}"
-    guess = likely(ref.text, [(n, c.name) for c in on_table for n in c.names])
-    suggestions = (f"did you mean '{guess}'?",) if guess else tuple(c.name for c in on_table)
-    return error("unknown_object", message, span=_span(ref), suggestions=suggestions)
-
-
-def likely(text: str, names: Sequence[tuple[str, str]]) -> str | None:
-    """The one object whose name is close to a misspelled text; None if two are about as close.
-
-    Args:
-        text: as written.
-        names: every name, and the object that it belongs to.
+    Attributes:
+        around: where objects are looked up.
+        spoken: what pronouns mean.
+        own: object of the frame, if it is known by now.
     """
-    near = suggest(" ".join(_words(text)), [name for name, _ in names])
-    owners = {owner for name, owner in names if name in near}
-    return owners.pop() if len(owners) == 1 else None
 
+    around: Surroundings
+    spoken: Spoken
+    own: tuple[str, ...] = ()
 
-def _span(ref: ObjectRef) -> Span | None:
-    if not ref.spans:
-        return None
-    return min(s for s, _ in ref.spans), max(e for _, e in ref.spans)
+    def filled(self, part: Part) -> Part:
+        """A copy of any part of a frame."""
+        values = {key: getattr(part, key) for key in type(part).model_fields}
+        return part.model_copy(update={key: self._value(value) for key, value in values.items()})
 
+    def _value(self, value: object) -> object:
+        match value:
+            case ObjectRef():
+                return self.bound(value)
+            case RelativeLength():
+                return self._metres(value)
+            case BaseModel():
+                return self.filled(value)
+            case tuple():
+                return tuple(self._value(item) for item in value)
+        return value
 
-def _listed(names: Sequence[str], word: str = "and") -> str:
-    if len(names) < 2:
-        return "".join(names)
-    return f"{', '.join(names[:-1])} {word} {names[-1]}"
+    def bound(self, ref: ObjectRef, *, alone: bool = False) -> ObjectRef:
+        """A reference with its id, and with those of the objects that it is beside."""
+        ref = self.filled(ref)
+        name = find(ref, self.around, self.spoken, alone=alone)
+        return ref.model_copy(update={"id": name})
+
+    def _metres(self, length: RelativeLength) -> float:
+        model = self.around.model(self._measured(length.of))
+        shorter, longer = sorted(model.extents[:2])
+        side = {"length": longer, "width": shorter, "height": model.top}[length.side or "width"]
+        return length.value * side
+
+    def _measured(self, ref: ObjectRef) -> str:
+        """The object that a length is measured in: the frame's own, wherever that fits."""
+        ref = self.filled(ref)
+        if self.own and (ref.pronoun or self._fits_own(ref)):
+            return self.own[0]
+        return find(ref, self.around, self.spoken, alone=True)
+
+    def _fits_own(self, ref: ObjectRef) -> bool:
+        found = fitting(ref, self.around, self.spoken)
+        return len(found) > 1 and self.own[0] in [c.name for c in found]

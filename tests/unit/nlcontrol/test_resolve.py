@@ -1,23 +1,66 @@
-"""Names to objects: exact, by synonym, by part; never by guess."""
+"""Names to objects: exact, by synonym, by part; never by guess. And what "it" stands for."""
 
 from __future__ import annotations
 
 import pytest
 
 from grammar import frames as g
+from nlcontrol import Controller
 from nlcontrol.errors import ControlError
-from nlcontrol.resolve import Candidate, find, resolve
+from nlcontrol.names import Candidate
+from nlcontrol.resolve import Context, resolve, spoken_of
+from objectmodels import Registry
+from planner.state import WorldState
 
 TABLE = (
     Candidate("ice tea box", ("ice tea box", "ice tea", "ice tea carton")),
     Candidate("cereal box", ("cereal box", "cereal")),
     Candidate("coffee box", ("coffee box", "coffee", "coffee pack")),
 )
-KNOWN = (*(c.names for c in TABLE), ("mug", "cup"))
+KNOWN = tuple(Registry.built_in())
 
 
-def _ref(text: str) -> g.ObjectRef:
-    return g.ObjectRef(text=text, spans=((9, 9 + len(text)),))
+@pytest.fixture(scope="module")
+def kitchen() -> Controller:
+    return Controller("kitchen", registry=Registry.built_in())
+
+
+@pytest.fixture(scope="module")
+def counter() -> Controller:
+    return Controller("counter", registry=Registry.built_in())
+
+
+def _ref(text: str, **fields: object) -> g.ObjectRef:
+    return g.ObjectRef.model_validate({"text": text, "spans": ((9, 9 + len(text)),), **fields})
+
+
+IT = _ref("it", pronoun=True)
+
+
+def _command(*frames: g.Frame) -> g.Command:
+    return g.Command(text="", frames=frames, paraphrase="")
+
+
+def _not_looked() -> WorldState:
+    raise AssertionError("names decide without a look")
+
+
+def _named(text: str, table: tuple[Candidate, ...] = TABLE) -> str | None:
+    """What a bare name leads to; nobody looks at the table for it."""
+    command = _command(g.Frame(action="push", object=_ref(text)))
+    (frame,) = resolve(command, table, KNOWN, _not_looked).frames
+    assert frame.object is not None
+    return frame.object.id
+
+
+def _only(controller: Controller, frame: g.Frame, *last: str) -> g.Frame:
+    (resolved,) = controller.resolve(_command(frame), Context(last)).frames
+    return resolved
+
+
+def _id(ref: object) -> str | None:
+    assert isinstance(ref, g.ObjectRef)
+    return ref.id
 
 
 @pytest.mark.parametrize(
@@ -33,12 +76,12 @@ def _ref(text: str) -> g.ObjectRef:
     ],
 )
 def test_names_that_lead_to_one_object(text: str, name: str) -> None:
-    assert find(_ref(text), TABLE, KNOWN) == name
+    assert _named(text) == name
 
 
 def test_a_part_that_fits_several_is_ambiguous_and_says_what_tells_them_apart() -> None:
     with pytest.raises(ControlError) as raised:
-        find(_ref("box"), TABLE, KNOWN)
+        _named("box")
     info = raised.value.info
     assert info.code == "ambiguous_object"
     assert info.span == (9, 12)
@@ -48,7 +91,7 @@ def test_a_part_that_fits_several_is_ambiguous_and_says_what_tells_them_apart() 
 
 def test_a_whole_name_wins_over_a_part_of_another() -> None:
     table = (Candidate("box", ("box",)), Candidate("tea box", ("tea box",)))
-    assert find(_ref("box"), table, ()) == "box"
+    assert _named("box", table) == "box"
 
 
 def test_two_objects_of_one_model_are_ambiguous() -> None:
@@ -57,13 +100,13 @@ def test_two_objects_of_one_model_are_ambiguous() -> None:
         Candidate("blue box", ("blue box", "ice tea box")),
     )
     with pytest.raises(ControlError, match="red or blue"):
-        find(_ref("ice tea box"), table, ())
+        _named("ice tea box", table)
 
 
 @pytest.mark.parametrize("text", ["iced tee box", "ice tea bax", "icetea box"])
 def test_a_misspelled_name_gets_a_suggestion_and_is_not_guessed(text: str) -> None:
     with pytest.raises(ControlError) as raised:
-        find(_ref(text), TABLE, KNOWN)
+        _named(text)
     assert raised.value.code == "unknown_object"
     assert raised.value.info.suggestions == ("did you mean 'ice tea box'?",)
 
@@ -72,47 +115,179 @@ def test_near_ties_and_far_names_only_list_what_is_there() -> None:
     tie = (Candidate("box a", ("box a",)), Candidate("box b", ("box b",)))
     for text, table in (("box c", tie), ("elephant", TABLE), ("elephant", TABLE[:1])):
         with pytest.raises(ControlError) as raised:
-            find(_ref(text), table, ())
+            _named(text, table)
         assert raised.value.info.suggestions == tuple(c.name for c in table)
 
 
 @pytest.mark.parametrize("text", ["box tea", "tea tea", "big tea box"])
 def test_words_that_are_no_part_of_a_name(text: str) -> None:
     with pytest.raises(ControlError) as raised:
-        find(_ref(text), TABLE, KNOWN)
+        _named(text)
     assert raised.value.code == "unknown_object"
 
 
 def test_known_but_not_on_the_table_has_a_code_of_its_own() -> None:
     with pytest.raises(ControlError) as raised:
-        find(_ref("cup"), TABLE, KNOWN)
+        _named("coffee mug")
     assert raised.value.code == "not_on_table"
     assert "ice tea box, cereal box and coffee box" in raised.value.info.message
 
 
-def test_every_reference_in_a_frame_is_bound() -> None:
+def test_every_reference_in_a_frame_is_bound(kitchen: Controller) -> None:
     frame = g.Frame(
         action="push",
         object=_ref("ice tea"),
-        goal=g.Displace(
-            toward=_ref("coffee"), distance=g.RelativeLength(value=2, of=_ref("cereal"))
-        ),
+        goal=g.Displace(toward=_ref("coffee"), spans=((0, 3),)),
         constraints=(g.NoTopple(), g.NoTouch(object=_ref("cereal box"))),
     )
-    place = g.Frame(goal=g.Place(relation="between", reference=(_ref("coffee"), _ref("cereal"))))
-    command = g.Command(text="", frames=(frame, place), paraphrase="")
-    first, second = resolve(command, TABLE, KNOWN).frames
-    assert first.object is not None
-    assert first.object.id == "ice tea box"
-    assert isinstance(first.goal, g.Displace)
-    assert isinstance(first.goal.toward, g.ObjectRef)
-    assert first.goal.toward.id == "coffee box"
-    assert isinstance(first.goal.distance, g.RelativeLength)
-    assert first.goal.distance.of.id == "cereal box"
-    assert isinstance(first.constraints[1], g.NoTouch)
-    assert first.constraints[1].object is not None
-    assert first.constraints[1].object.id == "cereal box"
-    assert first.object.spans == frame.object.spans if frame.object else False
+    place = g.Frame(
+        object=_ref("ice tea"),
+        goal=g.Place(relation="between", reference=(_ref("coffee"), _ref("cereal"))),
+    )
+    first, second = kitchen.resolve(_command(frame, place)).frames
+    assert first.object == _ref("ice tea", id="ice tea box")
+    assert first.goal == g.Displace(toward=_ref("coffee", id="coffee box"), spans=((0, 3),))
+    assert first.constraints == (
+        g.NoTopple(),
+        g.NoTouch(object=_ref("cereal box", id="cereal box")),
+    )
     assert isinstance(second.goal, g.Place)
     assert isinstance(second.goal.reference, tuple)
     assert [r.id for r in second.goal.reference] == ["coffee box", "cereal box"]
+    assert spoken_of(second) == ("ice tea box", "coffee box", "cereal box")
+
+
+def test_it_is_the_object_of_the_clause_before_then_what_the_dialogue_spoke_of(
+    kitchen: Controller,
+) -> None:
+    it = g.Frame(action="push", object=IT)
+    tea = g.Frame(action="push", object=_ref("tea"), goal=g.Displace(toward=_ref("coffee")))
+    frames = kitchen.resolve(_command(it, tea, it), Context(("cereal box",))).frames
+    assert [_id(frame.object) for frame in frames] == ["cereal box", "ice tea box", "ice tea box"]
+
+
+def test_it_without_anything_spoken_of_is_refused_unless_there_is_but_one(
+    kitchen: Controller,
+) -> None:
+    with pytest.raises(ControlError) as raised:
+        kitchen.resolve(_command(g.Frame(object=IT)))
+    assert raised.value.code == "no_antecedent"
+    assert raised.value.info.message == "'it' — nothing was spoken of yet"
+    assert raised.value.info.suggestions == ("ice tea box", "cereal box", "coffee box")
+    assert raised.value.info.status.exit == 3
+    command = _command(g.Frame(object=IT))
+    (frame,) = resolve(command, TABLE[:1], KNOWN, _not_looked).frames
+    assert _id(frame.object) == "ice tea box"
+
+
+def test_it_in_a_goal_is_never_the_object_itself(kitchen: Controller) -> None:
+    to_it = g.Frame(object=_ref("coffee"), goal=g.Place(relation="next_to", reference=(IT,)))
+    goal = _only(kitchen, to_it, "coffee box", "cereal box").goal
+    assert isinstance(goal, g.Place)
+    assert isinstance(goal.reference, tuple)
+    assert _id(goal.reference[0]) == "cereal box"
+    with pytest.raises(ControlError) as raised:
+        _only(kitchen, to_it, "coffee box")
+    assert raised.value.code == "no_antecedent"
+
+
+@pytest.mark.parametrize(
+    ("goal", "meant"),
+    [
+        (g.Displace(direction="away"), "coffee box"),
+        (g.Displace(toward=_ref("cereal")), "cereal box"),
+    ],
+)
+def test_it_in_a_constraint(kitchen: Controller, goal: g.Goal, meant: str) -> None:
+    """ "Without touching it": what the goal names, if it names something, else the object."""
+    frame = g.Frame(object=_ref("coffee"), goal=goal, constraints=(g.NoTouch(object=IT),))
+    (clause,) = _only(kitchen, frame, "ice tea box").constraints
+    assert isinstance(clause, g.NoTouch)
+    assert _id(clause.object) == meant
+
+
+def test_the_other_one_and_the_same_one(kitchen: Controller, counter: Controller) -> None:
+    other = g.Frame(object=_ref("other one", qualities=("other",)))
+    same = g.Frame(object=_ref("same box", pronoun=True, qualities=("same",), noun="box"))
+    assert _id(_only(kitchen, same, "coffee box", "cereal box").object) == "coffee box"
+    with pytest.raises(ControlError) as raised:
+        _only(counter, same, "mug")
+    assert raised.value.code == "unknown_object"
+    with pytest.raises(ControlError, match="ice tea or cereal"):
+        _only(kitchen, other, "coffee box")
+    for frame in (other, same):
+        with pytest.raises(ControlError) as raised:
+            _only(kitchen, frame)
+        assert raised.value.code == "no_antecedent"
+    tall = g.Frame(object=_ref("other short one", qualities=("other", "short")))
+    assert _id(_only(kitchen, tall, "coffee box").object) == "ice tea box"
+
+
+def test_the_other_one_in_a_goal_is_not_the_object(counter: Controller) -> None:
+    other = _ref("other can", qualities=("other",), noun="soup can")
+    frame = g.Frame(object=_ref("mug"), goal=g.Displace(toward=other))
+    goal = _only(counter, frame, "soup can").goal
+    assert isinstance(goal, g.Displace)
+    assert _id(goal.toward) == "soup can"
+
+
+def _length(side: str | None, of: g.ObjectRef, value: float = 2.0) -> g.RelativeLength:
+    return g.RelativeLength.model_validate({"value": value, "of": of, "side": side})
+
+
+@pytest.mark.parametrize(
+    ("side", "of", "metres"),
+    [
+        # The models measure: cereal box 52 × 192 × 260 mm, coffee box 62 × 93 × 180 mm.
+        ("width", _ref("its", pronoun=True), 2 * 0.052),
+        ("length", _ref("its", pronoun=True), 2 * 0.192),
+        ("height", _ref("its", pronoun=True), 2 * 0.26),
+        (None, _ref("coffee box"), 2 * 0.062),
+        ("width", _ref("box"), 2 * 0.052),  # fits several, the frame's own among them
+        ("height", _ref("book"), 2 * 0.03),  # known, though not on the table
+    ],
+)
+def test_lengths_measured_in_objects_become_metres(
+    kitchen: Controller, side: str | None, of: g.ObjectRef, metres: float
+) -> None:
+    height = g.ContactHeight(value=_length("height", _ref("its", pronoun=True), 0.5), origin="top")
+    frame = g.Frame(
+        object=_ref("cereal"),
+        goal=g.Displace(direction="away", distance=_length(side, of), spans=((4, 9),)),
+        constraints=(g.ContactRegion(height=height),),
+    )
+    resolved = _only(kitchen, frame)
+    assert isinstance(resolved.goal, g.Displace)
+    assert resolved.goal.distance == pytest.approx(metres)
+    assert resolved.goal.spans == ((4, 9),)
+    (contact,) = resolved.constraints
+    assert isinstance(contact, g.ContactRegion)
+    assert contact.height == g.ContactHeight(value=0.13, origin="top")
+
+
+def test_a_question_may_be_about_a_model_that_is_not_on_the_table(kitchen: Controller) -> None:
+    mug = _ref("mug")
+    heavy = g.Frame(query="value", object=mug, goal=g.Parameters(which=("mass",)))
+    assert _id(_only(kitchen, heavy).object) == "mug"
+    seen, state = kitchen.surroundings("mug")
+    assert (seen.pose.x, seen.pose.y) == kitchen.scene.table.centre_m
+    assert list(state.objects) == ["mug"]
+    it = g.Frame(query="value", object=IT, goal=g.Parameters(which=("height",)))
+    assert _id(kitchen.resolve(_command(heavy, it)).frames[1].object) == "mug"
+    for frame in (
+        heavy.model_copy(update={"goal": g.Parameters(which=("position",))}),
+        g.Frame(query="possible", object=mug),
+        g.Frame(query="predict", object=mug, goal=g.Displace(toward=_ref("coffee"))),
+        g.Frame(action="push", object=mug),
+    ):
+        with pytest.raises(ControlError) as raised:
+            _only(kitchen, frame)
+        assert raised.value.code == "not_on_table"
+    with pytest.raises(ControlError) as raised:
+        kitchen.resolve(_command(heavy, g.Frame(action="push", object=IT)))
+    assert raised.value.info.message.startswith("'it', the mug, is known")
+
+
+def test_undo_and_stop_need_no_object(kitchen: Controller) -> None:
+    frame = g.Frame(dialogue="undo", object=IT)
+    assert _only(kitchen, frame) == frame
