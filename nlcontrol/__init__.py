@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from grammar import Command, Frame, ParseError, parse
     from nlcontrol.checks import Check
     from nlcontrol.controller import Controller
+    from nlcontrol.dialogue import Conversation
     from nlcontrol.errors import ControlError, ErrorInfo
     from nlcontrol.result import Result
     from objectmodels import (
@@ -43,6 +44,7 @@ _HOMES = {
     "Command": "grammar",
     "ControlError": "nlcontrol.errors",
     "Controller": "nlcontrol.controller",
+    "Conversation": "nlcontrol.dialogue",
     "CylinderModel": "objectmodels",
     "HullModel": "objectmodels",
     "ObjectModel": "objectmodels",
@@ -64,6 +66,7 @@ __all__ = [
     "Command",
     "ControlError",
     "Controller",
+    "Conversation",
     "CylinderModel",
     "ErrorInfo",
     "Frame",

@@ -17,8 +17,7 @@ from nlcontrol.checks import Check, check, require_checkable
 from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error, translated
 from nlcontrol.names import Candidate
 from nlcontrol.resolve import NOTHING_SAID, Context, resolve
-from nlcontrol.result import Result, summary
-from nlcontrol.text import encodable
+from nlcontrol.result import Result, ResultStatus, Step, summary
 from objectmodels import ModelError, ObjectModel, Registry
 from planner.defaults import DEFAULTS, Defaults
 from planner.plan import Plan, Refusal
@@ -33,6 +32,9 @@ if TYPE_CHECKING:
 
 Progress = Callable[[str, float, str], None]
 """Told of the phase, the simulated time [s] and what happens, while something is executed."""
+
+NOTHING_SAID = Context()
+"""The context of a first sentence."""
 
 LOOK = 1.0
 """Time over which camera frames are averaged before a plan is made [s]."""
@@ -212,7 +214,8 @@ class Controller:
     ) -> Result:
         """Does what a sentence says, and tells what came of it.
 
-        Several frames are carried out one after another, up to the first that fails.
+        Nothing is remembered from one sentence to the next; see `nlcontrol.dialogue.Conversation`
+        for that.
 
         Args:
             text: an English sentence.
@@ -222,31 +225,73 @@ class Controller:
         Returns:
             A result in every case: what is not understood or refused is a result too.
         """
-        text = encodable(text)
+        from nlcontrol.dialogue import Conversation
+
+        return Conversation(self).say(text, plan_only=plan_only, progress=progress)
+
+    def begun(self, text: str, command: Command | None = None) -> Result:
+        """The result of a sentence of which nothing has come yet."""
         result = Result(ok=False, status="failed", text=text, scene=self.scene.name, seed=self.seed)
+        if command is None:
+            return result
+        return _with(result, paraphrase=command.paraphrase, frames=command.frames)
+
+    def carry_out(
+        self,
+        command: Command,
+        context: Context = NOTHING_SAID,
+        *,
+        plan_only: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Does what a command says, frame after frame, up to the first that fails.
+
+        Each frame is planned from a look of its own, after the one before it was executed. So with
+        `plan_only` the first alone is planned: where the others start is not known yet.
+
+        Args:
+            command: what was understood.
+            context: what was spoken of before.
+            plan_only: stop before anything is executed.
+            progress: told what happens during the simulation.
+        """
+        result = self.begun(command.text, command)
         try:
-            command = self.parse(text)
-            result = _with(result, paraphrase=command.paraphrase, frames=command.frames)
-            command = self.resolve(command)
+            command = self.resolve(command, context)
         except ControlError as raised:
             return _with(result, status="not_understood", error=raised.info)
         result = _with(result, frames=command.frames)
-        for frame in command.frames:
-            result = self._carry_out(frame, result, plan_only, progress)
+        for index, frame in enumerate(command.frames):
+            result = self._carry_out(index, frame, result, plan_only, progress)
             if result.error or plan_only:
                 break
+        if result.status == "planned" and len(command.frames) > 1:
+            note = (
+                f"planned is the first of {len(command.frames)} steps; "
+                "where the others start depends on what comes of it"
+            )
+            result = _with(result, notes=(note,))
         return result
 
     def _carry_out(
-        self, frame: Frame, result: Result, plan_only: bool, progress: Progress | None
+        self,
+        index: int,
+        frame: Frame,
+        result: Result,
+        plan_only: bool,
+        progress: Progress | None,
     ) -> Result:
         """The result with what came of one more frame."""
+        state = self.look()
+        seen = state.objects.get(frame.object.id or "") if frame.object else None
+        step = Step(frame=index, status="failed", before=seen.pose if seen else None)
         try:
-            made = self.plan(frame)
+            made = self.plan(frame, state)
         except ControlError as raised:
-            return _with(result, ok=False, status="unsupported", error=raised.info)
+            return _ended(result, step, "unsupported", raised.info)
         if isinstance(made, Refusal):
-            return _with(result, ok=False, status=made.status, error=refusal_error(made))
+            return _ended(result, step, made.status, refusal_error(made))
+        step = step.model_copy(update={"plan": made})
         result = _with(
             result,
             planned=result.planned + 1,
@@ -254,14 +299,26 @@ class Controller:
             defaults=result.defaults + made.defaults,
         )
         if plan_only:
-            return _with(result, ok=True, status="planned")
+            return _ended(result, step, "planned")
         trace = self.execute(made, progress)
         checks = self.check(frame, trace)
-        result = _with(result, trace=trace, execution=summary(trace), checks=result.checks + checks)
+        execution = summary(trace)
+        step = step.model_copy(update={"execution": execution, "checks": checks})
+        result = _with(result, trace=trace, execution=execution, checks=result.checks + checks)
         missed = tuple(c for c in checks if not c.ok)
         if missed:
-            return _with(result, ok=False, status="failed", error=_not_held(missed, trace))
-        return _with(result, ok=True, status="done")
+            return _ended(result, step, "failed", _not_held(missed, trace))
+        return _ended(result, step, "done")
+
+
+def _ended(
+    result: Result, step: Step, status: ResultStatus, reason: ErrorInfo | None = None
+) -> Result:
+    """The result with the end of one more step."""
+    step = step.model_copy(update={"status": status, "error": reason})
+    return _with(
+        result, ok=reason is None, status=status, error=reason, steps=(*result.steps, step)
+    )
 
 
 def _with(result: Result, **changes: object) -> Result:

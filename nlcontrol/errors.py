@@ -7,6 +7,8 @@ Every stage has an exception of its own (`grammar.ParseError`, `objectmodels.Mod
 
 from __future__ import annotations
 
+import os
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, NamedTuple
@@ -38,6 +40,9 @@ CODES: dict[str, Status] = {
     "ambiguous_object": _SENTENCE,
     "not_on_table": _SENTENCE,
     "no_antecedent": _SENTENCE,
+    # Remarks that refer to what was said and done before.
+    "nothing_before": _SENTENCE,
+    "not_alone": _SENTENCE,
     # Refusals of the planner: its reasons are the codes.
     "impossible": _NO_PLAN,
     "out_of_reach": _NO_PLAN,
@@ -165,6 +170,25 @@ def known_error(raised: Exception) -> ControlError | None:
     else:
         return None
     return ControlError(info)
+
+
+def described(raised: Exception) -> ErrorInfo:
+    """Any exception as data: a known error, or a defect with the place where it arose.
+
+    NLCONTROL_DEBUG shows a defect's traceback on standard error.
+    """
+    known = known_error(raised)
+    if known is not None:
+        return known.info
+    if os.environ.get("NLCONTROL_DEBUG"):
+        traceback.print_exception(raised)
+    place = traceback.extract_tb(raised.__traceback__)[-1]
+    message = (
+        f"{type(raised).__name__}: {raised} "
+        f"(in {os.path.basename(place.filename)}, line {place.lineno})"
+    )
+    hint = "this is a defect of nlcontrol; NLCONTROL_DEBUG=1 shows where it comes from"
+    return ErrorInfo(code="internal", message=message, suggestions=(hint,))
 
 
 @contextmanager

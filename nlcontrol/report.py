@@ -6,7 +6,7 @@ Values are SI inside; people read millimetres, degrees and newtons.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from nlcontrol.checks import Check
 from nlcontrol.result import Result
@@ -23,20 +23,34 @@ def report(result: Result) -> str:
 def _lines(result: Result) -> Iterator[str]:
     if result.paraphrase:
         yield f"I understood: {result.paraphrase}"
+    yield from (f"  {note}" for note in result.notes)
     yield from map(default_line, result.defaults)
-    if result.plan:
-        yield ""
-        yield from plan_lines(result.plan)
-    if result.checks:
-        yield ""
-        yield "What happened:"
-        yield from (check_line(result.text, check) for check in result.checks)
+    if len(result.steps) > 1:
+        for step in result.steps:
+            yield ""
+            yield f"Step {step.frame + 1} of {len(result.frames)}: {step.status}"
+            yield from _step_lines(result.text, step.plan, step.checks)
+    else:
+        yield from _step_lines(result.text, result.plan, result.checks)
+    if result.answer:
+        yield result.answer.text
     if result.error:
         if result.paraphrase:
             yield ""
         yield from error_lines(result.error, result.text)
-    elif result.status == "done":
+    elif result.status == "done" and result.checks:
         yield "Done: every clause held."
+
+
+def _step_lines(text: str, plan: Plan | None, checks: Sequence[Check]) -> Iterator[str]:
+    """One push: its plan, and what happened."""
+    if plan:
+        yield ""
+        yield from plan_lines(plan)
+    if checks:
+        yield ""
+        yield "What happened:"
+        yield from (check_line(text, check) for check in checks)
 
 
 def default_line(used: DefaultUsed) -> str:
@@ -56,7 +70,7 @@ def plan_lines(plan: Plan) -> Iterator[str]:
         f"over {quantity(push.stroke, 'm')}."
     )
     yield f"  Predicted: {_prediction(plan)}"
-    yield f"  Why that is safe: {_safety(plan)}"
+    yield f"  Why that is safe: {safety(plan)}"
     yield from (f"  {note}" for note in plan.notes)
 
 
@@ -84,7 +98,7 @@ def _prediction(plan: Plan) -> str:
     return text
 
 
-def _safety(plan: Plan) -> str:
+def safety(plan: Plan) -> str:
     """How far the push is from the outcome that it must not have."""
     margins = plan.margins
     plural = "" if margins.sigmas == 1 else "s"

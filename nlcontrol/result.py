@@ -15,9 +15,12 @@ from nlcontrol.checks import Check
 from nlcontrol.errors import OK, ErrorInfo
 from planner.explain import Row
 from planner.plan import DefaultUsed, Plan, Vector3
+from planner.state import PlanarPose
 from sim.trace import Trace
 
-ResultStatus = Literal["done", "planned", "failed", "refused", "not_understood", "unsupported"]
+ResultStatus = Literal[
+    "done", "planned", "answered", "failed", "refused", "not_understood", "unsupported",
+]  # fmt: skip
 
 
 class Execution(BaseModel):
@@ -59,14 +62,52 @@ def summary(trace: Trace) -> Execution:
     )
 
 
+class Answer(BaseModel):
+    """What is told in words rather than done.
+
+    Attributes:
+        text: one or two plain sentences.
+        numbers: the figures behind it, by name [SI].
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    text: str
+    numbers: dict[str, float] = {}
+
+
+class Step(BaseModel):
+    """What came of one frame of a sentence.
+
+    Attributes:
+        frame: its place in `Result.frames`, from 0.
+        status: as in `Result`.
+        before: where the robot saw the object before it planned.
+        plan: the push.
+        execution: the trace in a few numbers.
+        checks: a verdict per clause of this frame.
+        error: why it went no further.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    frame: int
+    status: ResultStatus
+    before: PlanarPose | None = None
+    plan: Plan | None = None
+    execution: Execution | None = None
+    checks: tuple[Check, ...] = ()
+    error: ErrorInfo | None = None
+
+
 class Result(BaseModel):
     """Everything that one sentence led to; what is missing was not reached.
 
     Attributes:
         ok: the sentence was carried out and every clause held (planned only: a plan exists).
-        status: `done`, `planned` (nothing was to be executed), `failed` (executed, but a clause
-            did not hold), `refused` (no plan, with the reason), `unsupported` (a capability that
-            this robot lacks), `not_understood`.
+        status: `done`, `planned` (nothing was to be executed), `answered` (nothing was to be done),
+            `failed` (executed, but a clause did not hold), `refused` (no plan, with the reason),
+            `unsupported` (a capability that this robot lacks), `not_understood`.
         text: the sentence as given.
         paraphrase: what was understood, in words.
         frames: the same as data.
@@ -74,6 +115,10 @@ class Result(BaseModel):
         plan: the push, its predicted outcome and its margins, of the last frame planned.
         execution: the trace in a few numbers.
         checks: a verdict per clause.
+        steps: what came of each frame, in the order in which they were carried out; those after
+            the first that failed are missing.
+        answer: what is told in words.
+        notes: plain sentences on how a remark was taken, and on what was left out.
         defaults: what the sentence left open and the table of defaults supplied.
         error: why it is not ok.
         scene: name of the scene.
@@ -94,6 +139,9 @@ class Result(BaseModel):
     plan: Plan | None = None
     execution: Execution | None = None
     checks: tuple[Check, ...] = ()
+    steps: tuple[Step, ...] = ()
+    answer: Answer | None = None
+    notes: tuple[str, ...] = ()
     defaults: tuple[DefaultUsed, ...] = ()
     error: ErrorInfo | None = None
     scene: str

@@ -12,15 +12,14 @@ import contextlib
 import io
 import os
 import sys
-import traceback
 from collections.abc import Sequence
 
 import click
 
 from nlcontrol import __version__
-from nlcontrol.cli import doctor, objects, predictions, sentences
+from nlcontrol.cli import doctor, objects, predictions, sentences, shell
 from nlcontrol.cli.output import print_error
-from nlcontrol.errors import INTERNAL, OK, USAGE, ErrorInfo, known_error
+from nlcontrol.errors import INTERNAL, OK, USAGE, ErrorInfo, described
 
 INTERRUPTED = 130  # what shells expect after control-C
 
@@ -58,6 +57,7 @@ for command in (
     predictions.map_,
     predictions.affordances,
     objects.group,
+    shell.command,
     doctor.command,
 ):
     cli.add_command(command)
@@ -102,18 +102,6 @@ def _usage(raised: click.UsageError, as_json: bool) -> int:
 
 def _failure(raised: Exception, as_json: bool) -> int:
     """The last resort: a known error, or a defect with the place where it arose."""
-    known = known_error(raised)
-    if known is not None:
-        print_error(known.info, as_json=as_json)
-        return known.info.status.exit
-    if os.environ.get("NLCONTROL_DEBUG"):
-        traceback.print_exception(raised)
-    place = traceback.extract_tb(raised.__traceback__)[-1]
-    message = (
-        f"{type(raised).__name__}: {raised} "
-        f"(in {os.path.basename(place.filename)}, line {place.lineno})"
-    )
-    hint = "this is a defect of nlcontrol; NLCONTROL_DEBUG=1 shows where it comes from"
-    info = ErrorInfo(code="internal", message=message, suggestions=(hint,))
+    info = described(raised)
     print_error(info, as_json=as_json)
-    return INTERNAL
+    return info.status.exit

@@ -1,0 +1,87 @@
+"""Why it came out as it did: the last result in one or two sentences, from its own numbers."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from nlcontrol.report import safety
+from nlcontrol.result import Answer
+from nlcontrol.text import quantity
+from planner.directions import phrase
+
+if TYPE_CHECKING:
+    from nlcontrol.checks import Check
+    from nlcontrol.result import Result
+    from planner.plan import Plan
+
+
+def reason(result: Result) -> Answer:
+    """Why a sentence was refused, or failed, or is done in this way and no other."""
+    missed = [check for check in result.checks if not check.ok]
+    if result.error and missed:
+        told = "; ".join(map(_missed, missed))
+        text = f"It was executed, but {told}. {_ended(result)}"
+        return Answer(text=text.strip(), numbers=_measured(missed))
+    if result.error:
+        failed = "I did not understand it" if result.status == "not_understood" else "I cannot"
+        instead = "".join(f" What would do: {s}." for s in result.error.suggestions[:1])
+        text = f"{failed}: {result.error.message}.{instead}"
+        return Answer(text=text, numbers=result.error.numbers)
+    if result.plan:
+        return Answer(text=_chosen(result.plan), numbers=_deciding(result.plan))
+    if result.answer:
+        return result.answer
+    return Answer(text="There was nothing to be done.")
+
+
+def _missed(check: Check) -> str:
+    if isinstance(check.measured, str) or isinstance(check.expected, str):
+        return f"{check.quantity} was {check.measured} instead of {check.expected}"
+    bound = {"at_most": "at most ", "at_least": "at least "}.get(check.relation, "")
+    spare = f" ± {quantity(check.tolerance, check.unit)}" if check.tolerance and not bound else ""
+    limit = check.expected
+    if bound and check.tolerance and check.expected == 0.0:
+        limit = check.tolerance
+    return (
+        f"{check.quantity} was {quantity(check.measured, check.unit)}, "
+        f"where {bound}{quantity(limit, check.unit)}{spare} was asked"
+    )
+
+
+def _ended(result: Result) -> str:
+    execution = result.execution
+    if execution is None or execution.end in {"stroke", "toppled"}:
+        return ""
+    return f"The push ended early: {execution.detail}."
+
+
+def _measured(missed: list[Check]) -> dict[str, float]:
+    return {check.clause: float(c) for check in missed if not isinstance(c := check.measured, str)}
+
+
+def _chosen(plan: Plan) -> str:
+    push = plan.push
+    x, y, _ = push.direction_W
+    way = f"moves {phrase(math.atan2(y, x))}" if push.ends_on == "stroke" else "falls over"
+    notes = "".join(f", {note}" for note in plan.notes)
+    return (
+        f"Pushed on its {push.face} face, {quantity(push.p_BC[2], 'm')} above the table, the "
+        f"{push.object} {way}: {safety(plan).rstrip('.')}{notes}. "
+        f"It starts to move at {quantity(plan.prediction.onset, 'N')}, "
+        f"so at most {quantity(push.force_limit, 'N')} are used."
+    )
+
+
+def _deciding(plan: Plan) -> dict[str, float]:
+    p = plan.prediction
+    numbers = {
+        "contact_height": plan.push.p_BC[2],
+        "critical_height": p.critical_height,
+        "critical_height_worst": p.critical_height_worst,
+        "margin_height": plan.margins.height,
+        "margin_force": plan.margins.force,
+        "onset_force": p.onset,
+        "force_limit": plan.push.force_limit,
+    }
+    return {name: value for name, value in numbers.items() if value is not None}

@@ -1,0 +1,103 @@
+"""The way back: what brings objects to where they were before they were pushed.
+
+The robot cannot lift things back, so the way back is the way that they went, pushed from where the
+robot sees them now to where it saw them before, the last push first. That an object turned on the
+way is not undone, and is told.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from grammar import frames as g
+from nlcontrol.text import quantity
+from planner.directions import angle_between, heading_of, phrase
+
+if TYPE_CHECKING:
+    from nlcontrol.result import Result
+    from planner.defaults import Defaults
+    from planner.state import PlanarPose, SeenObject
+
+
+@dataclass(frozen=True, eq=False)
+class Pushed:
+    """A push that was carried out.
+
+    Attributes:
+        of: what came of the sentence that asked for it.
+        object: name of the object in the scene.
+        before: where the robot saw it before.
+    """
+
+    of: Result
+    object: str
+    before: PlanarPose
+
+
+@dataclass(frozen=True)
+class WayBack:
+    """What undoes some pushes.
+
+    Attributes:
+        frames: what is to be done, in this order.
+        undoes: for each frame, the push that it undoes.
+        notes: what is not undone, in plain words.
+    """
+
+    frames: tuple[g.Frame, ...]
+    undoes: tuple[Pushed, ...]
+    notes: tuple[str, ...]
+
+
+def way_back(
+    pushed: Sequence[Pushed], seen: Mapping[str, SeenObject], defaults: Defaults
+) -> WayBack:
+    """What undoes some pushes, the last one first.
+
+    Args:
+        pushed: in the order in which they were carried out.
+        seen: where the objects are now.
+        defaults: distance and angle that count as none.
+    """
+    here, found, notes = dict(seen), [], []
+    for push in reversed(pushed):
+        now = here[push.object]
+        turn = abs(angle_between(now.pose.yaw, push.before.yaw))
+        if now.lies_on == "bottom" and turn > defaults.no_turn:
+            notes.append(f"that the {push.object} turned by {quantity(turn, 'rad')} is not undone")
+        frame = _back(now, push.before, defaults.distance_tolerance)
+        if frame is not None:
+            found.append((frame, push))
+        # The push before it is undone from where this one will leave the object.
+        here[push.object] = replace(now, pose=push.before, lies_on="bottom")
+    return WayBack(tuple(f for f, _ in found), tuple(p for _, p in found), tuple(notes))
+
+
+def _back(now: SeenObject, there: PlanarPose, tolerance: float) -> g.Frame | None:
+    """What brings an object back to where it was; None if it is there, within `tolerance` [m]."""
+    ref = g.ObjectRef(text=now.name, noun=now.name)
+    if now.lies_on != "bottom":
+        return g.Frame(action="place", object=ref, goal=g.Upright())
+    way = there.p_WB - now.pose.p_WB
+    distance = math.hypot(way[0], way[1])
+    if distance < tolerance:
+        return None
+    goal = g.Displace(heading=heading_of(way), distance=distance)
+    return g.Frame(action="push", object=ref, goal=goal)
+
+
+def in_words(frames: Sequence[g.Frame]) -> str:
+    """The way back in plain words."""
+    return ", then ".join(map(_step, frames))
+
+
+def _step(frame: g.Frame) -> str:
+    goal, name = frame.goal, frame.object.text if frame.object else "it"
+    if not isinstance(goal, g.Displace):
+        return f"set the {name} upright"
+    assert isinstance(goal.distance, float)
+    assert goal.heading is not None
+    return f"push the {name} by {quantity(goal.distance, 'm')} {phrase(goal.heading)}"

@@ -1,0 +1,508 @@
+"""Remarks on what was said and done before, as frames made by hand, in the kitchen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from grammar import frames as g
+from nlcontrol import Controller, Conversation
+from nlcontrol.remarks import continued, corrected, overlaid, repeated
+from nlcontrol.result import Result
+from nlcontrol.undo import Pushed, way_back
+from planner.defaults import DEFAULTS
+from planner.state import PlanarPose, SeenObject
+from sim.trace import Trace
+
+TraceMaker = Callable[..., Trace]
+
+AWAY = "push the coffee box away"
+IT = g.ObjectRef(text="it", pronoun=True)
+COFFEE = g.ObjectRef(text="coffee box")
+CEREAL = g.ObjectRef(text="cereal box")
+ICE_TEA = g.ObjectRef(text="ice tea box", id="ice tea box")
+
+
+def said(dialogue: Any = None, **fields: Any) -> g.Frame:
+    return g.Frame(dialogue=dialogue, **fields)
+
+
+def displace(**fields: Any) -> g.Displace:
+    return g.Displace(**fields)
+
+
+REMARKS: dict[str, tuple[g.Frame, ...]] = {
+    "again": (said("repeat"),),
+    "push it again": (said("repeat", action="push", object=IT, goal=displace()),),
+    "push it to the right again": (
+        said("repeat", action="push", object=IT, goal=displace(direction="right")),
+    ),
+    "push the cereal box again": (
+        said("repeat", action="push", object=CEREAL, goal=displace()),
+    ),
+    "a bit more": (said("more", goal=displace(amount="little")),),
+    "5 cm more": (said("more", goal=displace(distance=0.05)),),
+    "a bit more to the right": (
+        said("more", goal=displace(amount="little", direction="right")),
+    ),
+    "no, I meant the cereal box": (said("correct", object=CEREAL),),
+    "no, to the right": (said("correct", goal=displace(direction="right", spans=((4, 16),))),),
+    "no, 5 cm": (said("correct", goal=displace(distance=0.05)),),
+    "undo that": (said("undo"),),
+    "undo the push of the cereal box": (said("undo", object=CEREAL),),
+    "stop": (said("stop"),),
+    "why?": (g.Frame(query="why"),),
+    "why did you push it there?": (g.Frame(query="why", action="push", object=IT),),
+    "why can you not push it at the top?": (
+        g.Frame(
+            query="why", action="push", object=IT, goal=displace(),
+            constraints=(g.ContactRegion(region="top"),),
+        ),
+    ),
+    "push it to the right": (g.Frame(action="push", object=IT, goal=displace(direction="right")),),
+    "push it away, then again": (
+        g.Frame(action="push", object=COFFEE, goal=displace(direction="away")),
+        said("repeat"),
+    ),
+    "push it away, then undo that": (
+        g.Frame(action="push", object=COFFEE, goal=displace(direction="away")),
+        said("undo"),
+    ),
+}  # fmt: skip
+
+
+@pytest.fixture
+def conversation(monkeypatch: pytest.MonkeyPatch) -> Conversation:
+    """In the kitchen, with the remarks above read as they stand there."""
+    controller = Controller("kitchen", seed=1)
+    parse = controller.parse
+
+    def read(text: str) -> g.Command:
+        if text in REMARKS:
+            return g.Command(text=text, frames=REMARKS[text], paraphrase=text)
+        return parse(text)
+
+    monkeypatch.setattr(controller, "parse", read)
+    return Conversation(controller)
+
+
+def plan(conversation: Conversation, *sentences: str) -> Result:
+    """What comes of the last of some sentences, none of which is executed."""
+    return [conversation.say(text, plan_only=True) for text in sentences][-1]
+
+
+def goal(result: Result) -> tuple[str | None, Any]:
+    (frame,) = result.frames
+    assert isinstance(frame.goal, g.Displace)
+    assert frame.object is not None
+    return frame.object.id, (frame.goal.direction, frame.goal.distance, frame.goal.amount)
+
+
+@pytest.mark.parametrize(
+    ("remark", "object_", "asked"),
+    [
+        ("again", "coffee box", ("away", 0.1, None)),
+        ("push it again", "coffee box", ("away", 0.1, None)),
+        ("push it to the right again", "coffee box", ("right", 0.1, None)),
+        ("push the cereal box again", "cereal box", ("away", 0.1, None)),
+        ("a bit more", "coffee box", ("away", None, "little")),
+        ("5 cm more", "coffee box", ("away", 0.05, None)),
+        ("a bit more to the right", "coffee box", ("right", None, "little")),
+        ("no, I meant the cereal box", "cereal box", ("away", 0.1, None)),
+        ("no, to the right", "coffee box", ("right", 0.1, None)),
+        ("no, 5 cm", "coffee box", ("away", 0.05, None)),
+        ("push it to the right", "coffee box", ("right", None, None)),
+    ],
+)
+def test_a_remark_becomes_the_frame_that_it_means(
+    conversation: Conversation, remark: str, object_: str, asked: tuple[object, ...]
+) -> None:
+    result = plan(conversation, f"{AWAY} 10 cm", remark)
+    assert (result.status, result.text) == ("planned", remark)
+    assert goal(result) == (object_, asked)
+    assert result.plan is not None
+    assert result.plan.push.object == object_
+
+
+def test_remarks_may_follow_one_another(conversation: Conversation) -> None:
+    result = plan(
+        conversation, AWAY, "a bit more to the right", "no, I meant the cereal box", "again"
+    )
+    assert goal(result) == ("cereal box", ("right", None, "little"))
+    assert conversation.context.last == ("cereal box", "coffee box")
+
+
+def test_the_words_of_an_earlier_sentence_are_not_quoted_from_this_one(
+    conversation: Conversation,
+) -> None:
+    result = plan(conversation, f"{AWAY} without toppling it", "no, to the right")
+    (frame,) = result.frames
+    assert frame.goal.spans == ((4, 16),)
+    assert [clause.spans for clause in frame.constraints] == [()]
+    assert result.paraphrase == "push the coffee box to the right without toppling it"
+
+
+@pytest.mark.parametrize("remark", ["again", "a bit more", "no, 5 cm", "undo that", "why?"])
+def test_nothing_before(conversation: Conversation, remark: str) -> None:
+    result = plan(conversation, remark)
+    assert (result.status, result.exit_status) == ("not_understood", 3)
+    assert result.error is not None
+    assert result.error.code == "nothing_before"
+    assert result.error.suggestions
+
+
+def test_nothing_is_remembered_by_the_controller_alone(conversation: Conversation) -> None:
+    conversation.controller.say(AWAY, plan_only=True)
+    assert conversation.controller.say("again").error is not None
+
+
+def test_a_correction_answers_the_question_which_one(conversation: Conversation) -> None:
+    asked = plan(conversation, "push the box away, without touching the ice tea box")
+    assert asked.error is not None
+    assert asked.error.code == "ambiguous_object"
+    result = plan(conversation, "no, I meant the cereal box")
+    assert goal(result)[0] == "cereal box"
+    other = result.frames[0].constraints[0]
+    assert isinstance(other, g.NoTouch)
+    assert other.object is not None
+    assert other.object.id == "ice tea box"
+
+
+def test_a_correction_takes_the_place_of_the_name_that_was_wrong(
+    conversation: Conversation,
+) -> None:
+    asked = plan(conversation, "push the cereal box away without touching the box")
+    assert asked.status == "not_understood"
+    result = plan(conversation, "no, I meant the cereal box")
+    assert result.frames[0].object is not None
+    assert result.frames[0].object.id == "cereal box"
+    clause = result.frames[0].constraints[0]
+    assert isinstance(clause, g.NoTouch)
+    assert clause.object == g.ObjectRef(text="cereal box", id="cereal box")
+
+
+def test_what_was_not_understood_cannot_be_corrected(conversation: Conversation) -> None:
+    result = plan(conversation, AWAY, "frobnicate it", "no, to the right")
+    assert result.error is not None
+    assert result.error.code == "nothing_before"
+    assert plan(conversation, "again").status == "planned"
+
+
+def test_of_several_frames_the_first_is_planned(conversation: Conversation) -> None:
+    result = plan(conversation, "push it away, then again")
+    assert [frame.action for frame in result.frames] == ["push", "push"]
+    assert [step.status for step in result.steps] == ["planned"]
+    assert "first of 2 steps" in result.notes[0]
+    assert result.notes[0] in str(result)
+
+
+def test_an_undo_is_a_sentence_of_its_own(conversation: Conversation) -> None:
+    result = plan(conversation, "push it away, then undo that")
+    assert result.error is not None
+    assert result.error.code == "not_alone"
+
+
+def test_stop_is_answered_quietly(conversation: Conversation) -> None:
+    result = plan(conversation, "stop")
+    assert (result.ok, result.status, result.exit_status) == (True, "done", 0)
+    assert result.answer is not None
+    assert result.answer.text in str(result)
+    assert "every clause held" not in str(result)
+
+
+# --- why -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("question", ["why?", "why did you push it there?"])
+def test_why_this_push(conversation: Conversation, question: str) -> None:
+    result = plan(conversation, AWAY, question)
+    assert (result.ok, result.status) == (True, "answered")
+    assert result.answer is not None
+    planned = conversation.say(AWAY, plan_only=True).plan
+    assert planned is not None
+    assert planned.margins.height == pytest.approx(result.answer.numbers["margin_height"])
+    assert f"{1e3 * planned.push.p_BC[2]:.0f} mm above the table" in result.answer.text
+    assert Result.model_validate_json(result.to_json()) == result
+
+
+def test_why_it_was_refused(conversation: Conversation) -> None:
+    refused = plan(conversation, "push the ice tea box at the top")
+    assert refused.error is not None
+    result = plan(conversation, "why?")
+    assert result.answer is not None
+    assert refused.error.message in result.answer.text
+    assert result.answer.numbers == refused.error.numbers
+
+
+def test_why_another_push_would_not_do(conversation: Conversation) -> None:
+    result = plan(conversation, "push the ice tea box away", "why can you not push it at the top?")
+    assert result.answer is not None
+    assert result.answer.text.startswith("I cannot: at the top means 153 mm or higher")
+
+
+# --- undo, with the simulator's part played by traces made by hand ----------------------------
+
+
+class Stage:
+    """Plays the simulator: a trace for each push, and a look after it."""
+
+    def __init__(
+        self, monkeypatch: pytest.MonkeyPatch, controller: Controller, *traces: Trace
+    ) -> None:
+        self.traces = list(traces)
+        self.state = controller.look()
+        self.name = "ice tea box"
+        monkeypatch.setattr("sim.execute", self.execute)
+        monkeypatch.setattr(type(controller), "world", property(lambda _: None))
+        monkeypatch.setattr(controller, "look", lambda: self.state)
+
+    def execute(self, *_: object, **__: object) -> Trace:
+        trace = self.traces.pop(0)
+        x, y, _z = trace.displacement(self.name)
+        self.move(float(x), float(y))
+        return trace
+
+    def move(self, x: float, y: float, **changes: Any) -> None:
+        seen = self.state.objects[self.name]
+        pose = PlanarPose(seen.pose.x + x, seen.pose.y + y, seen.pose.yaw + changes.pop("turn", 0))
+        moved = SeenObject(seen.name, pose, seen.model, changes.pop("lies_on", seen.lies_on))
+        self.state = type(self.state)({**self.state.objects, self.name: moved}, self.state.table)
+
+
+PUSH = "push the ice tea box away"
+BACK = {"side": (1.0, 0.0), "travel": (-0.1, 0.0)}
+
+
+def test_undo_pushes_it_back(
+    conversation: Conversation, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stage = Stage(monkeypatch, conversation.controller, make_trace(), make_trace(**BACK))
+    before = stage.state.objects["ice tea box"].pose
+    assert conversation.say(PUSH).steps[0].before == before
+    result = conversation.say("undo that")
+    assert (result.status, result.notes) == ("done", (f"undone: “{PUSH}”",))
+    assert result.paraphrase == f"to undo “{PUSH}”, push the ice tea box by 100 mm toward the robot"
+    assert stage.state.objects["ice tea box"].pose.x == pytest.approx(before.x)
+    assert conversation.past == []
+    # What was undone may be asked for otherwise, and is not told as done any more.
+    assert conversation.say("no, to the right", plan_only=True).notes == ()
+    assert conversation.say("undo that").error is not None
+
+
+def test_an_undo_that_fails_can_be_said_again(
+    conversation: Conversation, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    short = make_trace(side=(1.0, 0.0), travel=(-0.03, 0.0))
+    Stage(monkeypatch, conversation.controller, make_trace(), short)
+    conversation.say(PUSH)
+    assert conversation.say("undo that").status == "failed"
+    again = conversation.say("undo that", plan_only=True)
+    assert again.plan is not None
+    assert again.plan.push.stroke == pytest.approx(0.07)
+
+
+def test_a_correction_tells_that_it_was_done(
+    conversation: Conversation, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Stage(monkeypatch, conversation.controller, make_trace())
+    conversation.say(PUSH)
+    result = conversation.say("no, to the right", plan_only=True)
+    assert result.notes == (f"already carried out: “{PUSH}”; that is left as it is",)
+
+
+def test_what_fell_over_is_not_stood_up(
+    conversation: Conversation, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stage = Stage(monkeypatch, conversation.controller, make_trace())
+    conversation.say(PUSH)
+    stage.move(0.0, 0.0, lies_on="front")
+    result = conversation.say("undo that")
+    assert (result.status, result.exit_status) == ("unsupported", 4)
+    assert result.error is not None
+    assert result.error.capability == "standing objects up"
+    assert len(conversation.past) == 1
+
+
+def test_a_turn_is_told_and_what_stands_there_is_left(
+    conversation: Conversation, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stage = Stage(monkeypatch, conversation.controller, make_trace())
+    conversation.say(PUSH)
+    stage.move(0.0, 0.0, turn=math.radians(15))
+    assert "turned by 15.0° is not undone" in conversation.say("undo that", plan_only=True).notes[0]
+    stage.move(-0.1, 0.0)
+    result = conversation.say("undo that")
+    assert (result.status, result.plan) == ("done", None)
+    assert result.answer is not None
+    assert result.answer.text == f"The ice tea box is where it was before “{PUSH}”."
+
+
+def test_undo_of_an_object_that_was_not_pushed(conversation: Conversation) -> None:
+    result = plan(conversation, AWAY, "undo the push of the cereal box")
+    assert result.error is not None
+    assert "the cereal box was not pushed" in result.error.message
+
+
+def test_each_step_is_told_and_undone_the_last_first(
+    conversation: Conversation, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    left = make_trace(travel=(0.0, 0.1), side=(0.0, -1.0))
+    monkeypatch.setitem(
+        REMARKS,
+        "push it away, then to the left",
+        tuple(
+            g.Frame(action="push", object=ICE_TEA, goal=displace(direction=d))
+            for d in ("away", "left")
+        ),
+    )
+    Stage(monkeypatch, conversation.controller, make_trace(), left)
+    result = conversation.say("push it away, then to the left")
+    assert [(step.frame, step.status) for step in result.steps] == [(0, "done"), (1, "done")]
+    assert len(result.checks) == sum(len(step.checks) for step in result.steps)
+    assert "Step 2 of 2: done" in str(result)
+    back = conversation.say("undo that", plan_only=True)
+    headings = [f.goal.heading for f in back.frames if isinstance(f.goal, g.Displace)]
+    assert headings == pytest.approx([-math.pi / 2, math.pi])
+
+
+def test_why_a_clause_failed(
+    conversation: Conversation, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Stage(monkeypatch, conversation.controller, make_trace(travel=(0.05, 0.0), end="guard"))
+    assert conversation.say(PUSH).status == "failed"
+    result = conversation.say("why?")
+    assert result.answer is not None
+    assert (
+        "moved in the asked direction was 50 mm, where 100 mm ± 10 mm was asked"
+        in result.answer.text
+    )
+    assert "ended early" in result.answer.text
+
+
+# --- frames ----------------------------------------------------------------------------------
+
+
+def frame(**fields: Any) -> g.Frame:
+    return g.Frame(**{"action": "push", "object": ICE_TEA, "goal": displace(), **fields})
+
+
+@pytest.mark.parametrize(
+    ("before", "clause", "after"),
+    [
+        ((g.Gentle(), g.Slow()), g.Hard(), (g.Slow(), g.Hard())),
+        ((g.MaxForce(value=3.0),), g.Force(value=5.0), (g.Force(value=5.0),)),
+        ((g.NoTopple(),), g.NoTurn(), (g.NoTopple(), g.NoTurn())),
+        ((g.NoTouch(object=COFFEE),), g.NoTouch(object=CEREAL),
+         (g.NoTouch(object=COFFEE), g.NoTouch(object=CEREAL))),
+    ],
+)  # fmt: skip
+def test_a_clause_takes_the_place_of_one_of_its_matter(
+    before: tuple[g.Constraint, ...], clause: g.Constraint, after: tuple[g.Constraint, ...]
+) -> None:
+    assert overlaid(frame(constraints=before), said(constraints=(clause,))).constraints == after
+
+
+def test_a_face_goes_with_its_direction_and_a_limit_with_its_distance() -> None:
+    before = frame(
+        goal=displace(direction="right", distance=0.05, bound="at_least"),
+        constraints=(g.ContactRegion(face="left", region="top"), g.MaxDistance(value=0.1)),
+    )
+    turned = overlaid(before, said(goal=displace(direction="away")))
+    assert turned.constraints == (g.ContactRegion(region="top"), g.MaxDistance(value=0.1))
+    nearer = overlaid(before, said(goal=displace(distance=0.03)))
+    assert nearer.goal == displace(direction="right", distance=0.03)
+    assert nearer.constraints == (before.constraints[0],)
+
+
+@pytest.mark.parametrize(
+    ("last", "bare", "meant"),
+    [
+        (g.Topple(), displace(direction="left"), g.Topple(direction="left")),
+        (g.Rotate(angle=1.0), displace(direction="left"), g.Rotate(angle=1.0, sense="ccw")),
+        (g.Rotate(sense="cw"), displace(amount="little"), g.Rotate(sense="cw", amount="little")),
+        (g.Tilt(), g.Rotate(angle=0.5), g.Tilt(angle=0.5)),
+        (g.Lift(), displace(distance=0.1), g.Lift(height=0.1)),
+        (
+            g.Place(relation="next_to", reference=(COFFEE,)),
+            displace(distance=0.1),
+            g.Place(relation="next_to", reference=(COFFEE,), distance=0.1),
+        ),
+        (g.Topple(), displace(distance=0.1), displace(distance=0.1)),
+    ],
+)
+def test_bare_words_are_meant_for_the_last_goal(last: Any, bare: Any, meant: g.Goal) -> None:
+    assert overlaid(frame(goal=last), said(goal=bare)).goal == meant
+
+
+def test_a_new_goal_drops_what_it_cannot_keep() -> None:
+    before = frame(constraints=(g.NoTopple(), g.NoTurn()))
+    after = overlaid(before, said(action="topple", goal=g.Topple()))
+    assert (after.action, after.constraints) == ("topple", (g.NoTurn(),))
+
+
+def test_more_after_a_place_goes_on_in_the_same_direction() -> None:
+    placed = frame(
+        goal=g.Place(relation="next_to", reference=(COFFEE,)),
+        constraints=(g.Until(event="touching", object=COFFEE), g.Gentle()),
+    )
+    after = continued(placed, said("more", goal=displace(amount="little")), 1.5)
+    assert after.goal == displace(heading=1.5, amount="little")
+    assert after.constraints == (g.Gentle(),)
+
+
+def test_more_gently_keeps_the_distance() -> None:
+    before = frame(goal=displace(distance=0.2))
+    after = continued(before, said("more", constraints=(g.Gentle(),)), None)
+    assert after.goal == before.goal
+
+
+def test_its_width_is_that_of_the_object_that_is_meant() -> None:
+    its = g.ObjectRef(text="its", pronoun=True, id="ice tea box")
+    before = frame(goal=displace(distance=g.RelativeLength(value=2, of=its, side="width")))
+    for (after,) in (
+        corrected((before,), said("correct", object=CEREAL), None),
+        repeated((before,), said("repeat", object=CEREAL)),
+    ):
+        assert isinstance(after.goal, g.Displace)
+        assert isinstance(after.goal.distance, g.RelativeLength)
+        assert after.object == after.goal.distance.of == CEREAL
+
+
+def test_again_takes_the_frame_with_the_same_action() -> None:
+    both = (frame(goal=displace(direction="left")), frame(action="topple", goal=g.Topple()))
+    (again,) = repeated(both, said("repeat", action="push", object=IT))
+    assert again.goal == displace(direction="left")
+    assert [f.action for f in repeated(both, said("repeat"))] == ["push", "topple"]
+
+
+def test_a_way_back_ends_where_it_began() -> None:
+    model = Controller("kitchen").models["ice tea box"]
+    seen = {"ice tea box": SeenObject("ice tea box", PlanarPose(0.5, 0.2), model)}
+    of = Result(ok=True, status="done", text="", scene="kitchen", seed=0)
+    start, middle = PlanarPose(0.3, 0.0), PlanarPose(0.5, 0.0)
+    pushed = [Pushed(of, "ice tea box", start), Pushed(of, "ice tea box", middle)]
+    back = way_back(pushed, seen, DEFAULTS)
+    assert back.undoes == (pushed[1], pushed[0])
+    x, y = 0.5, 0.2
+    for step in back.frames:
+        assert isinstance(step.goal, g.Displace)
+        assert isinstance(step.goal.distance, float)
+        assert step.goal.heading is not None
+        x += step.goal.distance * math.cos(step.goal.heading)
+        y += step.goal.distance * math.sin(step.goal.heading)
+    assert (x, y) == pytest.approx((0.3, 0.0))
+
+
+@pytest.mark.slow
+def test_pushed_and_pushed_back(conversation: Conversation) -> None:
+    start = conversation.controller.look().objects["ice tea box"].pose
+    done = conversation.say(f"{PUSH} without toppling it")
+    assert [c for c in done.checks if not c.ok] == []
+    result = conversation.say("undo that")
+    assert (result.status, [c for c in result.checks if not c.ok]) == ("done", [])
+    end = conversation.controller.look().objects["ice tea box"].pose
+    # Each way holds its distance within the 1 cm that a bare distance is checked with.
+    assert math.hypot(end.x - start.x, end.y - start.y) < 0.01
