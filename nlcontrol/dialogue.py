@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from nlcontrol.controller import Controller, Progress
     from nlcontrol.result import Result
 
-_UNRESOLVED = {"unknown_object", "ambiguous_object", "not_on_table"}
-
 
 class Conversation:
     """Sentences said one after another to one robot.
@@ -71,10 +69,11 @@ class Conversation:
             command = self.controller.parse(text)
             return self._answer(command, plan_only, progress)
         except ControlError as raised:
-            result = self.controller.begun(text, command)
-            result = _with(result, status="not_understood", error=raised.info)
-            self._last, self._said = result, None
-            return result
+            begun = self.controller.begun(text, command)
+            self._last = _with(begun, status="not_understood", error=raised.info)
+            if command is None:
+                self._said = None
+            return self._last
 
     def _answer(self, command: g.Command, plan_only: bool, progress: Progress | None) -> Result:
         remark = _remark(command)
@@ -151,7 +150,8 @@ class Conversation:
         last = self._said
         if last is None or not last.frames:
             _nothing("there is no sentence before that could be corrected")
-        wrong = last.error.span if last.error and last.error.code in _UNRESOLVED else None
+        unresolved = last.error is not None and last.status == "not_understood"
+        wrong = last.error.span if last.error and unresolved else None
         return corrected(last.frames[_reached(last) :], said, wrong)
 
     def _notes(self, command: g.Command) -> tuple[str, ...]:

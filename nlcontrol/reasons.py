@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from nlcontrol.report import safety
 from nlcontrol.result import Answer
 from nlcontrol.text import quantity
 from planner.directions import phrase
@@ -24,7 +23,8 @@ def reason(result: Result) -> Answer:
         text = f"It was executed, but {told}. {_ended(result)}"
         return Answer(text=text.strip(), numbers=_measured(missed))
     if result.error:
-        failed = "I did not understand it" if result.status == "not_understood" else "I cannot"
+        understood = result.status != "not_understood" or result.error.code == "nothing_before"
+        failed = "I cannot" if understood else "I did not understand it"
         instead = "".join(f" What would do: {s}." for s in result.error.suggestions[:1])
         text = f"{failed}: {result.error.message}.{instead}"
         return Answer(text=text, numbers=result.error.numbers)
@@ -64,12 +64,24 @@ def _chosen(plan: Plan) -> str:
     push = plan.push
     x, y, _ = push.direction_W
     way = f"moves {phrase(math.atan2(y, x))}" if push.ends_on == "stroke" else "falls over"
-    notes = "".join(f", {note}" for note in plan.notes)
+    notes = f" Besides: {'; '.join(plan.notes)}." if plan.notes else ""
     return (
         f"Pushed on its {push.face} face, {quantity(push.p_BC[2], 'm')} above the table, the "
-        f"{push.object} {way}: {safety(plan).rstrip('.')}{notes}. "
+        f"{push.object} {way}, since {_other_outcome(plan)}. "
         f"It starts to move at {quantity(plan.prediction.onset, 'N')}, "
-        f"so at most {quantity(push.force_limit, 'N')} are used."
+        f"so at most {quantity(push.force_limit, 'N')} are used.{notes}"
+    )
+
+
+def _other_outcome(plan: Plan) -> str:
+    """Where it would do something else."""
+    p = plan.prediction
+    if p.critical_height is None or p.critical_height_worst is None:
+        return "no push on this face topples it"
+    verb, side = ("topple", "above") if p.outcome == "slide" else ("slide", "below")
+    return (
+        f"it would {verb} only when pushed {side} {quantity(p.critical_height, 'm')}, and "
+        f"{side} {quantity(p.critical_height_worst, 'm')} in the worst case"
     )
 
 

@@ -24,7 +24,7 @@ def _lines(result: Result) -> Iterator[str]:
     if result.paraphrase:
         yield f"I understood: {result.paraphrase}"
     yield from (f"  {note}" for note in result.notes)
-    yield from map(default_line, result.defaults)
+    yield from dict.fromkeys(map(default_line, result.defaults))
     if len(result.steps) > 1:
         for step in result.steps:
             yield ""
@@ -70,7 +70,7 @@ def plan_lines(plan: Plan) -> Iterator[str]:
         f"over {quantity(push.stroke, 'm')}."
     )
     yield f"  Predicted: {_prediction(plan)}"
-    yield f"  Why that is safe: {safety(plan)}"
+    yield f"  Why that is safe: {_safety(plan)}"
     yield from (f"  {note}" for note in plan.notes)
 
 
@@ -98,7 +98,7 @@ def _prediction(plan: Plan) -> str:
     return text
 
 
-def safety(plan: Plan) -> str:
+def _safety(plan: Plan) -> str:
     """How far the push is from the outcome that it must not have."""
     margins = plan.margins
     plural = "" if margins.sigmas == 1 else "s"

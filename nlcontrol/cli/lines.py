@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import os
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from pathlib import Path
 
 import click
@@ -26,7 +26,9 @@ def history_file() -> Path:
     return folder / "nlcontrol" / "history"
 
 
-def prompted(prompt: str, names: Sequence[str], beginnings: Sequence[str]) -> Iterator[str]:
+def prompted(
+    prompt: str, names: Sequence[str], beginnings: Sequence[str]
+) -> Generator[str, None, None]:
     """The lines that are typed, until control-D.
 
     Args:
@@ -65,7 +67,7 @@ def prompted(prompt: str, names: Sequence[str], beginnings: Sequence[str]) -> It
             write_history(typed)
 
 
-def _typed(prompt: str) -> Iterator[str]:
+def _typed(prompt: str) -> Generator[str, None, None]:
     while True:
         try:
             yield input(prompt)

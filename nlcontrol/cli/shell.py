@@ -10,6 +10,7 @@ import io
 import signal
 import sys
 from collections.abc import Iterable
+from contextlib import closing
 from types import FrameType
 from typing import TYPE_CHECKING
 
@@ -47,15 +48,15 @@ def command(as_json: bool, scene: str, seed: int, plan_only: bool) -> int:
     controller = Controller(scene, seed=seed)
     for problem in controller.registry.problems:
         click.echo(f"skipped: {problem}", err=True)
-    at_terminal = sys.stdin.isatty() and sys.stdout.isatty()
+    conversation = Conversation(controller)
+    if sys.stdin.isatty() and sys.stdout.isatty():
+        click.echo(f"On the table: {_objects(controller)}. “help” shows examples, “exit” leaves.")
+        with closing(prompted("nlcontrol> ", controller.scene.names, _beginnings())) as lines:
+            _converse(conversation, lines, as_json=as_json, plan_only=plan_only)
+        return OK
     if isinstance(sys.stdin, io.TextIOWrapper):
         sys.stdin.reconfigure(errors="replace")  # bytes that are no text end no shell
-    lines: Iterable[str] = sys.stdin
-    if at_terminal:
-        click.echo(f"On the table: {_objects(controller)}. “help” shows examples, “exit” leaves.")
-        lines = prompted("nlcontrol> ", controller.scene.names, _beginnings())
-    status = _converse(Conversation(controller), lines, as_json=as_json, plan_only=plan_only)
-    return OK if at_terminal else status
+    return _converse(conversation, sys.stdin, as_json=as_json, plan_only=plan_only)
 
 
 def _converse(

@@ -17,6 +17,8 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner, Result
+from hypothesis import given
+from hypothesis import strategies as st
 
 from nlcontrol import Conversation
 from nlcontrol.cli import lines
@@ -127,6 +129,15 @@ def test_a_scene_that_cannot_be_read_is_told_before_the_first_line() -> None:
 )
 def test_completions(line: str, text: str, found: list[str]) -> None:
     assert lines.completions(line, text, NAMES, ("pull", "push", "undo that")) == found
+
+
+@given(st.sampled_from(NAMES), st.data())
+def test_any_beginning_of_a_name_can_be_completed(name: str, data: st.DataObject) -> None:
+    line = "push the " + name[: data.draw(st.integers(1, len(name)))]
+    text = line.rpartition(" ")[2]
+    before = line[: len(line) - len(text)]
+    found = [before + end for end in lines.completions(line, text, NAMES, ())]
+    assert f"push the {name} " in found
 
 
 def test_the_history_is_the_user_s_own_and_bounded(state: Path) -> None:

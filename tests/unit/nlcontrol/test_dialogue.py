@@ -191,6 +191,13 @@ def test_what_was_not_understood_cannot_be_corrected(conversation: Conversation)
     assert plan(conversation, "again").status == "planned"
 
 
+def test_a_remark_that_cannot_be_taken_leaves_the_sentence_before(
+    conversation: Conversation,
+) -> None:
+    assert plan(conversation, AWAY, "undo that").error is not None
+    assert goal(plan(conversation, "no, to the right")) == ("coffee box", ("right", None, None))
+
+
 def test_of_several_frames_the_first_is_planned(conversation: Conversation) -> None:
     result = plan(conversation, "push it away, then again")
     assert [frame.action for frame in result.frames] == ["push", "push"]
@@ -223,6 +230,9 @@ def test_why_this_push(conversation: Conversation, question: str) -> None:
     assert result.answer is not None
     planned = conversation.say(AWAY, plan_only=True).plan
     assert planned is not None
+    height = planned.prediction.critical_height
+    assert height is not None
+    assert f"topple only when pushed above {1e3 * height:.0f} mm" in result.answer.text
     assert planned.margins.height == pytest.approx(result.answer.numbers["margin_height"])
     assert f"{1e3 * planned.push.p_BC[2]:.0f} mm above the table" in result.answer.text
     assert Result.model_validate_json(result.to_json()) == result
