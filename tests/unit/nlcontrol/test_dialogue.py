@@ -319,6 +319,10 @@ def test_a_correction_tells_that_it_was_done(
 ) -> None:
     Stage(monkeypatch, conversation.controller, make_trace())
     conversation.say(PUSH)
+    conversation.say(AWAY, plan_only=True)
+    assert conversation.say("no, 5 cm", plan_only=True).notes == ()
+    Stage(monkeypatch, conversation.controller, make_trace())
+    conversation.say(PUSH)
     result = conversation.say("no, to the right", plan_only=True)
     assert result.notes == (f"already carried out: “{PUSH}”; that is left as it is",)
 
@@ -368,8 +372,22 @@ def test_each_step_is_told_and_undone_the_last_first(
             for d in ("away", "left")
         ),
     )
-    Stage(monkeypatch, conversation.controller, make_trace(), left)
+    stage = Stage(monkeypatch, conversation.controller, make_trace(), left)
+    believed = []
+    planned = conversation.controller.plan
+
+    def plan_from(frame: g.Frame, state: Any) -> Any:
+        believed.append(state)
+        assert state is stage.state
+        return planned(frame, state)
+
+    monkeypatch.setattr(conversation.controller, "plan", plan_from)
     result = conversation.say("push it away, then to the left")
+    assert len(believed) == 2
+    first, second = (step.before for step in result.steps)
+    assert first is not None
+    assert second is not None
+    assert second.x - first.x == pytest.approx(0.1)
     assert [(step.frame, step.status) for step in result.steps] == [(0, "done"), (1, "done")]
     assert len(result.checks) == sum(len(step.checks) for step in result.steps)
     assert "Step 2 of 2: done" in str(result)
@@ -458,9 +476,10 @@ def test_more_after_a_place_goes_on_in_the_same_direction() -> None:
         goal=g.Place(relation="next_to", reference=(COFFEE,)),
         constraints=(g.Until(event="touching", object=COFFEE), g.Gentle()),
     )
-    after = continued(placed, said("more", goal=displace(amount="little")), 1.5)
-    assert after.goal == displace(heading=1.5, amount="little")
-    assert after.constraints == (g.Gentle(),)
+    for more in (displace(amount="little"), displace()):
+        after = continued(placed, said("more", goal=more), 1.5)
+        assert after.goal == displace(heading=1.5, amount=more.amount)
+        assert after.constraints == (g.Gentle(),)
 
 
 def test_more_gently_keeps_the_distance() -> None:
