@@ -24,14 +24,18 @@ from planner.planning import plan
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from numpy.typing import NDArray
+
     from objectmodels import Face
+    from planner.plan import FaceName
     from planner.reach import Reach
     from planner.state import SeenObject, WorldState
 
 SPACING = 0.01
 """Distance of the contacts that are looked at [m]."""
 
-_ARM = 0.25  # a push turns an object if its arm is at least this share of the friction radius
+TURNING_ARM = 0.25
+"""A push turns an object if its arm is at least this share of the friction radius."""
 
 
 @dataclass(frozen=True)
@@ -93,47 +97,68 @@ def _all(
                 for way, (_, face) in faces.items()}  # fmt: skip
     for outcome in ("slide", "topple", "tilt"):
         for way, chart in straight.items():
-            shown = _on_the_object(
-                chart, "slide" if outcome == "slide" else "topple", defaults.probability
-            )
-            yield _answered(outcome, way, faces[way][0], shown, target, state, reach, defaults)
+            slides = outcome == "slide"
+            first = chart.slide < chart.topple if slides else chart.topple < chart.slide
+            sure = chart.safe("slide" if slides else "topple", defaults.probability)
+            on_it = _shown(chart, first, sure)
+            yield _answered(outcome, way, faces[way][0], on_it, target, state, reach, defaults)
     for sense in ("left", "right"):
-        name, shown = _turning(target, faces, sense, defaults.probability)
-        yield _answered("turn", sense, name, shown, target, state, reach, defaults)
+        name, on_it = _turning(target, faces, sense, defaults.probability)
+        yield _answered("turn", sense, name, on_it, target, state, reach, defaults)
 
 
-def _faces(target: SeenObject) -> dict[str, tuple[str, Face]]:
+def _faces(target: SeenObject) -> dict[str, tuple[FaceName, Face]]:
     """The face to push for each of the robot's directions, with its name."""
-    headings = np.array(list(HEADINGS.values())) - target.pose.yaw
-    pushed: dict[str, tuple[str, Face]] = {}
-    for way, heading in HEADINGS.items():
-        outward = [
-            (target.pose.R_WB @ np.array(face.normal), face)
-            for face in target.model.faces(headings)
-        ]
-        if not outward:
-            continue
-        normal, face = min(
-            outward, key=lambda pair: abs(angle_between(heading_of(-pair[0]), heading))
-        )
-        pushed[way] = (face_name(normal)[0], face)
-    return pushed
+    found = {way: pushed_face(target, heading) for way, heading in HEADINGS.items()}
+    return {way: face for way, face in found.items() if face is not None}
+
+
+def pushed_face(target: SeenObject, heading: float) -> tuple[FaceName, Face] | None:
+    """The face that a push along a heading in W [rad] touches, with its name; None without one."""
+    outward = [
+        (target.pose.R_WB @ np.array(face.normal), face)
+        for face in target.model.faces(np.array([heading - target.pose.yaw]))
+    ]
+    if not outward:
+        return None
+    normal, face = min(outward, key=lambda pair: abs(angle_between(heading_of(-pair[0]), heading)))
+    return face_name(normal)[0], face
 
 
 Shown = tuple[float, tuple[float, float], tuple[float, float] | None]
+"""Least force [N], its place, and the sure heights [m]."""
 
 
-def _on_the_object(chart: OutcomeMap, outcome: str, probability: float) -> Shown | None:
-    """Least force, where, and the sure heights; None if no contact has the outcome."""
-    first = chart.slide < chart.topple if outcome == "slide" else chart.topple < chart.slide
-    (i,) = np.nonzero(first & np.isfinite(chart.force))
+def turning_map(
+    target: SeenObject, face: Face, sense: str | None = None
+) -> tuple[OutcomeMap, NDArray[np.bool_]]:
+    """Outcomes over a face of an object that may turn, and where a slide turns it."""
+    chart = outcome_map(target.model, face, spacing=SPACING)
+    r = chart.points - np.array(target.model.com)
+    arm = r[:, 0] * chart.directions[:, 1] - r[:, 1] * chart.directions[:, 0]
+    turned = {"left": arm, "right": -arm, None: np.abs(arm)}[sense]
+    return chart, turned > TURNING_ARM * target.model.friction_radius
+
+
+def least(chart: OutcomeMap, places: NDArray[np.bool_]) -> int | None:
+    """The contact of the least force among some, by its index; None if there is none.
+
+    Of equal forces it is the one nearest to the middle of the face, aside before up and down.
+    """
+    (i,) = np.nonzero(places & np.isfinite(chart.force))
     if not i.size:
         return None
-    # Of equal forces the place nearest to the middle of the face.
-    aside = np.abs(chart.lateral[i])
-    best = i[np.lexsort((aside, chart.force[i].round(6)))[0]]
-    sure = chart.height[chart.safe(outcome, probability)]
-    heights = (float(sure.min()), float(sure.max())) if sure.size else None
+    aside = np.abs(chart.lateral[i]).round(6)
+    up = np.abs(chart.height[i] - chart.face.centre[2]).round(6)
+    return int(i[np.lexsort((up, aside, chart.force[i].round(6)))[0]])
+
+
+def _shown(chart: OutcomeMap, first: NDArray[np.bool_], sure: NDArray[np.bool_]) -> Shown | None:
+    best = least(chart, first)
+    if best is None:
+        return None
+    certain = chart.height[sure]
+    heights = (float(certain.min()), float(certain.max())) if certain.size else None
     return (
         float(chart.force[best]),
         (float(chart.lateral[best]), float(chart.height[best])),
@@ -142,34 +167,25 @@ def _on_the_object(chart: OutcomeMap, outcome: str, probability: float) -> Shown
 
 
 def _turning(
-    target: SeenObject, faces: dict[str, tuple[str, Face]], sense: str, probability: float
+    target: SeenObject, faces: dict[str, tuple[FaceName, Face]], sense: str, probability: float
 ) -> tuple[str | None, Shown | None]:
     """The face on which the least force turns the object, and what it needs there."""
     best: tuple[str | None, Shown | None] = (None, None)
-    sign = 1.0 if sense == "left" else -1.0
     for name, face in faces.values():
-        chart = outcome_map(target.model, face, spacing=SPACING)
-        r = chart.points - np.array(target.model.com)
-        arm = r[:, 0] * chart.directions[:, 1] - r[:, 1] * chart.directions[:, 0]
-        turns = sign * arm > _ARM * target.model.friction_radius
-        (i,) = np.nonzero(turns & (chart.slide < chart.topple))
-        if not i.size:
-            continue
-        k = i[np.argmin(chart.force[i])]
-        sure = chart.height[chart.safe("slide", probability) & turns]
-        heights = (float(sure.min()), float(sure.max())) if sure.size else None
-        force = float(chart.force[k])
-        if best[1] is None or force < best[1][0]:
-            best = name, (force, (float(chart.lateral[k]), float(chart.height[k])), heights)
+        chart, turns = turning_map(target, face, sense)
+        sure = turns & chart.safe("slide", probability)
+        found = _shown(chart, turns & (chart.slide < chart.topple), sure)
+        if found is not None and (best[1] is None or found[0] < best[1][0]):
+            best = name, found
     return best
 
 
 def _answered(
-    outcome: str, way: str, face: str | None, shown: Shown | None,
+    outcome: str, way: str, face: str | None, on_it: Shown | None,
     target: SeenObject, state: WorldState, reach: Reach, defaults: Defaults,
 ) -> Affordance:  # fmt: skip
     """What the object allows and what the robot can do."""
-    if shown is None:
+    if on_it is None:
         verb = {"slide": "slides", "turn": "turns"}.get(outcome, "topples")
         message = f"pushed anywhere on that face, the {target.name} never {verb} first"
         return Affordance(outcome, way, face, False, None, None, None, False, "impossible", message)
@@ -181,9 +197,9 @@ def _answered(
             f"{fingers} {1e3 * push.p_BC[2]:.0f} mm up, at most {push.force_limit:.1f} N, "
             f"probability {made.prediction.probability:.2f}"
         )
-        return Affordance(outcome, way, face, True, *shown, True, None, message)
+        return Affordance(outcome, way, face, True, *on_it, True, None, message)
     return Affordance(
-        outcome, way, face, True, *shown, False, made.reason, made.message, made.suggestions
+        outcome, way, face, True, *on_it, False, made.reason, made.message, made.suggestions
     )
 
 

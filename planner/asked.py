@@ -116,7 +116,7 @@ def read(frame: g.Frame, state: WorldState, defaults: Defaults) -> Asked:
     """
     if frame.query or frame.dialogue or frame.object is None or frame.object.id is None:
         raise unsupported(
-            "answering questions", "this version carries out commands only", frame.spans
+            "planning what is no command", "only a command about an object is planned", frame.spans
         )
     target = state.objects[frame.object.id]
     asked = _goal(frame, target, state, defaults)
