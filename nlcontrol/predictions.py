@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from nlcontrol.errors import error
+from nlcontrol.spread import deviations
 from objectmodels import Face, ObjectModel
 from planner.directions import HEADINGS, heading_of
 
@@ -25,7 +27,7 @@ SURE = 0.95
 
 
 class AskedPush(BaseModel):
-    """A push as it was asked for, in B."""
+    """A push as it was asked for, in B, which is turned by `yaw` from the robot's axes [rad]."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -35,6 +37,7 @@ class AskedPush(BaseModel):
     point: tuple[float, float, float]
     direction: tuple[float, float, float]
     force: float | None
+    yaw: float = 0.0
 
 
 class PushPrediction(BaseModel):
@@ -47,6 +50,8 @@ class PushPrediction(BaseModel):
             `slide+topple` (undecided).
         onset: force at which it moves; null if it never does.
         slide, topple: force at which it slides, topples; null if never.
+        slide_sd, topple_sd: standard deviations of these; null if it may never slide, topple, or if
+            the friction is kinetic, whose deviation is not known.
         optimistic, pessimistic: onset if its weight is borne as well, as badly as can be; null if
             it never moves, or if its friction radius was fitted.
         residual: relative violation of balance in the solution.
@@ -68,6 +73,8 @@ class PushPrediction(BaseModel):
     onset: float | None
     slide: float | None
     topple: float | None
+    slide_sd: float | None
+    topple_sd: float | None
     optimistic: float | None
     pessimistic: float | None
     residual: float
@@ -90,6 +97,7 @@ def predict_push(
     direction: tuple[float, float, float] | None = None,
     force: float | None = None,
     friction: Literal["static", "kinetic"] = "static",
+    yaw: float = 0.0,
 ) -> PushPrediction:
     """What a push at a place of a face will do.
 
@@ -102,6 +110,7 @@ def predict_push(
         direction: of the force in B; straight into the face if not given.
         force: its size [N]; the class at the onset is told if not given.
         friction: which coefficient at the table decides.
+        yaw: how the object is turned from the robot's axes, for the directions in words [rad].
 
     Raises:
         ControlError: `bad_push` if the place is not on the face, or the force does not press on it.
@@ -117,6 +126,7 @@ def predict_push(
         point=_triple(point),
         direction=_triple(u),
         force=force,
+        yaw=yaw,
     )
     found = _predicted(model, push, point[None], u[None], normal, friction)
     return found.model_copy(update={"text": "\n".join(_sentences(found))})
@@ -150,6 +160,7 @@ def _predicted(
     t: Any = model.thresholds(p, u, exact=True, friction=friction)
     likely = model.likelihood(p, u, force=push.force)
     onset, force = float(t.onset[0]), push.force
+    slide_sd, topple_sd = deviations(model, p[0], u[0])
     size = force if force is not None else (onset if np.isfinite(onset) else 1.0)
     return PushPrediction(
         object=model.name,
@@ -158,6 +169,8 @@ def _predicted(
         onset=_finite(onset),
         slide=_finite(t.slide[0]),
         topple=_finite(t.topple[0]),
+        slide_sd=slide_sd if friction == "static" else None,
+        topple_sd=topple_sd,
         optimistic=None if t.fitted else _finite(t.optimistic[0]),
         pessimistic=None if t.fitted else _finite(t.pessimistic[0]),
         residual=float(t.residual[0]),
@@ -197,10 +210,10 @@ def _sentences(found: PushPrediction) -> list[str]:
     how = "" if push.force is None else f" with {push.force:g} N"
     lines = [
         f"Pushed on the {push.face} face, {_aside(push.lateral)}, {1e3 * push.height:.0f} mm up, "
-        f"{_towards(push.direction)}{how}, the {found.object} {VERBS[found.outcome]}."
+        f"{_towards(push)}{how}, the {found.object} {VERBS[found.outcome]}."
     ]
-    first, other = ("slide", "topple") if found.outcome != "topple" else ("topple", "slide")
-    lines.append(f"It {_from(found, first)}; it {_from(found, other)}.")
+    first, other = in_turn(found)
+    lines.append(f"It {threshold(found, first)}; it {threshold(found, other)}.")
     chance = found.probability.get(found.outcome, 0.0)
     if chance < SURE:
         lines.append(f"That is not sure: its probability is {chance:.2f}.")
@@ -213,35 +226,72 @@ def _sentences(found: PushPrediction) -> list[str]:
     lines.append(
         "Probabilities: " + ", ".join(f"{k} {v:.2f}" for k, v in found.probability.items()) + "."
     )
-    lines += _moving(found)
-    if found.slips:
-        lines.append("The finger slips along the face: the force is outside its friction cone.")
-    if found.suddenly is not None:
-        lines.append(f"If the force comes all at once, it {VERBS[found.suddenly]}.")
+    lines += particulars(found)
     lines.append(f"({found.friction} friction; exact tier, residual {found.residual:.0e})")
     return lines
 
 
-def _from(found: PushPrediction, what: str) -> str:
-    value = found.slide if what == "slide" else found.topple
-    verb = "slides" if what == "slide" else "topples"
-    return f"never {verb}" if value is None else f"{verb} from {value:.2f} N on"
+def particulars(found: PushPrediction) -> list[str]:
+    """How it moves, whether the finger slips, and what a sudden force would do."""
+    lines = _moving(found)
+    if found.slips:
+        lines.append("The finger slips along the face: the force is outside its friction cone.")
+    if found.suddenly is not None:
+        lines.append(f"If the force comes all at once, it {VERBS[found.suddenly]}.")
+    return lines
+
+
+def in_turn(found: PushPrediction) -> tuple[str, str]:
+    """The outcome that comes first, and the other one."""
+    slide, topple = (np.inf if force is None else force for force in (found.slide, found.topple))
+    return ("slide", "topple") if slide <= topple else ("topple", "slide")
+
+
+def needed(found: PushPrediction, outcome: str) -> tuple[float | None, float | None]:
+    """Force from which on an outcome would come, and its standard deviation; None if never [N]."""
+    slides = outcome == "slide"
+    return (found.slide, found.slide_sd) if slides else (found.topple, found.topple_sd)
+
+
+def _two_digits(force: float, _: float | None) -> str:
+    return f"{force:.2f} N"
+
+
+def threshold(
+    found: PushPrediction,
+    outcome: str,
+    told: Callable[[float, float | None], str] = _two_digits,
+    *,
+    only: bool = False,
+) -> str:
+    """When an outcome comes: "slides from 3.69 N on", or "never slides".
+
+    Args:
+        found: what will happen.
+        outcome: `slide` or `topple`.
+        told: a force and its standard deviation in words.
+        only: say "only from", as of what comes second.
+    """
+    force, sd = needed(found, outcome)
+    if force is None:
+        return f"never {VERBS[outcome]}"
+    return f"{VERBS[outcome]} {'only ' if only else ''}from {told(force, sd)} on"
 
 
 def _moving(found: PushPrediction) -> list[str]:
     m = found.motion
     if not m:
         return []
+    way = _heading(m["heading"] + found.push.yaw)
     if "angle_of_no_return" in m:
         angle = np.degrees(m["angle_of_no_return"])
-        return [f"It tips {_heading(m['heading'])} and falls by itself beyond {angle:.1f}°."]
+        return [f"It tips {way} and falls by itself beyond {angle:.1f}°."]
     turning = np.degrees(m["turning"]) / 100.0
     if abs(turning) < 0.05:
-        return [f"It moves {_heading(m['heading'])} without turning."]
+        return [f"It moves {way} without turning."]
     sense = "left" if turning > 0.0 else "right"
     return [
-        f"It moves {_heading(m['heading'])} and turns {sense}, {abs(turning):.1f}° "
-        "for each centimetre of the finger."
+        f"It moves {way} and turns {sense}, {abs(turning):.1f}° for each centimetre of the finger."
     ]
 
 
@@ -251,10 +301,11 @@ def _aside(lateral: float) -> str:
     return f"{1e3 * abs(lateral):.0f} mm to the {'right' if lateral > 0 else 'left'}"
 
 
-def _towards(u: tuple[float, float, float]) -> str:
+def _towards(push: AskedPush) -> str:
+    u = push.direction
     level = np.hypot(u[0], u[1])
     slope = np.degrees(np.arctan2(u[2], level))
-    words = _heading(heading_of(np.array([u[0], u[1], 0.0]))) if level > 1e-9 else "straight"
+    words = _heading(heading_of(np.array(u)) + push.yaw) if level > 1e-9 else "straight"
     if abs(slope) < 0.5:
         return words
     return f"{words}, {abs(slope):.0f}° {'upwards' if slope > 0 else 'downwards'}"
