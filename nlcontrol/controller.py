@@ -7,6 +7,7 @@ file). Poses are in W; the table plane is z = 0.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,7 +15,14 @@ from typing import TYPE_CHECKING
 import grammar
 from grammar.frames import Command, Frame
 from nlcontrol.checks import Check, check, require_checkable
-from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error, translated
+from nlcontrol.errors import (
+    NOT_UNDERSTOOD,
+    ControlError,
+    ErrorInfo,
+    error,
+    refusal_error,
+    translated,
+)
 from nlcontrol.names import Candidate
 from nlcontrol.resolve import NOTHING_SAID, Context, resolve
 from nlcontrol.result import Result, ResultStatus, Step, summary
@@ -26,6 +34,7 @@ from sim.scene import Scene, SceneObject, load_scene
 from sim.vision import seen_colours
 
 if TYPE_CHECKING:
+    from nlcontrol.answers import Answer
     from planner.affordances import Affordance
     from sim import ArmReach, DrakeWorld
     from sim.trace import Trace
@@ -33,8 +42,6 @@ if TYPE_CHECKING:
 Progress = Callable[[str, float, str], None]
 """Told of the phase, the simulated time [s] and what happens, while something is executed."""
 
-NOTHING_SAID = Context()
-"""The context of a first sentence."""
 
 LOOK = 1.0
 """Time over which camera frames are averaged before a plan is made [s]."""
@@ -176,6 +183,32 @@ class Controller:
         alone = SeenObject(model.name, PlanarPose(*self.scene.table.centre_m), model)
         return alone, WorldState({alone.name: alone}, _table(self.scene))
 
+    def answer(self, frame: Frame, state: WorldState | None = None) -> Answer:
+        """The answer to a question; nothing is moved for it.
+
+        Args:
+            frame: a frame with a query, its objects resolved.
+            state: what is believed; looked up now if not given.
+
+        Raises:
+            ControlError: why it cannot be answered.
+        """
+        from nlcontrol.questions import answer
+
+        vision = self.scene.vision
+        return answer(
+            frame,
+            self._about(frame) if state is None else state,
+            lambda: self.reach,
+            self.defaults,
+            position_sd=vision.position_noise_m / math.sqrt(max(vision.rate_hz * LOOK, 1.0)),
+        )
+
+    def _about(self, frame: Frame) -> WorldState:
+        """What is believed about the object of a question, which may not be on the table."""
+        name = frame.object.id if frame.object else None
+        return self.look() if name is None else self.surroundings(name)[1]
+
     def plan(self, frame: Frame, state: WorldState | None = None) -> Plan | Refusal:
         """The push that satisfies a frame, or why there is none.
 
@@ -214,8 +247,8 @@ class Controller:
     ) -> Result:
         """Does what a sentence says, and tells what came of it.
 
-        Nothing is remembered from one sentence to the next; see `nlcontrol.dialogue.Conversation`
-        for that.
+        A question is answered and moves nothing. Nothing is remembered from one sentence to the
+        next; see `nlcontrol.dialogue.Conversation` for that.
 
         Args:
             text: an English sentence.
@@ -262,8 +295,11 @@ class Controller:
             return _with(result, status="not_understood", error=raised.info)
         result = _with(result, frames=command.frames)
         for index, frame in enumerate(command.frames):
-            result = self._carry_out(index, frame, result, plan_only, progress)
-            if result.error or plan_only:
+            if frame.query is not None:
+                result = self._answered(frame, result)
+            else:
+                result = self._carry_out(index, frame, result, plan_only, progress)
+            if result.error or result.status == "planned":
                 break
         if result.status == "planned" and len(command.frames) > 1:
             note = (
@@ -272,6 +308,13 @@ class Controller:
             )
             result = _with(result, notes=(note,))
         return result
+
+    def _answered(self, frame: Frame, result: Result) -> Result:
+        """The result with the answer to one more question."""
+        try:
+            return _with(result, ok=True, status="answered", answer=self.answer(frame))
+        except ControlError as raised:
+            return _with(result, ok=False, status=_unanswered(raised.info), error=raised.info)
 
     def _carry_out(
         self,
@@ -323,6 +366,13 @@ def _ended(
 
 def _with(result: Result, **changes: object) -> Result:
     return result.model_copy(update=changes)
+
+
+def _unanswered(info: ErrorInfo) -> ResultStatus:
+    """Status of a question that has no answer."""
+    if info.code == "unsupported":
+        return "unsupported"
+    return "not_understood" if info.status.exit == NOT_UNDERSTOOD else "refused"
 
 
 def _not_held(missed: tuple[Check, ...], trace: Trace) -> ErrorInfo:

@@ -17,11 +17,11 @@ from pydantic import BaseModel
 
 import grammar
 from grammar import frames as g
+from nlcontrol.answers import Answer
 from nlcontrol.errors import ControlError, error
 from nlcontrol.reasons import reason
 from nlcontrol.remarks import continued, corrected, latest, repeated, settled
 from nlcontrol.resolve import Context
-from nlcontrol.result import Answer
 from nlcontrol.text import encodable
 from nlcontrol.undo import Pushed, in_words, way_back
 

@@ -35,7 +35,7 @@ _LACKS = Status(NO_PLAN, 501)
 _CALLER = Status(USAGE, 400)
 
 CODES: dict[str, Status] = {
-    # Names that do not lead to one object.
+    # Names that do not lead to one object, and questions about nothing.
     "unknown_object": _SENTENCE,
     "ambiguous_object": _SENTENCE,
     "not_on_table": _SENTENCE,
@@ -43,6 +43,7 @@ CODES: dict[str, Status] = {
     # Remarks that refer to what was said and done before.
     "nothing_before": _SENTENCE,
     "not_alone": _SENTENCE,
+    "nothing_to_explain": _SENTENCE,
     # Refusals of the planner: its reasons are the codes.
     "impossible": _NO_PLAN,
     "out_of_reach": _NO_PLAN,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from nlcontrol.result import Answer
+from nlcontrol.answers import Answer
 from nlcontrol.text import quantity
 from planner.directions import phrase
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
+from nlcontrol import maps
+from nlcontrol.answers import Answer
 from nlcontrol.checks import Check
 from nlcontrol.result import Result
 from nlcontrol.text import error_lines, quantity, words
@@ -33,7 +35,8 @@ def _lines(result: Result) -> Iterator[str]:
     else:
         yield from _step_lines(result.text, result.plan, result.checks)
     if result.answer:
-        yield result.answer.text
+        yield ""
+        yield from answer_lines(result.answer)
     if result.error:
         if result.paraphrase:
             yield ""
@@ -51,6 +54,16 @@ def _step_lines(text: str, plan: Plan | None, checks: Sequence[Check]) -> Iterat
         yield ""
         yield "What happened:"
         yield from (check_line(text, check) for check in checks)
+
+
+def answer_lines(answer: Answer) -> Iterator[str]:
+    """An answer: its sentence, what stands below it, what would be possible instead."""
+    yield answer.text
+    yield from (f"  {line}" for line in answer.lines)
+    yield from (f"  → {suggestion}" for suggestion in answer.suggestions)
+    if answer.map is not None and answer.chart is not None:
+        yield ""
+        yield from maps.text(answer.map, answer.chart.face)
 
 
 def default_line(used: DefaultUsed) -> str:

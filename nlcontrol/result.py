@@ -11,6 +11,7 @@ from pydantic.json_schema import SkipJsonSchema
 
 from grammar.frames import Frame
 from nlcontrol import measures
+from nlcontrol.answers import Answer
 from nlcontrol.checks import Check
 from nlcontrol.errors import OK, ErrorInfo
 from planner.explain import Row
@@ -62,20 +63,6 @@ def summary(trace: Trace) -> Execution:
     )
 
 
-class Answer(BaseModel):
-    """What is told in words rather than done.
-
-    Attributes:
-        text: one or two plain sentences.
-        numbers: the figures behind it, by name [SI].
-    """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-    text: str
-    numbers: dict[str, float] = {}
-
-
 class Step(BaseModel):
     """What came of one frame of a sentence.
 
@@ -104,9 +91,10 @@ class Result(BaseModel):
     """Everything that one sentence led to; what is missing was not reached.
 
     Attributes:
-        ok: the sentence was carried out and every clause held (planned only: a plan exists).
-        status: `done`, `planned` (nothing was to be executed), `answered` (nothing was to be done),
-            `failed` (executed, but a clause did not hold), `refused` (no plan, with the reason),
+        ok: the sentence was carried out and every clause held (planned only: a plan exists; a
+            question: it was answered, be it with no).
+        status: `done`, `planned` (nothing was to be executed), `answered` (a question), `failed`
+            (executed, but a clause did not hold), `refused` (no plan, with the reason),
             `unsupported` (a capability that this robot lacks), `not_understood`.
         text: the sentence as given.
         paraphrase: what was understood, in words.
@@ -117,7 +105,7 @@ class Result(BaseModel):
         checks: a verdict per clause.
         steps: what came of each frame, in the order in which they were carried out; those after
             the first that failed are missing.
-        answer: what is told in words.
+        answer: to the last question of the sentence, or to a remark.
         notes: plain sentences on how a remark was taken, and on what was left out.
         defaults: what the sentence left open and the table of defaults supplied.
         error: why it is not ok.
@@ -170,7 +158,8 @@ class Result(BaseModel):
             return ()
         from planner.explain import explain
 
-        return explain(self.frames[self.planned - 1], self.plan, self.text)
+        commands = [frame for frame in self.frames if frame.query is None]
+        return explain(commands[self.planned - 1], self.plan, self.text)
 
     def report(self) -> str:
         """The result as a text to read."""

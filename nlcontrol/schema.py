@@ -17,9 +17,9 @@ _SCHEMA = "https://json-schema.org/draft/2020-12/schema"
 def schema() -> dict[str, object]:
     """JSON schema of the answers.
 
-    `Command` is what `parse` answers, `Result` what `plan` and `say`, `PushPrediction` what
-    `predict` does. Numbers are in SI units, angles in radians, spans are `[start, end)` in code
-    points of the sentence as given.
+    `Command` is what `parse` answers, `Result` what `plan` and `say` (its `answer` is that to a
+    question), `PushPrediction` what `predict` does. Numbers are in SI units, angles in radians,
+    spans are `[start, end)` in code points of the sentence as given.
     """
     _, definitions = models_json_schema(
         [(model, "serialization") for model in (Command, Result, PushPrediction, ErrorInfo)],

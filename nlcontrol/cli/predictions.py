@@ -13,7 +13,6 @@ from nlcontrol.errors import OK
 
 if TYPE_CHECKING:
     from objectmodels import Face, ObjectModel
-    from planner.affordances import Affordance
 
 _json = click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
 _face = click.option(
@@ -218,6 +217,7 @@ def affordances(name: str, scene: str, seed: int, as_json: bool) -> int:
     """
     from dataclasses import asdict
 
+    from nlcontrol.answers import affordance_lines
     from nlcontrol.controller import Controller
 
     found = Controller(scene, seed=seed).affordances(name)
@@ -225,24 +225,6 @@ def affordances(name: str, scene: str, seed: int, as_json: bool) -> int:
         print_json({"object": name, "scene": scene, "affordances": [asdict(a) for a in found]})
         return OK
     for each in found:
-        for line in _affordance(each):
+        for line in affordance_lines(each):
             click.echo(line)
     return OK
-
-
-def _affordance(a: Affordance) -> list[str]:
-    mark = "✓" if a.can else "✗"
-    head = f"{mark} {a.outcome} {a.direction}"
-    if a.least_force is None or a.place is None:
-        return [f"{head}: {a.message}"]
-    sure = "sure nowhere"
-    if a.heights is not None:
-        low, high = (1e3 * h for h in a.heights)
-        sure = (
-            f"sure from {low:.0f} to {high:.0f} mm" if high - low > 0.5 else f"sure at {low:.0f} mm"
-        )
-    lines = [f"{head}: from the {a.face}, {a.least_force:.2f} N at least ({sure})"]
-    lines.append(f"    {a.message}")
-    if not a.can and a.suggestions:
-        lines.append(f"    → {'; '.join(a.suggestions)}")
-    return lines

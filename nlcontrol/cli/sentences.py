@@ -35,7 +35,8 @@ _explain = click.option("--explain", is_flag=True, help="Show which words became
 _picture = click.option(
     "--picture",
     type=File,
-    help="Write a picture of the run; with --explain, of the explanation (PNG, SVG or PDF).",
+    help="Write a picture of the run; with --explain, of the explanation; of a question about "
+    "places, of the outcome map (PNG, SVG or PDF).",
 )
 
 
@@ -59,7 +60,7 @@ def say(
     plan_only: bool,
     replay: Path | None,
 ) -> int:
-    """Do what SENTENCE says, in simulation, and check every clause of it."""
+    """Do what SENTENCE says, in simulation, and check every clause of it; or answer it."""
     if plan_only and replay:
         raise click.UsageError("--replay needs a run; leave out --plan-only")
     if plan_only and picture and not explain:
@@ -182,5 +183,11 @@ def _write_files(
 
         with written_whole(picture) as temporary:
             save_picture(result.trace, controller.scene, temporary)
+        files["picture"] = str(picture)
+    elif picture and result.answer and result.answer.chart and result.answer.map:
+        from nlcontrol.maps import save_map
+
+        with written_whole(picture) as temporary:
+            save_map(result.answer.map, result.answer.chart.face, temporary)
         files["picture"] = str(picture)
     return files

@@ -26,15 +26,21 @@ def test_the_answers_of_the_commands() -> None:
         "plan",
         "checks",
         "seed",
+        "answer",
         "error",
     } <= set(_definition("Result")["properties"])
     assert set(_definition("Result")["properties"]["status"]["enum"]) >= {
-        "done", "failed", "refused", "not_understood", "unsupported",
+        "done", "answered", "failed", "refused", "not_understood", "unsupported",
     }  # fmt: skip
     assert {"clause", "spans", "expected", "measured", "tolerance", "ok"} <= set(
         _definition("Check")["properties"]
     )
-    assert {"outcome", "onset", "probability", "residual", "friction"} <= set(
+    assert {
+        "query", "text", "lines", "numbers", "probability", "yes", "reason", "suggestions", "chart",
+    } == set(_definition("Answer")["properties"])  # fmt: skip
+    assert set(_definition("Answer")["properties"]["query"]["enum"]) == set(get_args(g.Query))
+    assert set(_definition("Chart")["properties"]) == {"object", "face"}
+    assert {"outcome", "onset", "slide_sd", "probability", "residual", "friction"} <= set(
         _definition("PushPrediction")["properties"]
     )
     assert {"code", "message", "span", "suggestions"} <= set(_definition("ErrorInfo")["properties"])

@@ -1,0 +1,119 @@
+"""The answer to a question as a value, and the words that answers are made of.
+
+Values are SI inside; people read newtons, millimetres and chances.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from pydantic import BaseModel, ConfigDict, Field, InstanceOf
+from pydantic.json_schema import SkipJsonSchema
+
+from grammar.frames import Query
+from objectmodels.outcomemap import OutcomeMap
+
+if TYPE_CHECKING:
+    from planner.affordances import Affordance
+
+
+DOES = {
+    "moves": "moves",
+    "slides": "slides",
+    "tips": "topples",
+    "tilts": "tilts",
+    "turns": "turns",
+    "stays_upright": "stays upright",
+    "slide": "slides",
+    "topple": "topples",
+}
+"""Events and outcomes as what "it" does."""
+
+
+class Chart(BaseModel):
+    """Which outcome map shows an answer.
+
+    Attributes:
+        object: name in the scene.
+        face: the face, as the robot calls it.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    object: str
+    face: str
+
+
+class Answer(BaseModel):
+    """The answer to one question, or to a remark.
+
+    Attributes:
+        query: what kind of question it was; None if a remark is answered.
+        text: the answer in one sentence.
+        lines: what stands below it, one thing in each line.
+        numbers: the figures behind it, by name [SI]; `force` is what a question about a force asks.
+        probability: of what is asked, under the model's uncertainty; None if it has none.
+        yes: of a yes-no question, what is more probable; of a question how hard or where, whether
+            it can be had at all; None for other questions.
+        reason: why not: the reason of a refusal; None if there is none.
+        suggestions: what would be possible instead.
+        chart: which outcome map shows it, for a question of places.
+        map: that map; not a part of the JSON document.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    query: Query | None = None
+    text: str
+    lines: tuple[str, ...] = ()
+    numbers: dict[str, float] = {}
+    probability: float | None = None
+    yes: bool | None = None
+    reason: str | None = None
+    suggestions: tuple[str, ...] = ()
+    chart: Chart | None = None
+    map: SkipJsonSchema[InstanceOf[OutcomeMap] | None] = Field(
+        default=None, exclude=True, repr=False
+    )
+
+
+def newtons(value: float, sd: float | None = None) -> str:
+    """A force and its standard deviation, if there is one: "3.7 N ± 0.7 N"."""
+    digits = 2 if value < 1.0 or (sd is not None and sd < 0.1) else 1
+    text = f"{value:.{digits}f} N"
+    return text if not sd else f"{text} ± {sd:.{digits}f} N"
+
+
+def chance(probability: float) -> str:
+    """A probability in as many digits as mean something."""
+    if probability > 0.99:
+        return "over 0.99"
+    if probability < 0.01:
+        return "below 0.01"
+    return f"{probability:.2f}"
+
+
+def listed(parts: Sequence[str], word: str = "and") -> str:
+    """Parts of a sentence as a list: "a, b and c"."""
+    if len(parts) < 2:
+        return "".join(parts)
+    return f"{', '.join(parts[:-1])} {word} {parts[-1]}"
+
+
+def affordance_lines(found: Affordance) -> Iterator[str]:
+    """One thing that may be done with an object, in up to three lines."""
+    head = f"{'✓' if found.can else '✗'} {found.outcome} {found.direction}"
+    if found.least_force is None or found.place is None:
+        yield f"{head}: {found.message}"
+        return
+    sure = "sure nowhere"
+    if found.heights is not None:
+        low, high = (1e3 * h for h in found.heights)
+        sure = (
+            f"sure from {low:.0f} to {high:.0f} mm" if high - low > 0.5 else f"sure at {low:.0f} mm"
+        )
+    yield f"{head}: from the {found.face}, {found.least_force:.2f} N at least ({sure})"
+    yield f"    {found.message}"
+    if not found.can and found.suggestions:
+        yield f"    → {'; '.join(found.suggestions)}"
