@@ -401,8 +401,10 @@ class _Reader:
         rest, constraints = constraints_of(self._parts, thing, self._lexicon, self._sentence)
         rest = [p for p in rest if not (isinstance(p, ParticlePart) and p.optional)]
         content = [part for part in rest if not isinstance(part, FillerPart)]
-        if dialogue in ("undo", "stop") and (content or constraints or things):
-            raise self._unexpected((content or things or remarks)[0])
+        if dialogue in ("undo", "stop") and (content or constraints):
+            raise self._unexpected((content or remarks)[0])
+        if dialogue == "stop" and things:
+            raise self._several(things[0])
         if dialogue == "more" and things:
             raise self._several(things[0])
         if dialogue == "correct" and not (content or constraints or things):

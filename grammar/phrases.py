@@ -260,9 +260,9 @@ class Questions(_Phrases):
         its = g.ObjectRef(text="its", spans=((start, start + 3),), pronoun=True)
         return which, ThingPart((start, start + 3), its)
 
-    def undo(self, children: Children) -> RemarkPart:
-        """Undo that."""
-        return RemarkPart(self._w.span(children), "undo")
+    def undo(self, children: Children) -> list[Part]:
+        """Undo that; undo the push of the box."""
+        return [RemarkPart(self._w.span(children[:1]), "undo"), *_things(children)]
 
     def stop(self, children: Children) -> RemarkPart:
         """Stop."""

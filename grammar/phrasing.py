@@ -37,6 +37,7 @@ _MEASURED: dict[str, tuple[str, str, str]] = {
     "duration": ("for ", "", " s"),
     "max_duration": ("in ", "at most ", " s"),
 }
+_I = re.compile(r"\bi\b")
 _NO_NAMES = ("one", "ones", "the", "a", "an")
 _TOUCHES = ("touching", "in_line", "next_to")
 
@@ -63,7 +64,7 @@ class Phrasing:
         phrases = self.lexicon.says(terminal, value)
         if not phrases:
             raise no_words(f"{value} as {terminal}")
-        return self._choose(phrases)
+        return _I.sub("I", self._choose(phrases))
 
     # --- names --------------------------------------------------------------------------------
 

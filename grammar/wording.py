@@ -26,9 +26,12 @@ _VERBS = {
 }
 _PARTICLES = {"stand": "upright", "hand": "over"}
 _RESULTS = {"topple": "tips", "tilt": "tilts", "rotate": "turns"}
+_LIMITS = ("no_topple", "no_tilt", "no_turn", "no_slide")
+"""Constraints with which "how hard" asks for the most, not for the least."""
+
 _OPENINGS: dict[str, tuple[str, str]] = {
     "possible": ("POSSIBLE", ""),
-    "how_hard": ("HOW_HARD", ""),
+    "how_hard": ("HOW_HARD", "least"),
     "where": ("WHERE", ""),
     "why": ("WHY_DID", ""),
 }
@@ -150,7 +153,10 @@ class _Speaker:
             raise no_words(f"the question {query}")
         event = [] if frame.event is None else [self._to_make(frame.event)]
         clause = self._command(frame)
-        return f"{' '.join([self._p.say(*_OPENINGS[query]), clause, *event])}?"
+        terminal, sense = _OPENINGS[query]
+        if query == "how_hard" and not event and any(c.kind in _LIMITS for c in frame.constraints):
+            sense = "most"
+        return f"{' '.join([self._p.say(terminal, sense), clause, *event])}?"
 
     def _to_make(self, event: g.Event) -> str:
         return f"{self._p.say('TO_MAKE')} it {self._p.say('EVENT_INFINITIVE', event)}"
@@ -169,6 +175,8 @@ class _Speaker:
     # --- remarks ------------------------------------------------------------------------------
 
     def _remark(self, frame: g.Frame, dialogue: g.Dialogue) -> str:
+        if dialogue == "undo" and frame.object is not None:
+            return f"{self._p.say('UNDO_OF')} {self._p.name(frame.object)}"
         if dialogue in ("undo", "stop"):
             return self._p.say(dialogue.upper())
         if dialogue == "correct":

@@ -93,7 +93,8 @@ def _references(part: BaseModel) -> list[ObjectRef]:
 
 def _resolved(frame: Frame, around: Surroundings, spoken: tuple[str, ...]) -> Frame:
     """A frame whose objects are bound, given what was spoken of before it."""
-    if frame.dialogue in {"undo", "stop"}:
+    unnamed = frame.object is None or frame.object.pronoun
+    if frame.dialogue in {"undo", "stop"} and unnamed:
         return frame
     binder = _Binder(around, Spoken(spoken, spoken[:1]))
     target = frame.object

@@ -128,7 +128,7 @@ def _objects(controller: Controller) -> str:
 def _beginnings() -> tuple[str, ...]:
     from grammar.lexicon import default_lexicon
 
-    return (*WORDS, *sorted(default_lexicon().verb_words()))
+    return (*WORDS, *sorted(default_lexicon().verb_words["VERB"]))
 
 
 class Interruptible:

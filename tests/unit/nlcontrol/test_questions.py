@@ -432,7 +432,7 @@ def _read_as(monkeypatch: pytest.MonkeyPatch, *frames: g.Frame) -> None:
     )
 
 
-@pytest.mark.parametrize("query", get_args(g.Query))
+@pytest.mark.parametrize("query", sorted(set(get_args(g.Query)) - {"why"}))
 def test_no_question_pushes(
     kitchen: Controller, monkeypatch: pytest.MonkeyPatch, query: str
 ) -> None:
@@ -441,9 +441,6 @@ def test_no_question_pushes(
     monkeypatch.setattr("sim.DrakeWorld", None)
     result = kitchen.say("a question")
     assert (result.plan, result.trace, result.checks) == (None, None, ())
-    if query == "why":
-        assert (result.status, result.exit_status) == ("not_understood", 3)
-        return
     assert (result.ok, result.status, result.exit_status) == (True, "answered", 0)
     assert result.answer is not None
     assert result.answer.text in str(result)
