@@ -5,6 +5,7 @@ The parser is built with the first sentence and kept.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from typing import Any, cast
@@ -15,19 +16,25 @@ from lark.exceptions import UnexpectedToken, VisitError
 from grammar.diagnosis import diagnose
 from grammar.frames import Command
 from grammar.lexer import PhraseLexer
-from grammar.lexicon import Lexicon, default_lexicon
+from grammar.lexicon import Lexicon
 from grammar.meaning import frames_of
 from grammar.normalise import Normalised, normalise
+from grammar.phrasing import Phrasing
+from grammar.plugins import installed
 from grammar.transform import parts_of
 from grammar.wording import paraphrase
 
 
 class Parser:
-    """Reads commands with the words of a lexicon."""
+    """Reads commands with the words of a lexicon.
+
+    Attributes:
+        lexicon: the words.
+    """
 
     def __init__(self, lexicon: Lexicon) -> None:
         rules = Path(__file__).with_name("nlcontrol.lark").read_text(encoding="utf-8")
-        self._lexicon = lexicon
+        self.lexicon = lexicon
         self._lark = Lark(
             f"{rules}\n{lexicon.declarations()}",
             parser="lalr",
@@ -47,13 +54,13 @@ class Parser:
         Raises:
             ParseError: if the sentence, or a part of it, is not understood.
         """
-        sentence = normalise(text, self._lexicon.contractions)
+        sentence = normalise(text, self.lexicon.contractions)
         try:
-            parts = parts_of(self._tree(sentence), self._lexicon, sentence)
+            parts = parts_of(self._tree(sentence), self.lexicon, sentence)
         except VisitError as error:
             raise error.orig_exc from None
-        frames = frames_of(parts, self._lexicon, sentence)
-        return Command(text=text, frames=frames, paraphrase=paraphrase(frames, self._lexicon))
+        frames = frames_of(parts, self.lexicon, sentence)
+        return Command(text=text, frames=frames, paraphrase=paraphrase(frames, self.lexicon))
 
     def _tree(self, sentence: Normalised) -> Tree[Token]:
         steps: Any = self._lark.parse_interactive(sentence.text)  # lark gives it no types
@@ -62,15 +69,27 @@ class Parser:
                 pass
             return cast("Tree[Token]", steps.feed_eof())
         except UnexpectedToken as error:
-            raise diagnose(error, steps.accepts(), sentence, self._lexicon) from None
+            raise diagnose(error, steps.accepts(), sentence, self.lexicon) from None
+
+
+def parser_for(names: Iterable[str]) -> Parser:
+    """The parser for the installed language in which objects have these names.
+
+    A name that would be read as something else ("hard drive") becomes a word of the language.
+    """
+    parser = default_parser()
+    phrasing = Phrasing(parser.lexicon)
+    unread = sorted(name for name in names if not phrasing.is_plain(name))
+    return Parser(parser.lexicon.extended(names=unread)) if unread else parser
 
 
 @cache
 def default_parser() -> Parser:
-    """The parser for the language that nlcontrol comes with."""
-    return Parser(default_lexicon())
+    """The parser for the language that is installed: nlcontrol's own and its plug-ins'."""
+    lexicon, _ = installed()
+    return Parser(lexicon)
 
 
 def parse(text: str) -> Command:
-    """Reads a sentence in the language that nlcontrol comes with; see `Parser.parse`."""
+    """Reads a sentence in the language that is installed; see `Parser.parse`."""
     return default_parser().parse(text)

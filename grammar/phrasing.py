@@ -72,9 +72,9 @@ class Phrasing:
         """An object, with its article and what tells it apart."""
         if ref.pronoun:
             return ref.text
-        words = ref.text.replace("-", " ").casefold().split()
+        words = _words(ref.text)
         said = tuple(self.lexicon.adjectives[w] for w in words if w in self.lexicon.adjectives)
-        plain = self._plain(words) and said == ref.qualities[: len(said)]
+        plain = self.is_plain(ref.text) and said == ref.qualities[: len(said)]
         text = f"the {ref.text}" if plain else f'"{ref.text}"'
         told = [text]
         for quality in ref.qualities[len(said) :]:
@@ -93,8 +93,11 @@ class Phrasing:
         said = self.say("BETWEEN") if relation == "between" else self.say("RELATION", relation)
         return f"{said} {self._names(reference)}"
 
-    def _plain(self, words: Sequence[str]) -> bool:
+    def is_plain(self, name: str) -> bool:
         """Whether a name is read whole without quotation marks."""
+        words = _words(name)
+        if " ".join(words) in self.lexicon.names:
+            return True
         if (
             not words
             or not all(w.isascii() and w.isalnum() for w in words)
@@ -304,6 +307,10 @@ class Phrasing:
         if height.origin == "top" or height.value.of.text != "its":
             raise no_words("such a height measured in objects")
         return f"at {value}"
+
+
+def _words(name: str) -> list[str]:
+    return name.replace("-", " ").casefold().split()
 
 
 def _effector(effector: g.Effector) -> str:

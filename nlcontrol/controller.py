@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import grammar
 from grammar.frames import Command, Frame
 from nlcontrol.checks import Check, check, require_checkable
 from nlcontrol.errors import (
@@ -34,6 +34,7 @@ from sim.scene import Scene, SceneObject, load_scene
 from sim.vision import seen_colours
 
 if TYPE_CHECKING:
+    from grammar.parser import Parser
     from nlcontrol.answers import Answer
     from planner.affordances import Affordance
     from sim import ArmReach, DrakeWorld
@@ -106,7 +107,16 @@ class Controller:
             ControlError: it is not understood.
         """
         with translated():
-            return grammar.parse(text)
+            return self._parser.parse(text)
+
+    @cached_property
+    def _parser(self) -> Parser:
+        """Reads sentences in which the objects of scene and registry may be named."""
+        from grammar.parser import parser_for
+
+        objects = (name for item in self.scene.objects for name in (item.name, *item.synonyms))
+        models = (name for model in self.registry for name in (model.name, *model.synonyms))
+        return parser_for({*objects, *models})
 
     def resolve(self, command: Command, context: Context = NOTHING_SAID) -> Command:
         """The command with every object bound to one on the table, and lengths in metres.

@@ -80,6 +80,7 @@ class ErrorInfo(BaseModel):
         code: stable name in snake case.
         message: one plain sentence.
         span: the words it is about, `[start, end)` in the sentence as given.
+        spans: all places that it is about, if there are several, as in a contradiction.
         suggestions: what would be possible, or might have been meant.
         numbers: the figures that decided, by name [SI].
         capability: what this robot lacks, if that is the matter.
@@ -92,6 +93,7 @@ class ErrorInfo(BaseModel):
     code: str
     message: str
     span: tuple[int, int] | None = None
+    spans: tuple[tuple[int, int], ...] = ()
     suggestions: tuple[str, ...] = ()
     numbers: dict[str, float] = {}
     capability: str | None = None
@@ -150,6 +152,7 @@ def known_error(raised: Exception) -> ControlError | None:
             code=raised.code,
             message=raised.message,
             span=raised.span,
+            spans=raised.spans if len(raised.spans) > 1 else (),
             suggestions=raised.suggestions,
             family="sentence",
         )

@@ -46,20 +46,37 @@ def encodable(text: str) -> str:
 
 def frame_lines(frame: Frame, text: str) -> Iterator[str]:
     """A frame in a few lines: each part with its fields and its words."""
-    for key in ("action", "query", "dialogue"):
+    for key in ("dialogue", "query", "action"):
         if getattr(frame, key) is not None:
             yield f"  {key}: {getattr(frame, key)}{_quoted(text, frame.spans)}"
     if frame.object is not None:
         yield f"  object: {frame.object.text}{_quoted(text, frame.object.spans)}"
-    yield f"  goal: {_fields(frame.goal, text)}"
+    if frame.goal.kind != "none":
+        yield f"  goal: {_fields(frame.goal, text)}"
+    if frame.event is not None:
+        yield f"  asked about: {frame.event.replace('_', ' ')}"
     for clause in frame.constraints:
         yield f"  constraint: {_fields(clause, text)}"
 
 
 def _fields(part: Any, text: str) -> str:
     values = part.model_dump(mode="json", exclude={"kind", "spans"}, exclude_defaults=True)
-    told = "".join(f" {key}={value}" for key, value in values.items())
+    told = "".join(f" {key}={_value(value)}" for key, value in values.items())
     return f"{part.kind}{told}{_quoted(text, part.spans)}"
+
+
+def _value(value: Any) -> str:
+    """A field's value without spans; an object is told by its name."""
+    if isinstance(value, dict):
+        bare = {k: v for k, v in value.items() if k not in ("spans", "id", "qualities", "noun")}
+        if "text" in value:
+            told = f"“{bare.pop('text')}”"
+            more = "".join(f" {k} {_value(v)}" for k, v in bare.items() if k != "pronoun")
+            return told + more
+        return " ".join(f"{k} {_value(v)}" for k, v in bare.items())
+    if isinstance(value, list):
+        return " and ".join(map(_value, value))
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _quoted(text: str, spans: Sequence[tuple[int, int]]) -> str:
@@ -75,9 +92,17 @@ def error_lines(error: ErrorInfo, text: str | None = None) -> Iterator[str]:
     code = "" if title.casefold() == error.code else f" ({error.code})"
     yield f"{title}{code}: {path}{error.message}"
     if text and error.span and len(text) <= 100 and text.isprintable():
-        start, end = error.span
         yield f"  {text}"
-        yield "  " + " " * start + "^" * max(1, end - start)
+        yield f"  {_underlined(error.spans or (error.span,))}"
     if error.capability:
         yield f"  missing capability: {error.capability}"
     yield from (f"  → {suggestion}" for suggestion in error.suggestions)
+
+
+def _underlined(spans: Sequence[tuple[int, int]]) -> str:
+    """Carets below the spans of a line."""
+    marks = [" "] * max(end + 1 for _, end in spans)
+    for start, end in spans:
+        length = max(1, end - start)
+        marks[start : start + length] = "^" * length
+    return "".join(marks).rstrip()

@@ -53,6 +53,7 @@ for command in (
     sentences.say,
     sentences.plan,
     sentences.parse,
+    sentences.sample,
     predictions.predict,
     predictions.map_,
     predictions.affordances,

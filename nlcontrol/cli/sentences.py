@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -91,6 +91,7 @@ def parse(sentence: str, as_json: bool) -> int:
     from nlcontrol.text import encodable
 
     text = encodable(sentence)
+    _tell_problems(())
     try:
         command = grammar.parse(text)
     except grammar.ParseError as raised:
@@ -104,10 +105,47 @@ def parse(sentence: str, as_json: bool) -> int:
     from nlcontrol.text import frame_lines
 
     click.echo(f"I understood: {command.paraphrase}")
-    for frame in command.frames:
+    for number, frame in enumerate(command.frames, start=1):
+        if len(command.frames) > 1:
+            click.echo(f"{number}.")
         for line in frame_lines(frame, text):
             click.echo(line)
     return OK
+
+
+@click.command()
+@click.option("--count", default=10, show_default=True, type=click.IntRange(1), help="How many.")
+@click.option(
+    "--seed", default=0, show_default=True, type=click.IntRange(0), help="Of the random words."
+)
+@click.option("--noun", "nouns", multiple=True, help="A name to speak of; may be repeated.")
+@_json
+def sample(count: int, seed: int, nouns: tuple[str, ...], as_json: bool) -> int:
+    """Make up random sentences of the language, each with the frames that it means."""
+    from itertools import islice
+
+    from grammar.plugins import installed
+    from grammar.sampling import NOUNS, samples
+
+    lexicon, _ = installed()
+    _tell_problems(())
+    made = list(islice(samples(seed, lexicon=lexicon, nouns=nouns or NOUNS), count))
+    if as_json:
+        said = [[frame.model_dump(mode="json") for frame in one.frames] for one in made]
+        print_json([{"text": one.text, "frames": f} for one, f in zip(made, said, strict=True)])
+        return OK
+    for one in made:
+        click.echo(one.text)
+    return OK
+
+
+def _tell_problems(problems: Iterable[object]) -> None:
+    """Tells on standard error which plug-ins and model files were skipped."""
+    from grammar.plugins import installed
+
+    _, words = installed()
+    for problem in (*problems, *words):
+        click.echo(f"skipped: {problem}", err=True)
 
 
 def _answer(
@@ -123,8 +161,7 @@ def _answer(
     from nlcontrol.controller import Controller
 
     controller = Controller(scene, seed=seed)
-    for problem in controller.registry.problems:
-        click.echo(f"skipped: {problem}", err=True)
+    _tell_problems(controller.registry.problems)
     with Narrator() as narrate:
         result = controller.say(sentence, plan_only=plan_only, progress=narrate)
     files = _write_files(controller, result, explain=explain, picture=picture, replay=replay)

@@ -87,7 +87,7 @@ def test_frames_are_carried_out_in_turn_up_to_the_first_that_fails(
 ) -> None:
     one = grammar.parse(SENTENCE)
     three = one.model_copy(update={"frames": one.frames * 3})
-    monkeypatch.setattr("grammar.parse", lambda _: three)
+    monkeypatch.setattr(Controller, "parse", lambda *_: three)
     monkeypatch.setattr(controller, "look", controller.look)
     stage = Stage(monkeypatch, make_trace(), make_trace(travel=(0.02, 0.0)))
     monkeypatch.setattr(

@@ -428,7 +428,9 @@ def test_how_full_is_not_known(kitchen: Controller) -> None:
 def _read_as(monkeypatch: pytest.MonkeyPatch, *frames: g.Frame) -> None:
     """Whatever is said is read as these frames."""
     monkeypatch.setattr(
-        "grammar.parse", lambda text: g.Command(text=text, frames=frames, paraphrase="asked")
+        Controller,
+        "parse",
+        lambda _, text: g.Command(text=text, frames=frames, paraphrase="asked"),
     )
 
 
