@@ -17,6 +17,9 @@ EXAMPLE = 'say, for example, "push the box away"'
 _TIE = 5.0
 """Likenesses nearer to the best than this are as good as it."""
 
+_SHORT = 2
+"""Words of so few letters are like too many others."""
+
 _UNITS = {"LENGTH_UNIT": "cm", "ANGLE_UNIT": "degrees", "FORCE_UNIT": "N", "SPEED_UNIT": "cm/s",
           "TIME_UNIT": "seconds"}  # fmt: skip
 _WORD = re.compile(r"[^ ]+")
@@ -152,6 +155,8 @@ def _did_you_mean(word: str, known: Iterable[str], close: float = 75.0) -> tuple
     """The known words nearest to a word; of near ties all, since none is a better guess."""
     from rapidfuzz import fuzz, process
 
+    if len(word) <= _SHORT:
+        return ()
     others = sorted(set(known) - {word})
     found = process.extract(word, others, scorer=fuzz.ratio, score_cutoff=close, limit=3)
     near = [name for name, likeness, _ in found if found[0][1] - likeness < _TIE]

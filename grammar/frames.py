@@ -155,6 +155,7 @@ class Frame(Part):
         goal: what should become of the object.
         constraints: what must hold on the way, in the order of the sentence.
         event: what a question asks about ("will it topple if…", "… to make it slide").
+        negated: whether a question asks why it was *not* done.
         spans: the words that gave the action, the query or the dialogue.
     """
 
@@ -165,6 +166,7 @@ class Frame(Part):
     goal: Goal = NoGoal()
     constraints: tuple[Constraint, ...] = ()
     event: Event | None = None
+    negated: bool = False
     spans: Spans = ()
 
 

@@ -29,7 +29,7 @@ class Displace(Part):
         direction: a direction, or two whose bisector is meant; None if not said.
         heading: direction as an angle, counter-clockwise from +x of W [rad].
         toward: object, or part of the table, to move towards.
-        away_from: object to move away from.
+        away_from: object, or part of the table, to move away from.
         distance: how far [m], or measured in objects; None if not said.
         bound: whether `distance` is meant exactly or as a bound.
         fraction: share of the way to the place that is named ("halfway").
@@ -40,7 +40,7 @@ class Displace(Part):
     direction: Direction | tuple[Direction, Direction] | None = None
     heading: float | None = None
     toward: ObjectRef | TableRegion | None = None
-    away_from: ObjectRef | None = None
+    away_from: ObjectRef | TableRegion | None = None
     distance: Positive | RelativeLength | None = None
     bound: Bound = "exact"
     fraction: Positive | None = None

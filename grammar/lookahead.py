@@ -47,7 +47,9 @@ class Lookahead:
         self._rules: dict[str, Rule] = {
             **dict.fromkeys(BEFORE_NUMBERS, self._before_a_number),
             **dict.fromkeys(("REGION", "FACE", "SIDE_QUALITY"), self._not_into_a_name),
-            **dict.fromkeys(("DIRECTION", "TOWARD_REGION"), self._not_towards_a_name),
+            **dict.fromkeys(
+                ("DIRECTION", "TOWARD_REGION", "AWAY_FROM_REGION"), self._not_towards_a_name
+            ),
             "AMOUNT": self._no_little_box,
             "FROM_SIDE": lambda _phrase, text, end, _last: self._ends(text, end),
             "LENGTH_UNIT": self._no_preposition,
@@ -107,7 +109,7 @@ class Lookahead:
 
     def _not_towards_a_name(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """Towards the left, but not towards the left mug."""
-        return not phrase.startswith("toward") or self._ends(text, end)
+        return not phrase.startswith(("toward", "away from")) or self._ends(text, end)
 
     def _no_little_box(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """A little, but not a little box."""

@@ -20,6 +20,7 @@ from grammar.parts import (
     AnglePart,
     AskPart,
     AvoidPart,
+    AwayFromPart,
     ConstraintPart,
     DirectionPart,
     ExplorePart,
@@ -49,8 +50,8 @@ _UP_AND_DOWN: dict[str, g.Direction] = {"up": "away", "down": "toward"}
 _PUSHED = frozenset({"displace", "contact", "topple", "tilt"})
 """Goals of which "from the left" says that they go to the right, unless by pulling."""
 
-_GOES_ON = (DirectionPart, HeadingPart, TowardPart, PlacePart, LengthPart, AnglePart, SensePart,
-            AmountPart, SharePart)  # fmt: skip
+_GOES_ON = (DirectionPart, HeadingPart, TowardPart, AwayFromPart, PlacePart, LengthPart, AnglePart,
+            SensePart, AmountPart, SharePart)  # fmt: skip
 """Parts that say what should become of the object, also without a verb."""
 
 _EVENTS: dict[str, g.Event] = {
@@ -170,8 +171,9 @@ class _Reader:
     def _things(self, ask: Sequence[AskPart], remarks: Sequence[RemarkPart]) -> list[ThingPart]:
         """What the clause is about: one object, or several of a list."""
         named = [part.thing for part in ask if part.thing is not None]
-        self._take(NotThisPart)
-        things = self._take(ThingPart)
+        excluded, things = self._take(NotThisPart), self._take(ThingPart)
+        if excluded and not any(remark.dialogue == "correct" for remark in remarks):
+            raise self._unexpected(excluded[0])
         if named and named[0].ref.pronoun and things:
             return things[:1]
         if named and things and not things[0].ref.pronoun:
@@ -266,6 +268,7 @@ class _Reader:
             goal=goal,
             constraints=constraints,
             event=event,
+            negated=any(each.negated for each in ask),
             spans=tuple(each.span for each in ask) + spans,
         )
         goal_only = frame.goal.kind == "displace" and _still(constraints)
@@ -332,6 +335,8 @@ class _Reader:
                 left = [p for p in rest if p is not particle]
                 spans = _joined([part.span, particle.span], self._sentence)
                 return verb, f"{part.word} {particle.word}", spans, left
+        if alone is not None and part.completed is not None:
+            return alone, part.word, (part.span, part.completed), rest
         if alone is None:
             whole = tuple(sorted(v for v in lexicon.verbs if v.startswith(f"{part.word} ")))
             raise ParseError(

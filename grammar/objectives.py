@@ -17,6 +17,7 @@ from grammar.normalise import Normalised
 from grammar.parts import (
     AmountPart,
     AnglePart,
+    AwayFromPart,
     DiagonalPart,
     DirectionPart,
     FillerPart,
@@ -170,7 +171,8 @@ def _displace(clause: Clause) -> g.Displace | g.Place:
     if place is not None and place.relation == "to" and share is None:
         return _place_at(clause, place)
     heading, toward, me = clause.take(HeadingPart), clause.take(TowardPart), clause.take(MePart)
-    said = [part for part in (heading, toward, place, me) if part is not None]
+    off = clause.take(AwayFromPart)
+    said = [part for part in (heading, toward, place, me, off) if part is not None]
     if said:
         clause.drop_implied()
     if len(said) > 1 or (said and clause.has(DirectionPart)):
@@ -180,7 +182,7 @@ def _displace(clause: Clause) -> g.Displace | g.Place:
     if me is not None or (clause.verb.direction and not said and not directions):
         directions = (cast(g.Direction, clause.verb.direction or "toward"),)
     target = None if toward is None else toward.target
-    away_from = None
+    away_from: g.ObjectRef | g.TableRegion | None = None if off is None else off.region
     if place is not None:
         assert isinstance(place.reference, tuple)
         if place.relation == "to":
@@ -188,6 +190,8 @@ def _displace(clause: Clause) -> g.Displace | g.Place:
         else:
             away_from = place.reference[0]
     if share is not None and (not share.of_way or target is None):
+        if not share.of_way:
+            raise clause.refused(share, "is no single object", "say it for each object")
         raise clause.refused(share, "needs to say where to", "halfway to the mug")
     amount = clause.amount()
     length = clause.take(LengthPart)
@@ -309,7 +313,8 @@ def _hand_over(clause: Clause) -> g.HandOver:
 
 
 def _contact(clause: Clause) -> g.Displace | g.Place | g.NoGoal:
-    moves = (DirectionPart, HeadingPart, TowardPart, PlacePart, LengthPart, AmountPart, SharePart)
+    moves = (DirectionPart, HeadingPart, TowardPart, AwayFromPart, PlacePart, LengthPart,
+             AmountPart, SharePart)  # fmt: skip
     if clause.has(*moves, MePart):
         return _displace(clause)
     # The side that is touched says where to push, but a touch need not move anything.

@@ -70,10 +70,17 @@ class TherePart(Part):
 
 @dataclass(frozen=True)
 class VerbPart(Part):
-    """A verb in its base form, without its particle; `passive` if something is said to be done."""
+    """A verb in its base form, without its particle.
+
+    Attributes:
+        word: the verb.
+        passive: whether something is said to be done.
+        completed: where the rest of it stands, in "make it slide".
+    """
 
     word: str
     passive: bool = False
+    completed: Span | None = None
 
 
 @dataclass(frozen=True)
@@ -136,6 +143,13 @@ class TowardPart(Part):
     """What to move towards."""
 
     target: ObjectRef | TableRegion
+
+
+@dataclass(frozen=True)
+class AwayFromPart(Part):
+    """What part of the table to move away from."""
+
+    region: TableRegion
 
 
 @dataclass(frozen=True)
@@ -250,6 +264,7 @@ class AskPart(Part):
         thing: what it is about, if the question itself names it.
         which: the parameters that are asked for.
         whole: whether it needs no action to be said.
+        negated: whether it asks why something was not done.
     """
 
     query: Query | None
@@ -257,6 +272,7 @@ class AskPart(Part):
     thing: ThingPart | None = None
     which: tuple[str, ...] = ()
     whole: bool = False
+    negated: bool = False
 
 
 @dataclass(frozen=True)

@@ -163,6 +163,10 @@ class Outcomes(_Phrases):
                     children, "is no event to stop at",
                     "until it touches the mug", "until it moves", "until it almost tips",
                 )  # fmt: skip
+            if self._w.value(children, "UNTIL") == "before":
+                said = "about_to_tip" if said == "tips" else ""
+            if said not in _STOPS:
+                raise self._refuse(children, "is no event to stop at", "until it almost tips")
             event = _STOPS[said]
         return ConstraintPart(span, g.Until(event=cast(Any, event), spans=(span,)), things[0])
 
@@ -231,7 +235,9 @@ class Questions(_Phrases):
 
     def why(self, children: Children) -> AskPart:
         """Why; why did you."""
-        return self._ask(children, "why", whole=children[0].type == "WHY")
+        whole = children[0].type == "WHY"
+        negated = not whole and self._w.value(children, "WHY_DID") == "not"
+        return self._ask(children, "why", whole=whole, negated=negated)
 
     def affordances(self, children: Children) -> AskPart:
         """What can you do with the box."""

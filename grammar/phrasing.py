@@ -203,7 +203,9 @@ class Phrasing:
             words.append(self.say("TOWARD_REGION", goal.toward))
         elif goal.toward is not None:
             words.append(f"{self.say('TOWARD')} {self.name(goal.toward)}")
-        if goal.away_from is not None:
+        if isinstance(goal.away_from, str):
+            words.append(self.say("AWAY_FROM_REGION", goal.away_from))
+        elif goal.away_from is not None:
             words.append(f"{self.say('RELATION', 'away_from')} {self.name(goal.away_from)}")
         if goal.distance is not None:
             words.append(f"by {self.bound(goal.bound)}{self.length(goal.distance)}")

@@ -60,8 +60,9 @@ class Words:
         return default
 
     def bound(self, children: Children) -> Bound:
-        """Exactly, at least, at most."""
-        return cast(Bound, self.value(children, "BOUND", "exact"))
+        """Exactly, at least, at most; "or more" is said behind the quantity."""
+        said = self.value(children, "BOUND") or self.value(children, "OR_MORE", "exact")
+        return cast(Bound, said)
 
     def numbers(self, children: Children) -> list[Decimal]:
         """The numbers among the children; an article is a one."""

@@ -150,7 +150,7 @@ class Sampler:
             case 5:
                 where["toward"] = self._pick((self._thing(), "edge", "left_edge"))
             case 6:
-                where["away_from"] = self._thing()
+                where["away_from"] = self._pick((self._thing(), "edge", "right_edge"))
             case _:
                 pass
         if isinstance(where.get("toward"), g.ObjectRef) and self._rng.random() < 0.3:
@@ -298,7 +298,9 @@ class Sampler:
         event = self._pick(events) if asked else None
         stops = query in ("how_hard", "where")
         kept = tuple(c for c in frame.constraints if not (stops and isinstance(c, g.Until)))
-        return frame.model_copy(update={"query": query, "event": event, "constraints": kept})
+        update = {"query": query, "event": event, "constraints": kept}
+        negated = query == "why" and self._rng.random() < 0.5
+        return frame.model_copy(update={**update, "negated": negated})
 
     def _remark(self) -> g.Frame:
         dialogue = self._pick(("undo", "stop", "repeat", "more", "correct"))

@@ -17,6 +17,7 @@ from grammar.normalise import Normalised
 from grammar.parts import (
     AskPart,
     AvoidPart,
+    AwayFromPart,
     ConstraintPart,
     DirectionPart,
     ExplorePart,
@@ -36,7 +37,7 @@ from grammar.parts import (
 )
 
 _TAKES_PLACE = ("displace", "contact", "place")
-_ELSEWHERE = (HeadingPart, TowardPart, LengthPart)
+_ELSEWHERE = (HeadingPart, TowardPart, AwayFromPart, LengthPart)
 _TELLING = ("next_to", "left_of", "right_of", "in_front_of", "behind", "between", "touching",
             "on", "nearest")  # fmt: skip
 """Relations that can tell an object from others."""

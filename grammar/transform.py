@@ -14,6 +14,7 @@ from grammar.normalise import Normalised
 from grammar.parts import (
     AmountPart,
     AnglePart,
+    AwayFromPart,
     ConstraintPart,
     DiagonalPart,
     DirectionPart,
@@ -55,6 +56,9 @@ _BEFORE_FACE: dict[str, g.Direction] = {
     "left": "right",
     "right": "left",
 }
+
+_CAUSED = {"moves": "move", "slides": "slide", "tips": "topple", "tilts": "tilt", "turns": "turn"}
+"""Verbs for what is made to happen."""
 
 Children = list[Any]
 Face = Literal["front", "back", "left", "right", "top"]
@@ -103,6 +107,16 @@ class Parts(Outcomes, Questions, Transformer[Token, list[Part]]):
         word = self._w.lexicon.verb_words[token.type][str(token)]
         rest = [c for c in children if isinstance(c, Part)]
         return [VerbPart(self._w.span([token]), word), *rest]
+
+    def causes(self, children: Children) -> list[Part]:
+        """Make the box slide: slide the box."""
+        event = self._w.value(children, "EVENT_INFINITIVE")
+        if event not in _CAUSED:
+            raise self._refuse(children, "asks for nothing to be done", "push it …")
+        thing = next(c for c in children if isinstance(c, ThingPart))
+        ends = [c for c in children if isinstance(c, Token)]
+        first, last = self._w.span(ends[:1]), self._w.span(ends[-1:])
+        return [VerbPart(first, _CAUSED[event], completed=last), thing]
 
     def particle(self, children: Children) -> list[Part]:
         """Over, up, down."""
@@ -175,6 +189,11 @@ class Parts(Outcomes, Questions, Transformer[Token, list[Part]]):
         """Towards the edge."""
         region = cast(g.TableRegion, self._w.value(children, "TOWARD_REGION"))
         return TowardPart(self._w.span(children), region)
+
+    def away_from_region(self, children: Children) -> AwayFromPart:
+        """Away from the edge."""
+        region = cast(g.TableRegion, self._w.value(children, "AWAY_FROM_REGION"))
+        return AwayFromPart(self._w.span(children), region)
 
     def into(self, children: Children) -> IntoPart:
         """Into the mug."""

@@ -151,6 +151,8 @@ class _Speaker:
             return f"{self._predicted(frame)}?"
         if query not in _OPENINGS:
             raise no_words(f"the question {query}")
+        if frame.negated:
+            return f"{self._p.say('WHY_DID', 'not')} {self._command(frame)}?"
         event = [] if frame.event is None else [self._to_make(frame.event)]
         clause = self._command(frame)
         terminal, sense = _OPENINGS[query]
