@@ -52,7 +52,9 @@ def _things(children: Children) -> list[ThingPart]:
     return [child for child in children if isinstance(child, ThingPart)]
 
 
-class _Phrases:
+class Phrases:
+    """What all phrases need: the words, and a way to refuse them."""
+
     _w: Words
 
     def _refuse(self, children: Children, message: str, *suggestions: str) -> ParseError:
@@ -61,7 +63,7 @@ class _Phrases:
         return ParseError("does_not_apply", f"{quoted} {message}", span, suggestions)
 
 
-class Outcomes(_Phrases):
+class Outcomes(Phrases):
     """What must not happen, what should happen, and when to stop."""
 
     def avoid(self, children: Children) -> list[Part]:
@@ -180,7 +182,7 @@ class Outcomes(_Phrases):
         return PurposePart(self._w.span(children), cast(g.Event, _PURPOSES[said]), thing, before)
 
 
-class Questions(_Phrases):
+class Questions(Phrases):
     """What is asked, and what remarks do."""
 
     def _ask(self, children: Children, query: g.Query | None, **more: Any) -> AskPart:
