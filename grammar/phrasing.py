@@ -305,7 +305,14 @@ class Phrasing:
     def _height(self, height: g.ContactHeight) -> str:
         value = f"{self.bound(height.bound)}{self.length(height.value)}"
         if not isinstance(height.value, g.RelativeLength):
-            return f"at {value} {self.say('HEIGHT_REFERENCE', height.origin)}"
+            reference = self.say("HEIGHT_REFERENCE", height.origin)
+            if height.bound == "exact":
+                return f"at {value} {reference}"
+            if height.origin == "top":
+                return f"{value} {reference}"
+            return (
+                f"{self.say('HEIGHT_BOUND', height.bound)} {self.length(height.value)} {reference}"
+            )
         if height.origin == "top" or height.value.of.text != "its":
             raise no_words("such a height measured in objects")
         return f"at {value}"
