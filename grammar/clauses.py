@@ -150,7 +150,9 @@ def _question(parts: Parts, sentence: Normalised) -> Parts:
     """The parts of a question, which is about one action."""
     verbs = [part for part in parts if isinstance(part, _HEADS)]
     asks = [part for part in parts if isinstance(part, AskPart)]
-    extra: Parts = [*verbs[1:], *(a for a in asks[1:] if not _same_question(asks[0], a))]
+    actions = 0 if asks[0].query in ("value", "affordances") else 1
+    others = [ask for ask in asks[1:] if not _same_question(asks[0], ask)]
+    extra: Parts = [*verbs[actions:], *others]
     if extra:
         raise _second(extra[0].span, sentence)
     return _content(parts)

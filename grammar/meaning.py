@@ -410,8 +410,8 @@ class _Reader:
             raise self._unexpected((content or remarks)[0])
         if dialogue == "stop" and things:
             raise self._several(things[0])
-        if dialogue == "more" and things:
-            raise self._several(things[0])
+        if dialogue in ("more", "repeat") and things:
+            raise _no_verb(self._sentence, things)
         if dialogue == "correct" and not (content or constraints or things):
             raise ParseError(
                 "incomplete",

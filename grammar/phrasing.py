@@ -313,8 +313,8 @@ class Phrasing:
             return (
                 f"{self.say('HEIGHT_BOUND', height.bound)} {self.length(height.value)} {reference}"
             )
-        if height.origin == "top" or height.value.of.text != "its":
-            raise no_words("such a height measured in objects")
+        if height.origin == "top":
+            raise no_words("a height below the top measured in objects")
         return f"at {value}"
 
 

@@ -66,9 +66,9 @@ class _Speaker:
     def frame(self, frame: g.Frame) -> str:
         """One frame: a command, a question or a remark."""
         if frame.dialogue is not None:
-            return self._remark(frame, frame.dialogue)
+            return self._remark(_with_it(frame), frame.dialogue)
         if frame.query is not None:
-            return self._question(frame, frame.query)
+            return self._question(_with_it(frame), frame.query)
         return self._command(frame)
 
     # --- commands -----------------------------------------------------------------------------
@@ -108,6 +108,8 @@ class _Speaker:
         assert frame.object is not None
         name, goal = self._p.name(frame.object), frame.goal
         if isinstance(goal, g.Open | g.Close) and goal.part:
+            if name.startswith('"'):
+                return f'"{goal.part} of {name[1:]}'
             if not name.startswith("the "):
                 raise no_words(f"the {goal.part} of {name}")
             return f"the {goal.part} of {name}"
@@ -185,10 +187,7 @@ class _Speaker:
             return f"no, {self._corrected(frame)}"
         word = self._p.say(dialogue.upper())
         if frame.action is not None:
-            name = None if frame.object is not None else "it"
-            if frame.object is None:
-                frame = frame.model_copy(update={"object": g.ObjectRef(text="it", pronoun=True)})
-            return self._command(frame, name, word)
+            return self._command(frame, more=word)
         if frame.object is not None:
             raise no_words(f"{dialogue} with an object and no action")
         rest = [*self._p.goal(frame.goal), *self._constraints(frame.goal, frame.constraints)]
@@ -203,3 +202,10 @@ class _Speaker:
             words.append(",")
         words += [*goal, *self._constraints(frame.goal, frame.constraints)]
         return " ".join(words).replace(" ,", ",")
+
+
+def _with_it(frame: g.Frame) -> g.Frame:
+    """Adds the object that questions and remarks leave out: "why did you push?", "pull again"."""
+    if frame.action is None or frame.object is not None:
+        return frame
+    return frame.model_copy(update={"object": g.ObjectRef(text="it", pronoun=True)})

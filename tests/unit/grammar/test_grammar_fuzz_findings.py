@@ -1,0 +1,63 @@
+"""Sentences that `benchmarks.fuzz_parser` found to raise something else than `ParseError`."""
+
+from __future__ import annotations
+
+import time
+from contextlib import suppress
+
+import pytest
+
+from grammar import ParseError, parse
+from grammar.normalise import MAX_LENGTH
+
+LONGEST_S = 0.05
+"""Longest time that a sentence may take."""
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("no, push", "no, push it"),
+        ("why can you not pull", "why did you pull it?"),
+        ("open the lid of thehow large jar", 'open "lid of thehow large jar"'),
+        (
+            "push the tin at half the height of the mug",
+            "push the tin at 0.5 times the height of the mug",
+        ),
+        ("push the tin at two box heights", "push the tin at 2 times the height of the box"),
+    ],
+)
+def test_whatever_is_read_can_be_said(text: str, said: str) -> None:
+    paraphrase = parse(text).paraphrase
+    assert paraphrase == said
+    assert parse(paraphrase).paraphrase == paraphrase
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "at"),
+    [
+        ("again the box", "no_verb", "box"),
+        ("to do it again", "no_verb", "it"),
+        ("poke what is the height of the red can?", "unsupported_question", "poke"),
+    ],
+)
+def test_what_says_nothing_whole_is_refused(text: str, code: str, at: str) -> None:
+    with pytest.raises(ParseError) as caught:
+        parse(text)
+    assert caught.value.code == code
+    assert caught.value.span is not None
+    assert text[slice(*caught.value.span)] == at
+
+
+@pytest.mark.parametrize("repeated", ["a ", "how ", "no, ", '"a" ', "½", "the box of the ", "1"])
+def test_no_repetition_takes_long(repeated: str) -> None:
+    text = ("push the box on " + repeated * MAX_LENGTH)[:MAX_LENGTH]
+    best = min(_time(text) for _ in range(5))  # of several, since the machine may be busy
+    assert best < LONGEST_S
+
+
+def _time(text: str) -> float:
+    start = time.process_time()
+    with suppress(ParseError):
+        parse(text)
+    return time.process_time() - start
