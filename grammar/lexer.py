@@ -15,8 +15,8 @@ from lark import Token
 from lark.lexer import Lexer, LexerState
 from lark.parsers.lalr_analysis import Shift
 
-from grammar.lexicon import NAME_TERMINALS, Lexicon
-from grammar.lookahead import BEFORE_NUMBERS, WORD, Lookahead, stands
+from grammar.lexicon import Lexicon
+from grammar.lookahead import WORD, Lookahead, Phrases, stands
 from grammar.numerals import DIGITS
 
 _QUOTED = re.compile(r'"[^"]*[^" ][^"]*"(?= |$)')
@@ -32,8 +32,9 @@ class PhraseLexer(Lexer):
 
     def __init__(self, _: object) -> None:
         lexicon = self.lexicon
-        self._phrases, self._starts = _index(lexicon)
+        self._phrases = Phrases(lexicon)
         self._ahead = Lookahead(lexicon, self._phrases)
+        self._units = [phrase for unit in _UNITS for phrase in lexicon.phrases(unit)]
         self._numbers = lexicon.numbers
         self._adjectives = lexicon.adjectives
         self._reserved = lexicon.reserved
@@ -75,9 +76,7 @@ class PhraseLexer(Lexer):
         number = self._numbers.pattern.match(text, start)
         counted = number.end() if number and "NUMBER_WORD" in accepts else start
         fallback = None
-        for phrase, kinds in self._starts.get(word, ()):
-            if not stands(phrase, text, start):
-                continue
+        for phrase, kinds in self._phrases.at(text, start):
             after = start + len(phrase)
             if counted > after:
                 break
@@ -103,11 +102,8 @@ class PhraseLexer(Lexer):
         if name.determined == "THE":
             return True
         if name.determined == "A":
-            return not any(
-                stands(p, text, end - len(word))
-                for unit in _UNITS if unit in accepts
-                for p in self._phrases[unit]
-            )  # fmt: skip
+            units = [unit for unit in _UNITS if unit in accepts]
+            return not any(self._phrases.any(unit, text, end - len(word)) for unit in units)
         if name.adjectival and word in self._adjectives:
             follower = WORD.match(text, end + 1)
             return follower is not None and follower.group() not in self._ends_names
@@ -116,17 +112,14 @@ class PhraseLexer(Lexer):
         return (
             (name.words > 0 or name.determined == "VERB")
             and word in self._openers
-            and not any(
-                " " in phrase and stands(phrase, text, end - len(word))
-                for phrase, _ in self._starts[word]
-            )
+            and not any(" " in phrase for phrase, _ in self._phrases.at(text, end - len(word)))
         )
 
     def _ends(self, text: str, end: int) -> bool:
         """Whether a number may end here: before a space, or with its unit glued to it."""
         if end == len(text) or text[end] == " ":
             return True
-        return any(stands(phrase, text, end) for unit in _UNITS for phrase in self._phrases[unit])
+        return any(stands(unit, text, end) for unit in self._units)
 
     def _is_number(self, text: str, start: int) -> bool:
         number = DIGITS.match(text, start)
@@ -183,23 +176,3 @@ class _Name:
             return
         self.determined = kind if kind in _DETERMINERS else ""
         self.words, self.adjectival = 0, kind in _DETERMINERS
-
-
-def _index(
-    lexicon: Lexicon,
-) -> tuple[dict[str, list[str]], dict[str, list[tuple[str, tuple[str, ...]]]]]:
-    """The phrases of each terminal, and by their first word all phrases, longest first."""
-    names = [*lexicon.terminals, *NAME_TERMINALS]
-    # "Up to 5 cm" is a bound before it is a place.
-    names.sort(key=lambda name: name not in {*BEFORE_NUMBERS, "TO_DO", "OR"})
-    phrases = {name: lexicon.phrases(name) for name in names}
-    kinds: dict[str, list[str]] = {}
-    for name in names:
-        for phrase in phrases[name]:
-            kinds.setdefault(phrase, []).append(name)
-    for phrase in lexicon.names:
-        kinds.setdefault(phrase, []).insert(0, "WORD")
-    starts: dict[str, list[tuple[str, tuple[str, ...]]]] = {}
-    for phrase in sorted(kinds, key=lambda p: -len(p)):
-        starts.setdefault(phrase.split()[0], []).append((phrase, tuple(kinds[phrase])))
-    return phrases, starts

@@ -7,9 +7,9 @@ and some phrases are the beginning of a name ("from the left", "from the left bo
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 
-from grammar.lexicon import Lexicon
+from grammar.lexicon import NAME_TERMINALS, Lexicon
 
 WORD = re.compile(r"[^ ]+")
 """A word of the plain form."""
@@ -30,16 +30,55 @@ def stands(phrase: str, text: str, start: int) -> bool:
     return text.startswith(phrase, start) and (end == len(text) or text[end] == " ")
 
 
+def _word_end(text: str, start: int) -> int:
+    end = text.find(" ", start)
+    return len(text) if end < 0 else end
+
+
+class Phrases:
+    """The phrases of a lexicon, each with the terminals that it may be."""
+
+    def __init__(self, lexicon: Lexicon) -> None:
+        names = [*lexicon.terminals, *NAME_TERMINALS]
+        # "Up to 5 cm" is a bound before it is a place.
+        names.sort(key=lambda name: name not in {*BEFORE_NUMBERS, "TO_DO", "OR"})
+        self._kinds: dict[str, list[str]] = {phrase: ["WORD"] for phrase in lexicon.names}
+        for name in names:
+            for phrase in lexicon.phrases(name):
+                self._kinds.setdefault(phrase, []).append(name)
+        self._most: dict[str, int] = {}
+        for phrase in self._kinds:
+            first, *more = phrase.split()
+            self._most[first] = max(self._most.get(first, 1), 1 + len(more))
+
+    def at(self, text: str, start: int) -> list[tuple[str, list[str]]]:
+        """The phrases that stand in a text from the start of a word, longest first."""
+        found = []
+        end = _word_end(text, start)
+        for _ in range(self._most.get(text[start:end], 0)):
+            if (phrase := text[start:end]) in self._kinds:
+                found.append((phrase, self._kinds[phrase]))
+            if end == len(text):
+                break
+            end = _word_end(text, end + 1)
+        return found[::-1]
+
+    def any(self, kind: str, text: str, start: int) -> bool:
+        """Whether a phrase of a terminal stands here."""
+        return any(kind in kinds for _, kinds in self.at(text, start))
+
+
 class Lookahead:
     """The rules, by terminal.
 
     Args:
         lexicon: the words of the language.
-        phrases: the phrases of each terminal.
+        phrases: its phrases.
     """
 
-    def __init__(self, lexicon: Lexicon, phrases: Mapping[str, Sequence[str]]) -> None:
-        self._phrases = phrases
+    def __init__(self, lexicon: Lexicon, phrases: Phrases) -> None:
+        self._any = phrases.any
+        self._from_sides = lexicon.phrases("FROM_SIDE")
         self._first_of_number = lexicon.numbers.first_words
         self._adjectives = lexicon.adjectives
         self._function_words = lexicon.reserved | lexicon.first_words
@@ -74,9 +113,6 @@ class Lookahead:
         """
         rule = self._rules.get(kind)
         return rule is None or rule(phrase, text, end, last)
-
-    def _any(self, kind: str, text: str, start: int) -> bool:
-        return any(stands(phrase, text, start) for phrase in self._phrases[kind])
 
     def _ends(self, text: str, end: int) -> bool:
         """Whether no word of a name follows."""
@@ -137,7 +173,7 @@ class Lookahead:
         start = end - len("from")
         return not any(
             stands(side, text, start) and self._ends(text, start + len(side))
-            for side in self._phrases["FROM_SIDE"]
+            for side in self._from_sides
         )
 
     def _not_of_a_face(self, _phrase: str, text: str, end: int, _last: str) -> bool:

@@ -22,6 +22,7 @@ MAX_LENGTH = 500
 _SAME = str.maketrans("‘’´`“”„«»−‐‑‒–—:…", '\'\'\'\'"""""-----,,.')
 _PLAIN = frozenset(" ,.'-\"")
 _PUNCTUATION = frozenset(".,!?'\"-/°&_+%;")
+_SPACED = frozenset(",.!?'\"-;")
 _ALIKE = frozenset({"CYRILLIC", "GREEK", "ARMENIAN", "CHEROKEE"})
 _WORD = re.compile(r"[^ ]+")
 _MINUS = re.compile(r"(?<![^ ])-(?=[.\d])|(?<=\de)-(?=\d)")
@@ -79,7 +80,7 @@ def normalise(text: str, contractions: Mapping[str, str]) -> Normalised:
             (MAX_LENGTH, len(text)),
             ("say it in one short sentence",),
         )
-    letters = [letter for i, char in enumerate(text) for letter in _plain(char, i)]
+    letters = [_Letter(c, i, i + 1) for i, char in enumerate(text) for c in _plain(char, i)]
     question = "".join(letter.char for letter in letters).rstrip(" .!").endswith("?")
     while letters and letters[-1].char in " .!?,;":
         letters.pop()
@@ -121,12 +122,12 @@ def _require_one_script(letters: list[_Letter]) -> None:
             )
 
 
-def _plain(char: str, column: int) -> list[_Letter]:
+def _plain(char: str, column: int) -> str:
     """One character of the sentence as characters of the plain form."""
     if char.isascii() and (char.isalnum() or char in _PLAIN):
-        return [_Letter(char.lower(), column, column + 1)]
+        return char.lower()
     if char.isspace():
-        return [_Letter(" ", column, column + 1)]
+        return " "
     category = unicodedata.category(char)
     if category.startswith("C"):
         raise ParseError(
@@ -149,7 +150,7 @@ def _plain(char: str, column: int) -> list[_Letter]:
             (column, column + 1),
             ("use letters, digits and plain punctuation",),
         )
-    return [_Letter(c, column, column + 1) for c in same]
+    return same
 
 
 def _space_out(letters: list[_Letter]) -> list[_Letter]:
@@ -160,6 +161,9 @@ def _space_out(letters: list[_Letter]) -> list[_Letter]:
     ranges = {m.start() for m in _RANGE.finditer(plain)} - minus
     quoted = within = False
     for i, letter in enumerate(letters):
+        if letter.char not in _SPACED:
+            out.append(letter)
+            continue
         before = letters[i - 1].char if i else " "
         after = letters[i + 1].char if i + 1 < len(letters) else " "
         within ^= letter.char == '"'
