@@ -271,8 +271,8 @@ class _Reader:
             negated=any(each.negated for each in ask),
             spans=tuple(each.span for each in ask) + spans,
         )
-        goal_only = frame.goal.kind == "displace" and _still(constraints)
-        if goal_only and not _says_more(goal):
+        pushed = verb.action == "push" and goal.kind == "displace" and not _says_more(goal)
+        if pushed and _still(constraints):  # a push need not move what it pushes
             frame = frame.model_copy(update={"goal": g.NoGoal()})
         require_consistent(frame, self._sentence)
         return _with_it_bound(frame)

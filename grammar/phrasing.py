@@ -102,6 +102,7 @@ class Phrasing:
             not words
             or not all(w.isascii() and w.isalnum() for w in words)
             or words[0] in _NO_NAMES
+            or f"the {words[0]}" in self.lexicon.terminals["YOU"]
         ):
             return False
         return all(self._stays_a_name(words, i) for i in range(len(words)))

@@ -24,6 +24,7 @@ LONGEST_S = 0.05
             "push the tin at half the height of the mug",
             "push the tin at 0.5 times the height of the mug",
         ),
+        ("push robot, away", 'push "robot" away'),
         ("push the tin at two box heights", "push the tin at 2 times the height of the box"),
     ],
 )
@@ -38,6 +39,7 @@ def test_whatever_is_read_can_be_said(text: str, said: str) -> None:
     [
         ("again the box", "no_verb", "box"),
         ("to do it again", "no_verb", "it"),
+        ("pull the box so that it does not move", "contradiction", "so that it does not move"),
         ("poke what is the height of the red can?", "unsupported_question", "poke"),
     ],
 )
