@@ -59,7 +59,7 @@ def diagnose(
         if not any(name in accepts for name in _UNITS) or before in (["a"], ["an"]):
             return _no_object(span)
     if units := [_UNITS[name] for name in _UNITS if name in accepts and "VERB" not in accepts]:
-        number = word if at_end else sentence.text[:start].split()[-1]
+        number = last if at_end else sentence.text[:start].split()[-1]
         wanted = _did_you_mean(word, _words(accepts, lexicon))
         return ParseError(
             "missing_unit",

@@ -197,6 +197,12 @@ class Lexicon:
         return frozenset(p.split()[0] for known in self.terminals.values() for p in known)
 
     @cached_property
+    def definite(self) -> frozenset[str]:
+        """What phrases end with behind a "the"."""
+        phrases = (f" {p}".rpartition(" the ") for k in self.terminals.values() for p in k)
+        return frozenset(end for _, the, end in phrases if the)
+
+    @cached_property
     def joints(self) -> frozenset[str]:
         """Words and marks behind which a new command may begin."""
         known = (*self.terminals["SEPARATOR"], *self.terminals["NEXT"])

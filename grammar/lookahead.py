@@ -97,6 +97,7 @@ class Lookahead:
             "OR": self._in_a_list,
             "RELATION": self._before_a_thing,
             "SOME_OF": self._not_of_a_face,
+            "TOWARD": self._not_to_make,
             "TO_DO": lambda _phrase, text, end, _last: self._any("EVENT_INFINITIVE", text, end + 1),
             "WHY_DID": lambda _phrase, text, end, _last: end < len(text),
         }
@@ -175,6 +176,12 @@ class Lookahead:
             stands(side, text, start) and self._ends(text, start + len(side))
             for side in self._from_sides
         )
+
+    def _not_to_make(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """Closer to the mug, but not closer, to make it tip."""
+        start = end - len("to")
+        purpose = self._any("TO_MAKE", text, start) or self._any("EVENT_INFINITIVE", text, end + 1)
+        return not (phrase.endswith(" to") and purpose)
 
     def _not_of_a_face(self, _phrase: str, text: str, end: int, _last: str) -> bool:
         """A bit of the milk, but not a bit, of its front side."""

@@ -61,6 +61,7 @@ _EVENTS: dict[str, g.Event] = {
     "tilts": "tilts",
     "turns": "turns",
 }
+_STOPS: dict[str, g.Event] = {"moves": "moves", "tips": "tips", "about_to_tip": "tips"}
 _NOBODY = ThingPart((0, 0), g.ObjectRef(text="it", pronoun=True))
 
 Parts = list[Part]
@@ -109,27 +110,43 @@ class _Reader:
 
     def frames(self) -> list[g.Frame]:
         """The frames of the clause, one for each of its objects."""
-        explore = self._take(ExplorePart)
+        remarks, explore = self._take(RemarkPart), self._take(ExplorePart)
         if explore:
-            return [self._explored(explore[0])]
-        ask, remarks = self._take(AskPart), self._take(RemarkPart)
+            return self._remarked([self._explored(explore[0])], remarks)
+        ask = self._take(AskPart)
         verbs = [part for part in self._parts if isinstance(part, VerbPart)]
         self._require_there_is_clear(ask)
+        if ask and remarks:
+            raise self._unexpected(remarks[0])
         if ask and not verbs:
             return [self._asked(ask)]
+        if ask and ask[0].query in ("value", "affordances"):
+            raise self._unexpected(verbs[0])
         if not verbs:
             return [self._remark(remarks)]
+        excluded = self._take(NotThisPart)
+        if excluded and self._dialogue(remarks) != "correct":
+            raise self._unexpected(excluded[0])
         things = self._things(ask, remarks)
         if not ask:
             self._require_no_condition()
         frames = [self._frame(verbs[0], thing, ask) for thing in things]
+        return self._remarked(frames, remarks, excluded)
+
+    def _remarked(
+        self,
+        frames: list[g.Frame],
+        remarks: Sequence[RemarkPart],
+        excluded: Sequence[NotThisPart] = (),
+    ) -> list[g.Frame]:
+        """The frames of a clause, with what its remarks do to them."""
         dialogue = self._dialogue(remarks)
         if dialogue in ("undo", "stop"):
             raise self._unexpected(remarks[0])
         restored = dialogue == "repeat" and frames[0].goal.kind == "upright"
-        if dialogue is None or restored:  # "stand it up again" repeats nothing
-            return frames
-        spans = tuple(remark.span for remark in remarks)
+        if restored:  # "stand it up again" repeats nothing
+            dialogue = None
+        spans = tuple(part.span for part in (*remarks, *excluded))
         return [
             frame.model_copy(update={"dialogue": dialogue, "spans": spans + frame.spans})
             for frame in frames
@@ -171,11 +188,11 @@ class _Reader:
     def _things(self, ask: Sequence[AskPart], remarks: Sequence[RemarkPart]) -> list[ThingPart]:
         """What the clause is about: one object, or several of a list."""
         named = [part.thing for part in ask if part.thing is not None]
-        excluded, things = self._take(NotThisPart), self._take(ThingPart)
-        if excluded and not any(remark.dialogue == "correct" for remark in remarks):
-            raise self._unexpected(excluded[0])
+        things = self._take(ThingPart)
+        if named and len(things) > 1:
+            raise self._several(things[1])
         if named and named[0].ref.pronoun and things:
-            return things[:1]
+            return things
         if named and things and not things[0].ref.pronoun:
             require_same(named[0], things[0], ask[0], self._sentence)
         if named:
@@ -244,10 +261,13 @@ class _Reader:
         rest = _stopping(rest)
         rest, constraints = constraints_of(rest, thing, self._lexicon, self._sentence)
         verb, name, spans, rest = self._verb(part, rest)
+        outcomes = tuple(p.span for p in rest if isinstance(p, ResultPart | PurposePart))
         result, rest, asked = self._results(rest, thing, query, verb)
         event = event or asked
-        if query in ("how_hard", "where"):
-            constraints, event = _without_stops(constraints, event)
+        spans += outcomes if asked else ()
+        if query in ("how_hard", "where") and event is None:
+            constraints, event, stops = _without_stops(constraints)
+            spans += stops
         if thing.contents and verb.goal != "pour":
             message = f'the contents of a thing do not go with "{name}"'
             raise ParseError(
@@ -264,7 +284,7 @@ class _Reader:
         frame = g.Frame(
             action=cast(g.Action, verb.action),
             query=query,
-            object=None if thing is _NOBODY else thing.ref,
+            object=thing.ref,
             goal=goal,
             constraints=constraints,
             event=event,
@@ -458,16 +478,14 @@ def _with_it_bound(frame: g.Frame) -> g.Frame:
 
 
 def _without_stops(
-    constraints: tuple[g.Constraint, ...], event: g.Event | None
-) -> tuple[tuple[g.Constraint, ...], g.Event | None]:
+    constraints: tuple[g.Constraint, ...],
+) -> tuple[tuple[g.Constraint, ...], g.Event | None, g.Spans]:
     """Takes "how hard … until it tips" for a question about tipping."""
-    stops = [c for c in constraints if isinstance(c, g.Until)]
-    if not stops or event is not None:
-        return constraints, event
-    said = {"moves": "moves", "tips": "tips", "about_to_tip": "tips"}.get(stops[0].event)
-    if said is None:
-        return constraints, event
-    return tuple(c for c in constraints if c is not stops[0]), cast(g.Event, said)
+    for stop in constraints:
+        if isinstance(stop, g.Until) and stop.event in _STOPS:
+            kept = tuple(c for c in constraints if c is not stop)
+            return kept, _STOPS[stop.event], stop.spans
+    return constraints, None, ()
 
 
 def _stopping(parts: Parts) -> Parts:

@@ -70,12 +70,10 @@ class Phrasing:
 
     def name(self, ref: g.ObjectRef) -> str:
         """An object, with its article and what tells it apart."""
-        if ref.pronoun:
-            return ref.text
         words = _words(ref.text)
         said = tuple(self.lexicon.adjectives[w] for w in words if w in self.lexicon.adjectives)
         plain = self.is_plain(ref.text) and said == ref.qualities[: len(said)]
-        text = f"the {ref.text}" if plain else f'"{ref.text}"'
+        text = ref.text if ref.pronoun else f"the {ref.text}" if plain else f'"{ref.text}"'
         told = [text]
         for quality in ref.qualities[len(said) :]:
             if quality == "near" and ref.reference and ref.relation is None:
@@ -103,9 +101,16 @@ class Phrasing:
             or not all(w.isascii() and w.isalnum() for w in words)
             or words[0] in _NO_NAMES
             or f"the {words[0]}" in self.lexicon.terminals["YOU"]
+            or self._ends_a_phrase(words)
         ):
             return False
         return all(self._stays_a_name(words, i) for i in range(len(words)))
+
+    def _ends_a_phrase(self, words: Sequence[str]) -> bool:
+        """Whether a name would be read as the end of a phrase ("the front", after "against")."""
+        ends = (i for i in range(1, len(words) + 1)
+                if " ".join(words[:i]) in self.lexicon.definite)  # fmt: skip
+        return any(i == len(words) or words[i - 1] not in self.lexicon.adjectives for i in ends)
 
     def _stays_a_name(self, words: Sequence[str], i: int) -> bool:
         word, lexicon = words[i], self.lexicon

@@ -57,8 +57,9 @@ def described(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> 
         telling = isinstance(part, SidePart)
         if isinstance(part, PlacePart):
             after_that_is = bool(out) and isinstance(out[-1], ThatIsPart)
-            telling = after_that_is or _tells(part, parts, i, out, lexicon)
-            if after_that_is:
+            told = after_that_is and part.relation in _TELLING
+            telling = told or _tells(part, parts, i, out, lexicon)
+            if told:
                 out.pop()
         if telling:
             _give(cast("SidePart | PlacePart", part), out, sentence)
@@ -158,7 +159,7 @@ def _with(thing: ThingPart, part: SidePart | PlacePart) -> ThingPart:
 
 
 def _noun(ref: g.ObjectRef) -> str:
-    return "" if ref.text.casefold() in ("one", "ones") else ref.text.casefold()
+    return "" if ref.pronoun or ref.text.casefold() in ("one", "ones") else ref.text.casefold()
 
 
 def _unexpected(part: Part, sentence: Normalised) -> ParseError:

@@ -21,6 +21,7 @@ _VERBS = {
     ("hand_over", "hand_over"): "hand",
     ("explore", "parameters"): "explore",
     **{(verb, "displace"): verb for verb in ("pull", "slide")},
+    ("pull", "none"): "pull",
     **{(verb, "place"): verb for verb in ("push", "pull", "move", "slide")},
     **{(verb, verb): verb for verb in ("topple", "tilt", "lift", "open", "close", "pour")},
 }
@@ -79,7 +80,7 @@ class _Speaker:
             raise no_words(f"action {frame.action} without an object")
         goal = frame.goal
         if isinstance(goal, g.Parameters) and goal.which:
-            return self._explored(frame, goal.which)
+            return self._explored(frame, goal.which, more)
         verb, result = self._verb(frame)
         constraints = list(frame.constraints)
         words = []
@@ -125,9 +126,9 @@ class _Speaker:
         directed = any(getattr(goal, field, None) is not None for field in said)
         return self._p.constraints(constraints, directed=directed)
 
-    def _explored(self, frame: g.Frame, which: Sequence[str]) -> str:
-        constraints = self._constraints(frame.goal, frame.constraints)
-        return " ".join([f"find out {self._property(frame, which)}", *constraints])
+    def _explored(self, frame: g.Frame, which: Sequence[str], more: str) -> str:
+        words = [f"find out {self._property(frame, which)}", *([more] if more else [])]
+        return " ".join([*words, *self._constraints(frame.goal, frame.constraints)])
 
     def _property(self, frame: g.Frame, which: Sequence[str]) -> str:
         """The mass and the friction of an object."""
@@ -171,9 +172,9 @@ class _Speaker:
         assert frame.object is not None
         happens = self._p.say("EVENT_INFINITIVE", frame.event)
         partly = isinstance(frame.goal, g.Pour | g.Open | g.Close)
-        if partly or frame.object.relation is not None or frame.object.reference:
+        name, text = self._p.name(frame.object), frame.object.text
+        if partly or name not in (text, f"the {text}", f'"{text}"'):
             return f"if you {self._command(frame)}, will it {happens}"
-        name = self._p.name(frame.object)
         return f"will {name} {happens} if you {self._command(frame, name='it')}"
 
     # --- remarks ------------------------------------------------------------------------------
