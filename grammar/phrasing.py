@@ -329,6 +329,8 @@ def _words(name: str) -> list[str]:
 
 
 def _effector(effector: g.Effector) -> str:
+    if (effector.count or 1) > len(_COUNTS):
+        raise no_words(f"{effector.count} {effector.tool}s")
     count = "your" if effector.count is None else _COUNTS[effector.count - 1]
     plural = "s" if (effector.count or 1) > 1 else ""
     words = ("with", count, effector.side or "", effector.tool + plural)

@@ -34,16 +34,32 @@ def test_misspelt_direction_is_asked_back() -> None:
     assert refusal("push the box gently awya").suggestions[0] == "did you mean 'away'?"
 
 
-def test_unexpected_words_say_what_could_stand_there() -> None:
-    (could,) = refusal("push the box away bananas").suggestions
+def test_words_where_anything_could_stand_are_to_be_left_out() -> None:
+    assert refusal("push the box away bananas").suggestions == ('leave out "bananas"',)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("push the box without bananas", '"toppling"'),
+        ("push the box away, at least", "a number"),
+        ("push the box with your", '"finger", "hand" or "arm"'),
+        ("push the box until it", "what happens"),
+    ],
+)
+def test_errors_within_a_phrase_say_what_could_stand_there(text: str, expected: str) -> None:
+    (could,) = refusal(text).suggestions
     assert could.startswith("could stand here: ")
-    assert "a direction" in could
+    assert expected in could
     assert "__ANON" not in could
 
 
 def test_missing_unit_suggests_units() -> None:
-    assert refusal("push the box 10").suggestions == ("10 cm", "10 degrees")
-    assert refusal("push the box with 5").suggestions == ("5 N",)
+    error = refusal("push the box 10")
+    assert error.message == '"10" lacks its unit'
+    assert error.suggestions == ("10 cm", "10 degrees", "10 N", "10 cm/s", "10 seconds")
+    assert refusal("push the box with 5").suggestions == ("5 N", "5 cm/s")
+    assert refusal("push the box 10 away").suggestions[0] == "10 cm"
 
 
 def test_verb_without_its_particle_suggests_it() -> None:

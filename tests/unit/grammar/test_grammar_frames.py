@@ -13,11 +13,17 @@ from grammar.frames import (
     ContactHeight,
     ContactRegion,
     Displace,
+    Effector,
     Frame,
     Goal,
     MaxForce,
+    NoTouch,
     ObjectRef,
+    Open,
+    Parameters,
+    Pour,
     RelativeLength,
+    Until,
 )
 from grammar.wording import paraphrase
 
@@ -142,14 +148,31 @@ def test_frame_is_frozen() -> None:
         frame.action = "pull"  # type: ignore[misc]
 
 
+BOX = ObjectRef(text="box")
+
+
+def pushed(*constraints: Constraint, **goal: Any) -> Frame:
+    return Frame(action="push", object=BOX, goal=Displace(**goal), constraints=constraints)
+
+
 @pytest.mark.parametrize(
     "frame",
     [
-        Frame(action="push", object=ObjectRef(text="box"), goal=Displace(heading=0.5)),
-        Frame(action="push", object=ObjectRef(text="box"), goal=Displace(fraction=0.5)),
+        Frame(object=BOX),
         Frame(action="push", goal=Displace()),
-        Frame(action="topple", object=ObjectRef(text="box"), goal=Displace()),
-        Frame(action="push", query="possible", object=ObjectRef(text="box"), goal=Displace()),
+        Frame(action="topple", object=BOX, goal=Displace()),
+        Frame(action="open", object=ObjectRef(text="it", pronoun=True), goal=Open(part="lid")),
+        Frame(action="pour", object=BOX, goal=Pour(fraction=0.3)),
+        Frame(query="affordances"),
+        Frame(query="value", object=BOX),
+        Frame(query="value", object=BOX, goal=Parameters(which=("colour",))),
+        Frame(query="possible", object=BOX),
+        Frame(dialogue="repeat", object=BOX),
+        pushed(toward=BOX, fraction=0.4),
+        pushed(distance=RelativeLength(value=1.0, of=BOX)),
+        pushed(NoTouch(object=BOX, clearance=0.0)),
+        pushed(Until(event="touching")),
+        pushed(Effector(tool="finger", count=11)),
     ],
 )
 def test_paraphrase_says_when_it_has_no_words(frame: Frame) -> None:
