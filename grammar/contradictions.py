@@ -67,8 +67,7 @@ def _written(spans: g.Spans, sentence: Normalised) -> str:
 def _contradictions(frame: g.Frame) -> Iterator[Places]:
     for clause in frame.constraints:
         if _forbids(clause, frame):
-            asks = frame.goal.spans if frame.goal.kind == "displace" else frame.spans
-            yield asks or frame.spans + frame.goal.spans, clause.spans
+            yield _asks(clause, frame), clause.spans
     for i, second in enumerate(frame.constraints):
         for first in frame.constraints[:i]:
             if _exclude(first, second) or _exclude(second, first):
@@ -96,6 +95,14 @@ def _forbids(clause: g.Constraint, frame: g.Frame) -> bool:
             itself = itself or (other.pronoun and not _others(frame))
             return itself or _brings_to(goal, other)
     return False
+
+
+def _asks(clause: g.Constraint, frame: g.Frame) -> g.Spans:
+    """The words that ask for what a constraint forbids: the goal's, or the verb if it says it."""
+    goal = frame.goal
+    limited = isinstance(clause, g.MaxTilt | g.MaxTurn) and not isinstance(goal, g.Topple)
+    by_goal = limited or isinstance(goal, g.Displace | g.Place)
+    return (goal.spans if by_goal else frame.spans) or frame.spans + goal.spans
 
 
 def _still(frame: g.Frame) -> bool:

@@ -289,7 +289,7 @@ class _Reader:
             constraints=constraints,
             event=event,
             negated=any(each.negated for each in ask),
-            spans=tuple(each.span for each in ask) + spans,
+            spans=spans + tuple(each.span for each in ask),
         )
         pushed = verb.action == "push" and goal.kind == "displace" and not _says_more(goal)
         if pushed and _still(constraints):  # a push need not move what it pushes

@@ -112,7 +112,7 @@ def _require_one_script(letters: list[_Letter]) -> None:
         return
     for match in _WORD.finditer("".join(letter.char for letter in letters)):
         word = letters[match.start() : match.end()]
-        scripts = {unicodedata.name(w.char, "").split()[0] for w in word if w.char.isalpha()}
+        scripts = {unicodedata.name(w.char, "").partition(" ")[0] for w in word if w.char.isalpha()}
         if "LATIN" in scripts and scripts & _ALIKE:
             raise ParseError(
                 "unexpected_character",

@@ -54,6 +54,11 @@ def test_columns_lead_back(text: str, plain: str, original: str) -> None:
     assert text[slice(*span)] == original
 
 
+def test_letters_without_a_name_are_letters() -> None:
+    # Python knows no single names for the letters of some scripts.
+    assert normalise("push the \U00017000", CONTRACTIONS).text == "push the \U00017000"
+
+
 def test_question_mark_is_seen() -> None:
     assert normalise("could you push it ?", CONTRACTIONS).question
     assert not normalise("push it", CONTRACTIONS).question

@@ -13,7 +13,7 @@ from grammar import Frame, ParseError, paraphrase, parse
 
 COMMANDS = Path(__file__).parents[2] / "data" / "commands"
 REFUSALS = {"refused", "out_of_domain", "typos"}
-EMPTY = (None, [], False, "", "exact")
+EMPTY: tuple[Any, ...] = (None, [], False, "", "exact")
 
 
 def read(name: str) -> list[dict[str, Any]]:
