@@ -115,6 +115,7 @@ def test_contradiction_points_at_both_places(text: str, first: str, second: str)
     [
         "tilt it by 10 degrees without tilting it more than 30 degrees",
         "tilt it at most 30 degrees without tilting it more than 10 degrees",
+        "tilt it 30 degrees without tilting it more than 30 degrees",
         "turn it 30 degrees without turning it more than 30 degrees",
         "turn it without tilting it",
         "topple it without lifting it",
