@@ -40,6 +40,52 @@ def test_parse_as_text_quotes_the_words(capsys: pytest.CaptureFixture[str]) -> N
     assert "“without toppling it”" in out
 
 
+def test_steps_of_a_sequence_are_numbered(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["parse", "push the ice tea box and the mug away, then topple it"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("I understood: push the ice tea box away, then push the mug away")
+    numbers = [lines.index(number) for number in ("1.", "2.", "3.")]
+    assert numbers == sorted(numbers)
+    assert [lines[at + 1] for at in numbers] == [
+        "  action: push  “push”", "  action: push  “push”", "  action: topple  “topple”",
+    ]  # fmt: skip
+
+
+def test_a_single_step_has_no_number(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["parse", SENTENCE]) == 0
+    assert "1." not in capsys.readouterr().out.splitlines()
+
+
+def _bare(value: Any) -> Any:
+    """Frames without the places of the words, which made up sentences do not know."""
+    if isinstance(value, dict):
+        return {key: _bare(part) for key, part in value.items() if key != "spans"}
+    return [_bare(part) for part in value] if isinstance(value, list) else value
+
+
+def test_samples_mean_their_frames(capsys: pytest.CaptureFixture[str]) -> None:
+    status, made = _json(capsys, "sample", "--seed", "1", "--count", "5")
+    assert (status, len(made)) == (0, 5)
+    for one in made:
+        status, document = _json(capsys, "parse", one["text"])
+        assert status == 0
+        assert _bare(document["frames"]) == _bare(one["frames"]), one["text"]
+
+
+def test_samples_follow_from_their_seed_and_speak_of_the_nouns(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    args = ["sample", "--count", "20", "--noun", "zither", "--seed"]
+    told = []
+    for seed in ("1", "1", "2"):
+        assert run([*args, seed]) == 0
+        told.append(capsys.readouterr().out)
+    assert told[0] == told[1] != told[2]
+    assert len(told[0].splitlines()) == 20
+    assert "zither" in told[0]
+    assert "mug" not in told[0]
+
+
 NOT_UNDERSTOOD = {
     "empty": "",
     "blank": "   ",

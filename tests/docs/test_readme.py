@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from grammar import parse
 from nlcontrol.cli import run
 
 ROOT = Path(__file__).parents[2]
@@ -35,7 +36,8 @@ def test_two_commands_each_doing_all_its_set_up() -> None:
 
 
 @pytest.mark.parametrize(
-    "document", ["README.md", "CONTRIBUTING.md", "docs/models.md", "docs/predictions.md"]
+    "document",
+    ["README.md", "CONTRIBUTING.md", "docs/language.md", "docs/models.md", "docs/predictions.md"],
 )
 def test_linked_files_exist(document: str) -> None:
     path = ROOT / document
@@ -46,7 +48,10 @@ def test_linked_files_exist(document: str) -> None:
 
 
 @pytest.mark.parametrize("args", [e for e in _examples() if e[0] != "say"], ids=" ".join)
-def test_examples_of_the_command_line(args: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_examples_of_the_command_line(
+    args: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO("what can you do with the mug?\n"))
     assert run(args) == 0
     assert capsys.readouterr().out
 
@@ -86,3 +91,11 @@ def test_the_sentence_of_the_readme_is_carried_out(
     page = replay.read_text(encoding="utf-8")
     # It opens without a network: nothing is loaded from elsewhere.
     assert not re.findall(r"<(?:script|link|img)[^>]+(?:src|href)=[\"']https?://", page)
+
+
+def test_the_sentences_of_the_readme_are_understood() -> None:
+    (paragraph,) = re.findall(r"^Questions are answered.*?\n\n", README, re.MULTILINE | re.DOTALL)
+    said = re.findall(r"“([^”]*)”", paragraph)
+    assert len(said) > 5
+    for text in said:
+        assert parse(" ".join(text.split())).frames
