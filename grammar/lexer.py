@@ -112,7 +112,15 @@ class PhraseLexer(Lexer):
         return (
             (name.words > 0 or name.determined == "VERB")
             and word in self._openers
-            and not any(" " in phrase for phrase, _ in self._phrases.at(text, end - len(word)))
+            and not self._begins_a_phrase(text, end - len(word), name)
+        )
+
+    def _begins_a_phrase(self, text: str, start: int, name: _Name) -> bool:
+        """Whether a phrase of several words stands here."""
+        return any(
+            " " in phrase and self._ahead.fits(kind, phrase, text, start + len(phrase), name.last)
+            for phrase, kinds in self._phrases.at(text, start)
+            for kind in kinds
         )
 
     def _ends(self, text: str, end: int) -> bool:

@@ -11,9 +11,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar, cast, get_args
 
-from grammar.frames import Quality
+from grammar.frames import Action, Quality
 from grammar.numerals import NumberWords
 
 T = TypeVar("T")
@@ -145,6 +145,9 @@ class Lexicon:
             ValueError: if a word already means something else, or a terminal is unknown.
         """
         more = {name: _phrases(name, v) for name, v in (terminals or {}).items()}
+        verbs = list(verbs)
+        self._require_verbs(verbs)
+        self._require_phrases(more)
         if unknown := sorted(more.keys() - self.terminals.keys()):
             raise ValueError(f"no terminal is called {', '.join(unknown)}")
         merged = {
@@ -161,6 +164,28 @@ class Lexicon:
             adjectives=_merged("adjectives", self.adjectives, words),
             names=self.names | plain,
         )
+
+    def _require_verbs(self, entries: Iterable[Mapping[str, Any]]) -> None:
+        """Refuses verbs that ask for what no frame can say."""
+        goals = {known.goal for known in self.verbs.values()}
+        for entry in entries:
+            if isinstance(entry["says"], str):
+                raise ValueError(f"{entry['says']!r}: what a verb says is a list of phrases")
+            if entry["action"] not in get_args(Action) or entry["goal"] not in goals:
+                raise ValueError(f"{entry['says']}: no action {entry['action']}, {entry['goal']}")
+            for phrase in (phrase for template in entry["says"] for phrase in expand(template)):
+                _, _, particle = phrase.partition(" ")
+                if particle and particle not in self.terminals["PARTICLE"]:
+                    raise ValueError(f"{phrase!r}: there is no particle {particle!r}")
+                _require_plain(phrase)
+
+    def _require_phrases(self, more: Mapping[str, Mapping[str, str]]) -> None:
+        """Refuses phrases that could not be found, or whose values mean nothing."""
+        for name in more.keys() & self.terminals.keys():
+            for phrase, value in more[name].items():
+                _require_plain(phrase)
+                if value not in self.terminals[name].values() and not _is_factor(name, value):
+                    raise ValueError(f"{name}: {value!r}, for {phrase!r}, means nothing")
 
     def value(self, terminal: str, phrase: str) -> str:
         """What a phrase means as this terminal."""
@@ -236,6 +261,21 @@ class Lexicon:
             single | self.later_words | self.vague.keys() | self.numbers.first_words
             | self.verb_words["VERB"].keys()
         )  # fmt: skip
+
+
+def _require_plain(phrase: str) -> None:
+    if phrase != phrase.casefold():
+        raise ValueError(f"{phrase!r}: words of the language are in lower case")
+
+
+def _is_factor(name: str, value: str) -> bool:
+    """Whether a value is the factor of a unit."""
+    if not name.endswith("_UNIT") or name == "ANGLE_UNIT":
+        return False
+    try:
+        return float(value) > 0.0
+    except ValueError:
+        return False
 
 
 def _regular(verb: str) -> tuple[str, str]:

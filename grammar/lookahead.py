@@ -90,6 +90,7 @@ class Lookahead:
                 ("DIRECTION", "TOWARD_REGION", "AWAY_FROM_REGION"), self._not_towards_a_name
             ),
             "AMOUNT": self._no_little_box,
+            "DOES_NOT": self._no_can,
             "FROM_SIDE": lambda _phrase, text, end, _last: self._ends(text, end),
             "LENGTH_UNIT": self._no_preposition,
             "NEXT": self._not_next_to,
@@ -151,6 +152,11 @@ class Lookahead:
     def _no_little_box(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """A little, but not a little box."""
         return not phrase.startswith("a ") or self._ends(text, end)
+
+    def _no_can(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """It can not topple, but not the soup can not below 3 cm."""
+        verbs = ("AVOID", "AVOIDING", "TOUCH")
+        return not phrase.startswith("can") or any(self._any(v, text, end + 1) for v in verbs)
 
     def _no_preposition(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """2 in, but not y -0.1 in at most 5 s."""

@@ -125,8 +125,6 @@ class _Reader:
         if not verbs:
             return [self._remark(remarks)]
         excluded = self._take(NotThisPart)
-        if excluded and self._dialogue(remarks) != "correct":
-            raise self._unexpected(excluded[0])
         things = self._things(ask, remarks)
         if not ask:
             self._require_no_condition()

@@ -79,7 +79,7 @@ def parser_for(names: Iterable[str]) -> Parser:
     """
     parser = default_parser()
     phrasing = Phrasing(parser.lexicon)
-    unread = sorted(name for name in names if not phrasing.is_plain(name))
+    unread = sorted(name for name in names if not phrasing.needs_no_article(name))
     return Parser(parser.lexicon.extended(names=unread)) if unread else parser
 
 

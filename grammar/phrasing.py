@@ -91,6 +91,13 @@ class Phrasing:
         said = self.say("BETWEEN") if relation == "between" else self.say("RELATION", relation)
         return f"{said} {self._names(reference)}"
 
+    def needs_no_article(self, name: str) -> bool:
+        """Whether a name is read whole wherever it stands, also behind adjectives."""
+        lexicon = self.lexicon
+        ends = lexicon.reserved | lexicon.first_words
+        ends -= lexicon.openers | lexicon.verb_words["VERB"].keys() | lexicon.adjectives.keys()
+        return not ends & set(_words(name))
+
     def is_plain(self, name: str) -> bool:
         """Whether a name is read whole without quotation marks."""
         words = _words(name)

@@ -46,7 +46,10 @@ def command(as_json: bool, scene: str, seed: int, plan_only: bool) -> int:
     from nlcontrol.dialogue import Conversation
 
     controller = Controller(scene, seed=seed)
-    for problem in controller.registry.problems:
+    from grammar.plugins import installed
+
+    _, broken = installed()
+    for problem in (*controller.registry.problems, *broken):
         click.echo(f"skipped: {problem}", err=True)
     conversation = Conversation(controller)
     if sys.stdin.isatty() and sys.stdout.isatty():
@@ -126,9 +129,10 @@ def _objects(controller: Controller) -> str:
 
 
 def _beginnings() -> tuple[str, ...]:
-    from grammar.lexicon import default_lexicon
+    from grammar.plugins import installed
 
-    return (*WORDS, *sorted(default_lexicon().verb_words["VERB"]))
+    lexicon, _ = installed()
+    return (*WORDS, *sorted(lexicon.verb_words["VERB"]))
 
 
 class Interruptible:

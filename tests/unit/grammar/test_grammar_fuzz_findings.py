@@ -18,7 +18,7 @@ LONGEST_S = 0.05
     ("text", "said"),
     [
         ("no, push", "no, push it"),
-        ("why can you not pull", "why did you pull it?"),
+        ("why can you not pull", "why can you not pull it?"),
         ("open the lid of thehow large jar", 'open "lid of thehow large jar"'),
         (
             "push the tin at half the height of the mug",

@@ -58,7 +58,7 @@ def test_pronoun_may_be_told_apart() -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["pull it so lightly that it does not move", "push it without moving it"]
+    "text", ["push it so lightly that it does not move", "push it without moving it"]
 )
 def test_touch_without_motion_has_no_goal(text: str) -> None:
     command = parse(text)
