@@ -8,9 +8,9 @@ and stop at lark's parse tree, for a sample of the sentences (every so-manieth),
 long; nothing else is left out. Earley reads the rules of grammar/nlcontrol.lark twice: with the
 tokens that the LALR parser was given (its lexer cannot be asked without an LALR state; the time to
 find them is not counted), and with lark's dynamic lexer, for which the lexicon's phrases are made
-into regular expressions. Every sentence is timed several times, by all parsers in turn, and its
-best time counts, so that a busy machine slows none of them; a ratio is the median of the sentences'
-own ratios.
+into regular expressions. Every sentence is timed several times by one parser after the other, and
+its best time counts, so that a busy machine slows none of them; a ratio is the median of the
+sentences' own ratios.
 """
 
 from __future__ import annotations
@@ -131,8 +131,7 @@ def compared(parser: Parser, lexicon: Lexicon, runs: int, sample: int) -> list[R
             partial(chart.parse, tokens),
             partial(dynamic.parse, text),
         ]
-        times = [[timed(way) for way in ways] for _ in range(runs)]
-        best.append([min(each) for each in zip(*times, strict=True)])
+        best.append([min(timed(way) for _ in range(runs)) for way in ways])
     names = ("to frames", "LALR tree", "Earley tree, the same tokens", "Earley tree, dynamic lexer")
     return [Row(*row) for row in zip(names, map(list, zip(*best, strict=True)), strict=True)]
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
-from typing import Any, cast
 
 from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedToken, VisitError
@@ -63,13 +62,10 @@ class Parser:
         return Command(text=text, frames=frames, paraphrase=paraphrase(frames, self.lexicon))
 
     def _tree(self, sentence: Normalised) -> Tree[Token]:
-        steps: Any = self._lark.parse_interactive(sentence.text)  # lark gives it no types
         try:
-            for _ in steps.iter_parse():
-                pass
-            return cast("Tree[Token]", steps.feed_eof())
+            return self._lark.parse(sentence.text)
         except UnexpectedToken as error:
-            raise diagnose(error, steps.accepts(), sentence, self.lexicon) from None
+            raise diagnose(error, error.accepts or set(), sentence, self.lexicon) from None
 
 
 def parser_for(names: Iterable[str]) -> Parser:
