@@ -45,6 +45,26 @@ class Chart(BaseModel):
     face: str
 
 
+class Considered(BaseModel):
+    """The push that a question is about.
+
+    Attributes:
+        face: the face, as the robot calls it.
+        height: of the contact above the table [m]; None if the answer is about the whole face.
+        lateral: to the right of the face's middle [m].
+        heading: of the push in W [rad].
+        force: of the push [N]; None if the question leaves it open.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    face: str
+    height: float | None
+    lateral: float = 0.0
+    heading: float
+    force: float | None = None
+
+
 class Answer(BaseModel):
     """The answer to one question, or to a remark.
 
@@ -58,6 +78,7 @@ class Answer(BaseModel):
             it can be had at all; None for other questions.
         reason: why not: the reason of a refusal; None if there is none.
         suggestions: what would be possible instead.
+        push: what was considered; None if the question is about no push.
         chart: which outcome map shows it, for a question of places.
         map: that map; not a part of the JSON document.
     """
@@ -72,6 +93,7 @@ class Answer(BaseModel):
     yes: bool | None = None
     reason: str | None = None
     suggestions: tuple[str, ...] = ()
+    push: Considered | None = None
     chart: Chart | None = None
     map: SkipJsonSchema[InstanceOf[OutcomeMap] | None] = Field(
         default=None, exclude=True, repr=False

@@ -10,7 +10,7 @@ satisfied because a part of it was skipped.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -24,6 +24,7 @@ from planner.defaults import DEFAULTS, Defaults
 from planner.directions import HEADINGS, angle_between, bisector, face_name, heading_of
 
 if TYPE_CHECKING:
+    from nlcontrol.errors import ErrorInfo
     from objectmodels import ObjectModel
     from sim.trace import Trace
 
@@ -93,6 +94,16 @@ def check(
     for clause in frame.constraints:
         checks += _CONSTRAINTS[clause.kind](clause, e)
     return tuple(checks)
+
+
+def not_held(missed: Sequence[Check], trace: Trace) -> ErrorInfo:
+    """The error of an execution in which some checks failed."""
+    clauses = ", ".join(dict.fromkeys(c.clause.replace("_", " ") for c in missed))
+    message = f"executed, but this did not hold: {clauses}"
+    if trace.end not in {"stroke", "toppled"}:
+        message += f" (the push ended early: {trace.detail})"
+    spans = missed[0].spans
+    return error("clause_not_held", message, span=spans[0] if spans else None).info
 
 
 def require_checkable(frame: g.Frame) -> None:

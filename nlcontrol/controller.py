@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from grammar.frames import Command, Frame
-from nlcontrol.checks import Check, check, require_checkable
+from nlcontrol.checks import Check, check, not_held, require_checkable
 from nlcontrol.errors import (
     NOT_UNDERSTOOD,
     ControlError,
@@ -28,6 +28,7 @@ from nlcontrol.resolve import NOTHING_SAID, Context, resolve
 from nlcontrol.result import Result, ResultStatus, Step, summary
 from objectmodels import ModelError, ObjectModel, Registry
 from planner.defaults import DEFAULTS, Defaults
+from planner.explain import Basis
 from planner.plan import Plan, Refusal
 from planner.state import PlanarPose, SeenObject, TableState, WorldState
 from sim.scene import Scene, SceneObject, load_scene
@@ -306,7 +307,7 @@ class Controller:
         result = _with(result, frames=command.frames)
         for index, frame in enumerate(command.frames):
             if frame.query is not None:
-                result = self._answered(frame, result)
+                result = self._answered(index, frame, result)
             else:
                 result = self._carry_out(index, frame, result, plan_only, progress)
             if result.error or result.status == "planned":
@@ -319,12 +320,17 @@ class Controller:
             result = _with(result, notes=(note,))
         return result
 
-    def _answered(self, frame: Frame, result: Result) -> Result:
+    def _answered(self, index: int, frame: Frame, result: Result) -> Result:
         """The result with the answer to one more question."""
+        step = Step(frame=index, status="failed")
         try:
-            return _with(result, ok=True, status="answered", answer=self.answer(frame))
+            state = self._about(frame)
+            step = step.model_copy(update={"basis": Basis.of(frame, state, self.defaults)})
+            answer = self.answer(frame, state)
         except ControlError as raised:
-            return _with(result, ok=False, status=_unanswered(raised.info), error=raised.info)
+            return _ended(result, step, _unanswered(raised.info), raised.info)
+        step = step.model_copy(update={"answer": answer})
+        return _ended(_with(result, answer=answer), step, "answered")
 
     def _carry_out(
         self,
@@ -336,8 +342,9 @@ class Controller:
     ) -> Result:
         """The result with what came of one more frame."""
         state = self.look()
-        seen = state.objects.get(frame.object.id or "") if frame.object else None
-        step = Step(frame=index, status="failed", before=seen.pose if seen else None)
+        basis = Basis.of(frame, state, self.defaults)
+        before = basis.target.pose if basis else None
+        step = Step(frame=index, status="failed", before=before, basis=basis)
         try:
             made = self.plan(frame, state)
         except ControlError as raised:
@@ -360,7 +367,7 @@ class Controller:
         result = _with(result, trace=trace, execution=execution, checks=result.checks + checks)
         missed = tuple(c for c in checks if not c.ok)
         if missed:
-            return _ended(result, step, "failed", _not_held(missed, trace))
+            return _ended(result, step, "failed", not_held(missed, trace))
         return _ended(result, step, "done")
 
 
@@ -383,15 +390,6 @@ def _unanswered(info: ErrorInfo) -> ResultStatus:
     if info.code == "unsupported":
         return "unsupported"
     return "not_understood" if info.status.exit == NOT_UNDERSTOOD else "refused"
-
-
-def _not_held(missed: tuple[Check, ...], trace: Trace) -> ErrorInfo:
-    clauses = ", ".join(dict.fromkeys(c.clause.replace("_", " ") for c in missed))
-    message = f"executed, but this did not hold: {clauses}"
-    if trace.end not in {"stroke", "toppled"}:
-        message += f" (the push ended early: {trace.detail})"
-    spans = missed[0].spans
-    return error("clause_not_held", message, span=spans[0] if spans else None).info
 
 
 def _believed(item: SceneObject, registry: Registry) -> ObjectModel:

@@ -1,151 +1,213 @@
 """The way from the words to the controller, drawn: words, frames and parameters tied by lines.
 
-Three columns. At the left the words in the order of the sentence, in the middle the part of the
-frame that they became, at the right the parameters of the controller with their values. What was
-not said and came from the table of defaults is grey.
+Above stands the sentence, each word in the colour of what it became. Below are three columns, as in
+Figure 2 of the paper "Prediction of action outcomes using an object model": the words, the part of
+the frame that they became with the paper's name for it, and the parameters with their values. What
+was not said is grey and dashed, what cannot be satisfied is red. Lengths are in inches.
 """
 
 from __future__ import annotations
 
-import textwrap
-from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from nlcontrol.explanation import NOT_SAID
+from nlcontrol.explanation import NOT_SAID, Group, filler, groups, steps
+from nlcontrol.sheet import Sheet, line_height
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from matplotlib.axes import Axes
-
     from nlcontrol.result import Result
-    from planner.explain import Row
+    from planner.rows import PartName, Row
 
-# Okabe and Ito's colours, which people with colour blindness tell apart.
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-_GREY = "#888888"
-_X_WORDS, _X_FRAME, _X_PARAMETER = 0.02, 0.30, 0.58
-_PAD = 0.0065  # from a text to the edge of the box around it
-_COLUMN_CHARACTERS = {_X_WORDS: 24, _X_FRAME: 24, _X_PARAMETER: 46}
+# Okabe and Ito's colours, which people with colour blindness tell apart, dark enough for letters.
+_BLUE, _ORANGE, _GREEN, _PURPLE = "#0064A0", "#C04E00", "#00805C", "#A8477F"
+_GREY, _DARK, _RED = "#7A7A7A", "#222222", "#C1121F"
+_COLOURS: dict[PartName, str] = {
+    "push controller": _BLUE, "controller": _BLUE, "question": _BLUE, "remark": _BLUE,
+    "object model": _ORANGE, "wanted outcome": _GREEN, "constraint": _PURPLE,
+    "left open": _GREY, "filler": _GREY,
+}  # fmt: skip
+_TINTS = {
+    _BLUE: "#E8F2F9", _ORANGE: "#FCEEE4", _GREEN: "#E6F4EF", _PURPLE: "#F8ECF3",
+    _GREY: "#F4F4F4", _RED: "#FDECEC",
+}  # fmt: skip
+
+_WIDTH = 12.0
+_EDGE = 0.35
+_PAD = 0.09  # between a text and its box
+_GAP, _GROUP_GAP = 0.06, 0.2
+_TITLE, _HEADING, _BODY, _SMALL = 16.0, 11.0, 10.5, 9.0  # letters, in points
+
+
+class _Column(NamedTuple):
+    x: float
+    width: float
+
+
+_WORDS = _Column(_EDGE, 2.5)
+_FRAME = _Column(3.55, 2.6)
+_PARAMETER = _Column(6.95, _WIDTH - _EDGE - 6.95)
+_NAME = 1.75  # of the last column: what its names take
 
 
 def save_explanation(result: Result, path: Path) -> None:
-    """Draws the explanation of a planned result.
+    """Draws the explanation of a result.
 
     Args:
-        result: with a plan.
+        result: of a sentence that was understood.
         path: file to write; its suffix names the format.
 
     Raises:
         ControlError: `cannot_write` if the format is unknown.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
 
     from nlcontrol.errors import error
 
-    rows = result.explained()
-    formats = FigureCanvasAgg.get_supported_filetypes()
-    if path.suffix.lstrip(".").lower() not in formats:
+    if path.suffix.lstrip(".").lower() not in FigureCanvasAgg.get_supported_filetypes():
         raise error(
             "cannot_write",
             f"cannot draw a '{path.suffix}' file",
             suggestions=("use .png, .svg or .pdf",),
         )
-    lines = sum(_height(row) for row in rows)
-    title = textwrap.wrap(f"“{result.text}”", 90)
-    body, head = 0.36 * (lines + 1.5), 0.3 * len(title) + 0.25  # heights in inches
-    figure = Figure(figsize=(10.5, body + head), dpi=150)
-    FigureCanvasAgg(figure)
-    figure.text(
-        0.5,
-        1.0 - 0.5 * head / (body + head),
-        "\n".join(title),
-        fontsize=14,
-        ha="center",
-        va="center",
-    )
-    # Fixed axes: the ties start where a text's box ends, which a later layout would move.
-    axes = figure.add_axes((0.0, 0.0, 1.0, body / (body + head)))
-    axes.set_axis_off()
-    axes.set_xlim(0.0, 1.0)
-    axes.set_ylim(lines + 0.3, -1.2)
-    for x, heading in (
-        (_X_WORDS, "words"),
-        (_X_FRAME, "frame"),
-        (_X_PARAMETER, "parameter of the controller"),
-    ):
-        axes.text(x, -0.8, heading, fontsize=11, fontweight="bold", va="center", color="#333333")
-    _draw_groups(axes, rows)
-    figure.savefig(path)
+    rows, sheet = result.explained(), Sheet(_WIDTH)
+    y = _sentence(sheet, result.text, rows, _EDGE + 0.1)
+    became = "parameter of the controller" if result.plan else "what it became"
+    for x, heading in ((_WORDS.x, "words"), (_FRAME.x, "frame"), (_PARAMETER.x, became)):
+        sheet.write(x, y, heading, _HEADING, _GREY, fontweight="bold")
+    y += 0.28
+    for heading, members in steps(rows):
+        if heading:
+            y = _heading(sheet, heading, y + 0.15)
+        for group in groups(members):
+            y = _group(sheet, group, y) + _GROUP_GAP
+    if (last := filler(rows)) is not None:
+        for line in sheet.wrapped(last, _WIDTH - 2 * _EDGE, _BODY):
+            sheet.write(_EDGE, y + 0.08, line, _BODY, _GREY, fontstyle="italic")
+            y += line_height(_BODY)
+    sheet.save(path, y + 0.22)
 
 
-def _height(row: Row) -> float:
-    """Lines that a row takes, its longest cell wrapped, with some air."""
-    return 0.55 * max(1, len(_wrapped(_right(row), _X_PARAMETER))) + 0.6
+def _sentence(sheet: Sheet, text: str, rows: Sequence[Row], y: float) -> float:
+    """The sentence in colours, in as many lines as it takes; returns where it ends."""
+    ends = _WIDTH - _EDGE
+    space = sheet.length("a a", _TITLE) - 2 * sheet.length("a", _TITLE)
+    x, start = _EDGE, 0
+    for word in text.split():
+        start = text.index(word, start)
+        colour = _colour_at(rows, start, start + len(word))
+        bold = colour != _GREY
+        for piece in sheet.wrapped(word, ends - _EDGE, _TITLE, bold=bold):
+            length = sheet.length(piece, _TITLE, bold=bold)
+            if x > _EDGE and x + length > ends:
+                x, y = _EDGE, y + line_height(_TITLE)
+            weight = "bold" if bold else "normal"
+            sheet.write(x, y, piece, _TITLE, colour, fontweight=weight)
+            x += length + space
+        start += len(word)
+    return y + 0.48
 
 
-def _right(row: Row) -> str:
-    return f"{row.parameter} = {row.value}" if row.parameter else row.value
+def _colour_at(rows: Sequence[Row], start: int, end: int) -> str:
+    """Colour of a word: of the narrowest of what it became."""
+    found = [
+        (b - a, not row.problem, _RED if row.problem else _COLOURS[row.part])
+        for row in rows
+        for a, b in row.spans
+        if a < end and start < b
+    ]
+    return min(found, default=(0, True, _GREY))[2]
 
 
-def _wrapped(text: str, column: float) -> list[str]:
-    return textwrap.wrap(text, _COLUMN_CHARACTERS[column]) or [""]
+def _heading(sheet: Sheet, text: str, y: float) -> float:
+    """The heading of one step of a sequence; returns where it ends."""
+    sheet.write(_EDGE, y, text, _HEADING, _DARK, fontweight="bold")
+    x = _EDGE + sheet.length(text, _HEADING, bold=True) + 0.15
+    sheet.tie((x, y), (_WIDTH - _EDGE, y), "#CCCCCC", linewidth=0.8)
+    return y + 0.3
 
 
-def _draw_groups(axes: Axes, rows: Sequence[Row]) -> None:
-    top = 0.0
-    said = 0
-    for words, group in groupby(rows, key=lambda row: row.words or NOT_SAID):
-        members = list(group)
-        colour = _GREY if words == NOT_SAID else _COLOURS[said % len(_COLOURS)]
-        said += words != NOT_SAID
-        bottom = top + sum(map(_height, members))
-        _draw_group(axes, words, members, top, bottom, colour)
-        top = bottom
+class _Cell(NamedTuple):
+    """A row's texts, broken into lines."""
+
+    row: Row
+    name: list[str]
+    value: list[str]
+
+    @property
+    def height(self) -> float:
+        return max(len(self.name), len(self.value)) * line_height(_BODY) + 2 * _PAD
 
 
-def _draw_group(
-    axes: Axes, words: str, rows: Sequence[Row], top: float, bottom: float, colour: str
+def _cell(sheet: Sheet, row: Row) -> _Cell:
+    name = f"✗ {row.parameter}" if row.problem else row.parameter
+    room = _PARAMETER.width - 2 * _PAD
+    lines = sheet.wrapped(name, _NAME - _PAD, _BODY) if name else []
+    value = sheet.wrapped(row.value, room - (_NAME if name else 0.0), _BODY, bold=bool(name))
+    return _Cell(row, lines, value)
+
+
+def _group(sheet: Sheet, group: Group, top: float) -> float:
+    """One part of a frame, from its words to its parameters; returns where it ends."""
+    colour = _RED if any(row.problem for row in group.rows) else _COLOURS[group.part]
+    cells = [_cell(sheet, row) for row in group.rows if row.parameter or row.value]
+    words = sheet.wrapped(group.words or NOT_SAID, _WORDS.width - 2 * _PAD, _BODY, bold=True)
+    detail = group.field.removeprefix(f"{group.part}: ")
+    field = sheet.wrapped(detail, _FRAME.width - 2 * _PAD, _SMALL)
+    word_height = len(words) * line_height(_BODY) + 2 * _PAD
+    field_height = line_height(_BODY) + len(field) * line_height(_SMALL) + 2 * _PAD
+    cells_height = sum(cell.height + _GAP for cell in cells) - _GAP
+    height = max(word_height, field_height, cells_height)
+    middle = top + 0.5 * height
+
+    said = colour if group.words else _GREY
+    style = {} if group.words else {"linestyle": (0, (4, 3))}
+    word_width = max(sheet.length(line, _BODY, bold=True) for line in words) + 2 * _PAD
+    sheet.box(_WORDS.x, middle - 0.5 * word_height, word_width, word_height, said, "white", **style)
+    y = middle - 0.5 * word_height + _PAD
+    _lines(sheet, words, _WORDS.x + _PAD, y, _BODY, said, fontweight="bold")
+
+    y = middle - 0.5 * field_height
+    sheet.box(_FRAME.x, y, _FRAME.width, field_height, colour, _TINTS[colour])
+    y = _lines(sheet, [group.part], _FRAME.x + _PAD, y + _PAD, _BODY, colour, fontweight="bold")
+    _lines(sheet, field, _FRAME.x + _PAD, y, _SMALL, _DARK)
+    sheet.tie((_WORDS.x + word_width, middle), (_FRAME.x, middle), said, **style)
+
+    y = middle - 0.5 * cells_height
+    for cell in cells:
+        _parameter(sheet, cell, y, colour, (_FRAME.x + _FRAME.width, middle))
+        y += cell.height + _GAP
+    return top + height
+
+
+def _parameter(
+    sheet: Sheet, cell: _Cell, top: float, colour: str, start: tuple[float, float]
 ) -> None:
-    middle = 0.5 * (top + bottom)
-    word_end = _cell(axes, _X_WORDS, middle, words, colour, strong=True)
-    y = top
-    for field, members in groupby(rows, key=lambda row: row.field):
-        same = list(members)
-        heights = [_height(row) for row in same]
-        y_field = y + 0.5 * sum(heights)
-        field_end = _cell(axes, _X_FRAME, y_field, field, colour)
-        _tie(axes, (word_end, middle), (_X_FRAME, y_field), colour)
-        for row, height in zip(same, heights, strict=True):
-            _cell(axes, _X_PARAMETER, y + 0.5 * height, _right(row), colour)
-            _tie(axes, (field_end, y_field), (_X_PARAMETER, y + 0.5 * height), colour)
-            y += height
+    """A parameter with its value, tied to its frame."""
+    row = cell.row
+    open_ = row.default or not row.parameter
+    if open_ or (colour == _RED and not row.problem):
+        colour = _GREY
+    style = {"linestyle": (0, (4, 3))} if open_ else {}
+    letters = _RED if row.problem else _GREY if open_ else _DARK
+    sheet.box(
+        _PARAMETER.x, top, _PARAMETER.width, cell.height, colour,
+        _TINTS[_RED] if row.problem else "white", **style,
+    )  # fmt: skip
+    x = _PARAMETER.x + _PAD
+    _lines(sheet, cell.name, x, top + _PAD, _BODY, letters)
+    weight = "bold" if cell.name else "normal"
+    x += _NAME if cell.name else 0.0
+    _lines(sheet, cell.value, x, top + _PAD, _BODY, letters, fontweight=weight)
+    sheet.tie(start, (_PARAMETER.x, top + 0.5 * cell.height), colour, **style)
 
 
-def _cell(axes: Axes, x: float, y: float, text: str, colour: str, *, strong: bool = False) -> float:
-    """Writes a boxed text; returns the x at which the text ends."""
-    drawn = axes.text(
-        x,
-        y,
-        "\n".join(_wrapped(text, x)),
-        fontsize=10.5,
-        fontweight="bold" if strong else "normal",
-        va="center",
-        bbox={"boxstyle": "round,pad=0.3", "facecolor": "white", "edgecolor": colour},
-    )
-    box = drawn.get_window_extent().transformed(axes.transData.inverted())
-    return float(box.x1)
-
-
-def _tie(axes: Axes, start: tuple[float, float], end: tuple[float, float], colour: str) -> None:
-    """A curve from one cell to the next, level at both ends."""
-    from matplotlib.patches import PathPatch
-    from matplotlib.path import Path as Curve
-
-    (x0, y0), (x1, y1) = (start[0] + _PAD, start[1]), (end[0] - _PAD, end[1])
-    bend = 0.5 * (x0 + x1)
-    points = [(x0, y0), (bend, y0), (bend, y1), (x1, y1)]
-    curve = Curve(points, [Curve.MOVETO, Curve.CURVE4, Curve.CURVE4, Curve.CURVE4])
-    axes.add_patch(PathPatch(curve, facecolor="none", edgecolor=colour, linewidth=1.4, zorder=0))
+def _lines(
+    sheet: Sheet, lines: Sequence[str], x: float, top: float, size: float, colour: str, **style: str
+) -> float:
+    """Lines of text from a height on; returns where they end."""
+    for line in lines:
+        sheet.write(x, top + 0.5 * line_height(size), line, size, colour, **style)
+        top += line_height(size)
+    return top

@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from grammar import frames as g
+from nlcontrol.answers import Considered
 from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error
 from nlcontrol.predictions import PushPrediction, predict_push
 from nlcontrol.text import quantity
 from planner import refusals
 from planner.affordances import pushed_face
 from planner.asked import Asked, RefusedError, read
-from planner.directions import FACE_HEADINGS, HEADINGS, unit
+from planner.directions import FACE_HEADINGS, HEADINGS, heading_of, unit
 
 if TYPE_CHECKING:
     from objectmodels import Face
@@ -69,6 +70,21 @@ class Inquiry:
             side = "right" if self.lateral > 0.0 else "left"
             aside = f" {quantity(abs(self.lateral), 'm')} to the {side} of its middle"
         return f"on its {self.face_name} face{aside}, {quantity(self.height, 'm')} above the table"
+
+    @property
+    def considered(self) -> Considered:
+        """The push as an answer tells it."""
+        if self.direction is None:
+            u = -np.array(self.face.at([self.lateral], [self.height])[1][0])
+        else:
+            u = np.array(self.direction)
+        return Considered(
+            face=self.face_name,
+            height=self.height,
+            lateral=self.lateral,
+            heading=heading_of(self.target.pose.R_WB @ u),
+            force=self.force,
+        )
 
     def predicted(self) -> PushPrediction:
         """What the push will do, by the code behind `nlcontrol predict`."""

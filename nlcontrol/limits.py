@@ -66,14 +66,28 @@ def _needed(push: Inquiry, event: g.Event) -> Answer:
             f"{pushed} {push.where}, the {name} would {never} {_MAKE[event]}: it "
             f"{threshold(found, first, newtons)}{before} {likely}."
         )
-        return Answer(query="how_hard", text=text, numbers=figures(found), probability=p, yes=False)
+        return Answer(
+            query="how_hard",
+            text=text,
+            numbers=figures(found),
+            probability=p,
+            yes=False,
+            push=push.considered,
+        )
     text = (
         f"It takes {newtons(value, sd)} to {_verb(event, name)}, pushed {push.where}: "
         f"it then {DOES[first]}{' and turns' if event == 'turns' else ''} and "
         f"{threshold(found, other, newtons, only=True)} {likely}."
     )
     numbers = figures(found) | _range(value, sd)
-    return Answer(query="how_hard", text=text, numbers=numbers, probability=p, yes=True)
+    return Answer(
+        query="how_hard",
+        text=text,
+        numbers=numbers,
+        probability=p,
+        yes=True,
+        push=push.considered,
+    )
 
 
 def _verb(event: g.Event, name: str) -> str:
@@ -100,7 +114,13 @@ def _without_toppling(push: Inquiry, defaults: Defaults) -> Answer:
         f"Pushed slowly {push.where}, the {push.target.name} does not topple however hard it is "
         f"pushed: it {slides} and {topples} (probability that it topples {chance(p)})."
     )
-    return Answer(query="how_hard", text=text, numbers=figures(found), probability=1.0 - p)
+    return Answer(
+        query="how_hard",
+        text=text,
+        numbers=figures(found),
+        probability=1.0 - p,
+        push=push.considered,
+    )
 
 
 def _up_to(push: Inquiry, outcomes: tuple[str, ...], defaults: Defaults) -> Answer:
@@ -119,4 +139,4 @@ def _up_to(push: Inquiry, outcomes: tuple[str, ...], defaults: Defaults) -> Answ
         f"{threshold(found, other, newtons, only=True)}."
     )
     numbers = figures(found) | {"force": most}
-    return Answer(query="how_hard", text=text, numbers=numbers, probability=p)
+    return Answer(query="how_hard", text=text, numbers=numbers, probability=p, push=push.considered)

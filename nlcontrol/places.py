@@ -56,6 +56,7 @@ def where(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
         numbers=numbers,
         probability=float(found.likely.max(initial=0.0)),
         yes=bool(found.sure.any()),
+        push=push.considered.model_copy(update={"height": None}),
         chart=Chart(object=push.target.name, face=push.face_name),
         map=found.chart,
     )

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from grammar import frames as g
-from nlcontrol.answers import DOES, Answer, affordance_lines, chance, listed, newtons
+from nlcontrol.answers import DOES, Answer, Considered, affordance_lines, chance, listed, newtons
 from nlcontrol.checks import require_checkable
 from nlcontrol.errors import ControlError, error
 from nlcontrol.inquiry import EVENTS, Inquiry, inquiry, target_of
@@ -23,7 +23,7 @@ from nlcontrol.properties import value
 from nlcontrol.text import quantity
 from planner import plan
 from planner.affordances import TURNING_ARM, affordances
-from planner.directions import HEADINGS, phrase
+from planner.directions import HEADINGS, heading_of, phrase
 from planner.plan import Plan
 
 if TYPE_CHECKING:
@@ -106,6 +106,7 @@ def _predict(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
         numbers=figures(found),
         probability=p,
         yes=yes,
+        push=push.considered,
     )
 
 
@@ -188,6 +189,12 @@ def _can(made: Plan) -> Answer:
         },
         probability=predicted.probability,
         yes=True,
+        push=Considered(
+            face=push.face,
+            height=push.p_BC[2],
+            heading=heading_of(np.array(push.direction_W)),
+            force=push.force_limit,
+        ),
     )
 
 

@@ -31,12 +31,9 @@ def _lines(result: Result) -> Iterator[str]:
         for step in result.steps:
             yield ""
             yield f"Step {step.frame + 1} of {len(result.frames)}: {step.status}"
-            yield from _step_lines(result.text, step.plan, step.checks)
+            yield from _step_lines(result.text, step.plan, step.checks, step.answer)
     else:
-        yield from _step_lines(result.text, result.plan, result.checks)
-    if result.answer:
-        yield ""
-        yield from answer_lines(result.answer)
+        yield from _step_lines(result.text, result.plan, result.checks, result.answer)
     if result.error:
         if result.paraphrase:
             yield ""
@@ -45,8 +42,10 @@ def _lines(result: Result) -> Iterator[str]:
         yield "Done: every clause held."
 
 
-def _step_lines(text: str, plan: Plan | None, checks: Sequence[Check]) -> Iterator[str]:
-    """One push: its plan, and what happened."""
+def _step_lines(
+    text: str, plan: Plan | None, checks: Sequence[Check], answer: Answer | None
+) -> Iterator[str]:
+    """One push: its plan, and what happened; or one answer."""
     if plan:
         yield ""
         yield from plan_lines(plan)
@@ -54,6 +53,9 @@ def _step_lines(text: str, plan: Plan | None, checks: Sequence[Check]) -> Iterat
         yield ""
         yield "What happened:"
         yield from (check_line(text, check) for check in checks)
+    if answer:
+        yield ""
+        yield from answer_lines(answer)
 
 
 def answer_lines(answer: Answer) -> Iterator[str]:

@@ -14,8 +14,9 @@ from nlcontrol import measures
 from nlcontrol.answers import Answer
 from nlcontrol.checks import Check
 from nlcontrol.errors import OK, ErrorInfo
-from planner.explain import Row
+from planner.explain import Basis
 from planner.plan import DefaultUsed, Plan, Vector3
+from planner.rows import Row
 from planner.state import PlanarPose
 from sim.trace import Trace
 
@@ -73,7 +74,9 @@ class Step(BaseModel):
         plan: the push.
         execution: the trace in a few numbers.
         checks: a verdict per clause of this frame.
+        answer: if the frame is a question.
         error: why it went no further.
+        basis: what was known then; not a part of the JSON document.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -84,7 +87,9 @@ class Step(BaseModel):
     plan: Plan | None = None
     execution: Execution | None = None
     checks: tuple[Check, ...] = ()
+    answer: Answer | None = None
     error: ErrorInfo | None = None
+    basis: SkipJsonSchema[InstanceOf[Basis] | None] = Field(default=None, exclude=True, repr=False)
 
 
 class Result(BaseModel):
@@ -153,13 +158,10 @@ class Result(BaseModel):
         return self.model_dump_json(indent=2)
 
     def explained(self) -> tuple[Row, ...]:
-        """Which words became which parameters of the controller; empty without a plan."""
-        if self.plan is None:
-            return ()
-        from planner.explain import explain
+        """The way of each word to frame and parameter; empty if nothing was understood."""
+        from nlcontrol.ways import ways
 
-        commands = [frame for frame in self.frames if frame.query is None]
-        return explain(commands[self.planned - 1], self.plan, self.text)
+        return ways(self) if self.explanation is None else self.explanation
 
     def report(self) -> str:
         """The result as a text to read."""

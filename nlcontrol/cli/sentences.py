@@ -63,8 +63,6 @@ def say(
     """Do what SENTENCE says, in simulation, and check every clause of it; or answer it."""
     if plan_only and replay:
         raise click.UsageError("--replay needs a run; leave out --plan-only")
-    if plan_only and picture and not explain:
-        raise click.UsageError("--picture of a plan needs --explain")
     require_writable(replay)
     require_writable(picture)
     return _answer(sentence, as_json, scene, seed, explain, picture, plan_only, replay)
@@ -76,8 +74,6 @@ def plan(
     sentence: str, as_json: bool, scene: str, seed: int, explain: bool, picture: Path | None
 ) -> int:
     """Plan what SENTENCE says: where and how hard to push, and what that will do."""
-    if picture and not explain:
-        raise click.UsageError("--picture of a plan needs --explain")
     require_writable(picture)
     return _answer(sentence, as_json, scene, seed, explain, picture, True, None)
 
@@ -184,11 +180,11 @@ def _print(result: Result, files: dict[str, str], *, explain: bool) -> None:
     elif result.error:
         for line in error_lines(result.error, result.text):
             click.echo(line, err=True)
-    if explain and result.plan:
+    if explain and (rows := result.explained()):
         from nlcontrol.explanation import table
 
         click.echo()
-        click.echo(table(result.explained()))
+        click.echo(table(rows))
     for what, where in files.items():
         click.echo(f"{what.capitalize()}: {where}")
 
@@ -209,7 +205,7 @@ def _write_files(
         with written_whole(replay) as temporary:
             save_replay(result.trace, controller.scene, temporary)
         files["replay"] = str(replay)
-    if picture and explain and result.plan:
+    if picture and explain and result.frames:
         from nlcontrol.drawing import save_explanation
 
         with written_whole(picture) as temporary:
@@ -227,4 +223,6 @@ def _write_files(
         with written_whole(picture) as temporary:
             save_map(result.answer.map, result.answer.chart.face, temporary)
         files["picture"] = str(picture)
+    elif picture and result.plan:
+        raise click.UsageError("--picture of a plan needs --explain")
     return files

@@ -311,6 +311,29 @@ def test_explanation_as_table_json_and_drawing(
     assert [p.name for p in tmp_path.iterdir()] == ["words.png"]
 
 
+def test_what_is_not_planned_is_explained_too(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    picture = tmp_path / "words.png"
+    sentence = "push the ice tea box at the top without toppling it"
+    status, document = _json(capsys, "plan", sentence, "--explain", "--picture", str(picture))
+    assert (status, document["status"]) == (4, "refused")
+    (marked,) = [row for row in document["explanation"] if row["problem"]]
+    assert marked["words"] == "at the top"
+    assert "153 mm" in marked["value"]
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_picture_of_a_question_of_places_needs_no_explanation(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    picture = tmp_path / "map.png"
+    question = "where can I push the ice tea box without toppling it?"
+    status, document = _json(capsys, "plan", question, "--picture", str(picture))
+    assert (status, document["files"]) == (0, {"picture": str(picture)})
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
 def test_an_unknown_picture_format_is_a_usage_error(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

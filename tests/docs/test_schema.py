@@ -36,8 +36,12 @@ def test_the_answers_of_the_commands() -> None:
         _definition("Check")["properties"]
     )
     assert {
-        "query", "text", "lines", "numbers", "probability", "yes", "reason", "suggestions", "chart",
+        "query", "text", "lines", "numbers", "probability", "yes", "reason", "suggestions", "push",
+        "chart",
     } == set(_definition("Answer")["properties"])  # fmt: skip
+    assert {"words", "field", "parameter", "value", "spans"} <= set(
+        _definition("Row")["properties"]
+    )
     query, null = _definition("Answer")["properties"]["query"]["anyOf"]
     assert (set(query["enum"]), null) == (set(get_args(g.Query)), {"type": "null"})
     assert set(_definition("Chart")["properties"]) == {"object", "face"}

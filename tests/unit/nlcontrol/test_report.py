@@ -1,22 +1,17 @@
-"""Texts for people: units, marks, quoted words, and the drawing of the explanation."""
+"""Texts for people: units, marks, quoted words."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
-from PIL import Image
 
+from nlcontrol.answers import Answer
 from nlcontrol.checks import Check
-from nlcontrol.drawing import save_explanation
 from nlcontrol.errors import ErrorInfo
-from nlcontrol.explanation import table
 from nlcontrol.report import check_line, plan_lines, report
-from nlcontrol.result import Result
+from nlcontrol.result import Result, Step
 from nlcontrol.text import error_lines, quantity, words
 from planner.plan import DefaultUsed, Margins, Plan, Prediction, Push
 
@@ -119,46 +114,15 @@ def test_a_report_names_the_defaults_it_used() -> None:
     assert "by default: distance 100 mm (not in the sentence)" in report(result)
 
 
-@dataclass(frozen=True)
-class _Row:
-    words: str
-    field: str
-    parameter: str
-    value: str
-
-
-@dataclass(frozen=True)
-class _Explained:
-    text: str
-    rows: tuple[_Row, ...]
-
-    def explained(self) -> tuple[_Row, ...]:
-        return self.rows
-
-
-ROWS = (
-    _Row("push", "action", "controller", "push"),
-    _Row("ice tea box", "object", "mass", "0.995 ± 0.038 kg"),
-    _Row("ice tea box", "object", "friction", "0.378 ± 0.069"),
-    _Row("", "distance", "stroke", "100 mm"),
-)
-
-
-def test_the_table_names_each_group_of_words_once() -> None:
-    rows: Any = ROWS
-    text = table(rows)
-    assert text.count("ice tea box") == 1
-    assert "0.378 ± 0.069" in text
-    assert "(not said)" in text
-
-
-@pytest.mark.parametrize("text", [SENTENCE, "push " * 40])
-def test_the_drawing_holds_all_of_its_text(tmp_path: Path, text: str) -> None:
-    path = tmp_path / "words.png"
-    explained: Any = _Explained(text, ROWS)
-    save_explanation(explained, path)
-    pixels = np.asarray(Image.open(path).convert("L"))
-    assert pixels.min() < 100
-    # A blank rim: nothing is cut off at an edge of the picture.
-    for rim in (pixels[:4], pixels[-4:], pixels[:, :4], pixels[:, -4:]):
-        assert rim.min() > 250
+def test_each_of_several_answers_is_told() -> None:
+    steps = tuple(
+        Step(frame=i, status="answered", answer=Answer(text=text))
+        for i, text in enumerate(("It weighs 1 kg.", "It is 230 mm high."))
+    )
+    result = Result(
+        ok=True, status="answered", text=SENTENCE, paraphrase="…", steps=steps,
+        answer=steps[1].answer, scene="kitchen", seed=0,
+    )  # fmt: skip
+    text = report(result)
+    assert text.index("Step 1") < text.index("1 kg") < text.index("Step 2") < text.index("230 mm")
+    assert text.count("230 mm") == 1

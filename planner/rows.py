@@ -1,0 +1,169 @@
+"""The parts of a frame and the rows that explain them: words, field, parameter, value.
+
+A row goes from the words over the field of the frame to the parameter of the controller and its
+value. The parts bear the names of Figure 2 of the paper "Prediction of action outcomes using an
+object model". Values are SI inside; people read millimetres, degrees and newtons.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any, Literal, NamedTuple
+
+from pydantic import BaseModel, ConfigDict
+
+from grammar import frames as g
+
+PartName = Literal[
+    "push controller", "controller", "question", "remark", "object model", "wanted outcome",
+    "constraint", "left open", "filler",
+]  # fmt: skip
+
+
+class Row(BaseModel):
+    """The way of some words into the controller.
+
+    Attributes:
+        words: as they stand in the sentence; empty if it did not say so.
+        field: of the frame that they set.
+        parameter: of the controller that follows; empty if nothing does.
+        value: with its unit.
+        spans: where the words stand.
+        frame: which frame of the sentence, from 0.
+        part: of the way from words to a push, as the paper calls it.
+        default: whether the value comes from what stands for words that were not said.
+        problem: whether these words are why there is no plan.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    words: str
+    field: str
+    parameter: str
+    value: str
+    spans: g.Spans = ()
+    frame: int = 0
+    part: PartName = "left open"
+    default: bool = False
+    problem: bool = False
+
+
+class Clause(NamedTuple):
+    """A part of a frame: what the paper calls it, how it reads, where it stands, and itself."""
+
+    part: PartName
+    field: str
+    spans: g.Spans
+    said: Any
+
+
+class Value(NamedTuple):
+    """A parameter with its value.
+
+    Attributes:
+        parameter: of the controller, of the object model or of an answer.
+        value: with its unit.
+        default: whether the number comes from the table of defaults, or was chosen.
+        said: whether words led to it; words may say "a little", and the table how much that is.
+    """
+
+    parameter: str
+    value: str
+    default: bool = False
+    said: bool = True
+
+
+def clauses(frame: g.Frame, controller: PartName = "controller") -> Iterator[Clause]:
+    """The parts of a frame: its head, its object, its goal, its constraints."""
+    named_so = {key: getattr(frame, key) for key in ("query", "dialogue", "action", "event")}
+    head = [f"{key}: {said}" for key, said in named_so.items() if said is not None]
+    yield Clause(controller, ", ".join(head), frame.spans, None)
+    if frame.object is not None:
+        yield Clause("object model", f"object: {named(frame.object)}", frame.object.spans, None)
+    if frame.goal.kind != "none" or frame.goal.spans:
+        yield Clause("wanted outcome", f"goal: {read(frame.goal)}", frame.goal.spans, frame.goal)
+    for said in frame.constraints:
+        yield Clause("constraint", f"constraint: {read(said)}", said.spans, said)
+
+
+def row(clause: Clause, text: str, value: Value, **more: Any) -> Row:
+    """A row of a clause.
+
+    Args:
+        clause: of a frame.
+        text: the sentence.
+        value: what became of the clause.
+        more: further fields of the row.
+    """
+    spans = clause.spans if value.said else ()
+    return Row(
+        words=quoted(text, spans), field=clause.field, spans=spans, part=clause.part,
+        parameter=value.parameter, value=value.value, default=value.default, **more,
+    )  # fmt: skip
+
+
+def quoted(text: str, spans: g.Spans) -> str:
+    """The words that spans cover, in their order; a dash stands for other words between them."""
+    told, last = "", 0
+    for start, end in sorted(spans):
+        if told and start > last:
+            told += " … " if text[last:start].strip(" ,") else " "
+        told += text[max(start, last) : max(end, last)]
+        last = max(end, last)
+    return told
+
+
+_UNITS = {
+    "distance": "m", "clearance": "m", "height": "m", "x": "m", "y": "m", "angle": "rad",
+    "heading": "rad", "max_distance": "m", "max_tilt": "rad", "max_turn": "rad",
+    "max_force": "N", "min_force": "N", "force": "N", "max_speed": "m/s", "min_speed": "m/s",
+    "speed": "m/s", "max_duration": "s", "duration": "s",
+}  # fmt: skip
+"""Units of fields, and of the `value` of a constraint by its kind."""
+
+
+def read(part: Any) -> str:
+    """A goal or a constraint in words: its kind, and each field that was said."""
+    told = part.kind
+    for key, info in type(part).model_fields.items():
+        value = getattr(part, key)
+        if key in ("kind", "spans") or value == info.get_default():
+            continue
+        name = part.kind if key == "value" else key
+        told += f", {_field(value, name)}" if key == "value" else f", {key} {_field(value, name)}"
+    return str(told)
+
+
+def _field(value: Any, name: str) -> str:
+    match value:
+        case None:
+            return "anything"
+        case g.ObjectRef():
+            return named(value)
+        case g.RelativeLength():
+            whose = value.of.text if value.of.pronoun else f"{named(value.of)}'s"
+            return f"{value.value:g} × {whose} {value.side or 'width'}"
+        case g.ContactHeight():
+            bound = "" if value.bound == "exact" else f"{value.bound.replace('_', ' ')} "
+            where = "above the table" if value.origin == "table" else "below the top"
+            return f"{bound}{_field(value.value, 'height')} {where}"
+        case g.Point():
+            return f"x {shown(value.x, 'm')}, y {shown(value.y, 'm')}"
+        case tuple():
+            return " and ".join(_field(each, name) for each in value)
+        case float():
+            return shown(value, _UNITS.get(name, ""))
+    return str(value).replace("_", " ")
+
+
+def named(ref: g.ObjectRef) -> str:
+    """An object by its name in the scene; as it was said, if that is not known."""
+    return ref.id or ref.text
+
+
+def shown(value: float, unit: str) -> str:
+    """An SI value as people read it, in whole millimetres and degrees."""
+    if unit in ("m", "m/s"):
+        return f"{1e3 * value:.0f} m{unit}"
+    return f"{math.degrees(value):.0f}°" if unit == "rad" else f"{value:g} {unit}".rstrip()

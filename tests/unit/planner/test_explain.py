@@ -1,0 +1,111 @@
+"""Each clause that is planned has its row, with the number that it became."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from planner import Plan, plan
+from planner.defaults import DEFAULTS
+from planner.explain import Basis, explain
+from planner.rows import Row, quoted
+from planner.state import PlanarPose
+from tests.unit.planner.conftest import RuledReach, frame_of, world
+
+STATE = world(ice_tea_box=PlanarPose(0.5, 0.0), mug=PlanarPose(0.5, 0.5))
+
+
+def _rows(text: str) -> tuple[Row, ...]:
+    frame = frame_of(text)
+    made = plan(frame, STATE, RuledReach())
+    assert isinstance(made, Plan), made.message
+    basis = Basis.of(frame, STATE, DEFAULTS)
+    assert basis is not None
+    return explain(frame, made, text, basis)
+
+
+def _of(rows: tuple[Row, ...], parameter: str, part: str | None = None) -> Row:
+    (row,) = [r for r in rows if r.parameter == parameter and part in (None, r.part)]
+    return row
+
+
+def test_the_paper_s_sentence() -> None:
+    rows = _rows("push the ice tea box away without toppling it")
+    assert _of(rows, "controller").part == "push controller"
+    weight = _of(rows, "weight")
+    assert (weight.words, weight.part) == ("ice tea box", "object model")
+    assert weight.value == "0.995 ± 0.038 kg"  # 0.0375 in the model's file
+    assert _of(rows, "friction on the table").value == "0.378 ± 0.069"
+    assert _of(rows, "size").value == "90 × 90 × 230 mm"
+    assert _of(rows, "tips if pushed above").value == "119 mm"  # b / μ = 45 mm / 0.378
+    direction = _of(rows, "direction")
+    assert (direction.words, direction.part, direction.value) == ("away", "wanted outcome", "away")
+    distance = _of(rows, "distance")
+    assert (distance.words, distance.default) == ("", True)
+    assert (distance.field, distance.value) == (direction.field, "100 mm (not said: by default)")
+    margin = _of(rows, "margin")
+    assert (margin.words, margin.part) == ("without toppling it", "constraint")
+    assert re.match(r"\d+ mm below", margin.value)
+
+
+@pytest.mark.parametrize(
+    ("clause", "parameter", "value"),
+    [
+        ("without tilting it", "largest tilt", "5°"),
+        ("without turning it", "largest turn", "10°"),
+        ("without touching the mug", "free way", "10 mm or more from the mug"),
+        ("with no more than 8 N", "force limit", "asked: at most 8 N"),
+        ("gently", "force limit", "25 % above what is needed"),
+        ("gently", "largest speed", "20 mm/s (gentle, from the table of defaults)"),
+        ("slowly", "largest speed", "20 mm/s (slow, from the table of defaults)"),
+        ("no faster than 3 cm/s", "largest speed", "30 mm/s, asked: at most 30 mm/s"),
+        ("with two fingers", "fingers", "two fingers 40 mm apart"),
+        ("at the bottom", "heights allowed", "0 to 77 mm"),
+        ("3 cm above the table", "heights allowed", "30 mm"),
+        ("no contact above 4 cm", "heights allowed", "at most 40 mm"),
+        ("at least 20 cm below the top", "heights allowed", "at most 30 mm"),
+    ],
+)
+def test_every_clause_has_its_number(clause: str, parameter: str, value: str) -> None:
+    rows = _rows(f"push the ice tea box away {clause}")
+    row = _of(rows, parameter, "constraint")
+    assert row.words == clause
+    assert value in row.value
+
+
+@pytest.mark.parametrize(
+    ("words", "value", "default"),
+    [
+        ("a little", "50 mm (“a little”, from the table of defaults)", True),
+        ("a lot", "200 mm (“a lot”, from the table of defaults)", True),
+        ("15 cm", "150 mm", False),
+        ("at least 15 cm", "160 mm, asked: at least 150 mm", False),
+    ],
+)
+def test_words_for_an_amount_and_the_number_that_it_is(
+    words: str, value: str, default: bool
+) -> None:
+    row = _of(_rows(f"push the ice tea box away {words}"), "distance")
+    assert (row.words, row.value, row.default) == (f"away {words}", value, default)
+
+
+def test_the_farthest_of_a_range() -> None:
+    rows = _rows("push the ice tea box away, 5 to 10 cm")
+    assert _of(rows, "distance", "wanted outcome").value == "60 mm, asked: at least 50 mm"
+    assert "asked: at most 100 mm" in _of(rows, "distance", "constraint").value
+
+
+def test_what_was_not_said_is_named_as_such() -> None:
+    rows = _rows("topple the ice tea box")
+    assert _of(rows, "direction").default
+    for parameter in ("largest speed", "contact", "force limit", "longest stroke"):
+        row = _of(rows, parameter)
+        assert (row.words, row.part, row.default) == ("", "left open", True)
+
+
+def test_quoted_words_touch_overlap_or_stand_apart() -> None:
+    text = "push the box 10 cm gently away"
+    assert quoted(text, ((13, 18), (26, 30))) == "10 cm … away"
+    assert quoted(text, ((19, 25), (13, 18))) == "10 cm gently"
+    assert quoted(text, ((5, 12), (9, 12))) == "the box"
