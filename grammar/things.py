@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import cast
 
 from grammar import frames as g
-from grammar.errors import ParseError
+from grammar.complaints import unexpected
 from grammar.lexicon import Lexicon
 from grammar.normalise import Normalised
 from grammar.parts import (
@@ -67,7 +67,7 @@ def described(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> 
             out.append(part)
     for part in out:
         if isinstance(part, ThatIsPart):
-            raise _unexpected(part, sentence)
+            raise unexpected(part, sentence)
     return out
 
 
@@ -140,7 +140,7 @@ def _give(part: SidePart | PlacePart, out: Parts, sentence: Normalised) -> None:
         if isinstance(owner, AskPart | ExplorePart) and owner.thing is not None:
             out[i] = replace(owner, thing=_with(owner.thing, part))
             return
-    raise _unexpected(part, sentence)
+    raise unexpected(part, sentence)
 
 
 def _with(thing: ThingPart, part: SidePart | PlacePart) -> ThingPart:
@@ -160,9 +160,3 @@ def _with(thing: ThingPart, part: SidePart | PlacePart) -> ThingPart:
 
 def _noun(ref: g.ObjectRef) -> str:
     return "" if ref.pronoun or ref.text.casefold() in ("one", "ones") else ref.text.casefold()
-
-
-def _unexpected(part: Part, sentence: Normalised) -> ParseError:
-    written = sentence.written(part.span)
-    message = f'"{written}" is not understood here'
-    return ParseError("unexpected_words", message, part.span, (f'leave out "{written}"',))
