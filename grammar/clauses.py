@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from grammar.complaints import unexpected
 from grammar.errors import ParseError
 from grammar.frames import Span
 from grammar.normalise import Normalised
@@ -93,10 +94,10 @@ def _joined(parts: Sequence[Part], sentence: Normalised) -> Parts:
                 (f'leave out "{sentence.written(part.span)}", or say what comes then',),
             )
         if before is None and part.word != ",":
-            raise _unexpected(part, sentence)
+            raise _unjoined(part, sentence)
         doubled = isinstance(after, SeparatorPart)
         if doubled or (part.word == "or" and not _goes_on_avoiding(after)):
-            raise _unexpected(after if doubled else part, sentence)
+            raise _unjoined(after if doubled else part, sentence)
     return list(parts)
 
 
@@ -104,15 +105,12 @@ def _goes_on_avoiding(part: Part) -> bool:
     return isinstance(part, AvoidPart | FurtherNoTouchPart)
 
 
-def _unexpected(part: Part, sentence: Normalised) -> ParseError:
-    written = sentence.written(part.span)
-    alternatives = isinstance(part, SeparatorPart) and part.word == "or"
-    return ParseError(
-        "unexpected_words",
-        f'"{written}" leaves a choice' if alternatives else f'"{written}" is not understood here',
-        part.span,
-        ("say the one that is meant",) if alternatives else (f'leave out "{written}"',),
-    )
+def _unjoined(part: Part, sentence: Normalised) -> ParseError:
+    """A joint that joins nothing, or that leaves a choice."""
+    if not isinstance(part, SeparatorPart) or part.word != "or":
+        return unexpected(part, sentence)
+    message = f'"{sentence.written(part.span)}" leaves a choice'
+    return ParseError("unexpected_words", message, part.span, ("say the one that is meant",))
 
 
 def _without_requests(parts: Sequence[Part], sentence: Normalised) -> Parts:

@@ -5,7 +5,7 @@ Values are SI inside; people read newtons, millimetres and chances.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from pydantic import BaseModel, ConfigDict, Field, InstanceOf
@@ -114,13 +114,6 @@ def chance(probability: float) -> str:
     if probability < 0.01:
         return "below 0.01"
     return f"{probability:.2f}"
-
-
-def listed(parts: Sequence[str], word: str = "and") -> str:
-    """Parts of a sentence as a list: "a, b and c"."""
-    if len(parts) < 2:
-        return "".join(parts)
-    return f"{', '.join(parts[:-1])} {word} {parts[-1]}"
 
 
 def affordance_lines(found: Affordance) -> Iterator[str]:

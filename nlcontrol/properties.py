@@ -12,9 +12,10 @@ from decimal import Decimal
 from typing import TYPE_CHECKING
 
 from grammar import frames as g
-from nlcontrol.answers import Answer, listed
+from nlcontrol.answers import Answer
 from nlcontrol.errors import ControlError, ErrorInfo
 from nlcontrol.inquiry import target_of
+from nlcontrol.names import listed
 from nlcontrol.text import quantity
 
 if TYPE_CHECKING:

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from grammar import frames as g
-from nlcontrol.answers import DOES, Answer, Considered, affordance_lines, chance, listed, newtons
+from nlcontrol.answers import DOES, Answer, Considered, affordance_lines, chance, newtons
 from nlcontrol.checks import require_checkable
 from nlcontrol.errors import ControlError, error
 from nlcontrol.inquiry import EVENTS, Inquiry, inquiry, target_of
 from nlcontrol.limits import figures, how_hard
+from nlcontrol.names import listed
 from nlcontrol.places import most_favourable, where
 from nlcontrol.predictions import SURE, PushPrediction, in_turn, particulars, threshold
 from nlcontrol.properties import value
