@@ -29,6 +29,7 @@ from grammar.parts import (
     VerbPart,
 )
 from grammar.restrictions import constraints_of, require_same
+from grammar.things import parted_of
 
 _UP_AND_DOWN: dict[str, g.Direction] = {"up": "away", "down": "toward"}
 
@@ -168,18 +169,11 @@ class ActionReader:
         """Takes "the lid of the cup", when it is opened, for a part of the cup."""
         if not isinstance(goal, g.Open | g.Close):
             return goal, thing
-        part, of, whole = thing.ref.text.partition(" of ")
-        if not of or part.casefold() not in self._lexicon.parts:
+        parted = parted_of(thing)
+        if parted is None or parted[0] not in self._lexicon.parts:
             return goal, thing
-        article, _, name = whole.partition(" ")
-        start, end = thing.span
-        if article.casefold() not in {"the", "a", "an", "my", "your", "our"}:
-            name = whole
-        span = end - len(name), end
-        ref = g.ObjectRef(text=name, spans=(span,))
-        spans = (*goal.spans, (start, start + len(part)))
-        goal = goal.model_copy(update={"part": part.casefold(), "spans": spans})
-        return goal, ThingPart(span, ref)
+        part, span, whole = parted
+        return goal.model_copy(update={"part": part, "spans": (*goal.spans, span)}), whole
 
     def _verb(self, part: VerbPart, rest: Parts) -> tuple[Verb, str, tuple[Span, ...], Parts]:
         """Finds the verb with or without its particle; returns what it leaves of the rest."""

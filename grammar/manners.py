@@ -104,10 +104,11 @@ class Manners(Phrases):
 
     # --- where it is touched ------------------------------------------------------------------
 
-    def region(self, children: Children) -> ConstraintPart:
-        """At the top."""
+    def region(self, children: Children) -> list[Part]:
+        """At the top; at the top of the box."""
         region = cast(Literal["top", "middle", "bottom"], self._w.value(children, "REGION"))
-        return self._contact(children, region=region)
+        things = [child for child in children if isinstance(child, Part)]
+        return [self._contact(children[:1], region=region), *things]
 
     def face(self, children: Children) -> ConstraintPart:
         """On the left side."""

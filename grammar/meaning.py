@@ -188,7 +188,10 @@ class _Reader:
         )
 
     def _dialogue(self, remarks: Sequence[RemarkPart]) -> g.Dialogue | None:
-        """What the remarks do together: "no, again" corrects."""
+        """What the remarks do together: "no, again" corrects; "again and again" is too much."""
+        again = [remark for remark in remarks if remark.dialogue == "repeat"]
+        if len(again) > 1:
+            raise unexpected(again[1], self._sentence)
         said = {remark.dialogue for remark in remarks}
         for dialogue in ("correct", "undo", "stop", "repeat", "more"):
             if dialogue in said:

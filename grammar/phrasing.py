@@ -38,6 +38,8 @@ _MEASURED: dict[str, tuple[str, str, str]] = {
     "max_duration": ("in ", "at most ", " s"),
 }
 _I = re.compile(r"\bi\b")
+_TIMES = {0.25: "a quarter of ", 1 / 3: "a third of ", 0.5: "half ", 2 / 3: "two thirds of ",
+          0.75: "three quarters of ", 1.0: "", 2.0: "twice "}  # fmt: skip
 _NO_NAMES = ("one", "ones", "the", "a", "an")
 _TOUCHES = ("touching", "in_line", "next_to")
 
@@ -144,7 +146,7 @@ class Phrasing:
         return f"{_plain(metres * 100)} {self.say('LENGTH_UNIT', '0.01')}"
 
     def _relative(self, length: g.RelativeLength) -> str:
-        times = "" if length.value == 1.0 else f"{_plain(length.value)} times "
+        times = _TIMES.get(length.value, f"{_plain(length.value)} times ")
         if length.side is None:
             raise no_words("lengths measured in objects without a side")
         if length.of.text == "its":

@@ -42,6 +42,8 @@ _TELLING = ("next_to", "left_of", "right_of", "in_front_of", "behind", "between"
             "on", "nearest")  # fmt: skip
 """Relations that can tell an object from others."""
 
+_ARTICLES = ("the", "a", "an", "my", "your", "our")
+
 Parts = list[Part]
 
 
@@ -52,7 +54,7 @@ def described(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> 
         ParseError: `unexpected_words` if there is nothing that they could belong to.
     """
     out: Parts = []
-    parts = _touching(parts)
+    parts = _touching(_touched(parts, lexicon))
     for i, part in enumerate(parts):
         telling = isinstance(part, SidePart)
         if isinstance(part, PlacePart):
@@ -69,6 +71,49 @@ def described(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> 
         if isinstance(part, ThatIsPart):
             raise unexpected(part, sentence)
     return out
+
+
+def _touched(parts: Sequence[Part], lexicon: Lexicon) -> Parts:
+    """Takes "the top of the box" for the box, touched at the top, unless it is opened."""
+    if _goal(list(parts), lexicon) in ("open", "close", None):
+        return list(parts)
+    return [
+        said
+        for part in parts
+        for said in (_split(part, lexicon) if isinstance(part, ThingPart) else [part])
+    ]
+
+
+def _split(thing: ThingPart, lexicon: Lexicon) -> Parts:
+    """A thing as it is, but "the top of the box" as the box and where it is touched."""
+    parted = parted_of(thing)
+    contact = _contact(parted[0], lexicon) if parted else None
+    if parted is None or contact is None:
+        return [thing]
+    _, span, whole = parted
+    return [whole, ConstraintPart(span, contact.model_copy(update={"spans": (span,)}))]
+
+
+def parted_of(thing: ThingPart) -> tuple[str, g.Span, ThingPart] | None:
+    """What "the lid of the cup" is made of: the part, where it stands, and the whole."""
+    part, of, whole = thing.ref.text.partition(" of ")
+    if not of:
+        return None
+    start, end = thing.span
+    article, _, name = whole.partition(" ")
+    name = name if article.casefold() in _ARTICLES else whole
+    span = end - len(name), end
+    ref = g.ObjectRef(text=name, spans=(span,))
+    return part.casefold(), (start, start + len(part)), ThingPart(span, ref, thing.contents)
+
+
+def _contact(where: str, lexicon: Lexicon) -> g.ContactRegion | None:
+    """The third or the face of an object that some words name."""
+    region = lexicon.terminals["REGION"].get(f"at the {where}")
+    face = lexicon.terminals["FACE"].get(f"on the {where}")
+    if region is None and face is None:
+        return None
+    return g.ContactRegion.model_validate({"region": region, "face": None if region else face})
 
 
 def _touching(parts: Sequence[Part]) -> Parts:
@@ -100,7 +145,8 @@ def _tells(part: PlacePart, parts: Parts, i: int, before: Parts, lexicon: Lexico
         return asked
     goal = _goal(parts, lexicon)
     if goal not in _TAKES_PLACE:
-        return goal is not None
+        # "Lean it against the wall" is no box that stands against the wall.
+        return goal is not None and part.relation != "touching"
     rest = _not_avoided(parts[i + 1 :])
     if any(isinstance(p, PlacePart) and p.relation != "nearest" for p in rest):
         return True

@@ -118,7 +118,7 @@ class _Speaker:
             share = {None: "", 0.5: "half of ", 1.0: "all of "}.get(goal.fraction)
             if share is None:
                 raise no_words(f"a share of {goal.fraction}")
-            return f"{share}the contents of {name}"
+            return f"{share}{name}"
         return name
 
     def _constraints(self, goal: g.Goal, constraints: Sequence[g.Constraint]) -> list[str]:

@@ -22,10 +22,10 @@ LONGEST_S = 0.05
         ("open the lid of thehow large jar", 'open "lid of thehow large jar"'),
         (
             "push the tin at half the height of the mug",
-            "push the tin at 0.5 times the height of the mug",
+            "push the tin at half the height of the mug",
         ),
         ("push robot, away", 'push "robot" away'),
-        ("push the tin at two box heights", "push the tin at 2 times the height of the box"),
+        ("push the tin at two box heights", "push the tin at twice the height of the box"),
     ],
 )
 def test_whatever_is_read_can_be_said(text: str, said: str) -> None:
