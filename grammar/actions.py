@@ -169,7 +169,7 @@ class ActionReader:
         """Takes "the lid of the cup", when it is opened, for a part of the cup."""
         if not isinstance(goal, g.Open | g.Close):
             return goal, thing
-        parted = parted_of(thing)
+        parted = parted_of(thing, self._sentence)
         if parted is None or parted[0] not in self._lexicon.parts:
             return goal, thing
         part, span, whole = parted

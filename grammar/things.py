@@ -6,6 +6,7 @@ elsewhere where to go; else it is where to go. A length before a place is the ga
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import cast
@@ -42,7 +43,10 @@ _TELLING = ("next_to", "left_of", "right_of", "in_front_of", "behind", "between"
             "on", "nearest")  # fmt: skip
 """Relations that can tell an object from others."""
 
-_ARTICLES = ("the", "a", "an", "my", "your", "our")
+_OF = re.compile(
+    r"(?P<part>.+?)\s+(?P<of>of)\s+(?:(?:the|an?|my|your|our)\s+)?(?P<whole>.+)",
+    re.IGNORECASE | re.DOTALL,
+)
 
 Parts = list[Part]
 
@@ -54,7 +58,7 @@ def described(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> 
         ParseError: `unexpected_words` if there is nothing that they could belong to.
     """
     out: Parts = []
-    parts = _touching(_touched(parts, lexicon))
+    parts = _touching(_touched(parts, lexicon, sentence))
     for i, part in enumerate(parts):
         telling = isinstance(part, SidePart)
         if isinstance(part, PlacePart):
@@ -73,20 +77,20 @@ def described(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> 
     return out
 
 
-def _touched(parts: Sequence[Part], lexicon: Lexicon) -> Parts:
+def _touched(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
     """Takes "the top of the box" for the box, touched at the top, unless it is opened."""
     if _goal(list(parts), lexicon) in ("open", "close", None):
         return list(parts)
     return [
         said
         for part in parts
-        for said in (_split(part, lexicon) if isinstance(part, ThingPart) else [part])
+        for said in (_split(part, lexicon, sentence) if isinstance(part, ThingPart) else [part])
     ]
 
 
-def _split(thing: ThingPart, lexicon: Lexicon) -> Parts:
+def _split(thing: ThingPart, lexicon: Lexicon, sentence: Normalised) -> Parts:
     """A thing as it is, but "the top of the box" as the box and where it is touched."""
-    parted = parted_of(thing)
+    parted = parted_of(thing, sentence)
     contact = _contact(parted[0], lexicon) if parted else None
     if parted is None or contact is None:
         return [thing]
@@ -94,17 +98,16 @@ def _split(thing: ThingPart, lexicon: Lexicon) -> Parts:
     return [whole, ConstraintPart(span, contact.model_copy(update={"spans": (span,)}))]
 
 
-def parted_of(thing: ThingPart) -> tuple[str, g.Span, ThingPart] | None:
+def parted_of(thing: ThingPart, sentence: Normalised) -> tuple[str, g.Span, ThingPart] | None:
     """What "the lid of the cup" is made of: the part, where it stands, and the whole."""
-    part, of, whole = thing.ref.text.partition(" of ")
-    if not of:
-        return None
     start, end = thing.span
-    article, _, name = whole.partition(" ")
-    name = name if article.casefold() in _ARTICLES else whole
-    span = end - len(name), end
-    ref = g.ObjectRef(text=name, spans=(span,))
-    return part.casefold(), (start, start + len(part)), ThingPart(span, ref, thing.contents)
+    match = _OF.fullmatch(sentence.original[start:end])
+    if match is None:
+        return None
+    span = start + match.start("whole"), end
+    ref = g.ObjectRef(text=sentence.written(span), spans=(span,))
+    part = " ".join(match["part"].casefold().split())
+    return part, (start, start + match.end("of")), ThingPart(span, ref, thing.contents)
 
 
 def _contact(where: str, lexicon: Lexicon) -> g.ContactRegion | None:
