@@ -214,9 +214,10 @@ def _asked_heading(goal: g.Displace, e: Evidence) -> float | None:
     """Heading that the sentence asks for [rad], from where things stood at the start."""
     if goal.heading is not None:
         return goal.heading
-    if isinstance(goal.toward, g.ObjectRef) and goal.toward.id is not None:
-        there, here = e.trace.poses[goal.toward.id][0, 4:], e.trace.poses[e.name][0, 4:]
-        return heading_of(there - here)
+    for other, sign in ((goal.toward, 1.0), (goal.away_from, -1.0)):
+        if isinstance(other, g.ObjectRef) and other.id is not None:
+            there, here = e.trace.poses[other.id][0, 4:], e.trace.poses[e.name][0, 4:]
+            return heading_of(sign * (there - here))
     if isinstance(goal.direction, tuple):
         return bisector(goal.direction)
     return HEADINGS[goal.direction] if goal.direction else None

@@ -145,8 +145,8 @@ def _goal(frame: g.Frame, target: SeenObject, state: WorldState, defaults: Defau
         used.append(
             DefaultUsed(name="direction", value=0.0, unit="rad", reason="no direction said: away")
         )
-    if goal.away_from is not None or isinstance(goal.toward, str):
-        what = "moving away from objects, or towards parts of the table"
+    if isinstance(goal.away_from, str) or isinstance(goal.toward, str):
+        what = "moving towards or away from parts of the table"
         raise unsupported(what, f"this version of the robot is not capable of {what}", goal.spans)
     distance, reason = _distance(goal, defaults)
     if reason:
@@ -161,14 +161,15 @@ def _goal(frame: g.Frame, target: SeenObject, state: WorldState, defaults: Defau
 def _heading(goal: g.Displace, target: SeenObject, state: WorldState) -> float | None:
     if goal.heading is not None:
         return goal.heading
-    if isinstance(goal.toward, g.ObjectRef) and goal.toward.id is not None:
-        if goal.toward.id == target.name:
-            message = f"the {target.name} cannot move towards itself"
-            raise RefusedError(
-                Refusal(reason="impossible", message=message, spans=goal.toward.spans)
-            )
-        there = state.objects[goal.toward.id].pose.p_WB
-        return heading_of(there - target.pose.p_WB)
+    for other, sign in ((goal.toward, 1.0), (goal.away_from, -1.0)):
+        if not isinstance(other, g.ObjectRef) or other.id is None:
+            continue
+        if other.id == target.name:
+            way = "towards" if other is goal.toward else "away from"
+            message = f"the {target.name} cannot move {way} itself"
+            raise RefusedError(Refusal(reason="impossible", message=message, spans=other.spans))
+        there = state.objects[other.id].pose.p_WB
+        return heading_of(sign * (there - target.pose.p_WB))
     if isinstance(goal.direction, tuple):
         return bisector(goal.direction)
     return HEADINGS[goal.direction] if goal.direction else None

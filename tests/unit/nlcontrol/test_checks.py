@@ -87,6 +87,7 @@ def test_distances_as_bounds(
         (g.Displace(direction=("away", "left")), (0.0707, 0.0707)),
         (g.Displace(heading=math.radians(30)), (0.0866, 0.05)),
         (g.Displace(toward=g.ObjectRef(text="mug", id="mug")), (0.0, 0.1)),
+        (g.Displace(away_from=g.ObjectRef(text="mug", id="mug")), (0.0, -0.1)),
     ],
 )
 def test_every_way_to_name_a_direction(

@@ -52,11 +52,9 @@ def frame_of(text: str) -> Frame:
     assert frame.object is not None
     found: dict[str, object] = {"object": frame.object.model_copy(update={"id": frame.object.text})}
     goal = frame.goal
-    toward = getattr(goal, "toward", None)
-    if toward is not None:
-        found["goal"] = goal.model_copy(
-            update={"toward": toward.model_copy(update={"id": toward.text})}
-        )
+    named = {key: getattr(goal, key, None) for key in ("toward", "away_from")}
+    bound = {k: ref.model_copy(update={"id": ref.text}) for k, ref in named.items() if ref}
+    found["goal"] = goal.model_copy(update=bound)
     return frame.model_copy(update=found)
 
 

@@ -247,10 +247,11 @@ def test_it_does_not_fall_on_another(reach: RuledReach) -> None:
     assert push.face != "front"
 
 
-def test_towards_another_object(reach: RuledReach) -> None:
+@pytest.mark.parametrize(("way", "along_y"), [("towards", 1.0), ("away from", -1.0)])
+def test_towards_and_away_from_another_object(reach: RuledReach, way: str, along_y: float) -> None:
     state = world(ice_tea_box=PlanarPose(0.45, 0.0), coffee_box=PlanarPose(0.45, 0.5))
-    push = _planned("push the ice tea box towards the coffee box", state, reach).push
-    assert push.direction_W == pytest.approx((0.0, 1.0, 0.0), abs=LENGTHS)
+    push = _planned(f"push the ice tea box {way} the coffee box", state, reach).push
+    assert push.direction_W == pytest.approx((0.0, along_y, 0.0), abs=LENGTHS)
 
 
 def test_a_heavy_object_is_too_much_for_the_fingers(kitchen: WorldState) -> None:
