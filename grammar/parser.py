@@ -73,10 +73,16 @@ def parser_for(names: Iterable[str]) -> Parser:
 
     A name that would be read as something else ("hard drive") becomes a word of the language.
     """
-    parser = default_parser()
-    phrasing = Phrasing(parser.lexicon)
+    lexicon, _ = installed()
+    phrasing = Phrasing(lexicon)
     unread = sorted(name for name in names if not phrasing.needs_no_article(name))
-    return Parser(parser.lexicon.extended(names=unread)) if unread else parser
+    return _parser_with(tuple(unread)) if unread else default_parser()
+
+
+@cache
+def _parser_with(names: tuple[str, ...]) -> Parser:
+    lexicon, _ = installed()
+    return Parser(lexicon.extended(names=names))
 
 
 @cache

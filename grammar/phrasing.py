@@ -40,7 +40,7 @@ _MEASURED: dict[str, tuple[str, str, str]] = {
 _I = re.compile(r"\bi\b")
 _TIMES = {0.25: "a quarter of ", 1 / 3: "a third of ", 0.5: "half ", 2 / 3: "two thirds of ",
           0.75: "three quarters of ", 1.0: "", 2.0: "twice "}  # fmt: skip
-_NO_NAMES = ("one", "ones", "the", "a", "an")
+_NO_NAMES = ("one", "ones", "the", "a", "an", "my", "your", "our", "its")
 _TOUCHES = ("touching", "in_line", "next_to")
 
 
@@ -98,7 +98,8 @@ class Phrasing:
         lexicon = self.lexicon
         ends = lexicon.reserved | lexicon.first_words
         ends -= lexicon.openers | lexicon.verb_words["VERB"].keys() | lexicon.adjectives.keys()
-        return not ends & set(_words(name))
+        words = _words(name)
+        return not any(w in ends and not _joins(words, i) for i, w in enumerate(words))
 
     def is_plain(self, name: str) -> bool:
         """Whether a name is read whole without quotation marks."""
@@ -130,7 +131,7 @@ class Phrasing:
             return True
         if after_adjectives and word in lexicon.adjectives and i + 1 < len(words):
             return words[i + 1] not in lexicon.ends_names
-        if word in lexicon.openers or word in lexicon.verb_words["VERB"]:
+        if word in lexicon.openers or word in lexicon.verb_words["VERB"] or _joins(words, i):
             return True
         return not (word[0].isdigit() or word in lexicon.reserved | lexicon.first_words)
 
@@ -331,6 +332,11 @@ class Phrasing:
         if height.origin == "top":
             raise no_words("a height below the top measured in objects")
         return f"at {value}"
+
+
+def _joins(words: Sequence[str], i: int) -> bool:
+    """Whether this word is the "of" of "can of soup"."""
+    return words[i] == "of" and 0 < i < len(words) - 1 and words[i + 1] not in _NO_NAMES
 
 
 def _words(name: str) -> list[str]:

@@ -43,6 +43,7 @@ _TELLING = ("next_to", "left_of", "right_of", "in_front_of", "behind", "between"
             "on", "nearest")  # fmt: skip
 """Relations that can tell an object from others."""
 
+_QUOTES = ('"', "'", "“", "‘", "„", "«")
 _OF = re.compile(
     r"(?P<part>.+?)\s+(?P<of>of)\s+(?:(?:the|an?|my|your|our)\s+)?(?P<whole>.+)",
     re.IGNORECASE | re.DOTALL,
@@ -102,7 +103,8 @@ def parted_of(thing: ThingPart, sentence: Normalised) -> tuple[str, g.Span, Thin
     """What "the lid of the cup" is made of: the part, where it stands, and the whole."""
     start, end = thing.span
     match = _OF.fullmatch(sentence.original[start:end])
-    if match is None:
+    quoted = sentence.original[:start].endswith(_QUOTES)
+    if match is None or quoted:
         return None
     span = start + match.start("whole"), end
     ref = g.ObjectRef(text=sentence.written(span), spans=(span,))
