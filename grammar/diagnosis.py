@@ -151,6 +151,11 @@ def _words(expected: Iterable[str], lexicon: Lexicon) -> set[str]:
     return {w for name in known for p in lexicon.phrases(name) for w in p.split() if len(w) > 3}
 
 
+def words_like(word: str, lexicon: Lexicon) -> tuple[str, ...]:
+    """What a word may have been meant for that is no word of the language."""
+    return _did_you_mean(word.casefold(), _words(lexicon.terminals, lexicon))
+
+
 def _did_you_mean(word: str, known: Iterable[str], close: float = 75.0) -> tuple[str, ...]:
     """The known words nearest to a word; of near ties all, since none is a better guess."""
     from rapidfuzz import fuzz, process

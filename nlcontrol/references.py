@@ -181,12 +181,42 @@ def _elsewhere(ref: ObjectRef, around: Surroundings, alone: bool) -> str:
                 return model.name
             raise _not_on_table(f"'{ref.text}'", ref, around)
     guess = likely(ref.text, around.on_table) or likely(noun(ref), around.on_table)
+    _require_no_more_than_a_name(ref, around, misspelt=guess is not None)
     raise error(
         "unknown_object",
         f"there is no '{ref.text}' on the table; there is: {_there(around)}",
         span=span(ref),
         suggestions=(f"did you mean '{guess}'?",) if guess else around.names,
     )
+
+
+def _require_no_more_than_a_name(ref: ObjectRef, around: Surroundings, *, misspelt: bool) -> None:
+    """Refuses words that a name has run on into: "ice tea box awya".
+
+    A misspelt name is the better explanation, unless those words are like some of the language.
+
+    Raises:
+        ControlError: `unknown_object`, about those words.
+    """
+    from grammar.diagnosis import words_like
+    from grammar.plugins import installed
+
+    said_words = ref.text.split()
+    for i in range(len(said_words) - 1, 0, -1):
+        name, more = " ".join(said_words[:i]), " ".join(said_words[i:])
+        lexicon, _ = installed()
+        meant = words_like(said_words[i], lexicon)
+        found = called(name, around.on_table)
+        if not found or not (meant or (len(found) == 1 and not misspelt)):
+            continue
+        whole = span(ref)
+        exact = whole is not None and whole[1] - whole[0] == len(ref.text)
+        raise error(
+            "unknown_object",
+            f"'{more}' behind '{name}' is neither understood nor a part of a name on the table",
+            span=(whole[1] - len(more), whole[1]) if whole and exact else whole,
+            suggestions=(*meant, f"leave out '{more}'"),
+        )
 
 
 def _not_on_table(what: str, ref: ObjectRef, around: Surroundings) -> ControlError:

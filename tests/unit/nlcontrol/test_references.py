@@ -358,3 +358,21 @@ def test_what_an_ambiguity_offers_leads_to_each_object(
     led_to = [_resolved(_read(text, asked), *table) for text in info.suggestions]
     assert len(set(led_to)) == len(led_to) > 1
     assert all(f"{name}" in info.message for name in led_to)
+
+
+@pytest.mark.parametrize(
+    ("text", "more", "meant"),
+    [
+        ("push the ice tea box awya", "awya", "'away'"),
+        ("push the ice tea box gentley to the left", "gentley", "'gently'"),
+        ("push the coffee box blorply", "blorply", "leave out 'blorply'"),
+    ],
+)
+def test_words_that_a_name_runs_on_into_are_pointed_at(text: str, more: str, meant: str) -> None:
+    error = Controller("kitchen").say(text, plan_only=True).error
+    assert error is not None
+    assert (error.code, error.span) == (
+        "unknown_object",
+        (text.index(more), text.index(more) + len(more)),
+    )
+    assert meant in error.suggestions[0]
