@@ -63,6 +63,10 @@ class Clause:
             for part in self._left
         )
 
+    def first(self, kind: type[P]) -> P | None:
+        """The first part of a kind, which stays to be taken."""
+        return next((part for part in self._left if isinstance(part, kind)), None)
+
     def take_all(self, kind: type[P]) -> list[P]:
         """Takes all parts of a kind; their words become the goal's."""
         taken = [part for part in self._left if isinstance(part, kind)]
@@ -247,7 +251,7 @@ def _place_at(clause: Clause, place: PlacePart) -> g.Place:
 
 def _rotate(clause: Clause) -> g.Rotate:
     sense = clause.take(SensePart)
-    aside = next((p for p in clause._left if isinstance(p, DirectionPart)), None)
+    aside = clause.first(DirectionPart)
     direction = clause.direction()
     turned = _SENSES.get(direction) if direction else None
     if aside is not None and not aside.implied and (turned is None or sense is not None):

@@ -19,14 +19,7 @@ Choice = Callable[[Sequence[str]], str]
 
 _WAYS = {0.25: "0.25", 0.5: "0.5", 0.75: "0.75", 1 / 3: "1/3", 2 / 3: "2/3", 1.0: "1"}
 _COUNTS = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
-_AVOIDED: dict[str, str] = {
-    "no_topple": "no_topple",
-    "no_tilt": "no_tilt",
-    "no_turn": "no_turn",
-    "no_slide": "no_slide",
-    "no_lift": "no_lift",
-    "no_spill": "no_spill",
-}
+_AVOIDED = frozenset({"no_topple", "no_tilt", "no_turn", "no_slide", "no_lift", "no_spill"})
 _MEASURED: dict[str, tuple[str, str, str]] = {
     "force": ("with ", "", " N"),
     "min_force": ("with ", "at least ", " N"),

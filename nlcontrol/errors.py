@@ -43,7 +43,6 @@ CODES: dict[str, Status] = {
     # Remarks that refer to what was said and done before.
     "nothing_before": _SENTENCE,
     "not_alone": _SENTENCE,
-    "nothing_to_explain": _SENTENCE,
     # Refusals of the planner: its reasons are the codes.
     "impossible": _NO_PLAN,
     "out_of_reach": _NO_PLAN,

@@ -52,7 +52,7 @@ def answer(
         position_sd: standard deviation of a seen position [m].
 
     Raises:
-        ControlError: `nothing_to_explain`; `unknown_object` if the question names none; a reason of
+        ControlError: `nothing_before`; `unknown_object` if the question names none; a reason of
             the planner if what is asked about is no push of this robot.
     """
     match frame.query:
@@ -70,7 +70,7 @@ def answer(
             return _affordances(frame, state, reach(), defaults)
         case _:
             raise error(
-                "nothing_to_explain",
+                "nothing_before",
                 "nothing was done yet, so there is nothing to explain",
                 suggestions=("say first what is to be done",),
             )
