@@ -1,5 +1,6 @@
 """Finding an object's parameters from what touches of it showed."""
 
+from objectmodels.identification.onset import Onset, detect_onset
 from objectmodels.identification.trials import Moved, Trial
 
-__all__ = ["Moved", "Trial"]
+__all__ = ["Moved", "Onset", "Trial", "detect_onset"]

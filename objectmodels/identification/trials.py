@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-
 Moved = Literal["slide", "topple", "slip"]
 """What gave way: the object slid, it tilted about an edge of its base, the finger slipped on it."""
 
