@@ -37,22 +37,25 @@ class Touch:
         return middle
 
 
-def feel(world: DrakeWorld, mount: Mount, fingers: tuple[str, ...], inward_W: Array) -> Touch:
-    """Reads the fingers' joint sensors.
+def feel(
+    world: DrakeWorld, mount: Mount, fingers: tuple[str, ...], inward_W: Array, torques: Array
+) -> Touch:
+    """Where the pushing fingers are and what they press, by their joints' sensors.
 
     Args:
         world: whose sensors are read.
         mount: of the arm.
         fingers: names of the pushing fingers.
         inward_W: unit normal into the touched face in W, shape (3,).
+        torques: of the fingers' joints, their sensors' zero taken off, shape (k, 3) [N·m].
     """
     R_WP, p_WP = mount.palm(world.arm_angles())
     tips, forces = [], []
-    for finger in fingers:
+    for finger, tau in zip(fingers, torques, strict=True):
         angles = world.finger_angles(finger)
         p_PT = finger_points(finger, angles)[3]
         J = finger_jacobian(finger, angles, p_PT + TIP_RADIUS * R_WP.T @ inward_W)
-        f_P = np.linalg.solve(J.T, world.finger_torques(finger))
+        f_P = np.linalg.solve(J.T, tau)
         tips.append(R_WP @ p_PT + p_WP)
         forces.append(R_WP @ f_P)
     return Touch(np.array(tips), np.array(forces))

@@ -1,4 +1,4 @@
-"""The push itself: a guarded touch, then force and speed together until an end or a guard.
+"""The push itself: force and speed together, from the touch until an end or a guard.
 
 Law: the fingertips' command advances along the movement vector at
 
@@ -24,27 +24,13 @@ from planner.state import WorldState
 from sim.fingers import Touch
 from sim.guards import MOVED, RAMP, Guards, band
 from sim.hand import TIP_RADIUS
-from sim.reach import STANDOFF, Way
+from sim.reach import Way
 from sim.recorder import Recorder
-from sim.rotations import Array
 from sim.stance import Stance
 from sim.steering import LineKeeper, PushedBox
+from sim.touch import TouchControl
 from sim.trace import EndReason
 
-TOUCH_SPEED = 0.015
-"""Of the guarded approach [m/s]."""
-
-PAUSE = 0.3
-"""Before the touch, until the fingers hang still and feel nothing [s]."""
-
-TOUCH_FORCE = 0.6
-"""Felt force that counts as a touch, less for an object that half of it would move [N]."""
-
-TOUCH_BEYOND = 0.015
-"""Travel beyond the expected face after which there is nothing to touch [m]."""
-
-_FILTER = 0.04  # time constant of the felt force [s]
-_NOISES = 6.0  # standard deviations of noise that do not count as a touch
 _ACCELERATION = 0.1  # [m/s²]
 _FORCE_RATE = 10.0  # of an object that stands [N/s]
 _FASTEST_START = 0.012  # before the object moves [m/s]
@@ -54,24 +40,8 @@ _SLOWEST = 0.008  # [m/s]
 _HOLD = 4.0  # rate at which deviations across the vector are corrected [1/s]
 _HOLD_MOST = 0.010  # largest such correction [m]
 
-_SEEN_SHARE = 0.35  # weight of a new camera frame in the seen tilt
 
-
-class EarlyEndError(Exception):
-    """An execution cannot go on.
-
-    Attributes:
-        end: how the trace ends.
-        detail: why, in words.
-    """
-
-    def __init__(self, end: EndReason, detail: str) -> None:
-        super().__init__(detail)
-        self.end = end
-        self.detail = detail
-
-
-class PushControl:
+class PushControl(TouchControl):
     """One push, from before the face to its end.
 
     Args:
@@ -81,9 +51,6 @@ class PushControl:
         way: of the fingertips.
         state: what is believed.
         tell: progress.
-
-    Attributes:
-        commanded: where T was last commanded to be, in W, shape (3,) [m].
     """
 
     def __init__(
@@ -95,60 +62,9 @@ class PushControl:
         state: WorldState,
         tell: Callable[[str, float, str], None],
     ) -> None:
+        super().__init__(plan.push, plan.prediction.onset, recorder, stance, way, tell)
         self.plan = plan
-        self.recorder = recorder
-        self.stance = stance
-        self.way = way
-        self.tell = tell
-        self.commanded = way.start
         self._target = state.objects[plan.push.object]
-        self._period = recorder.world.period
-        self._u = np.array(plan.push.direction_W)
-        self._forces = np.zeros(plan.push.fingers)
-        self._tilt = 0.0
-        self._share = min(1.0, self._period / _FILTER)
-
-    # -- touch ---------------------------------------------------------------------------------
-
-    def touch(self) -> None:
-        """Approaches along the normal until the face is felt.
-
-        Raises:
-            EarlyEndError: nothing is felt where the face should be.
-        """
-        self.recorder.phase = "touch"
-        self.recorder.force_limit = self._touch_force
-        self._share = self._touch_share()
-        for _ in range(round(PAUSE / self._period)):
-            self._step(self.way.start, self.way.inward)
-        travel, most = 0.0, STANDOFF + TOUCH_BEYOND
-        while not self._touched():
-            if travel > most:
-                raise EarlyEndError("no_touch", f"nothing was felt within {1e3 * most:.0f} mm")
-            travel += TOUCH_SPEED * self._period
-            self._step(self.way.start + travel * self.way.inward, self.way.inward)
-        self._share = min(1.0, self._period / _FILTER)
-
-    def _touch_share(self) -> float:
-        """Weight of a new sample with which the noise stays well below the touch force."""
-        sensor = self.recorder.world.scene.torque_sensor
-        samples = max(1.0, sensor.rate_hz * self._period)
-        noise = self.stance.coarseness(self.way.inward) * sensor.noise_nm / np.sqrt(samples)
-        quiet = (self._touch_force / max(_NOISES * noise, 1e-9)) ** 2
-        # An exponential filter of weight s lets s / (2 − s) of the variance through.
-        return float(min(1.0, self._period / _FILTER, 2.0 * quiet / (1.0 + quiet)))
-
-    @property
-    def _touch_force(self) -> float:
-        return min(TOUCH_FORCE, 0.5 * self.plan.prediction.onset)
-
-    def _touched(self) -> bool:
-        """All fingers, or so much force that one of them alone would soon move the object."""
-        enough = self._touch_force
-        total, least = self._forces.sum(), self._forces.min()
-        return bool((total > enough and least > 0.25 * enough) or total > 1.5 * enough)
-
-    # -- push ----------------------------------------------------------------------------------
 
     def push(self) -> tuple[EndReason, str]:
         """Pushes until an end or a guard; returns which and why."""
@@ -205,20 +121,6 @@ class PushControl:
         if push.ends_on == "stroke":
             allowed = min(allowed, max(_SLOWEST, _BRAKING * (push.stroke - travel)))
         return allowed
-
-    @property
-    def _here(self) -> Touch:
-        assert self.recorder.touch is not None, "the recorder knows the pushing fingers"
-        return self.recorder.touch
-
-    def _step(self, tip: Array, along: Array) -> None:
-        """Commands T to a point and takes in what was felt along a direction, and seen."""
-        self.commanded = tip
-        self.recorder.step(self.stance.joints(tip), self.stance.posture.joints)
-        self._forces += self._share * (self._here.forces @ along - self._forces)
-        for frame in self.recorder.frames:
-            up = frame.poses[self.plan.push.object].R_WB[:, 2]
-            self._tilt += _SEEN_SHARE * (float(np.arctan2(up @ self._u, up[2])) - self._tilt)
 
     # -- steering ------------------------------------------------------------------------------
 

@@ -32,6 +32,8 @@ class Recorder:
         phase: what is being done now; see `Trace.phase`.
         fingers: the fingers that push.
         force_limit: in force now [N].
+        torques: what the pushing fingers' sensors read last, shape (k, 3) [N·m].
+        zero: what they read while nothing is touched, of the same shape.
         touch: what the fingers felt last; None until there are any.
         frames: camera frames that arrived with the last step.
     """
@@ -41,6 +43,8 @@ class Recorder:
         self.phase = "look"
         self.fingers: tuple[str, ...] = ()
         self.force_limit = 0.0
+        self.torques = np.zeros((0, 3))
+        self.zero: Array | float = 0.0
         self.touch: Touch | None = None
         self.frames: list[Frame] = []
         self._mount = mount
@@ -60,7 +64,10 @@ class Recorder:
         if self.frames:
             self._newest = dict(self.frames[-1].poses)
         if self.fingers:
-            self.touch = feel(self.world, self._mount, self.fingers, self._inward_W)
+            self.torques = np.array([self.world.finger_torques(f) for f in self.fingers])
+            self.touch = feel(
+                self.world, self._mount, self.fingers, self._inward_W, self.torques - self.zero
+            )
         self._phases.append(self.phase)
         self._limits.append(self.force_limit)
         self._touches.append(self.touch)

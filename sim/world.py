@@ -9,6 +9,7 @@ Frames: W is the world, B an object.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -175,11 +176,13 @@ class DrakeWorld:
                 for joint in self._finger_joints[finger][:3]
             ]
         )
+        return np.asarray(torques + self._torque_rng.normal(0.0, self.torque_noise, 3))
+
+    @property
+    def torque_noise(self) -> float:
+        """Standard deviation of what a torque sensor reads in a control step [N·m]."""
         sensor = self.scene.torque_sensor
-        samples = max(1.0, sensor.rate_hz * self.period)
-        return np.asarray(
-            torques + self._torque_rng.normal(0.0, sensor.noise_nm / np.sqrt(samples), 3)
-        )
+        return sensor.noise_nm / math.sqrt(max(1.0, sensor.rate_hz * self.period))
 
     def frames(self) -> list[Frame]:
         """Camera frames that arrived since the last call."""

@@ -21,16 +21,12 @@ class Sensors:
 
     q: NDArray[np.float64]
     angles: Angles
-    torques: NDArray[np.float64]
 
     def arm_angles(self) -> NDArray[np.float64]:
         return self.q
 
     def finger_angles(self, _: str) -> Angles:
         return self.angles
-
-    def finger_torques(self, _: str) -> NDArray[np.float64]:
-        return self.torques
 
 
 @pytest.mark.parametrize("finger", ["index", "middle", "ring"])
@@ -53,8 +49,8 @@ def test_the_force_at_the_contact_point(finger: str, angles: Angles) -> None:
             flexion @ np.cross(p_PC - middle, force_P),
         ]
     )
-    world: Any = Sensors(q, angles, torques)
-    touch = feel(world, mount, (finger,), inward_W)
+    world: Any = Sensors(q, angles)
+    touch = feel(world, mount, (finger,), inward_W, torques[None])
     # A 3×3 system whose condition number is below a thousand.
     np.testing.assert_allclose(touch.forces[0], force_W, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(touch.midpoint, R_WP @ tip + p_WP, rtol=0, atol=1e-12)

@@ -1,0 +1,164 @@
+"""One trip of the hand: look, go to an object, do something there, come back home.
+
+The robot knows what its ports tell it: joint angles, finger torques and late, noisy camera frames.
+Frames: W is the world, T the midpoint of the pushing fingertips' centres.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from planner.plan import Push
+from planner.reach import ReachAnswer
+from planner.state import SeenObject, WorldState
+from sim.attractor import attracted
+from sim.hand import RESTING
+from sim.reach import ArmReach, Way
+from sim.recorder import Recorder
+from sim.rotations import Array
+from sim.stance import Stance
+from sim.touch import EarlyEndError
+
+if TYPE_CHECKING:
+    from objectmodels.model import ObjectModel
+    from sim.world import DrakeWorld
+
+Progress = Callable[[str, float, str], None]
+"""Told of the phase, the simulated time [s] and what happens."""
+
+LOOK = 1.0
+"""Time over which camera frames are averaged before the hand moves [s]."""
+
+JOINT_SPEED, JOINT_ACCELERATION = 1.2, 3.0
+"""Of the arm in free motion, over all joints together [rad/s], [rad/s²]."""
+
+HAND_SPEED, HAND_ACCELERATION = 0.20, 0.6
+"""Of the hand near objects [m/s], [m/s²]."""
+
+BACK = 0.03
+"""Distance by which the fingertips leave the face [m]."""
+
+
+def silent(phase: str, time: float, text: str) -> None:
+    """Progress that nobody asked for."""
+
+
+class Trip:
+    """The hand's way to a contact and back.
+
+    Args:
+        push: where the fingertips touch and which way they go then.
+        world: where; it moves on.
+        models: what the robot believes of every object, by its name in the scene.
+        reach: of the world's robot.
+        tell: progress.
+
+    Attributes:
+        recorder: of everything from the start on.
+    """
+
+    def __init__(
+        self,
+        push: Push,
+        world: DrakeWorld,
+        models: Mapping[str, ObjectModel],
+        reach: ArmReach,
+        tell: Progress,
+    ) -> None:
+        self.recorder = Recorder(world, reach.mount, np.array(push.normal_W))
+        self._push = push
+        self._world = world
+        self._models = models
+        self._reach = reach
+        self._tell = tell
+        self._descent: list[Array] = []  # arm angles from above the start down to it
+        self._way_home: list[Array] = []  # arm angles between home and there, in order
+
+    def look(self) -> WorldState:
+        """Where everything stands now."""
+        self._tell("look", self._world.time, "looking where everything stands")
+        self.recorder.phase = "look"
+        poses = self.recorder.look(LOOK)
+        return WorldState(
+            {name: SeenObject.lying(name, pose, self._models[name]) for name, pose in poses.items()}
+        )
+
+    def stance(self, state: WorldState) -> tuple[Stance, Way]:
+        """How arm and hand stand, and the fingertips' way.
+
+        Raises:
+            EarlyEndError: the hand does not get there.
+        """
+        answer = self._reach.stance(self._push, state)
+        if isinstance(answer, ReachAnswer):
+            raise EarlyEndError("unreachable", answer.message)
+        return answer[0], Way.of(self._push, state.objects[self._push.object])
+
+    def approach(self, stance: Stance, way: Way) -> None:
+        """Free motion: over the start, then down to it."""
+        self._tell("transit", self._world.time, f"moving the hand ({stance.posture.name})")
+        above = np.array([*way.start[:2], stance.lift])
+        self.recorder.phase = "transit"
+        self.recorder.fingers = stance.posture.pushing
+        for q in (*stance.via, stance.joints(above)):
+            self._way_home.append(self._world.commanded[0])
+            self._move_joints(q, stance.posture.joints)
+        self._tell("approach", self._world.time, "down to the object")
+        self.recorder.phase = "approach"
+        for point in self._line(above, way.start):
+            self._go(stance, point)
+            self._descent.append(self._world.commanded[0])
+
+    def leave(self, stance: Stance, tip: Array, way: Way) -> None:
+        """Off the face, and back along the way that was free."""
+        self.recorder.phase = "retreat"
+        self.recorder.force_limit = 0.0
+        self._tell("retreat", self._world.time, "leaving the object")
+        off = tip - BACK * way.inward
+        for start, target in ((tip, off), (off, way.start)):
+            for point in self._line(start, target):
+                self._go(stance, point)
+
+    def come_home(self, settle: float) -> None:
+        """Back home, and some time for everything to come to rest [s]."""
+        self.recorder.phase = "retreat"
+        for q in reversed(self._descent):
+            self.recorder.step(q, self._world.commanded[1])
+        for q in reversed(self._way_home):
+            last = q is self._way_home[0]
+            self._move_joints(q, RESTING.joints if last else self._world.commanded[1])
+        self._tell("settle", self._world.time, "letting everything come to rest")
+        self.recorder.phase = "settle"
+        for _ in range(round(settle / self._world.period)):
+            self.recorder.step(*self._world.commanded)
+
+    def _line(self, start: Array, target: Array) -> list[Array]:
+        return list(
+            attracted(
+                start,
+                target,
+                speed=HAND_SPEED,
+                acceleration=HAND_ACCELERATION,
+                period=self._world.period,
+            )
+        )
+
+    def _go(self, stance: Stance, tip: Array) -> None:
+        self.recorder.step(stance.joints(tip), stance.posture.joints)
+
+    def _move_joints(self, q_arm: Array, q_hand: Array) -> None:
+        """Free motion of the arm, the hand opening or closing on the way."""
+        start_arm, start_hand = self._world.commanded
+        length = float(np.linalg.norm(q_arm - start_arm))
+        for q in attracted(
+            start_arm,
+            q_arm,
+            speed=JOINT_SPEED,
+            acceleration=JOINT_ACCELERATION,
+            period=self._world.period,
+        ):
+            share = 1.0 - float(np.linalg.norm(q_arm - q)) / length
+            self.recorder.step(q, start_hand + share * (q_hand - start_hand))
