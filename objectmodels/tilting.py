@@ -36,7 +36,7 @@ def topple_stroke(model: ObjectModel, direction: ArrayLike, height: float, angle
         raise ModelError("bad_value", f"height {height} m is not on the object")
     if not 0.0 <= angle < np.pi / 2:
         raise ModelError("bad_value", f"angle {angle} rad is not between 0 and π/2")
-    length = _length(model, _leading_edge(model, direction))
+    length = length_along(model, direction)
     return max(stroke_level(height, length, angle), stroke_stuck(height, length, angle))
 
 
@@ -48,7 +48,7 @@ def stroke_tilt(
         raise ModelError("bad_value", f"height {height} m is not on the object")
     if not 0.0 <= travel < np.inf:
         raise ModelError("bad_value", f"travel must be a length, not {travel}")
-    length = _length(model, _leading_edge(model, direction))
+    length = length_along(model, direction)
     tilts = tilt_level(height, length, travel), tilt_stuck(height, length, travel)
     return min(tilts), max(tilts)
 
@@ -79,8 +79,9 @@ def stroke_stuck(height: float, length: float, angle: float) -> float:
     return height * sin(angle) + length * (1.0 - cos(angle))
 
 
-def _length(model: ObjectModel, n: Array) -> float:
+def length_along(model: ObjectModel, direction: ArrayLike) -> float:
     """From the leading edge to the side behind, which may stand out beyond the base [m]."""
+    n = _leading_edge(model, direction)
     return float(model.base.extent(n)) + float((model.outline @ -n).max())
 
 

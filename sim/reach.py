@@ -160,6 +160,11 @@ class Way:
         end = touch + push.stroke * np.array(push.direction_W)
         return cls(-outward, touch + STANDOFF * outward, touch, end)
 
+    def raised(self, height: float) -> Way:
+        """The same so much higher [m]."""
+        up = np.array([0.0, 0.0, height])
+        return Way(self.inward, self.start + up, self.touch + up, self.end + up)
+
     @property
     def R_WD(self) -> Array:
         """Orientation of the push's frame D, shape (3, 3)."""

@@ -1,0 +1,161 @@
+"""Experiments with which a robot finds the parameters of an object by touching it.
+
+- *Tilt*: press a side 1 cm below the top, square to it, until the object has tilted a few degrees.
+  The force at the start gives weight times the lever of the centre of mass; opposite sides tell the
+  two apart; how the force falls with the tilt gives the height of the centre of mass.
+- *Slide*: press as low as the finger gets, in the middle of a side, until the object has slid by a
+  centimetre: friction.
+- *Off-centre slide*: the same near the end of a side; how far the object turns gives the friction
+  radius.
+- *Rub*: press a side gently and draw the fingertip down along it until it slips: finger friction.
+
+Each is a push of one fingertip, so reach and clearance are asked for as for any push. What is
+proposed depends on what is believed: a tilt needs a height at which the object may tilt at all.
+
+Frames: W is the world, B the object's.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from objectmodels import tilting
+from objectmodels.base import Array
+from objectmodels.faces import Face
+from planner.directions import face_name
+from planner.plan import Push
+from planner.reach import Reach
+from planner.state import SeenObject
+
+Kind = Literal["tilt", "slide", "off-centre slide", "rub"]
+
+BELOW_TOP = 0.010
+"""Distance of a tilt's contact from the top [m]."""
+
+SLIDE = 0.012
+"""Way of a slide [m]."""
+
+TILT = np.radians(8.0)
+"""Largest tilt of an experiment [rad]."""
+
+TILT_SHARE = 0.4
+"""A tilt stays below this share of the angle of no return, in the worst case believed."""
+
+SPEED = 0.005
+"""Of the fingertip while it presses [m/s]."""
+
+RUB = 0.010
+"""Way of a rub [m]."""
+
+_SIGMAS = 2.0
+_MAY_TILT = 0.02  # least believed probability of a tilt worth a trial
+_RUB_HEIGHT = 0.4  # share of the height
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """One touch that shows something about an object.
+
+    Attributes:
+        kind: see the module.
+        push: where the fingertip touches, which way and how far it goes then.
+        onset: force at which the object is believed to move [N].
+        angle: of a tilt, at which it ends [rad].
+        length: from the touched side to the far edge of the base, about which it would tilt [m].
+        lateral: place of the contact along its face from the middle [m].
+        raised: of a rub, how far above `push.p_BC` it begins [m].
+    """
+
+    kind: Kind
+    push: Push
+    onset: float
+    length: float
+    angle: float = 0.0
+    lateral: float = 0.0
+    raised: float = 0.0
+
+    @property
+    def name(self) -> str:
+        """What to call it, such as `tilt at the front`."""
+        return f"{self.kind} at the {self.push.face}"
+
+
+def experiments(seen: SeenObject, reach: Reach) -> tuple[Experiment, ...]:
+    """All experiments that the object's shape and the beliefs about it allow.
+
+    Whether the hand gets there is another question.
+
+    Args:
+        seen: the object.
+        reach: of the robot; only its figures are asked for.
+    """
+    # A round side is touched where the robot's own directions meet it.
+    headings = np.array([np.pi, -np.pi / 2, 0.0, np.pi / 2]) - seen.pose.yaw
+    found: list[Experiment] = []
+    for face in seen.model.faces(headings):
+        room = face.width / 2.0 - reach.fingertip_radius
+        low = max(reach.lowest_height, face.bottom)
+        if room < 0.0 or face.normal[2] != 0.0 or low > face.top - BELOW_TOP:
+            continue
+        tilt = _tilt(seen, face, face.top - BELOW_TOP, reach)
+        found += [tilt] if tilt is not None else []
+        found.append(_slide(seen, face, 0.0, low, reach))
+        if not face.curvature:
+            found += [_slide(seen, face, side * room, low, reach) for side in (1.0, -1.0)]
+        found.append(_rub(seen, face, max(_RUB_HEIGHT * face.top, low), reach))
+    return tuple(found)
+
+
+def _tilt(seen: SeenObject, face: Face, height: float, reach: Reach) -> Experiment | None:
+    model = seen.model
+    point, normal = face.at(0.0, height)
+    if float(model.likelihood([point], [-normal]).topple[0]) < _MAY_TILT:
+        return None
+    fall = model.angle_of_no_return(-normal, sigmas=_SIGMAS)
+    angle = float(min(TILT, TILT_SHARE * fall))
+    stroke = model.topple_stroke(-normal, height, angle)
+    return replace(_touch("tilt", seen, point, normal, stroke, reach), angle=angle)
+
+
+def _slide(seen: SeenObject, face: Face, lateral: float, height: float, reach: Reach) -> Experiment:
+    point, normal = face.at(lateral, height)
+    kind: Kind = "slide" if lateral == 0.0 else "off-centre slide"
+    return replace(_touch(kind, seen, point, normal, SLIDE, reach), lateral=lateral)
+
+
+def _rub(seen: SeenObject, face: Face, height: float, reach: Reach) -> Experiment:
+    point, normal = face.at(0.0, height)
+    return replace(_touch("rub", seen, point, normal, 0.0, reach), raised=RUB)
+
+
+def _touch(
+    kind: Kind, seen: SeenObject, point: Array, normal: Array, stroke: float, reach: Reach
+) -> Experiment:
+    return Experiment(
+        kind,
+        _push(seen, point, normal, stroke, reach.max_force),
+        onset=float(seen.model.thresholds([point], [-normal]).onset[0]),
+        length=tilting.length_along(seen.model, -normal),
+    )
+
+
+def _push(seen: SeenObject, point: Array, normal: Array, stroke: float, force: float) -> Push:
+    x, y, z = point.tolist()
+    normal_W = seen.pose.R_WB @ normal
+    n_x, n_y, _ = normal_W.tolist()
+    return Push(
+        object=seen.name,
+        face=face_name(normal_W)[0],
+        p_BC=(x, y, z),
+        normal_W=(n_x, n_y, 0.0),
+        direction_W=(-n_x, -n_y, 0.0),
+        force_limit=force,
+        speed=SPEED,
+        stroke=stroke,
+        fingers=1,
+        spread=0.0,
+        ends_on="stroke",
+    )

@@ -1,0 +1,401 @@
+"""Touches that find out how an object behaves: the robot's side of the paper's experiments.
+
+After the guarded touch the fingertip presses on, so slowly that nothing but friction and weight
+holds against it: for a slide straight ahead, for a tilt along the arc that the contact takes about
+the far edge of the base. Along the face it gives way, so that the object may turn freely and is
+neither lifted nor dragged. A rub presses with a steady force and draws the fingertip down along the
+face. The force comes from the finger's joint torques, zeroed before the
+touch; where the fingertip is, from the joint angles. At the end the hand holds still and looks, and
+a tilted object is let down as slowly as it was raised.
+
+Guards stop a touch that shows something else than was meant, that slips off, that needs more force
+than the finger has or that comes near to toppling the object; it then ends with what was seen.
+
+Frames: W is the world, T the fingertip's centre.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from planner.experiments import Experiment
+from planner.state import PlanarPose, WorldState
+from sim.hand import TIP_RADIUS
+from sim.reach import ArmReach
+from sim.rotations import Array
+from sim.stance import UnreachableError
+from sim.touch import EarlyEndError, TouchControl
+from sim.trace import EndReason
+from sim.trip import Progress, Trip, silent
+from sim.vision import averaged
+
+if TYPE_CHECKING:
+    from objectmodels.identification import Moved
+    from sim.reach import Way
+    from sim.recorder import Recorder
+    from sim.stance import Stance
+    from sim.vision import Frame
+    from sim.world import DrakeWorld
+
+RUB_FORCE = 0.5
+"""Force with which a rub presses, as a share of the one that would move the object."""
+
+HOLD = 0.8
+"""Time for which the hand holds still at the end and looks [s]."""
+
+SETTLE = 0.3
+"""Time that an object gets to come to rest afterwards [s]."""
+
+_PRESSES = 0.15  # time constant of the force with which a rub presses [s]
+_MOVED = 0.002  # way of the fingertip into the face that a rub must not make [m]
+_GIVES_WAY = 0.15  # time constant with which forces along the face are given way to [s]
+_LONGEST = 4.0  # times the time that the way alone takes, after the force has risen
+_RISE = 6.0  # longest time in which the force rises to the most [s]
+_LET_DOWN = 2.0  # speed of letting down, relative to raising
+_LOOKS_BACK = 0.35  # time over which camera frames are averaged by the guards [s]
+_TILTS = np.radians(2.5)  # seen tilt that no slide has, beyond the noise
+_SLIDES_FROM = np.radians(2.5)  # tilt of the arc from which on a tilt must be seen
+_SLIDES_SHARE = 0.5  # less of it than this is a slide
+_LOST_SHARE, _LOST_TIME = 0.1, 0.3  # of the largest force felt, [s]
+_OFF = 0.015  # way sideways after which the finger has slipped along the face [m]
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What the robot knew during one touch, sampled n times from the touch on.
+
+    Attributes:
+        experiment: what was tried.
+        end: how it ended; `detail` says it in words.
+        moved: what the touch showed: that the object slid or tilted, that the finger slipped; None
+            if nothing did, or if that is not clear.
+        time: shape (n,) [s].
+        tips: the fingertip's centre p_WT, shape (n, 3) [m].
+        forces: on the object in W, shape (n, 3) [N].
+        before: where the object was seen before.
+        after: where it was seen at the end, the finger still there; None if it was not looked at.
+        seen_tilt: the same for its tilt along the push [rad].
+        force_sd: standard deviation of one sample of the force along the push [N].
+        zero_sd: of the sensors' zero, as a force along the push [N].
+        pose_sd: of the seen position [m] and heading [rad].
+    """
+
+    experiment: Experiment
+    end: EndReason
+    detail: str
+    moved: Moved | None
+    time: Array
+    tips: Array
+    forces: Array
+    before: PlanarPose
+    after: PlanarPose | None
+    seen_tilt: float | None
+    force_sd: float
+    zero_sd: float
+    pose_sd: tuple[float, float]
+
+
+def probe(
+    experiment: Experiment,
+    world: DrakeWorld,
+    state: WorldState,
+    *,
+    reach: ArmReach | None = None,
+    progress: Progress | None = None,
+) -> Recording:
+    """Carries out one experiment.
+
+    Args:
+        experiment: which.
+        world: where; it moves on.
+        state: what is believed, from a look since which nothing has moved.
+        reach: of the world's robot, if there is one already.
+        progress: told of the phase, the simulated time [s] and what happens.
+
+    Returns:
+        What the robot felt and saw, also if the touch was aborted.
+    """
+    tell = progress or silent
+    models = {name: seen.model for name, seen in state.objects.items()}
+    trip = Trip(experiment.push, world, models, reach or ArmReach(world.scene), tell)
+    before = state.objects[experiment.push.object].pose
+    try:
+        stance, way = trip.stance(state)
+        way = way.raised(experiment.raised)
+        trip.approach(stance, way)
+        control = ProbeControl(experiment, trip.recorder, stance, way, tell)
+        try:
+            end, detail = control.run()
+        finally:
+            trip.leave(stance, control.commanded, way)
+    except EarlyEndError as early:
+        trip.come_home(SETTLE)
+        return _nothing(experiment, early.end, early.detail, before)
+    except UnreachableError as error:
+        trip.come_home(SETTLE)
+        return _nothing(experiment, "unreachable", str(error), before)
+    trip.come_home(SETTLE)
+    return control.recording(end, detail, before)
+
+
+def _nothing(experiment: Experiment, end: EndReason, detail: str, before: PlanarPose) -> Recording:
+    empty = np.empty((0, 3))
+    return Recording(
+        experiment,
+        end,
+        detail,
+        None,
+        np.empty(0),
+        empty,
+        empty,
+        before,
+        None,
+        None,
+        0.0,
+        0.0,
+        (0.0, 0.0),
+    )
+
+
+class ProbeControl(TouchControl):
+    """One touch, from before the face until the hand holds still at its end.
+
+    Args:
+        experiment: what is tried.
+        recorder, stance, way, tell: as for every touch.
+    """
+
+    pause = 1.0
+    speed = 0.008
+
+    def __init__(
+        self, experiment: Experiment, recorder: Recorder, stance: Stance, way: Way, tell: Progress
+    ) -> None:
+        super().__init__(experiment.push, experiment.onset, recorder, stance, way, tell)
+        self.experiment = experiment
+        self._samples: list[tuple[float, Array, Array]] = []
+        self._views: deque[tuple[float, float]] = deque()  # time and seen tilt along the push
+        self._origin = way.touch
+        axes = np.array([[-self._u[1], self._u[0], 0.0], [0.0, 0.0, 1.0]])
+        self._face_axes = [(axis, stance.stiffness(axis)) for axis in axes]
+        self._aside = np.zeros(3)
+        self._moved: Moved | None = None
+        self._most = 0.0
+        self._lost = 0.0
+        self._seen: list[Frame] = []
+
+    def run(self) -> tuple[EndReason, str]:
+        """Touches, presses until an end or a guard, holds still; returns how it ended."""
+        kind = self.experiment.kind
+        self.tell("touch", self.recorder.world.time, f"feeling for the face ({kind})")
+        self.touch()
+        self.recorder.phase = "push"
+        self._origin = self._here.midpoint
+        self._start = self.recorder.world.time
+        self.tell("push", self.recorder.world.time, f"pressing until something moves ({kind})")
+        ended = {"tilt": self._raise, "rub": self._rub}.get(kind, self._slide)()
+        self._hold()
+        if kind == "tilt":
+            self._let_down()
+        return ended
+
+    # -- the ways ------------------------------------------------------------------------------
+
+    def _slide(self) -> tuple[EndReason, str]:
+        """Straight ahead."""
+        command, step = self.commanded, self.experiment.push.speed * self._period
+        while True:
+            command = command + step * self._u
+            self._press(command)
+            ended = self._ended() or self._tilts()
+            if ended is not None:
+                return ended
+
+    def _raise(self) -> tuple[EndReason, str]:
+        """Along the arc about the far edge."""
+        radius = float(np.hypot(*self._arm))
+        start = self.tilt_of(self.commanded)
+        self._angle = start
+        while True:
+            self._angle += self.experiment.push.speed * self._period / radius
+            self._press(self._on_arc(self._angle))
+            ended = self._ended() or self._slides()
+            if ended is not None:
+                return ended
+
+    def _rub(self) -> tuple[EndReason, str]:
+        """Pressing gently, down along the face."""
+        down = np.array([0.0, 0.0, -1.0])
+        wanted = RUB_FORCE * self.experiment.onset
+        stiffness = self.stance.stiffness(self._u)
+        command, drawn = self.commanded, 0.0
+        while True:
+            lacking = wanted - float(self._forces.sum())
+            command = command + self._period / _PRESSES * lacking / stiffness * self._u
+            drawn += self.experiment.push.speed * self._period
+            self._step(command + drawn * down, self._u)
+            self._keep()
+            ended = self._rubbed() or self._guarded()
+            if ended is not None:
+                return ended
+
+    def _rubbed(self) -> tuple[EndReason, str] | None:
+        way = self._here.midpoint - self._origin
+        if abs(float(way @ self._u)) > _MOVED:
+            return "guard", "the object moved where the finger should slip"
+        if -way[2] < self.experiment.raised:
+            return None
+        self._moved = "slip"
+        return "stroke", f"the finger slipped by {-1e3 * way[2]:.0f} mm"
+
+    def _let_down(self) -> None:
+        radius = float(np.hypot(*self._arm))
+        while self._angle > 0.0:
+            self._angle -= _LET_DOWN * self.experiment.push.speed * self._period / radius
+            self._step(self._on_arc(self._angle) + self._aside, self._u)
+
+    def _hold(self) -> None:
+        """Stands still and looks."""
+        since = self.recorder.world.time
+        for _ in range(round(HOLD / self._period)):
+            self._step(self.commanded, self._u)
+            self._seen += [frame for frame in self.recorder.frames if frame.time > since]
+
+    # -- geometry of a tilt ----------------------------------------------------------------------
+
+    @property
+    def _arm(self) -> tuple[float, float]:
+        """From the far edge to T while the object stands: back along the push, and up [m]."""
+        return self.experiment.length + TIP_RADIUS, float(self._origin[2])
+
+    def _on_arc(self, angle: float) -> Array:
+        """T at a tilt about the far edge, in W."""
+        back, up = self._arm
+        c, s = np.cos(angle), np.sin(angle)
+        along = back - (back * c - up * s)
+        point = self._origin + along * self._u
+        return np.array([point[0], point[1], back * s + up * c])
+
+    def tilt_of(self, tip: Array) -> float:
+        """Tilt at which the fingertip touches the face where it is [rad]."""
+        return float(tilts(tip[None], self._origin, self._u, self.experiment.length)[0])
+
+    # -- ends and guards -------------------------------------------------------------------------
+
+    def _press(self, tip: Array) -> None:
+        """Commands T, giving way to forces along the face."""
+        self._step(tip + self._aside, self._u)
+        self._keep()
+        for axis, stiffness in self._face_axes:
+            force = float(self._here.forces[0] @ axis)
+            self._aside = self._aside - self._period / _GIVES_WAY * force / stiffness * axis
+
+    def _keep(self) -> None:
+        """Keeps what was felt and seen."""
+        here, now = self._here, self.recorder.world.time
+        self._samples.append((now, here.midpoint, here.forces[0]))
+        for frame in self.recorder.frames:
+            up = frame.poses[self.experiment.push.object].R_WB[:, 2]
+            self._views.append((frame.time, float(np.arctan2(up @ self._u, up[2]))))
+        while self._views and self._views[0][0] < now - _LOOKS_BACK:
+            self._views.popleft()
+
+    def _ended(self) -> tuple[EndReason, str] | None:
+        """The way is done, or a guard."""
+        here = self._here.midpoint
+        travel = float((here - self._origin) @ self._u)
+        if self.experiment.kind == "tilt":
+            tilt = self.tilt_of(here)
+            if tilt >= self.experiment.angle:
+                self._moved = "topple"
+                return "stroke", f"it was tilted by {np.degrees(tilt):.1f}°"
+        elif travel >= self.experiment.push.stroke:
+            self._moved = "slide"
+            return "stroke", f"it was moved by {1e3 * travel:.0f} mm"
+        return self._guarded()
+
+    def _guarded(self) -> tuple[EndReason, str] | None:
+        """Too much force, a fingertip that slipped off, or too much time."""
+        push, felt = self.experiment.push, float(self._forces.sum())
+        if felt > push.force_limit:
+            return "force", f"it does not move with {felt:.1f} N"
+        aside = float((self._here.midpoint - self._origin) @ [-self._u[1], self._u[0], 0.0])
+        self._most = max(self._most, felt)
+        self._lost = self._lost + self._period if felt < _LOST_SHARE * self._most else 0.0
+        if self._lost > _LOST_TIME or abs(aside) > _OFF:
+            return "guard", "the fingertip slipped off"
+        longest = _RISE + _LONGEST * (push.stroke + self.experiment.raised) / push.speed
+        if self.recorder.world.time - self._start > longest:
+            return "guard", f"it took longer than {longest:.0f} s"
+        return None
+
+    def _seen_tilt(self) -> float | None:
+        """Mean of the tilts seen lately [rad]; None as long as there are too few."""
+        tilts = [tilt for _, tilt in self._views]
+        return float(np.mean(tilts)) if len(tilts) >= 5 else None
+
+    def _tilts(self) -> tuple[EndReason, str] | None:
+        seen = self._seen_tilt()
+        if seen is not None and seen > _TILTS:
+            self._moved = "topple"
+            return "guard", f"it tilts ({np.degrees(seen):.0f}°) where it should slide"
+        return None
+
+    def _slides(self) -> tuple[EndReason, str] | None:
+        expected, seen = self.tilt_of(self._here.midpoint), self._seen_tilt()
+        if expected > _SLIDES_FROM and seen is not None and seen < _SLIDES_SHARE * expected:
+            self._moved = "slide"
+            return "guard", "it slides where it should tilt"
+        return None
+
+    # -- the record ------------------------------------------------------------------------------
+
+    def recording(self, end: EndReason, detail: str, before: PlanarPose) -> Recording:
+        """What was felt and seen."""
+        name = self.experiment.push.object
+        world, scene = self.recorder.world, self.recorder.world.scene
+        noise = self.stance.coarseness(self._u) * world.torque_noise
+        ups = [frame.poses[name].R_WB[:, 2] for frame in self._seen]
+        frames = max(1.0, scene.vision.rate_hz)
+        return Recording(
+            experiment=self.experiment,
+            end=end,
+            detail=detail,
+            moved=self._moved,
+            time=np.array([t for t, _, _ in self._samples]),
+            tips=np.array([p for _, p, _ in self._samples]),
+            forces=np.array([f for _, _, f in self._samples]),
+            before=before,
+            after=averaged(self._seen)[name] if self._seen else None,
+            seen_tilt=float(np.mean([np.arctan2(up @ self._u, up[2]) for up in ups]))
+            if ups
+            else None,
+            force_sd=noise,
+            zero_sd=noise / float(np.sqrt(max(1.0, self.pause / self._period))),
+            pose_sd=(
+                scene.vision.position_noise_m / float(np.sqrt(frames)),
+                float(np.radians(scene.vision.angle_noise_deg) / np.sqrt(frames)),
+            ),
+        )
+
+
+def tilts(tips: Array, origin: Array, u: Array, length: float) -> Array:
+    """Tilts at which fingertips touch the face, shape (n,) [rad].
+
+    Seen along the edge, T keeps the distance `length` + r from the plane through the far edge that
+    is parallel to the face, wherever it slips to on the face.
+
+    Args:
+        tips: p_WT, shape (n, 3) [m].
+        origin: p_WT at the touch, the object upright, shape (3,) [m].
+        u: horizontal unit direction of the push in W, shape (3,).
+        length: from the touched face to the far edge [m].
+    """
+    back = length + TIP_RADIUS
+    x, h = back - (tips - origin) @ u, tips[:, 2]  # behind the edge, above the table
+    up = np.sqrt(np.maximum(x * x + h * h - back * back, 0.0))
+    return np.asarray(np.arctan2(h, x) - np.arctan2(up, back))
