@@ -83,8 +83,9 @@ def detect_onset(time: ArrayLike, force: ArrayLike, travel: ArrayLike) -> Onset:
     rising = slice(begin - max(int(_RISE * (begin - first)), 4), begin)
     if rising.start >= first:
         sticking, sticking_sd = _at(t[rising], f[rising], kink)
-        sticking = min(sticking, float(smooth[first : later.stop].max()))
-        drop, sd = sticking - sliding, float(np.hypot(sticking_sd, sliding_sd))
+        # The averaged force shows a drop without relying on where exactly the kink is.
+        drop = min(sticking, float(smooth[first : later.stop].max())) - sliding
+        sd = float(np.hypot(sticking_sd, sliding_sd))
         if drop > max(_STICKS * sliding, _STICKS_SURELY * sd):
             return Onset(begin, kink, sticking, sticking_sd, moved=True)
     return Onset(begin, kink, sliding, sliding_sd, moved=True)
