@@ -1,0 +1,168 @@
+"""One touch after another: which experiments are made, and what becomes of each.
+
+A *repetition* has one experiment of each kind that is asked for: tilts on two opposite sides, a
+slide, an off-centre slide, a rub. Sides take turns, so that every side is touched and the object
+ends about where it stood. Where the hand does not get, or where a touch showed something else than
+was meant, the next side is tried; what was given up is told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from objectmodels.identification import Trial
+from planner.experiments import Experiment, Kind, experiments
+from planner.plan import FaceName
+from planner.state import WorldState
+from sim.probing import Recording, probe
+from sim.reduction import trials
+
+if TYPE_CHECKING:
+    from sim.reach import ArmReach
+    from sim.trip import Progress
+    from sim.world import DrakeWorld
+
+OPPOSITE: tuple[tuple[FaceName, FaceName], ...] = (("front", "back"), ("left", "right"))
+"""Pairs of sides whose tilts together tell the weight from the centre of mass."""
+
+
+@dataclass(frozen=True)
+class Touched:
+    """One touch and what it showed.
+
+    Attributes:
+        recording: what the robot felt and saw.
+        trials: balances of forces; none if nothing moved.
+        repetition: in which it was made, from 0.
+    """
+
+    recording: Recording
+    trials: tuple[Trial, ...]
+    repetition: int
+
+    @property
+    def experiment(self) -> Experiment:
+        """What was tried."""
+        return self.recording.experiment
+
+    @property
+    def as_meant(self) -> bool:
+        """Whether it showed what it was to show."""
+        return self.recording.end == "stroke" and bool(self.trials)
+
+
+class Explorer:
+    """Touches one object again and again.
+
+    Args:
+        name: of the object in the scene.
+        world: where; it moves on.
+        look: what is believed now; called before each touch.
+        reach: of the robot.
+        learn: told of each touch that showed something.
+        progress: told of the phase, the simulated time [s] and what happens.
+
+    Attributes:
+        touches: all that was tried, in order.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        world: DrakeWorld,
+        look: Callable[[], WorldState],
+        *,
+        reach: ArmReach,
+        learn: Callable[[Touched], None],
+        progress: Progress | None = None,
+    ) -> None:
+        self.touches: list[Touched] = []
+        self._name = name
+        self._world = world
+        self._look = look
+        self._reach = reach
+        self._learn = learn
+        self._progress = progress
+        self._given_up: dict[tuple[Kind, FaceName], str] = {}
+
+    @property
+    def given_up(self) -> tuple[str, ...]:
+        """Experiments that were tried in vain, with the reason."""
+        return tuple(f"{kind} at the {face}: {why}" for (kind, face), why in self._given_up.items())
+
+    def possible(self, kinds: Iterable[Kind]) -> list[Experiment]:
+        """Experiments of these kinds that were not given up, planned with what is known now."""
+        wanted = set(kinds)
+        found = experiments(self._look().objects[self._name], self._reach)
+        return [e for e in found if e.kind in wanted and _key(e) not in self._given_up]
+
+    def repeat(self, kinds: Sequence[Kind], repetition: int) -> None:
+        """One repetition: every kind once, tilts on two opposite sides."""
+        for kind in kinds:
+            if kind == "tilt":
+                self._tilt_both(repetition)
+            else:
+                self._first(kind, _sides(kind, repetition), repetition)
+
+    def touch(self, kind: Kind, face: FaceName, repetition: int, lateral: float = 0.0) -> bool:
+        """One touch.
+
+        Args:
+            kind: which experiment.
+            face: at which side.
+            repetition: number that its trials bear.
+            lateral: which end of the side, if it is off-centre: its sign counts.
+
+        Returns:
+            Whether it showed what it was to show.
+        """
+        state = self._look()
+        tried = next(
+            (
+                e
+                for e in experiments(state.objects[self._name], self._reach)
+                if (e.kind, e.push.face) == (kind, face) and e.lateral * lateral >= 0.0
+            ),
+            None,
+        )
+        if tried is None or _key(tried) in self._given_up:
+            return False
+        recording = probe(tried, self._world, state, reach=self._reach, progress=self._progress)
+        touched = Touched(recording, trials(recording, repetition=repetition), repetition)
+        self.touches.append(touched)
+        if touched.trials:
+            self._learn(touched)
+        if not touched.as_meant:
+            self._given_up[_key(tried)] = recording.detail
+        return touched.as_meant
+
+    def _tilt_both(self, repetition: int) -> None:
+        """Tilts on two opposite sides, of the pair whose turn it is, or of the other one."""
+        first = repetition % len(OPPOSITE)
+        for pair in OPPOSITE[first:] + OPPOSITE[:first]:
+            if all(self.touch("tilt", face, repetition) for face in pair):
+                return
+
+    def _first(self, kind: Kind, sides: Iterable[tuple[FaceName, float]], repetition: int) -> None:
+        """The first touch that shows what it is to show."""
+        for face, lateral in sides:
+            if self.touch(kind, face, repetition, lateral):
+                return
+
+
+def _key(experiment: Experiment) -> tuple[Kind, FaceName]:
+    return experiment.kind, experiment.push.face
+
+
+def _sides(kind: Kind, repetition: int) -> list[tuple[FaceName, float]]:
+    """Sides in the order in which they are tried; each repetition undoes the one before."""
+    faces = [face for pair in OPPOSITE for face in pair]
+    if repetition % 2 == 1:
+        faces = [face for pair in OPPOSITE for face in reversed(pair)]
+    if kind != "off-centre slide":
+        return [(face, 0.0) for face in faces]
+    # Slides and off-centre slides of one repetition go against each other.
+    end = 1.0 if repetition % 2 == 0 else -1.0
+    return [(face, end) for pair in OPPOSITE for face in (pair if end < 0.0 else pair[::-1])]
