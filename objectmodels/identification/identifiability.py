@@ -1,0 +1,242 @@
+"""What trials can tell about an object, and which experiment is missing for the rest.
+
+A parameter counts as identified if the trials alone, with everything else that is sought unknown
+too, leave less of it open than `UNKNOWN`: the covariance of a fit from almost no prior knowledge
+says so, whose wide directions are what the trials cannot see. What is not sought, or cannot be
+found, is kept as believed; then a value found may hang on that belief: by no more than `HANGS` of
+itself if the parameters are chosen here, `HANGS_WHEN_ASKED` if the caller named them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from objectmodels.base import Array
+from objectmodels.errors import ModelError
+from objectmodels.identification.balance import (
+    COM_X,
+    COM_Y,
+    COM_Z,
+    FINGER,
+    FRICTION,
+    LOGARITHMIC,
+    MASS,
+    RADIUS,
+    Balance,
+    Linear,
+    Mask,
+)
+from objectmodels.parameters import UNCERTAIN
+from objectmodels.suggest import suggest
+
+UNKNOWN = 0.5
+"""Standard deviation of a logarithm from which on a parameter counts as not found. Of the
+horizontal centre of mass, half of this share of the base's size."""
+
+HANGS, HANGS_WHEN_ASKED = 0.05, 0.25
+"""Largest standard deviation of a value, relative to it, that may come from what is believed of
+others. Of the horizontal centre of mass, as a share of the base's size."""
+
+_WEAK = 2.0  # standard deviation of a logarithm of which nothing is known, a factor of seven
+_OFF_CENTRE = 0.1  # arm from which on a slide counts as off-centre, as a share of c̄
+_SAME_ANGLE = 0.02  # tilts that differ by less count as at one angle [rad]
+_TIED = 0.2  # share of a wide direction that counts as part of it
+_GIVEN_UP = (FINGER, COM_Z, COM_Y, COM_X, RADIUS, FRICTION, MASS)
+
+
+@dataclass(frozen=True)
+class Missing:
+    """Why a parameter cannot be found.
+
+    Attributes:
+        name: of the parameter.
+        reason: what the trials do not tell.
+        experiments: what would tell it: `tilt`, `tilt from the opposite side`, `tilt to a second
+            angle`, `slide`, `off-centre slide`, `rub`.
+    """
+
+    name: str
+    reason: str
+    experiments: tuple[str, ...]
+
+
+HOW = {
+    "tilt": "tilt: push it near its top until it tilts",
+    "tilt from the opposite side": "tilt from the opposite side: push it near its top there too",
+    "tilt to a second angle": "tilt to a second angle: hold it tilted and measure the force again",
+    "slide": "slide: push it low, until it slides",
+    "off-centre slide": "off-centre slide: push it low, near the edge of a face",
+    "rub": "rub: press the finger on a face and drag it along until it slips",
+}
+"""The experiments, and how to carry them out."""
+
+
+def require_names(parameters: Sequence[str]) -> None:
+    """Refuses names of parameters that do not exist."""
+    for name in parameters:
+        if name not in UNCERTAIN:
+            raise ModelError(
+                "bad_value",
+                f"no parameter is called {name!r}",
+                suggestions=suggest(name, UNCERTAIN) or UNCERTAIN,
+            )
+
+
+def identified(
+    balance: Balance, at: Linear, belief: Array, parameters: Sequence[str] | None
+) -> tuple[Mask, tuple[Missing, ...]]:
+    """Which parameters to seek, and why not the others that the trials touch.
+
+    Args:
+        balance: the trials and their model.
+        at: predictions near some values.
+        belief: covariance of what is believed, in coordinates, shape (7, 7).
+        parameters: names of those that are wanted; if not given, all that can be found.
+
+    Raises:
+        ModelError: `not_identifiable` if one that is wanted cannot be found, or, where the object
+            moved, neither mass nor friction can.
+    """
+    if parameters is not None:
+        require_names(parameters)
+        free = np.array([name in parameters for name in UNCERTAIN])
+        wanting = _open(balance, at, free) | _hanging(balance, at, free, belief, HANGS_WHEN_ASKED)
+        if wanting.any():
+            raise refusal([missing(balance, at, int(k), free) for k in np.flatnonzero(wanting)])
+        return free, ()
+    free = np.ones(len(UNCERTAIN), dtype=bool)
+    everything = free.copy()
+    unsure = belief + np.diag(np.where(np.diag(belief) > 0.0, 0.0, _weak(balance) ** 2))
+    while True:
+        wanting = _open(balance, at, free)
+        if not wanting.any():
+            wanting = _hanging(balance, at, free, unsure, HANGS)
+        if not wanting.any():
+            break
+        free[next(k for k in _GIVEN_UP if wanting[k])] = False
+    lost = tuple(missing(balance, at, int(k), everything) for k in np.flatnonzero(~free))
+    kinds = set(balance.touches.kind)
+    if not free[[MASS, FRICTION]].any() and (kinds != {"slip"} or not free.any()):
+        relevant = [m for m in lost if _concerns(m.name, kinds)]
+        raise refusal(relevant)
+    return free, lost
+
+
+def _concerns(name: str, kinds: set[str]) -> bool:
+    """Whether someone who made trials of such kinds may have meant to find a parameter."""
+    by = {"topple": ("mass", "com_x"), "slide": ("mass", "friction"), "slip": ("finger_friction",)}
+    return any(name in names for kind, names in by.items() if kind in kinds)
+
+
+def refusal(lost: Sequence[Missing]) -> ModelError:
+    """The error that says what cannot be found, why, and what would tell it."""
+    said = "; ".join(f"{m.name}: {m.reason}" for m in lost)
+    names = dict.fromkeys(name for m in lost for name in m.experiments)
+    return ModelError(
+        "not_identifiable",
+        f"not identifiable: {said}",
+        suggestions=tuple(HOW[name] for name in names),
+    )
+
+
+def _weak(balance: Balance) -> Array:
+    """Standard deviations of coordinates of which nothing is known, shape (7,)."""
+    return np.where(LOGARITHMIC, _WEAK, balance.model.base.size)
+
+
+def open_covariance(balance: Balance, at: Linear, free: Mask) -> Array:
+    """Covariance of the parameters sought, from the trials and almost no prior knowledge."""
+    J = at.jacobian[:, free] / at.sd[:, None]
+    return np.asarray(np.linalg.inv(J.T @ J + np.diag(_weak(balance)[free] ** -2.0)))
+
+
+def _open(balance: Balance, at: Linear, free: Mask) -> Mask:
+    """Which of the parameters sought the trials leave open."""
+    wide = np.zeros(len(free), dtype=bool)
+    limit = np.where(LOGARITHMIC, UNKNOWN, 0.5 * UNKNOWN * balance.model.base.size)
+    wide[free] = np.sqrt(np.diag(open_covariance(balance, at, free))) > limit[free]
+    return wide
+
+
+def _hanging(balance: Balance, at: Linear, free: Mask, belief: Array, limit: float) -> Mask:
+    """Which of the parameters sought would hang too much on beliefs about the others."""
+    hangs = np.zeros(len(free), dtype=bool)
+    J = at.jacobian / at.sd[:, None]
+    shift = open_covariance(balance, at, free) @ J[:, free].T @ J[:, ~free]
+    variance = np.einsum("ij,jk,ik->i", shift, belief[np.ix_(~free, ~free)], shift)
+    size = np.where(LOGARITHMIC, 1.0, balance.model.base.size)
+    hangs[free] = np.sqrt(variance) > limit * size[free]
+    return hangs
+
+
+def missing(balance: Balance, at: Linear, k: int, free: Mask) -> Missing:
+    """Why parameter k cannot be found, in words, from what its wide direction is made of."""
+    t, name = balance.touches, UNCERTAIN[k]
+    tied = _tied(balance, at, k, free)
+    tilts = t.kind == "topple"
+    if k == FINGER:
+        return Missing(name, "the finger never slipped", ("rub",))
+    if k in (FRICTION, RADIUS) and not (t.kind == "slide").any():
+        need = "slide" if k == FRICTION else "off-centre slide"
+        return Missing(name, "it never slid", (need,))
+    if k == RADIUS:
+        return Missing(name, *_of_radius(balance, at.values))
+    if not tilts.any():
+        experiments = ("tilt", "tilt from the opposite side")[: 1 if k in (MASS, FRICTION) else 2]
+        why = "it never tilted"
+        if k in (MASS, FRICTION) and (t.kind == "slide").any():
+            why = "a slide gives only friction times mass"
+        elif k in (MASS, FRICTION):
+            why = "the ratio of forces at the finger does not depend on it"
+        return Missing(name, why, experiments)
+    if k == COM_Z or (k in (MASS, FRICTION) and COM_Z in tied and not _one_sided(balance)):
+        why = "the tilts are at one angle, which gives only mass times the weight's lever arm there"
+        if COM_Z in tied and np.ptp(t.tilt[tilts]) > _SAME_ANGLE:
+            why = "the tilts do not tell it from the mass and the rest of the centre of mass"
+        return Missing(name, why, ("tilt to a second angle",))
+    b = _lever(balance, at.values)
+    return Missing(
+        name,
+        "tilts of one side give only mass times the weight's distance from the edge: 1 mm of "
+        f"offset is {0.1 / b:.1f} % of mass",
+        ("tilt from the opposite side",),
+    )
+
+
+def _tied(balance: Balance, at: Linear, k: int, free: Mask) -> set[int]:
+    """Parameters that make up the widest direction in which parameter k is open."""
+    weak = _weak(balance)[free]
+    variance, directions = np.linalg.eigh(open_covariance(balance, at, free) / np.outer(weak, weak))
+    row = np.flatnonzero(free).tolist().index(k)
+    widest = directions[:, np.argmax(variance * directions[row] ** 2)]
+    return set(np.flatnonzero(free)[np.abs(widest) > _TIED].tolist())
+
+
+def _of_radius(balance: Balance, values: Array) -> tuple[str, tuple[str, ...]]:
+    """Why slides do not tell the friction radius."""
+    t = balance.touches
+    i = t.kind == "slide"
+    r = t.p[i] - values[COM_X:]
+    arm = np.abs(r[:, 0] * t.u[i, 1] - r[:, 1] * t.u[i, 0])
+    if (arm < _OFF_CENTRE * values[RADIUS]).all():
+        return "all slides went through the centre, which does not turn it", ("off-centre slide",)
+    return (
+        "the slides do not tell it from the friction or the centre of mass",
+        ("off-centre slide", "slide"),
+    )
+
+
+def _one_sided(balance: Balance) -> bool:
+    """Whether no two tilts went to opposite sides."""
+    n = balance.normals[balance.touches.kind == "topple"]
+    return bool((n @ n.T).min() > -0.5)
+
+
+def _lever(balance: Balance, values: Array) -> float:
+    """Least distance of the weight from the edges tilted about [m]."""
+    n = balance.normals[balance.touches.kind == "topple"]
+    b = balance.model.base.extent(n) - n @ values[[COM_X, COM_Y]]
+    return max(float(np.min(b)), 1e-6)
