@@ -20,7 +20,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sim import hand
-from sim.scene import Scene, SceneObject, Truth
+from sim.scene import Scene, SceneObject
+from sim.truth import Truth
 
 if TYPE_CHECKING:
     from pydrake.geometry import GeometryId, ProximityProperties, SceneGraph, Shape

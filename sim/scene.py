@@ -10,32 +10,20 @@ Frames: W is the world, z up, table plane z = 0; B is an object's frame at the c
 from __future__ import annotations
 
 import difflib
-import math
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Literal
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
-from objectmodels.base import Polygon
 from objectmodels.yamlfile import parse_yaml
 from sim.errors import SceneError
-
-Positive = Annotated[float, Field(gt=0)]
-NonNegative = Annotated[float, Field(ge=0)]
-Fraction = Annotated[float, Field(ge=0, le=1)]
-Point2 = tuple[float, float]
-Point3 = tuple[float, float, float]
-
-_RIM_POINTS = 16
+from sim.parts import NonNegative, Part, Point2, Point3, Positive
+from sim.truth import Truth
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-
-
-class Pose(_Part):
+class Pose(Part):
     """Planar pose X_WB of an object that stands on its base."""
 
     x_m: float
@@ -43,99 +31,7 @@ class Pose(_Part):
     yaw_deg: float = 0.0
 
 
-class Truth(_Part):
-    """How an object really is; only the simulated world and an observer of it may read this.
-
-    Its shape is one of three: a box (`size_m`), an upright cylinder (`radius_m`, `height_m`) or a
-    prism over a convex polygon (`corners_m`, `height_m`).
-
-    Attributes:
-        size_m: of a box along B's axes.
-        radius_m: of a cylinder.
-        base_radius_m: of the circle on which a cylinder stands, if that is smaller.
-        corners_m: of a prism's base in B's x, y, in order.
-        height_m: of a cylinder or prism.
-        mass_kg: true mass.
-        friction_table: the one coefficient of the contact between base and table. A discrete
-            simulation has no separate static coefficient; this is the sliding one.
-        friction_finger: the same between object and fingertip.
-        centre_of_mass_m: in B; above the origin at half the height if not given.
-        support_m: points of the base on which the object stands, in B's x, y; its corners (of a
-            cylinder: points of its rim) if not given.
-        colour: red, green, blue in 0…1, for the camera and for pictures.
-    """
-
-    size_m: tuple[Positive, Positive, Positive] | None = None
-    radius_m: Positive | None = None
-    base_radius_m: Positive | None = None
-    corners_m: Annotated[tuple[Point2, ...], Field(min_length=3)] | None = None
-    height_m: Positive | None = None
-    mass_kg: Positive
-    friction_table: Positive
-    friction_finger: Positive
-    centre_of_mass_m: Point3 | None = None
-    support_m: tuple[Point2, ...] | None = None
-    colour: tuple[Fraction, Fraction, Fraction] = (0.8, 0.7, 0.4)
-
-    @model_validator(mode="after")
-    def _one_shape(self) -> Truth:
-        shapes = (self.size_m, self.radius_m, self.corners_m)
-        if sum(shape is not None for shape in shapes) != 1:
-            raise ValueError("needs one shape: size_m, radius_m or corners_m")
-        if (self.size_m is None) == (self.height_m is None):
-            raise ValueError("height_m belongs to a radius_m or corners_m, and to nothing else")
-        if self.base_radius_m is not None and self.radius_m is None:
-            raise ValueError("base_radius_m belongs to a radius_m")
-        if self.corners_m is not None:
-            Polygon.convex(self.corners_m)
-        return self
-
-    @model_validator(mode="after")
-    def _inside(self) -> Truth:
-        x, y, z = self.centre_of_mass
-        outline = Polygon.convex(self.outline)
-        if not ((outline.normals @ [x, y] < outline.offsets).all() and 0 < z < self.height):
-            raise ValueError(f"centre_of_mass_m {self.centre_of_mass} lies outside the object")
-        if self.support_m is not None and len(self.support_m) < 3:
-            raise ValueError("support_m needs three points or more")
-        return self
-
-    @property
-    def height(self) -> float:
-        """Of its top above the table [m]."""
-        if self.size_m is not None:
-            return self.size_m[2]
-        assert self.height_m is not None
-        return self.height_m
-
-    @property
-    def outline(self) -> tuple[Point2, ...]:
-        """Corners of its sides in B's x, y [m]; points around a round one."""
-        if self.size_m is not None:
-            a, b = self.size_m[0] / 2, self.size_m[1] / 2
-            return ((a, b), (-a, b), (-a, -b), (a, -b))
-        return self.corners_m or _circle(self.radius_m or 0.0)
-
-    @property
-    def centre_of_mass(self) -> Point3:
-        """Centre of mass in B [m]."""
-        return self.centre_of_mass_m or (0.0, 0.0, self.height / 2)
-
-    @property
-    def support(self) -> tuple[Point2, ...]:
-        """Support points in B's x, y [m]."""
-        if self.support_m is not None:
-            return self.support_m
-        return self.outline if self.base_radius_m is None else _circle(self.base_radius_m)
-
-
-def _circle(radius: float) -> tuple[Point2, ...]:
-    """Points of a rim on which a round object stands."""
-    turns = (2.0 * math.pi * k / _RIM_POINTS for k in range(_RIM_POINTS))
-    return tuple((radius * math.cos(phi), radius * math.sin(phi)) for phi in turns)
-
-
-class SceneObject(_Part):
+class SceneObject(Part):
     """An object on the table.
 
     Attributes:
@@ -153,7 +49,7 @@ class SceneObject(_Part):
     truth: Truth
 
 
-class Table(_Part):
+class Table(Part):
     """The table top; its upper face is the plane z = 0 of W."""
 
     centre_m: Point2 = (0.5, 0.0)
@@ -161,7 +57,7 @@ class Table(_Part):
     thickness_m: Positive = 0.05
 
 
-class Robot(_Part):
+class Robot(Part):
     """How the arm is mounted, and where it waits.
 
     Attributes:
@@ -175,26 +71,72 @@ class Robot(_Part):
     home_deg: tuple[float, float, float, float, float, float, float]
 
 
-class Vision(_Part):
-    """The port through which poses reach the robot: white noise, frames at a rate, late."""
+class Vision(Part):
+    """The port through which poses reach the robot: white noise, frames at a rate, late.
+
+    Attributes:
+        position_noise_m: standard deviation along each axis of W, in each frame.
+        angle_noise_deg: the same about each axis of W.
+        position_bias_m: standard deviation of the constant error of each object's x, y and z.
+        angle_bias_deg: the same of its heading; the camera knows what stands level.
+        rate_hz: of the frames.
+        delay_s: from a frame to its arrival.
+    """
 
     position_noise_m: NonNegative = 0.002
     angle_noise_deg: NonNegative = 1.0
+    position_bias_m: NonNegative = 0.0
+    angle_bias_deg: NonNegative = 0.0
     rate_hz: Positive = 30.0
     delay_s: NonNegative = 0.05
 
 
-class TorqueSensor(_Part):
-    """The finger joints' torque sensors: white noise on every sample.
+TORQUE_BIAS = 0.0
+"""Standard deviation of the torque sensors' constant errors, if the scene does not say [N·m]."""
+
+
+class TorqueSensor(Part):
+    """The finger joints' torque sensors.
 
     The robot's controller reads the mean of the samples since its last step.
+
+    Attributes:
+        noise_nm: standard deviation of the white noise on each sample.
+        resolution_nm: step to which each sample is rounded; 0 for none.
+        bias_nm: standard deviation of the constant error of each joint.
+        gain_error: relative error of the scale, common to all joints: 0.05 reads 5 % too much.
+        rate_hz: of the samples.
     """
 
     noise_nm: NonNegative = 0.005
+    resolution_nm: NonNegative = 0.002
+    bias_nm: NonNegative = TORQUE_BIAS
+    gain_error: Annotated[float, Field(gt=-1, lt=1)] = 0.0
     rate_hz: Positive = 1000.0
 
 
-class Scene(_Part):
+class JointSensor(Part):
+    """The joints' position sensors, read once in each control step.
+
+    The defaults are those of sensors at the motors, seen through the gears. Sensors behind the
+    gears are published with 0.01° (1.7e-4 rad) for a light arm of this kind, and with 0.1°
+    (1.7e-3 rad) for the joints of such a hand, whose motors turn a hundred times as far.
+
+    Attributes:
+        arm_noise_rad, finger_noise_rad: standard deviations of white noise.
+        arm_resolution_rad, finger_resolution_rad: steps to which angles are rounded; 0 for none.
+        arm_offset_rad, finger_offset_rad: standard deviations of the constant error of each joint.
+    """
+
+    arm_noise_rad: NonNegative = 1e-5
+    arm_resolution_rad: NonNegative = 5e-6
+    arm_offset_rad: NonNegative = 0.0
+    finger_noise_rad: NonNegative = 1e-4
+    finger_resolution_rad: NonNegative = 2e-4
+    finger_offset_rad: NonNegative = 0.0
+
+
+class Scene(Part):
     """A simulated world.
 
     Attributes:
@@ -211,6 +153,7 @@ class Scene(_Part):
     table: Table = Table()
     vision: Vision = Vision()
     torque_sensor: TorqueSensor = TorqueSensor()
+    joint_sensor: JointSensor = JointSensor()
     time_step_s: Annotated[float, Field(gt=0, le=0.005)] = 0.002
     control_rate_hz: Annotated[float, Field(ge=20, le=1000)] = 100.0
     models: tuple[str, ...] = ()

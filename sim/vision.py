@@ -1,7 +1,8 @@
-"""The port through which the robot sees: poses at a rate, late, with white noise; and colours.
+"""The port through which the robot sees: poses at a rate, late, with noise and bias; and colours.
 
 Frames: poses are X_WB; noise on the position is in W, noise on the orientation a rotation about
-W's axes. Every frame shows all objects and draws its noise in their order, so that the same seed
+W's axes. A bias is constant for each object of a world: a shift in W and a turn about the
+vertical. Every frame shows all objects and draws its noise in their order, so that the same seed
 and the same times give the same frames.
 """
 
@@ -16,6 +17,7 @@ import numpy as np
 
 from objectmodels.resting import LEVEL
 from planner.state import Colour, PlanarPose
+from sim.chance import Stream, source
 from sim.rotations import Array, rot_x, rot_y, rot_z, yaw_of
 from sim.scene import Scene, Vision
 
@@ -49,15 +51,21 @@ class VisionPort:
     """Frames of all objects, in order of time.
 
     Args:
-        vision: noise, rate and delay.
+        vision: noise, bias, rate and delay.
         names: objects, in the order in which noise is drawn.
-        rng: source of the noise.
+        seed: of the world.
     """
 
-    def __init__(self, vision: Vision, names: Iterable[str], rng: np.random.Generator) -> None:
+    def __init__(self, vision: Vision, names: Iterable[str], *, seed: int) -> None:
         self.vision = vision
         self.names = tuple(names)
-        self._rng = rng
+        self._rng = source(seed, Stream.VISION_NOISE)
+        drawn = source(seed, Stream.VISION_BIAS).standard_normal((len(self.names), 4))
+        angle = np.radians(vision.angle_bias_deg)
+        self._bias = {
+            name: (rot_z(angle * turn), vision.position_bias_m * np.array(shift))
+            for name, (*shift, turn) in zip(self.names, drawn, strict=True)
+        }
         self._frames: deque[Frame] = deque()
         self._taken = 0
 
@@ -65,7 +73,7 @@ class VisionPort:
         """Takes a frame if one is due; `poses` are the true R_WB and p_WB at `time`."""
         while self._taken / self.vision.rate_hz <= time + _SAME_TIME:
             self._taken += 1
-            seen = {name: self._seen(*poses[name]) for name in self.names}
+            seen = {name: self._seen(name, *poses[name]) for name in self.names}
             self._frames.append(Frame(time, time + self.vision.delay_s, seen))
 
     def arrived(self, time: float) -> list[Frame]:
@@ -75,10 +83,11 @@ class VisionPort:
             ready.append(self._frames.popleft())
         return ready
 
-    def _seen(self, R_WB: Array, p_WB: Array) -> SeenPose:
+    def _seen(self, name: str, R_WB: Array, p_WB: Array) -> SeenPose:
+        turned, moved = self._bias[name]
         shift = self._rng.normal(0.0, self.vision.position_noise_m, 3)
         x, y, z = self._rng.normal(0.0, np.radians(self.vision.angle_noise_deg), 3)
-        return SeenPose(rot_z(z) @ rot_y(y) @ rot_x(x) @ R_WB, p_WB + shift)
+        return SeenPose(rot_z(z) @ rot_y(y) @ rot_x(x) @ turned @ R_WB, p_WB + moved + shift)
 
 
 def mean_pose(poses: Iterable[SeenPose]) -> PlanarPose:
@@ -95,11 +104,6 @@ def mean_pose(poses: Iterable[SeenPose]) -> PlanarPose:
     return PlanarPose(float(x), float(y), yaw, tuple(attitude.ravel().tolist()))
 
 
-def vision_rng(seed: int) -> np.random.Generator:
-    """Source of the camera's noise in a world of that seed."""
-    return np.random.default_rng([seed, 1])
-
-
 def first_look(scene: Scene, seconds: float, *, seed: int) -> dict[str, PlanarPose]:
     """What the robot sees at the very start, without a simulation: everything stands still.
 
@@ -111,7 +115,7 @@ def first_look(scene: Scene, seconds: float, *, seed: int) -> dict[str, PlanarPo
         seconds: how long to look [s].
         seed: of the world.
     """
-    port = VisionPort(scene.vision, scene.names, vision_rng(seed))
+    port = VisionPort(scene.vision, scene.names, seed=seed)
     poses = {
         item.name: (
             rot_z(np.radians(item.pose.yaw_deg)),

@@ -1,8 +1,8 @@
 """The simulated world behind the robot's ports.
 
-What the robot has: commands to the joints' impedance controllers, exact joint angles, noisy
-torques of the finger joints, and the vision port. What an observer of the world has besides: the
-true poses and who touches whom, kept in `history` for judging and replay.
+What the robot has: commands to the joints' impedance controllers, what the joints' position
+sensors and the finger joints' torque sensors read, and the vision port. What an observer of the
+world has besides: the true poses and who touches whom, kept in `history` for judging and replay.
 
 Frames: W is the world, B an object.
 """
@@ -22,8 +22,9 @@ from sim.hand import FINGERS, RESTING, Angles
 from sim.plant import add_plant
 from sim.rotations import Array
 from sim.scene import Scene
+from sim.sensors import JointReadings, TorqueReadings
 from sim.trace import ContactEvent
-from sim.vision import Frame, VisionPort, averaged, vision_rng
+from sim.vision import Frame, VisionPort, averaged
 
 if TYPE_CHECKING:
     from pydrake.multibody.tree import BodyIndex, RevoluteJoint
@@ -52,7 +53,7 @@ class DrakeWorld:
 
     Args:
         scene: what is true.
-        seed: of the sensors' noise.
+        seed: of everything random.
 
     Attributes:
         scene, seed: as given.
@@ -87,8 +88,12 @@ class DrakeWorld:
         self._joints = joints
         self.joint_names = tuple(joint.name() for joint in joints)
         self._names = ["table", *(self._plant.get_body(i).name() for i in self._bodies()[1:])]
-        self._vision = VisionPort(scene.vision, scene.names, vision_rng(seed))
-        self._torque_rng = np.random.default_rng([seed, 2])
+        self._vision = VisionPort(scene.vision, scene.names, seed=seed)
+        self._torques = TorqueReadings(scene.torque_sensor, self.period, seed)
+        self._angles = JointReadings(
+            scene.joint_sensor, len(self._arm_joints), len(self._joints), seed
+        )
+        self._measured = np.zeros(len(self._joints))
         self._steps = 0
         self.history: list[Sample] = []
         self.contacts: list[ContactEvent] = []
@@ -154,13 +159,12 @@ class DrakeWorld:
 
     def arm_angles(self) -> Array:
         """Measured angles of the arm's joints, shape (7,) [rad]."""
-        return np.array([joint.get_angle(self._context) for joint in self._arm_joints])
+        return np.array(self._measured[: len(self._arm_joints)])
 
     def finger_angles(self, finger: str) -> Angles:
         """Measured abduction, proximal and middle flexion [rad]."""
-        abduction, proximal, middle = (
-            float(joint.get_angle(self._context)) for joint in self._finger_joints[finger][:3]
-        )
+        first = len(self._arm_joints) + len(hand.FINGER_JOINTS) * FINGERS.index(finger)
+        abduction, proximal, middle = self._measured[first : first + 3].tolist()
         return abduction, proximal, middle
 
     def finger_torques(self, finger: str) -> Array:
@@ -176,7 +180,7 @@ class DrakeWorld:
                 for joint in self._finger_joints[finger][:3]
             ]
         )
-        return np.asarray(torques + self._torque_rng.normal(0.0, self.torque_noise, 3))
+        return self._torques.read(finger, torques)
 
     @property
     def torque_noise(self) -> float:
@@ -210,6 +214,7 @@ class DrakeWorld:
             poses[name] = np.concatenate([X_WB.rotation().ToQuaternion().wxyz(), p_WB])
             seen[name] = (X_WB.rotation().matrix(), p_WB)
         joints = np.array([joint.get_angle(self._context) for joint in self._joints])
+        self._measured = self._angles.read(joints)
         self.history.append(Sample(self.time, poses, joints))
         self._vision.observe(self.time, seen)
         self._frames += self._vision.arrived(self.time)

@@ -11,7 +11,7 @@ from sim.attractor import attracted
 from sim.rotations import rot_z
 from sim.scene import Vision, load_scene
 from sim.steering import LineKeeper, PushedBox
-from sim.vision import SeenPose, VisionPort, first_look, vision_rng
+from sim.vision import SeenPose, VisionPort, first_look
 
 PERIOD = 0.01
 numbers = st.floats(-2.0, 2.0)
@@ -47,7 +47,7 @@ def _still() -> dict[str, tuple[np.ndarray, np.ndarray]]:
 
 def test_frames_come_late_and_at_their_rate() -> None:
     vision = Vision(rate_hz=20.0, delay_s=0.05)
-    port = VisionPort(vision, ["box"], vision_rng(0))
+    port = VisionPort(vision, ["box"], seed=0)
     arrivals = []
     for tick in range(101):
         port.observe(tick * PERIOD, _still())
@@ -59,7 +59,7 @@ def test_frames_come_late_and_at_their_rate() -> None:
 
 def test_noise_of_the_frames() -> None:
     vision = Vision(position_noise_m=0.002, angle_noise_deg=1.0, rate_hz=100.0, delay_s=0.0)
-    port = VisionPort(vision, ["box"], vision_rng(3))
+    port = VisionPort(vision, ["box"], seed=3)
     seen = []
     for tick in range(2000):
         port.observe(tick * PERIOD, _still())

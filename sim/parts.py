@@ -1,0 +1,22 @@
+"""What the parts of a scene file are made of: strict, frozen models and ranges of numbers."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Positive = Annotated[float, Field(gt=0)]
+NonNegative = Annotated[float, Field(ge=0)]
+Fraction = Annotated[float, Field(ge=0, le=1)]
+Spread = Annotated[float, Field(ge=0, le=0.45)]
+"""A relative standard deviation; at two of the largest, a tenth of the value is left."""
+
+Point2 = tuple[float, float]
+Point3 = tuple[float, float, float]
+
+
+class Part(BaseModel):
+    """A part of a scene file: nothing unknown, nothing converted, nothing changed later."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
