@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sim import hand
+from sim.rotations import Array
 from sim.scene import Scene, SceneObject
 from sim.truth import Truth
 
@@ -37,6 +38,19 @@ _STIFFNESS, _DISSIPATION = 1e6, 20.0
 
 
 @dataclass(frozen=True)
+class Feet:
+    """The spheres on which an object stands, or lies on a side.
+
+    Attributes:
+        geometries: k of them.
+        p_B: their centres in B, shape (k, 3) [m].
+    """
+
+    geometries: list[GeometryId]
+    p_B: Array
+
+
+@dataclass(frozen=True)
 class Plant:
     """A finalised plant in its builder, and who is who in it."""
 
@@ -45,6 +59,7 @@ class Plant:
     arm: ModelInstanceIndex
     hand: ModelInstanceIndex
     bodies: Mapping[str, RigidBody]
+    feet: Mapping[str, Feet]
 
 
 def add_plant(builder: DiagramBuilder, scene: Scene) -> Plant:
@@ -62,12 +77,11 @@ def add_plant(builder: DiagramBuilder, scene: Scene) -> Plant:
     arm, hand_ = _add_robot(plant, scene)
     table = _add_table(plant, scene)
     solids: list[GeometryId] = []
-    feet: list[GeometryId] = []
+    feet: dict[str, Feet] = {}
     bodies = {}
     for item in scene.objects:
-        bodies[item.name], solid, points = _add_object(plant, item)
+        bodies[item.name], solid, feet[item.name] = _add_object(plant, item)
         solids.append(solid)
-        feet += points
     plant.Finalize()
     for item in scene.objects:
         plant.SetDefaultFloatingBaseBodyPose(bodies[item.name], initial_pose(item))
@@ -77,8 +91,9 @@ def add_plant(builder: DiagramBuilder, scene: Scene) -> Plant:
         for index in plant.GetBodyIndices(instance)
         for geometry in plant.GetCollisionGeometriesForBody(plant.get_body(index))
     ]
-    _filter_collisions(scene_graph, robot=robot, table=table, solids=solids, feet=feet)
-    return Plant(plant, scene_graph, arm, hand_, bodies)
+    standing = [foot for each in feet.values() for foot in each.geometries]
+    _filter_collisions(scene_graph, robot=robot, table=table, solids=solids, feet=standing)
+    return Plant(plant, scene_graph, arm, hand_, bodies, feet)
 
 
 def _add_robot(
@@ -114,22 +129,20 @@ def _add_table(plant: MultibodyPlant, scene: Scene) -> GeometryId:
     X_WT = RigidTransform(np.array([*table.centre_m, -table.thickness_m / 2]))
     world = plant.world_body()
     plant.RegisterVisualGeometry(world, X_WT, shape, "table", np.array([0.62, 0.52, 0.42, 1.0]))
-    return plant.RegisterCollisionGeometry(world, X_WT, shape, "table", _surface(ROUGH))
+    return plant.RegisterCollisionGeometry(world, X_WT, shape, "table", surface(ROUGH))
 
 
-def _add_object(
-    plant: MultibodyPlant, item: SceneObject
-) -> tuple[RigidBody, GeometryId, list[GeometryId]]:
+def _add_object(plant: MultibodyPlant, item: SceneObject) -> tuple[RigidBody, GeometryId, Feet]:
     """Adds an object; returns its body, its solid and the spheres on which it stands or lies."""
     from pydrake.geometry import Sphere
     from pydrake.math import RigidTransform
 
     truth = item.truth
     shape, X_BG = _shape(truth)
-    body = plant.AddRigidBody(item.name, plant.AddModelInstance(item.name), _inertia(truth, shape))
+    body = plant.AddRigidBody(item.name, plant.AddModelInstance(item.name), inertia(truth))
     plant.RegisterVisualGeometry(body, X_BG, shape, "solid", np.array([*truth.colour, 1.0]))
     solid = plant.RegisterCollisionGeometry(
-        body, X_BG, shape, "solid", _surface(truth.friction_finger / 2)
+        body, X_BG, shape, "solid", surface(truth.friction_finger / 2)
     )
     r = _CORNER_RADIUS
     base = [(*_drawn_in(point, r), r) for point in truth.support]
@@ -140,11 +153,11 @@ def _add_object(
             RigidTransform(np.array(p)),
             Sphere(r),
             f"foot_{i}",
-            _surface(truth.friction_table / 2),
+            surface(truth.friction_table / 2),
         )
         for i, p in enumerate(base + top)
     ]
-    return body, solid, feet
+    return body, solid, Feet(feet, np.array(base + top))
 
 
 def _drawn_in(point: tuple[float, float], r: float) -> tuple[float, float]:
@@ -167,17 +180,18 @@ def _shape(truth: Truth) -> tuple[Shape, RigidTransform]:
     return Convex(np.array(ends[0] + ends[1]).T, "prism"), RigidTransform()
 
 
-def _inertia(truth: Truth, shape: Shape) -> SpatialInertia:
+def inertia(truth: Truth) -> SpatialInertia:
     """Mass spread as in the solid, about the true centre of mass."""
     from pydrake.multibody.tree import CalcSpatialInertia, SpatialInertia
 
-    solid = CalcSpatialInertia(shape, 1.0)
+    solid = CalcSpatialInertia(_shape(truth)[0], 1.0)
     G_GGcm = solid.get_unit_inertia().ShiftToCenterOfMass(solid.get_com())
     p_BBcm = np.array(truth.centre_of_mass)
     return SpatialInertia(truth.mass_kg, p_BBcm, G_GGcm.ShiftFromCenterOfMass(p_BBcm))
 
 
-def _surface(friction: float) -> ProximityProperties:
+def surface(friction: float) -> ProximityProperties:
+    """How a body's skin touches others, with its coefficient of friction."""
     from pydrake.geometry import AddContactMaterial, ProximityProperties
     from pydrake.multibody.plant import CoulombFriction
 

@@ -19,7 +19,7 @@ from pydantic import Field, ValidationError, model_validator
 
 from objectmodels.yamlfile import parse_yaml
 from sim.errors import SceneError
-from sim.parts import NonNegative, Part, Point2, Point3, Positive
+from sim.parts import Fraction, NonNegative, Part, Point2, Point3, Positive, Spread
 from sim.truth import Truth
 
 
@@ -49,9 +49,24 @@ class SceneObject(Part):
     truth: Truth
 
 
+class FrictionVariation(Part):
+    """How friction on the table differs from what an object's truth says; see `sim.surfaces`.
+
+    Attributes:
+        over_table: relative standard deviation from place to place.
+        length_m: over which the table's friction changes; it hardly does over a third of that.
+        per_trial: relative standard deviation from touch to touch.
+    """
+
+    over_table: Fraction = 0.0
+    length_m: Annotated[float, Field(ge=0.02)] = 0.10
+    per_trial: Fraction = 0.0
+
+
 class Table(Part):
     """The table top; its upper face is the plane z = 0 of W."""
 
+    friction_variation: FrictionVariation = FrictionVariation()
     centre_m: Point2 = (0.5, 0.0)
     size_m: tuple[Positive, Positive] = (1.4, 1.6)
     thickness_m: Positive = 0.05
@@ -136,6 +151,20 @@ class JointSensor(Part):
     finger_offset_rad: NonNegative = 0.0
 
 
+class Hidden(Part):
+    """How far the truth of a world lies from what the file says, drawn from the world's seed.
+
+    Attributes:
+        mass, friction, finger_friction: relative standard deviations.
+        centre_of_mass_m: standard deviation along each axis of B.
+    """
+
+    mass: Spread = 0.0
+    friction: Spread = 0.0
+    finger_friction: Spread = 0.0
+    centre_of_mass_m: NonNegative = 0.0
+
+
 class Scene(Part):
     """A simulated world.
 
@@ -144,6 +173,7 @@ class Scene(Part):
         name: for reports.
         time_step_s: of the simulation.
         control_rate_hz: of the robot's control loop.
+        hidden: how worlds of this scene differ from it and from each other.
         models: model files, or folders of them, that belong to the scene; relative to its file.
     """
 
@@ -157,6 +187,7 @@ class Scene(Part):
     time_step_s: Annotated[float, Field(gt=0, le=0.005)] = 0.002
     control_rate_hz: Annotated[float, Field(ge=20, le=1000)] = 100.0
     models: tuple[str, ...] = ()
+    hidden: Hidden = Hidden()
     objects: tuple[SceneObject, ...]
 
     @model_validator(mode="after")

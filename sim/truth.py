@@ -8,10 +8,12 @@ from __future__ import annotations
 import math
 from typing import Annotated
 
+import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
 from objectmodels.base import Polygon
-from sim.parts import Fraction, Part, Point2, Point3, Positive
+from sim.parts import Fraction, NonNegative, Part, Point2, Point3, Positive
 
 _RIM_POINTS = 16
 
@@ -33,6 +35,8 @@ class Truth(Part):
             simulation has no separate static coefficient; this is the sliding one.
         friction_finger: the same between object and fingertip.
         centre_of_mass_m: in B; above the origin at half the height if not given.
+        contents_shift_m: standard deviation of a shift of the centre of mass along each axis of B,
+            drawn anew whenever the robot begins to touch the object; 0 for contents that lie still.
         support_m: points of the base on which the object stands, in B's x, y; its corners (of a
             cylinder: points of its rim) if not given.
         colour: red, green, blue in 0…1, for the camera and for pictures.
@@ -47,6 +51,7 @@ class Truth(Part):
     friction_table: Positive
     friction_finger: Positive
     centre_of_mass_m: Point3 | None = None
+    contents_shift_m: NonNegative = 0.0
     support_m: tuple[Point2, ...] | None = None
     colour: tuple[Fraction, Fraction, Fraction] = (0.8, 0.7, 0.4)
 
@@ -65,12 +70,27 @@ class Truth(Part):
 
     @model_validator(mode="after")
     def _inside(self) -> Truth:
-        x, y, z = self.centre_of_mass
-        outline = Polygon.convex(self.outline)
-        if not ((outline.normals @ [x, y] < outline.offsets).all() and 0 < z < self.height):
+        if not self._contains(self.centre_of_mass):
             raise ValueError(f"centre_of_mass_m {self.centre_of_mass} lies outside the object")
         if self.support_m is not None and len(self.support_m) < 3:
             raise ValueError("support_m needs three points or more")
+        return self
+
+    def _contains(self, p_B: Point3) -> bool:
+        x, y, z = p_B
+        outline = Polygon.convex(self.outline)
+        return bool((outline.normals @ [x, y] < outline.offsets).all() and 0 < z < self.height)
+
+    def shifted(self, shift: ArrayLike) -> Truth:
+        """The same with its centre of mass moved, by a half or less where it would fall over.
+
+        Args:
+            shift: in B, shape (3,) [m].
+        """
+        for share in (1.0, 0.5, 0.25):
+            x, y, z = (np.array(self.centre_of_mass) + share * np.asarray(shift)).tolist()
+            if self._contains((x, y, z)) and _surrounded((x, y), self.support):
+                return self.model_copy(update={"centre_of_mass_m": (x, y, z)})
         return self
 
     @property
@@ -100,6 +120,13 @@ class Truth(Part):
         if self.support_m is not None:
             return self.support_m
         return self.outline if self.base_radius_m is None else _circle(self.base_radius_m)
+
+
+def _surrounded(point: Point2, points: tuple[Point2, ...]) -> bool:
+    """Whether a point lies inside the hull of others: no half plane at it is free of them."""
+    x, y = (np.array(points) - point).T
+    angles = np.sort(np.arctan2(y, x))
+    return bool(np.diff(angles, append=angles[0] + 2.0 * np.pi).max() < np.pi)
 
 
 def _circle(radius: float) -> tuple[Point2, ...]:

@@ -10,27 +10,30 @@ Frames: W is the world, B an object.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from planner.state import PlanarPose
 from sim import arm, hand
+from sim.contacts import ContactWatch
+from sim.contents import ShiftingContents
 from sim.hand import FINGERS, RESTING, Angles
-from sim.plant import add_plant
+from sim.hidden import drawn
+from sim.plant import Plant, add_plant
 from sim.rotations import Array
 from sim.scene import Scene
 from sim.sensors import JointReadings, TorqueReadings
+from sim.surfaces import VaryingFriction
 from sim.trace import ContactEvent
+from sim.truth import Truth
 from sim.vision import Frame, VisionPort, averaged
 
 if TYPE_CHECKING:
-    from pydrake.multibody.tree import BodyIndex, RevoluteJoint
-
-_SEPARATED = 0.1
-"""Two bodies that were apart for less are taken as having touched all the time [s]."""
+    from pydrake.multibody.tree import RevoluteJoint
+    from pydrake.systems.framework import Context
 
 
 @dataclass(frozen=True)
@@ -48,15 +51,27 @@ class Sample:
     joints: Array
 
 
+class Change(Protocol):
+    """Something about the objects that does not stay as it is."""
+
+    def prepare(self, touched: Sequence[str], poses: Mapping[str, tuple[Array, Array]]) -> None:
+        """Changes what must change before a step, knowing what the robot touches anew."""
+
+    def present(self, name: str, truth: Truth) -> Truth:
+        """The truth of an object, as it is now."""
+        ...
+
+
 class DrakeWorld:
     """A scene in Drake, that moves on when the robot's controller makes a step.
 
     Args:
-        scene: what is true.
+        scene: what its file says.
         seed: of everything random.
 
     Attributes:
-        scene, seed: as given.
+        scene: what is true in this world; see `sim.hidden`.
+        seed: as given.
         period: time of a control step [s].
         time: simulated time [s].
         history: what happened, a sample per control step.
@@ -69,6 +84,7 @@ class DrakeWorld:
         from pydrake.systems.analysis import Simulator
         from pydrake.systems.framework import DiagramBuilder
 
+        scene = drawn(scene, seed)
         self.scene = scene
         self.seed = seed
         self.period = 1.0 / scene.control_rate_hz
@@ -87,7 +103,6 @@ class DrakeWorld:
         joints = [*self._arm_joints, *(j for f in FINGERS for j in self._finger_joints[f])]
         self._joints = joints
         self.joint_names = tuple(joint.name() for joint in joints)
-        self._names = ["table", *(self._plant.get_body(i).name() for i in self._bodies()[1:])]
         self._vision = VisionPort(scene.vision, scene.names, seed=seed)
         self._torques = TorqueReadings(scene.torque_sensor, self.period, seed)
         self._angles = JointReadings(
@@ -96,16 +111,15 @@ class DrakeWorld:
         self._measured = np.zeros(len(self._joints))
         self._steps = 0
         self.history: list[Sample] = []
-        self.contacts: list[ContactEvent] = []
-        self._touching: dict[tuple[str, str], float] = {}
+        self._watch = ContactWatch(self._plant, self._model.bodies)
+        self.contacts: list[ContactEvent] = self._watch.events
+        self._changes = tuple(
+            _changes(self._model, self.simulator.get_mutable_context(), scene, seed)
+        )
+        self._poses: dict[str, tuple[Array, Array]] = {}
+        self._touched: list[str] = []
         self._frames: list[Frame] = []
         self._start()
-
-    def _bodies(self) -> list[BodyIndex]:
-        """All bodies; the first is the world, which is the table."""
-        from pydrake.multibody.tree import BodyIndex
-
-        return [BodyIndex(i) for i in range(self._plant.num_bodies())]
 
     def _joint(self, name: str) -> RevoluteJoint:
         return self._plant.GetJointByName(name)
@@ -123,6 +137,7 @@ class DrakeWorld:
         self._command(self._q_arm, self._q_hand)
         self.simulator.Initialize()
         self._observe()
+        self._prepare()
 
     @property
     def time(self) -> float:
@@ -144,8 +159,13 @@ class DrakeWorld:
         """
         self._command(q_arm, q_hand)
         self._steps += 1
+        self._prepare()
         self.simulator.AdvanceTo(self.time)
         self._observe()
+
+    def _prepare(self) -> None:
+        for change in self._changes:
+            change.prepare(self._touched, self._poses)
 
     def _command(self, q_arm: Array, q_hand: Array) -> None:
         """Desired angles for the impedance controllers, and rates that lead there."""
@@ -206,31 +226,36 @@ class DrakeWorld:
             frames += self.frames()
         return averaged(frames)
 
+    def truth_now(self, name: str) -> Truth:
+        """How an object is at this time; for an observer, never for the robot.
+
+        It differs from `scene` by the place where it stands and by the touch that began last.
+        """
+        truth = self.scene.object(name).truth
+        for change in self._changes:
+            truth = change.present(name, truth)
+        return truth
+
     def _observe(self) -> None:
-        poses, seen = {}, {}
+        poses = {}
         for name, body in self._model.bodies.items():
             X_WB = self._plant.EvalBodyPoseInWorld(self._context, body)
             p_WB = X_WB.translation()
             poses[name] = np.concatenate([X_WB.rotation().ToQuaternion().wxyz(), p_WB])
-            seen[name] = (X_WB.rotation().matrix(), p_WB)
+            self._poses[name] = (X_WB.rotation().matrix(), p_WB)
         joints = np.array([joint.get_angle(self._context) for joint in self._joints])
         self._measured = self._angles.read(joints)
         self.history.append(Sample(self.time, poses, joints))
-        self._vision.observe(self.time, seen)
+        self._vision.observe(self.time, self._poses)
         self._frames += self._vision.arrived(self.time)
-        self._note_contacts()
-
-    def _note_contacts(self) -> None:
-        """Adds touches that began; objects standing on the table are not told."""
         results = self._plant.get_contact_results_output_port().Eval(self._context)
-        for i in range(results.num_point_pair_contacts()):
-            info = results.point_pair_contact_info(i)
-            a, b = self._names[int(info.bodyA_index())], self._names[int(info.bodyB_index())]
-            if (a == "table" and b in self._model.bodies) or (
-                b == "table" and a in self._model.bodies
-            ):
-                continue
-            touching = (a, b) if a < b else (b, a)
-            if self.time - self._touching.get(touching, -np.inf) > _SEPARATED:
-                self.contacts.append(ContactEvent(self.time, *touching))
-            self._touching[touching] = self.time
+        self._touched = self._watch.note(self.time, results)
+
+
+def _changes(model: Plant, root: Context, scene: Scene, seed: int) -> Iterable[Change]:
+    """What changes in a scene; nothing of it costs any time where nothing does."""
+    variation = scene.table.friction_variation
+    if variation.over_table > 0.0 or variation.per_trial > 0.0:
+        yield VaryingFriction(model, root, scene, seed)
+    if any(item.truth.contents_shift_m > 0.0 for item in scene.objects):
+        yield ShiftingContents(model, root, scene, seed)

@@ -1,0 +1,67 @@
+"""Who touches whom, told as events, and when the robot begins to touch an object."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sim.trace import ContactEvent
+
+if TYPE_CHECKING:
+    from pydrake.multibody.plant import ContactResults, MultibodyPlant
+
+APART = 1.0
+"""The robot touches an object anew if it did not for so long; less is one touch that chatters [s].
+"""
+
+_SEPARATED = 0.1
+"""Two bodies that were apart for less are taken as having touched all the time [s]."""
+
+_TABLE = "table"
+
+
+class ContactWatch:
+    """Touches of bodies, in order of time.
+
+    Args:
+        plant: whose bodies they are; its world is the table.
+        objects: names of the bodies that are objects; the others are the robot's.
+
+    Attributes:
+        events: touches that began; objects standing on the table are not told.
+    """
+
+    def __init__(self, plant: MultibodyPlant, objects: Collection[str]) -> None:
+        from pydrake.multibody.tree import BodyIndex
+
+        bodies = [plant.get_body(BodyIndex(i)).name() for i in range(1, plant.num_bodies())]
+        self._names = [_TABLE, *bodies]
+        self._objects = frozenset(objects)
+        self.events: list[ContactEvent] = []
+        self._touching: dict[tuple[str, str], float] = {}
+        self._by_robot: dict[str, float] = {}
+
+    def note(self, time: float, results: ContactResults) -> list[str]:
+        """Takes in the contacts at a time [s]; returns objects that the robot began to touch."""
+        begun = []
+        for pair in self._pairs(results):
+            if time - self._touching.get(pair, -np.inf) > _SEPARATED:
+                self.events.append(ContactEvent(time, *pair))
+            self._touching[pair] = time
+            touched = self._objects.intersection(pair)
+            if len(touched) == 1:
+                (name,) = touched
+                if time - self._by_robot.get(name, -np.inf) > APART:
+                    begun.append(name)
+                self._by_robot[name] = time
+        return begun
+
+    def _pairs(self, results: ContactResults) -> Iterator[tuple[str, str]]:
+        """Names of the bodies in contact, but for objects on the table."""
+        for i in range(results.num_point_pair_contacts()):
+            info = results.point_pair_contact_info(i)
+            a, b = sorted(self._names[int(k)] for k in (info.bodyA_index(), info.bodyB_index()))
+            if not (_TABLE in (a, b) and self._objects.intersection((a, b))):
+                yield a, b
