@@ -3,8 +3,8 @@
 Model, with F = s u the force on the object in the level axes of B, G its weight:
 
 - *slide*: s is the model's own threshold, and the object turns by the ω of its sliding motion for
-  each metre that the contact goes along u. With the load N = G − s u_z and a = (G/N) [(p − c) × u]_z
-  the ellipsoid moves with ω = (a / c̄²) / (|u_xy|² + (a / c̄)²).
+  each metre that the contact goes along u. With the load N = G − s u_z and
+  a = (G/N) [(p − c) × u]_z the ellipsoid moves with ω = (a / c̄²) / (|u_xy|² + (a / c̄)²).
 - *topple*, held at a tilt θ about the base edge of outward normal n and offset d: turned by θ about
   the edge, a point that was ξ = n·p − d beyond it and p_z above is x = ξ cos θ + p_z sin θ beyond
   and h = p_z cos θ − ξ sin θ above. The centre of mass was b = d − n·c_xy inside, so its weight
@@ -26,6 +26,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isclose
 
 import numpy as np
 from numpy.typing import NDArray
@@ -296,14 +297,26 @@ def topple(base: Base, n: Array, p: Array, u: Array, tilt: Array, values: Array)
     weight, c = GRAVITY * values[..., MASS, None], values[..., None, COM_X:]
     if isinstance(base, Disc):
         n = _rim(base, n, p, u, c)
-    d = base.extent(n)
-    xi, b = _dot(n, p) - d, d - _dot(n, c)
-    cos, sin = np.cos(tilt), np.sin(tilt)
-    x, h = xi * cos + p[:, 2] * sin, p[:, 2] * cos - xi * sin
-    lever = _dot(n, u) * h - u[:, 2] * x
+    lever, d = tilt_arms(base, n, p, u, tilt)
+    holding = (d - _dot(n, c)) * np.cos(tilt) - c[..., 2] * np.sin(tilt)
     with np.errstate(divide="ignore", invalid="ignore"):
-        force = weight * (b * cos - c[..., 2] * sin) / lever
-    return np.where(lever > 0.0, force, np.inf)
+        return np.where(lever > 0.0, weight * holding / lever, np.inf)
+
+
+def tilt_arms(base: Base, n: Array, p: Array, u: Array, tilt: Array) -> tuple[Array, Array]:
+    """Lever arms u_n h − u_z x about tilted edges, and the edges' offsets d, each (..., n) [m].
+
+    Args:
+        base: what it stands on.
+        n: outward normals of the edges, shape (..., n, 2).
+        p: contact points in B, shape (n, 3) [m].
+        u: directions of the force, shape (n, 3).
+        tilt: angles, shape (n,) [rad].
+    """
+    d = base.extent(n)
+    xi, cos, sin = _dot(n, p) - d, np.cos(tilt), np.sin(tilt)
+    x, h = xi * cos + p[:, 2] * sin, p[:, 2] * cos - xi * sin
+    return _dot(n, u) * h - u[:, 2] * x, d
 
 
 def _rim(base: Disc, n: Array, p: Array, u: Array, c: Array) -> Array:
@@ -366,3 +379,34 @@ def with_values(model: ObjectModel, values: Array) -> ObjectModel:
             "com": tuple(com),
         }
     )
+
+
+def with_belief(model: ObjectModel, covariance: Array) -> ObjectModel:
+    """The model with another covariance of its parameters, in the order of `UNCERTAIN`, (7, 7)."""
+    mass, friction, finger, radius, *com = np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist()
+    rho = correlation_of(covariance)
+    pairs = [
+        (a, b, float(rho[i, j]))
+        for i, a in enumerate(UNCERTAIN)
+        for j, b in enumerate(UNCERTAIN)
+        if i < j and not isclose(rho[i, j], 0.0, abs_tol=1e-12)
+    ]
+    return model.model_copy(
+        update={
+            "mass_sd": mass,
+            "friction_sd": friction,
+            "finger_friction_sd": finger,
+            "friction_radius_sd": radius,
+            "com_sd": tuple(com),
+            "correlations": tuple(pairs),
+        }
+    )
+
+
+def correlation_of(covariance: Array) -> Array:
+    """Correlations of a covariance (7, 7); a hair inside of what is possible, for rounding."""
+    sd = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    safe = np.where(sd > 0.0, sd, 1.0)
+    rho = covariance / np.outer(safe, safe) * (1.0 - 1e-9)
+    np.fill_diagonal(rho, 1.0)
+    return np.asarray(np.clip(rho, -1.0, 1.0))

@@ -81,7 +81,7 @@ def _differentiate(
     slope = mu * dS[0] - h
     # dr along log μ, log c̄, c_x, c_y; the root moves against the slope of the equation.
     dr = -np.stack((mu * limits[0], mu * dS[3], mu * dS[1], mu * dS[2])) / slope
-    places = [1, 3, 4, 5]  # of those in the order of `UNCERTAIN`
+    places = np.array([1, 3, 4, 5])  # of those in the order of `UNCERTAIN`
     per_r = model.weight / (1.0 + r * w) ** 2
     found.turn[i] = turns[0]
     found.force_change[np.ix_(i, places)] = (per_r * dr).T

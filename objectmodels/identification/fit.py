@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import exp, isclose
+from math import exp
 
 import numpy as np
 
@@ -32,7 +32,9 @@ from objectmodels.identification.balance import (
     RADIUS,
     Balance,
     Mask,
+    correlation_of,
     units,
+    with_belief,
     with_values,
 )
 from objectmodels.identification.identifiability import identified
@@ -307,37 +309,6 @@ def _fitted(
         trials=len(np.unique(np.arange(len(solution.rows))[solution.rows])),
     )
     return fitted.model_copy(update={"provenance": provenance})
-
-
-def with_belief(model: ObjectModel, covariance: Array) -> ObjectModel:
-    """The model with another covariance of its parameters, in the order of `UNCERTAIN`, (7, 7)."""
-    mass, friction, finger, radius, *com = np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist()
-    rho = correlation_of(covariance)
-    pairs = [
-        (a, b, float(rho[i, j]))
-        for i, a in enumerate(UNCERTAIN)
-        for j, b in enumerate(UNCERTAIN)
-        if i < j and not isclose(rho[i, j], 0.0, abs_tol=1e-12)
-    ]
-    return model.model_copy(
-        update={
-            "mass_sd": mass,
-            "friction_sd": friction,
-            "finger_friction_sd": finger,
-            "friction_radius_sd": radius,
-            "com_sd": tuple(com),
-            "correlations": tuple(pairs),
-        }
-    )
-
-
-def correlation_of(covariance: Array) -> Array:
-    """Correlations of a covariance (7, 7); a hair inside of what is possible, for rounding."""
-    sd = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    safe = np.where(sd > 0.0, sd, 1.0)
-    rho = covariance / np.outer(safe, safe) * (1.0 - 1e-9)
-    np.fill_diagonal(rho, 1.0)
-    return np.asarray(np.clip(rho, -1.0, 1.0))
 
 
 def _freedom(solution: Solution, k: int) -> float:

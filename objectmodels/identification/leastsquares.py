@@ -111,10 +111,11 @@ def solve(
             f"{source}: by the model such a push never moves the object so",
             suggestions=("check the contact point, the direction and what moved",),
         )
-    state = _Variances()
+    guess = 0.0, 1.0
     for _ in range(_STEPS):
         offset = (believed - coordinates(now.values))[free]
-        step, state = _weighted(balance, now, free, rows, information, offset, state)
+        step, state = _weighted(balance, now, free, rows, information, offset, guess)
+        guess = state.spread, state.noise
         sd = np.sqrt(np.diag(state.own))
         if (np.abs(step) <= _SETTLED * sd).all():
             return _solution(balance, now, free, rows, belief, information, state)
@@ -126,16 +127,16 @@ def solve(
     )
 
 
-@dataclass
+@dataclass(frozen=True)
 class _Variances:
     """Variances of the rows, and what follows from them."""
 
-    spread: float = 0.0
-    noise: float = 1.0
-    spread_freedom: float = 0.0
-    noise_freedom: float = np.inf
-    variance: Array | None = None
-    own: Array | None = None
+    spread: float
+    noise: float
+    spread_freedom: float
+    noise_freedom: float
+    variance: Array
+    own: Array
 
 
 def _information(belief: Array, free: Mask) -> Array:
@@ -145,17 +146,17 @@ def _information(belief: Array, free: Mask) -> Array:
 
 def _weighted(
     balance: Balance, at: Linear, free: Mask, rows: Mask, information: Array, offset: Array,
-    state: _Variances,
+    guess: tuple[float, float],
 ) -> tuple[Array, _Variances]:  # fmt: skip
     """The step of linear least squares, the variances settled."""
     J, rest = at.jacobian[rows][:, free], (balance.observed - at.predicted)[rows]
     slides = balance.slides[rows]
     per_friction = np.where(slides, at.jacobian[rows, FRICTION], 0.0)
-    spread, noise = state.spread, state.noise
+    spread, noise = guess
     for _ in range(_INNER):
         variance = (noise * at.sd[rows]) ** 2 + (spread * per_friction) ** 2
         weighted = J.T / variance
-        own = np.linalg.inv(weighted @ J + information)
+        own: Array = np.asarray(np.linalg.inv(weighted @ J + information))
         step = own @ (weighted @ rest + information @ offset)
         left = rest - J @ step
         used = np.einsum("ij,jk,ik->i", J, own, J) / variance
@@ -227,7 +228,6 @@ def _solution(
     balance: Balance, at: Linear, free: Mask, rows: Mask, belief: Array, information: Array,
     state: _Variances,
 ) -> Solution:  # fmt: skip
-    assert state.variance is not None and state.own is not None
     covariance, own = np.zeros((7, 7)), np.zeros((7, 7))
     kept = ~free
     J = at.jacobian[rows]
