@@ -14,21 +14,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from grammar.frames import Command, Frame
-from nlcontrol.checks import Check, check, not_held, require_checkable
-from nlcontrol.errors import (
-    NOT_UNDERSTOOD,
-    ControlError,
-    ErrorInfo,
-    error,
-    refusal_error,
-    translated,
-)
+from nlcontrol.checks import Check, check, require_checkable
+from nlcontrol.errors import ControlError, error, translated
 from nlcontrol.names import Candidate
 from nlcontrol.resolve import NOTHING_SAID, Context, resolve
-from nlcontrol.result import Result, ResultStatus, Step, summary
+from nlcontrol.result import Result, with_
 from objectmodels import ModelError, ObjectModel, Registry
 from planner.defaults import DEFAULTS, Defaults
-from planner.explain import Basis
 from planner.plan import Plan, Refusal
 from planner.state import PlanarPose, SeenObject, TableState, WorldState
 from sim.scene import Scene, SceneObject, load_scene
@@ -209,13 +201,13 @@ class Controller:
         vision = self.scene.vision
         return answer(
             frame,
-            self._about(frame) if state is None else state,
+            self.about(frame) if state is None else state,
             lambda: self.reach,
             self.defaults,
             position_sd=vision.position_noise_m / math.sqrt(max(vision.rate_hz * LOOK, 1.0)),
         )
 
-    def _about(self, frame: Frame) -> WorldState:
+    def about(self, frame: Frame) -> WorldState:
         """What is believed about the object of a question, which may not be on the table."""
         name = frame.object.id if frame.object else None
         return self.look() if name is None else self.surroundings(name)[1]
@@ -278,7 +270,7 @@ class Controller:
         result = Result(ok=False, status="failed", text=text, scene=self.scene.name, seed=self.seed)
         if command is None:
             return result
-        return _with(result, paraphrase=command.paraphrase, frames=command.frames)
+        return with_(result, paraphrase=command.paraphrase, frames=command.frames)
 
     def carry_out(
         self,
@@ -288,10 +280,7 @@ class Controller:
         plan_only: bool = False,
         progress: Progress | None = None,
     ) -> Result:
-        """Does what a command says, frame after frame, up to the first that fails.
-
-        Each frame is planned from a look of its own, after the one before it was executed. So with
-        `plan_only` the first alone is planned: where the others start is not known yet.
+        """Does what a command says; see `nlcontrol.carrying`.
 
         Args:
             command: what was understood.
@@ -299,97 +288,14 @@ class Controller:
             plan_only: stop before anything is executed.
             progress: told what happens during the simulation.
         """
+        from nlcontrol.carrying import carry_out
+
         result = self.begun(command.text, command)
         try:
             command = self.resolve(command, context)
         except ControlError as raised:
-            return _with(result, status="not_understood", error=raised.info)
-        result = _with(result, frames=command.frames)
-        for index, frame in enumerate(command.frames):
-            if frame.query is not None:
-                result = self._answered(index, frame, result)
-            else:
-                result = self._carry_out(index, frame, result, plan_only, progress)
-            if result.error or result.status == "planned":
-                break
-        if result.status == "planned" and len(command.frames) > 1:
-            note = (
-                f"planned is the first of {len(command.frames)} steps; "
-                "where the others start depends on what comes of it"
-            )
-            result = _with(result, notes=(note,))
-        return result
-
-    def _answered(self, index: int, frame: Frame, result: Result) -> Result:
-        """The result with the answer to one more question."""
-        step = Step(frame=index, status="failed")
-        try:
-            state = self._about(frame)
-            step = step.model_copy(update={"basis": Basis.of(frame, state, self.defaults)})
-            answer = self.answer(frame, state)
-        except ControlError as raised:
-            return _ended(result, step, _unanswered(raised.info), raised.info)
-        step = step.model_copy(update={"answer": answer})
-        return _ended(_with(result, answer=answer), step, "answered")
-
-    def _carry_out(
-        self,
-        index: int,
-        frame: Frame,
-        result: Result,
-        plan_only: bool,
-        progress: Progress | None,
-    ) -> Result:
-        """The result with what came of one more frame."""
-        state = self.look()
-        basis = Basis.of(frame, state, self.defaults)
-        before = basis.target.pose if basis else None
-        step = Step(frame=index, status="failed", before=before, basis=basis)
-        try:
-            made = self.plan(frame, state)
-        except ControlError as raised:
-            return _ended(result, step, "unsupported", raised.info)
-        if isinstance(made, Refusal):
-            return _ended(result, step, made.status, refusal_error(made))
-        step = step.model_copy(update={"plan": made})
-        result = _with(
-            result,
-            planned=result.planned + 1,
-            plan=made,
-            defaults=result.defaults + made.defaults,
-        )
-        if plan_only:
-            return _ended(result, step, "planned")
-        trace = self.execute(made, progress)
-        checks = self.check(frame, trace)
-        execution = summary(trace)
-        step = step.model_copy(update={"execution": execution, "checks": checks})
-        result = _with(result, trace=trace, execution=execution, checks=result.checks + checks)
-        missed = tuple(c for c in checks if not c.ok)
-        if missed:
-            return _ended(result, step, "failed", not_held(missed, trace))
-        return _ended(result, step, "done")
-
-
-def _ended(
-    result: Result, step: Step, status: ResultStatus, reason: ErrorInfo | None = None
-) -> Result:
-    """The result with the end of one more step."""
-    step = step.model_copy(update={"status": status, "error": reason})
-    return _with(
-        result, ok=reason is None, status=status, error=reason, steps=(*result.steps, step)
-    )
-
-
-def _with(result: Result, **changes: object) -> Result:
-    return result.model_copy(update=changes)
-
-
-def _unanswered(info: ErrorInfo) -> ResultStatus:
-    """Status of a question that has no answer."""
-    if info.code == "unsupported":
-        return "unsupported"
-    return "not_understood" if info.status.exit == NOT_UNDERSTOOD else "refused"
+            return with_(result, status="not_understood", error=raised.info)
+        return carry_out(self, command, result, plan_only=plan_only, progress=progress)
 
 
 def _believed(item: SceneObject, registry: Registry) -> ObjectModel:

@@ -22,6 +22,7 @@ from nlcontrol.errors import ControlError, error
 from nlcontrol.reasons import reason
 from nlcontrol.remarks import continued, corrected, latest, repeated, settled
 from nlcontrol.resolve import Context
+from nlcontrol.result import with_
 from nlcontrol.text import encodable
 from nlcontrol.undo import Pushed, in_words, way_back
 
@@ -70,7 +71,7 @@ class Conversation:
             return self._answer(command, plan_only, progress)
         except ControlError as raised:
             begun = self.controller.begun(text, command)
-            self._last = _with(begun, status="not_understood", error=raised.info)
+            self._last = with_(begun, status="not_understood", error=raised.info)
             if command is None:
                 self._said = None
             return self._last
@@ -89,7 +90,7 @@ class Conversation:
         result = self.controller.carry_out(
             command, self.context, plan_only=plan_only, progress=progress
         )
-        result = _with(result, notes=notes + result.notes)
+        result = with_(result, notes=notes + result.notes)
         self._remember(result)
         return result
 
@@ -97,13 +98,13 @@ class Conversation:
         self, command: g.Command, answer: Answer, status: Literal["done", "answered"]
     ) -> Result:
         result = self.controller.begun(command.text, command)
-        return _with(result, ok=True, status=status, answer=answer)
+        return with_(result, ok=True, status=status, answer=answer)
 
     # --- memory ------------------------------------------------------------------------------
 
     def _remember(self, result: Result) -> None:
         # Remarks are about what was said and what came of it; a trace is megabytes.
-        self._last = self._said = kept = _with(result, trace=None)
+        self._last = self._said = kept = with_(result, trace=None)
         if any(frame.query is None for frame in kept.frames):
             self._done = kept
         self._speak_of(kept.frames)
@@ -174,14 +175,14 @@ class Conversation:
         words = f"to undo “{text}”, {in_words(back.frames)}"
         command = command.model_copy(update={"frames": back.frames, "paraphrase": words})
         result = self.controller.carry_out(command, plan_only=plan_only, progress=progress)
-        self._last = _with(result, trace=None)
+        self._last = with_(result, trace=None)
         self._speak_of(result.frames)
         done = [back.undoes[step.frame] for step in result.steps if step.status == "done"]
         if len(done) < len(back.frames):
             self._forget(done)
-            return _with(result, notes=back.notes + result.notes)
+            return with_(result, notes=back.notes + result.notes)
         self._forget(pushed)
-        return _with(result, notes=(f"undone: “{text}”", *back.notes, *result.notes))
+        return with_(result, notes=(f"undone: “{text}”", *back.notes, *result.notes))
 
     def _to_undo(self, command: g.Command) -> list[Pushed]:
         """The pushes of the last sentence, or the last push of the object that is named."""
@@ -283,7 +284,3 @@ def _in_words(frames: Sequence[g.Frame], command: g.Command) -> str:
         return ", then ".join(grammar.paraphrase(frame) for frame in frames)
     except ValueError:
         return command.paraphrase  # not everything that a frame can say has words
-
-
-def _with(result: Result, **changes: object) -> Result:
-    return result.model_copy(update=changes)

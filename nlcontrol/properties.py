@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from decimal import Decimal
 from typing import TYPE_CHECKING
 
 from grammar import frames as g
@@ -16,7 +15,7 @@ from nlcontrol.answers import Answer
 from nlcontrol.errors import ControlError, ErrorInfo
 from nlcontrol.inquiry import target_of
 from nlcontrol.names import listed
-from nlcontrol.text import quantity
+from nlcontrol.text import known, quantity
 
 if TYPE_CHECKING:
     from planner.state import SeenObject, WorldState
@@ -77,20 +76,14 @@ def _source(target: SeenObject, which: tuple[str, ...]) -> str:
     return f"source: {found.source}{f', {found.trials} trials' if tried else ''}"
 
 
-def _known(value: float, sd: float, unit: str = "") -> str:
-    # As decimals: 0.0375 lies half-way as it stands in the model, but below that as a float.
-    text, spread = (f"{Decimal(repr(x)):.3f}{unit}" for x in (value, sd))
-    return f"{text} ± {spread}" if sd else text
-
-
 def _mass(target: SeenObject) -> Told:
     m = target.model
-    return f"weighs {_known(m.mass, m.mass_sd, ' kg')}", {"mass": m.mass, "mass_sd": m.mass_sd}
+    return f"weighs {known(m.mass, m.mass_sd, ' kg')}", {"mass": m.mass, "mass_sd": m.mass_sd}
 
 
 def _friction(target: SeenObject) -> Told:
     m = target.model
-    text = f"has a friction coefficient of {_known(m.friction, m.friction_sd)} on the table"
+    text = f"has a friction coefficient of {known(m.friction, m.friction_sd)} on the table"
     return text, {"friction": m.friction, "friction_sd": m.friction_sd}
 
 

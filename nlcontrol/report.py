@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from nlcontrol import maps
 from nlcontrol.answers import Answer
 from nlcontrol.checks import Check
+from nlcontrol.learning import Lesson
 from nlcontrol.result import Result
 from nlcontrol.text import error_lines, quantity, words
 from planner.directions import phrase
@@ -31,9 +32,10 @@ def _lines(result: Result) -> Iterator[str]:
         for step in result.steps:
             yield ""
             yield f"Step {step.frame + 1} of {len(result.frames)}: {step.status}"
-            yield from _step_lines(result.text, step.plan, step.checks, step.answer)
+            yield from _step_lines(result.text, step.plan, step.checks, step.answer, step.lessons)
     else:
-        yield from _step_lines(result.text, result.plan, result.checks, result.answer)
+        lessons = result.steps[0].lessons if result.steps else ()
+        yield from _step_lines(result.text, result.plan, result.checks, result.answer, lessons)
     if result.error:
         if result.paraphrase:
             yield ""
@@ -43,9 +45,13 @@ def _lines(result: Result) -> Iterator[str]:
 
 
 def _step_lines(
-    text: str, plan: Plan | None, checks: Sequence[Check], answer: Answer | None
+    text: str,
+    plan: Plan | None,
+    checks: Sequence[Check],
+    answer: Answer | None,
+    lessons: Sequence[Lesson],
 ) -> Iterator[str]:
-    """One push: its plan, and what happened; or one answer."""
+    """One push: its plan, what happened and what that taught; or one answer."""
     if plan:
         yield ""
         yield from plan_lines(plan)
@@ -53,6 +59,10 @@ def _step_lines(
         yield ""
         yield "What happened:"
         yield from (check_line(text, check) for check in checks)
+    if lessons:
+        yield ""
+        yield "What the pushes taught:"
+        yield from (f"  {lesson.text}" for lesson in lessons)
     if answer:
         yield ""
         yield from answer_lines(answer)

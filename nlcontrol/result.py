@@ -14,6 +14,7 @@ from nlcontrol import measures
 from nlcontrol.answers import Answer
 from nlcontrol.checks import Check
 from nlcontrol.errors import OK, ErrorInfo
+from nlcontrol.learning import Lesson
 from planner.explain import Basis
 from planner.plan import DefaultUsed, Plan, Vector3
 from planner.rows import Row
@@ -74,6 +75,7 @@ class Step(BaseModel):
         plan: the push.
         execution: the trace in a few numbers.
         checks: a verdict per clause of this frame.
+        lessons: what the pushes taught about the object, in their order.
         answer: if the frame is a question.
         error: why it went no further.
         basis: what was known then; not a part of the JSON document.
@@ -87,6 +89,7 @@ class Step(BaseModel):
     plan: Plan | None = None
     execution: Execution | None = None
     checks: tuple[Check, ...] = ()
+    lessons: tuple[Lesson, ...] = ()
     answer: Answer | None = None
     error: ErrorInfo | None = None
     basis: SkipJsonSchema[InstanceOf[Basis] | None] = Field(default=None, exclude=True, repr=False)
@@ -171,3 +174,8 @@ class Result(BaseModel):
 
     def __str__(self) -> str:
         return self.report()
+
+
+def with_(result: Result, **changes: object) -> Result:
+    """The result with some fields changed."""
+    return result.model_copy(update=changes)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Sequence
+from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -29,6 +30,13 @@ def quantity(value: float, unit: str) -> str:
     scale, sign, digits = _SCALES.get(unit, (1.0, f" {unit}", 3))
     text = f"{value * scale:.{digits}f}"
     return (text.lstrip("-") if float(text) == 0.0 else text) + sign
+
+
+def known(value: float, sd: float, unit: str = "") -> str:
+    """A value with its standard deviation, to three decimals; without it if it is certain."""
+    # As decimals: 0.0375 lies half-way as it stands in a model, but below that as a float.
+    text, spread = (f"{Decimal(repr(float(x))):.3f}{unit}" for x in (value, sd))
+    return f"{text} ± {spread}" if sd else text
 
 
 def words(text: str, spans: Sequence[tuple[int, int]]) -> str:

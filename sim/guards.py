@@ -80,7 +80,7 @@ class Guards:
         if travel >= self._push.stroke:
             return "stroke", f"the fingertips travelled {1e3 * travel:.0f} mm"
         if tilt > _TILT_SHARE * self._prediction.stay_on_base_angle:
-            return "guard", f"the object was seen to tilt by {np.degrees(tilt):.0f}°"
+            return "tilted", f"the object was seen to tilt by {np.degrees(tilt):.0f}°"
         return None
 
     def _toppled(self, travel: float, tilt: float) -> tuple[EndReason, str] | None:
@@ -90,7 +90,7 @@ class Guards:
             return "stroke", f"it does not fall after {1e3 * travel:.0f} mm"
         expected = np.arctan2(travel, self._push.p_BC[2])
         if travel > _SLIDES_AFTER and tilt < _SLIDES_SHARE * expected:
-            return "guard", f"it slides instead of tilting, {1e3 * travel:.0f} mm so far"
+            return "slid", f"it slides instead of tilting, {1e3 * travel:.0f} mm so far"
         return None
 
     def _force(self, elapsed: float, felt: float) -> tuple[EndReason, str] | None:

@@ -169,7 +169,7 @@ class ProbeControl(TouchControl):
         recorder, stance, way, tell: as for every touch.
     """
 
-    pause = 1.0
+    pause = 1.5
     speed = 0.008
 
     def __init__(

@@ -6,7 +6,8 @@ that plans or controls reads it. `seen` and `felt` are what the robot itself kne
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -19,7 +20,9 @@ EndReason = Literal[
     "toppled",  # the object was seen to pass its angle of no return
     "force",  # the force limit was reached and nothing moved any more
     "speed",  # the object or the finger became faster than allowed
-    "guard",  # a guard of the push stopped it (see `detail`)
+    "tilted",  # the object tilted where it was to slide
+    "slid",  # it slid where it was to tilt
+    "guard",  # another guard of the push stopped it (see `detail`)
     "no_touch",  # the guarded approach ended without contact
     "unreachable",  # the hand could not get to the contact
 ]
@@ -83,6 +86,16 @@ class Trace:
         p = self.poses[name][:, 4:]
         return np.asarray(p[-1] - p[0])
 
+    def seen_displacement(self, name: str) -> Array:
+        """The same as far as the robot saw it, horizontal, shape (3,) [m].
+
+        Means over what was seen before the hand touched and at the end.
+        """
+        p = self.seen[name][:, 4:]
+        before, after = self.phase == "look", self.phase == "settle"
+        moved = p[after].mean(axis=0) - p[before].mean(axis=0)
+        return np.array([moved[0], moved[1], 0.0])
+
     def tilt(self, name: str) -> Array:
         """Angle between the object's axis B_z and the vertical over time, shape (n,) [rad]."""
         _, x, y, _ = self.poses[name][:, :4].T
@@ -97,3 +110,40 @@ class Trace:
     def push_force(self) -> Array:
         """Felt force of all fingers along the push direction over time, shape (n,) [N]."""
         return np.asarray(np.sum([f @ self.direction for f in self.felt.values()], axis=0))
+
+
+def joined(traces: Sequence[Trace]) -> Trace:
+    """Executions one after another in one world as one.
+
+    How it ended, the direction and the names of the fingers are those of the last one.
+
+    Args:
+        traces: of the same world and the same pushed object, in order of time; at least one.
+    """
+    if len(traces) == 1:
+        return traces[0]
+    last = traces[-1]
+    names, fingers = last.poses.keys(), tuple(last.tips)
+    tips, felt = zip(*(_by_slots(trace, len(fingers)) for trace in traces), strict=True)
+    return replace(
+        last,
+        time=np.concatenate([trace.time for trace in traces]),
+        phase=np.concatenate([trace.phase for trace in traces]),
+        poses={name: np.concatenate([trace.poses[name] for trace in traces]) for name in names},
+        seen={name: np.concatenate([trace.seen[name] for trace in traces]) for name in names},
+        joints=np.concatenate([trace.joints for trace in traces]),
+        tips=dict(zip(fingers, np.concatenate(tips, axis=1), strict=True)),
+        felt=dict(zip(fingers, np.concatenate(felt, axis=1), strict=True)),
+        force_limit=np.concatenate([trace.force_limit for trace in traces]),
+        contacts=tuple(event for trace in traces for event in trace.contacts),
+    )
+
+
+def _by_slots(trace: Trace, slots: int) -> tuple[Array, Array]:
+    """Tips and forces for so many fingers, shape (slots, n, 3) each; midpoint and sum are kept."""
+    n = len(trace.time)
+    middle = np.mean(list(trace.tips.values()), axis=0) if trace.tips else np.zeros((n, 3))
+    total = np.sum(list(trace.felt.values()), axis=0) if trace.felt else np.zeros((n, 3))
+    if len(trace.tips) == slots:
+        return np.array(list(trace.tips.values())), np.array(list(trace.felt.values()))
+    return np.tile(middle, (slots, 1, 1)), np.tile(total / max(slots, 1), (slots, 1, 1))

@@ -9,8 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Moved = Literal["slide", "topple", "slip"]
-"""What gave way: the object slid, it tilted about an edge of its base, the finger slipped on it."""
+Moved = Literal["slide", "topple", "slip", "none"]
+"""What gave way: the object slid, it tilted about an edge of its base, the finger slipped on it; or
+nothing did, so that the force is less than what moves the object."""
 
 Vector = tuple[float, float, float]
 

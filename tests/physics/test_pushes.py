@@ -134,7 +134,7 @@ def test_too_little_force_ends_the_push_where_it_began() -> None:
 def test_a_push_that_tips_instead_of_sliding_is_stopped_by_what_is_seen() -> None:
     asked = Asked("ice tea box", "front", 0.20, stroke=0.15, force=6.0)
     trace = _carried_out(asked)
-    assert trace.end == "guard"
+    assert trace.end == "tilted"
     assert "tilt" in trace.detail
     # It fell back on its base.
     assert np.degrees(trace.tilt("ice tea box")[-1]) < 1.0
@@ -144,7 +144,7 @@ def test_a_push_that_tips_instead_of_sliding_is_stopped_by_what_is_seen() -> Non
 def test_a_topple_that_slides_is_stopped() -> None:
     asked = Asked("coffee box", "front", 0.03, stroke=0.15, ends_on="toppled")
     trace = _carried_out(asked)
-    assert trace.end == "guard"
+    assert trace.end == "slid"
     assert "slides" in trace.detail
     assert trace.displacement("coffee box") @ trace.direction < 0.06
 

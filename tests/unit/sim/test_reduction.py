@@ -35,7 +35,7 @@ def recording(
         end="stroke",
         detail="",
         moved=moved,  # type: ignore[arg-type]
-        time=0.01 * np.arange(len(tips)),
+        time=np.arange(len(tips), dtype=np.float64) / 100.0,
         tips=tips,
         forces=forces,
         before=SEEN.pose,

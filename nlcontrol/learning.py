@@ -1,0 +1,150 @@
+"""What a push or a touch taught about an object, and what is believed from then on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Literal
+
+from pydantic import BaseModel, ConfigDict
+
+from nlcontrol.text import known
+from objectmodels.errors import ModelError
+from objectmodels.parameters import UNCERTAIN
+from sim.lessons import shown
+
+if TYPE_CHECKING:
+    from objectmodels import ObjectModel
+    from objectmodels.identification import Trial
+    from objectmodels.identification.update import Update
+    from planner.plan import Plan
+    from planner.state import SeenObject
+    from sim.trace import EndReason, Trace
+
+CONTRADICTIONS: dict[EndReason, str] = {
+    "force": "it did not move with the force that was to be enough",
+    "tilted": "it tilted where it was to slide",
+    "slid": "it slid where it was to tilt",
+}
+"""Ends of a push that contradict its prediction, in words."""
+
+SPREAD = 0.05
+"""Relative standard deviation by which friction is taken to differ from push to push."""
+
+_MOVED, _SURER = 0.3, 0.8  # a change is told from this on: in standard deviations, and their ratio
+
+
+class Change(BaseModel):
+    """One parameter before and after.
+
+    Attributes:
+        parameter: its name.
+        before, before_sd: what was believed, and its standard deviation [SI].
+        after, after_sd: what is believed now.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    parameter: str
+    before: float
+    before_sd: float
+    after: float
+    after_sd: float
+
+    @property
+    def matters(self) -> bool:
+        """Whether it is worth telling: another value, or one that is known better."""
+        moved = abs(self.after - self.before) > _MOVED * self.before_sd
+        return moved or self.after_sd < _SURER * self.before_sd
+
+    @property
+    def text(self) -> str:
+        """In words."""
+        before, after = known(self.before, self.before_sd), known(self.after, self.after_sd)
+        return f"{self.parameter.replace('_', ' ')} {before} → {after}"
+
+
+class Lesson(BaseModel):
+    """What one push taught.
+
+    Attributes:
+        object: its name in the scene.
+        moved: what gave way; `none` if nothing did.
+        force: felt then [N].
+        surprise: how far that was from what was predicted, in standard deviations.
+        contradicts: whether the push was stopped because it went otherwise than predicted.
+        why: in words, if so.
+        changes: of what is believed.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    object: str
+    moved: Literal["slide", "topple", "slip", "none"]
+    force: float
+    surprise: float
+    contradicts: bool
+    why: str | None
+    changes: tuple[Change, ...]
+
+    @property
+    def text(self) -> str:
+        """In a sentence."""
+        moved = {"slide": "slid", "topple": "tilted", "slip": "let the finger slip"}
+        what = moved.get(self.moved, "stood still")
+        begun = f"{self.why}: the {self.object}" if self.why else f"The {self.object}"
+        told = [change.text for change in self.changes if change.matters]
+        rest = "; ".join(told) or "as believed"
+        return f"{begun} {what} at {self.force:.2f} N: {rest}"
+
+
+def learned(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectModel, Lesson] | None:
+    """What is believed after a push, and what it taught; None if it taught nothing.
+
+    Args:
+        made: what was to happen.
+        target: the object as it was seen and believed before.
+        trace: what happened.
+    """
+    why = CONTRADICTIONS.get(trace.end)
+    trial = shown(made.push, target, trace) if target.lies_on == "bottom" else None
+    if trial is None:
+        return None
+    try:
+        update = taken(target.model, trial)
+    except ModelError:
+        return None  # no parameters of this object explain it
+    return update.model, Lesson(
+        object=target.name,
+        moved=trial.moved,
+        force=sum(f * f for f in trial.force) ** 0.5,
+        surprise=update.surprise,
+        contradicts=why is not None,
+        why=why,
+        changes=changes(target.model, update.model),
+    )
+
+
+def taken(model: ObjectModel, trial: Trial) -> Update:
+    """What is believed after a trial; a belief that it contradicts was too sure, and is widened."""
+    from objectmodels.identification.update import update
+    from objectmodels.identification.withstood import widened, withstood
+
+    if trial.moved == "none":
+        return withstood(model, trial)
+    first = update(model, [trial], spread=SPREAD)
+    if not first.contradicts:
+        return first
+    again = update(widened(model, first.surprise), [trial], spread=SPREAD)
+    return replace(again, surprise=first.surprise)
+
+
+def changes(before: ObjectModel, after: ObjectModel) -> tuple[Change, ...]:
+    """What changed in what is believed."""
+    rows = zip(
+        UNCERTAIN, before.means, before.deviations, after.means, after.deviations, strict=True
+    )
+    return tuple(
+        Change(parameter=name, before=b, before_sd=b_sd, after=a, after_sd=a_sd)
+        for name, b, b_sd, a, a_sd in rows
+        if (b, b_sd) != (a, a_sd)
+    )
