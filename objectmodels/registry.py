@@ -3,13 +3,17 @@
 A registry is a plain value that is filled explicitly; nothing registers itself by being imported.
 The default one is filled from these sources, in this order: the built-in models, plug-ins (entry
 points, `objectmodels.plugins`), the user's folder. A scene and the program may add more. A name
-belongs to the source that was there first; what comes later is reported and skipped.
+belongs to the source that was there first; what comes later is reported and skipped. One exception:
+a model in the user's folder takes the place of a built-in or plug-in model of the very same name.
+So what was fitted to the user's own object is what the robot goes by, and the other one is back
+when that file is removed. Synonyms take over nothing.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Collection, Iterator, Mapping
 from importlib.resources import as_file, files
 from pathlib import Path
 from types import MappingProxyType
@@ -34,6 +38,12 @@ def user_folder() -> Path:
     return home / "nlcontrol" / "objects"
 
 
+def user_file(name: str) -> Path:
+    """The file in the user's folder for a model of that name."""
+    plain = re.sub(r"[^\w.+-]+", "_", name).lstrip(".")
+    return user_folder() / f"{plain or '_'}.yaml"
+
+
 class Registry:
     """Object models by name.
 
@@ -45,6 +55,7 @@ class Registry:
         self._kinds: dict[str, type[ObjectModel]] = dict(BUILT_IN_KINDS)
         self._models: dict[str, ObjectModel] = {}
         self._places: dict[str, str] = {}
+        self._replaced: dict[str, str] = {}
         self._problems: list[ModelError] = []
 
     @classmethod
@@ -54,7 +65,7 @@ class Registry:
         registry.load_plugins()
         folder = user_folder()
         if folder.is_dir():
-            registry.load(folder)
+            registry.load(folder, over=registry.names())
         return registry
 
     def copy(self) -> Registry:
@@ -62,6 +73,7 @@ class Registry:
         other = Registry()
         other._kinds, other._models = dict(self._kinds), dict(self._models)
         other._places, other._problems = dict(self._places), list(self._problems)
+        other._replaced = dict(self._replaced)
         return other
 
     @classmethod
@@ -118,22 +130,33 @@ class Registry:
         """The kinds of model that files may be of, by name, a read-only view."""
         return MappingProxyType(self._kinds)
 
-    def add(self, model: ObjectModel, *, place: str = "added by the program") -> None:
+    def add(
+        self,
+        model: ObjectModel,
+        *,
+        place: str = "added by the program",
+        over: Collection[str] = (),
+    ) -> None:
         """Adds a model.
 
         Args:
             model: the model; its name must not be a name or synonym of another one, nor may one
                 of its synonyms be the name of another one. Synonyms may be shared.
             place: where it comes from, for error messages.
+            over: names of models whose place it takes if it is called exactly so.
 
         Raises:
             ModelError: `duplicate_name`, with both places.
         """
-        words = {fold(model.name): model.name, **{fold(word): word for word in model.synonyms}}
+        name = fold(model.name)
+        taken_over = name in map(fold, over)
+        words = {name: model.name, **{fold(word): word for word in model.synonyms}}
         for other in self:
             taken = fold(other.name)
+            if taken_over and taken == name:
+                continue
             clash = words.get(taken)
-            if clash is None and fold(model.name) in map(fold, other.synonyms):
+            if clash is None and name in map(fold, other.synonyms):
                 clash = model.name
             if clash is not None:
                 raise ModelError(
@@ -143,10 +166,14 @@ class Registry:
                     path=place,
                     suggestions=("give one of the two another name",),
                 )
-        self._models[fold(model.name)] = model
-        self._places[fold(model.name)] = place
+        if name in self._models:
+            self._replaced[name] = self._places[name]
+        self._models[name] = model
+        self._places[name] = place
 
-    def load(self, path: Path | str, *, place: str | None = None) -> None:
+    def load(
+        self, path: Path | str, *, place: str | None = None, over: Collection[str] = ()
+    ) -> None:
         """Adds a model file, or every `*.yaml` file of a folder.
 
         A file given by itself must be good. In a folder a broken file is skipped and its error
@@ -155,6 +182,7 @@ class Registry:
         Args:
             path: file or folder.
             place: where it comes from, for people; the path if not given.
+            over: names of models whose place one of the same name takes, the first one of them.
 
         Raises:
             ModelError: what `load_model` and `add` raise, for a file given by itself;
@@ -163,11 +191,12 @@ class Registry:
         path = Path(path)
         if not path.is_dir():
             where = f"{place} ({path.name})" if place else str(path)
-            self.add(load_model(path, self._kinds), place=where)
+            self.add(load_model(path, self._kinds), place=where, over=over)
             return
         for file in sorted(path.glob("*.yaml")):
             try:
-                self.load(file, place=place)
+                free = [name for name in over if self.replaced(name) is None]
+                self.load(file, place=place, over=free)
             except ModelError as error:
                 self._problems.append(error)
 
@@ -219,6 +248,10 @@ class Registry:
     def place(self, name: str) -> str:
         """Where the model of that name comes from; raises as `get` does."""
         return self._places[fold(self.get(name).name)]
+
+    def replaced(self, name: str) -> str | None:
+        """Where the model comes from whose place that of this name took; None if it took none."""
+        return self._replaced.get(fold(name))
 
     @property
     def models(self) -> Mapping[str, ObjectModel]:

@@ -39,15 +39,13 @@ def list_(as_json: bool) -> int:
     """List the models of the registry and where they come from."""
     registry = registry_told()
     if as_json:
-        print_json(
-            [{**m.model_dump(mode="json"), "place": registry.place(m.name)} for m in registry]
-        )
+        print_json([{**m.model_dump(mode="json"), **_origin(registry, m.name)} for m in registry])
         return OK
     for model in registry:
         size = " × ".join(f"{1e3 * side:.0f}" for side in model.extents)
         click.echo(
             f"{model.name:16} {size + ' mm':20} {model.mass:.3f} kg  μ {model.friction:.3f}  "
-            f"{registry.place(model.name)}"
+            f"{_from(registry, model.name)}"
         )
     return OK
 
@@ -60,9 +58,9 @@ def show(name: str, as_json: bool) -> int:
     registry = registry_told()
     model = registry.called(name)
     if as_json:
-        print_json({**model.model_dump(mode="json"), "place": registry.place(model.name)})
+        print_json({**model.model_dump(mode="json"), **_origin(registry, model.name)})
         return OK
-    for line in _lines(model, registry.place(model.name)):
+    for line in _lines(model, _from(registry, model.name)):
         click.echo(line)
     return OK
 
@@ -193,12 +191,22 @@ def remove(name: str, as_json: bool) -> int:
 def _kept(registry: Registry, model: ObjectModel, as_json: bool) -> int:
     """Writes a model into the user's folder, unless its names are taken."""
     from objectmodels.modelfile import save_model
-    from objectmodels.registry import user_folder
+    from objectmodels.registry import user_file
 
-    path = user_folder() / f"{'_'.join(model.name.split())}.yaml"
+    path = user_file(model.name)
     registry.add(model, place=str(path))  # refuses a name that is taken
     save_model(model, path)
     return _told(model, path, as_json)
+
+
+def _origin(registry: Registry, name: str) -> dict[str, str | None]:
+    """Where a model comes from, and whose place it took."""
+    return {"place": registry.place(name), "instead_of": registry.replaced(name)}
+
+
+def _from(registry: Registry, name: str) -> str:
+    replaced = registry.replaced(name)
+    return registry.place(name) + (f", instead of: {replaced}" if replaced else "")
 
 
 def _told(model: ObjectModel, path: Path, as_json: bool) -> int:

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from objectmodels import BoxModel, ModelError, Registry, suggest
+from objectmodels.registry import user_file
 
 TWO = ("red tea carton", "red tea cartons")
 """About equally near to what was written."""
@@ -95,6 +96,32 @@ def test_a_broken_file_takes_no_other_down(tmp_path: Path) -> None:
     assert registry.place("chest") == str(tmp_path / "d.yaml")
     with pytest.raises(ModelError, match=r"b\.yaml"):
         registry.load(tmp_path / "b.yaml")
+
+
+def test_a_users_model_takes_the_place_of_a_built_in_one_of_its_name(objects_folder: Path) -> None:
+    (objects_folder / "a.yaml").write_text(FILE.format(name="Ice tea  box", synonyms="ice tea"))
+    (objects_folder / "b.yaml").write_text(FILE.format(name="ice tea box", synonyms=""))
+    (objects_folder / "c.yaml").write_text(FILE.format(name="crate", synonyms="mug"))
+    registry = Registry.default()
+    assert len(registry) == len(Registry.built_in())
+    assert registry.called("ice tea").mass == 1.0
+    assert registry.place("ice tea box") == str(objects_folder / "a.yaml")
+    assert registry.replaced("ice tea box") == "built in (ice_tea_box.yaml)"
+    assert registry.replaced("mug") is None
+    # A second one of that name is one too many, and a synonym takes over nothing.
+    assert [problem.code for problem in registry.problems] == ["duplicate_name"] * 2
+    assert registry.copy().replaced("ice tea box") == registry.replaced("ice tea box")
+    (objects_folder / "a.yaml").unlink()
+    (objects_folder / "b.yaml").unlink()
+    assert Registry.default().called("ice tea").mass == 0.9952
+
+
+@pytest.mark.parametrize("name", ["../crate", "a/b", "..", "C:\\x", "soup can", "Dose für Suppe"])
+def test_a_models_file_lies_in_the_users_folder(objects_folder: Path, name: str) -> None:
+    path = user_file(name)
+    assert path.parent == objects_folder
+    assert not path.name.startswith(".")
+    assert path.suffix == ".yaml"
 
 
 def test_unknown_names_get_suggestions() -> None:
