@@ -2,7 +2,7 @@
 
 Columns carry their units; docs/fitting.md explains them. All of a file is read or nothing, and what
 is wrong is named with its row and column. What a file leaves open takes a stated default: the
-noise of forces and angles, which the fit may scale by its residuals.
+noise of forces and angles, which the fit enlarges if its residuals are larger.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from objectmodels.identification.trials import Moved, Trial, Vector
 from objectmodels.model import ObjectModel
 from objectmodels.suggest import suggest
 
-FORCE_SHARE = 0.03
-"""Standard deviation of a force as a share of it, if none is stated."""
+FORCE_SHARE = 0.02
+"""Standard deviation of a force as a share of it, if none is stated; residuals may enlarge it."""
 
 ANGLE_SD = radians(0.5)
 """Standard deviation of a tilt or a turn, if none is stated [rad]."""
@@ -78,11 +78,11 @@ def read_data(paths: Sequence[Path], model: ObjectModel) -> Reading:
         if "time_s" in table.columns:
             found, left = read_recordings(table, model, prefix)
             unused += left
+            assumed += [False] * len(found)  # theirs is the scatter of their samples
         else:
             found = _touches(table, model, prefix)
+            assumed += [not row.text("force_sd_n") for row in table.rows]
         trials += found
-        stated = [bool(row.text("force_sd_n")) for row in table.rows]
-        assumed += [not s for s in stated] if "time_s" not in table.columns else [True] * len(found)
     return Reading(tuple(trials), tuple(assumed), tuple(unused))
 
 

@@ -1,0 +1,264 @@
+"""Fitting the data files of a real robot, and the report of what was found.
+
+The report tells of each parameter its value with a 95 % interval beside what was believed before,
+how the parameters hang together, how well the fitted model predicts the trials that it was fitted
+to, and for what stays as believed, which experiment would find it.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import date
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict
+
+from objectmodels import ModelError, ObjectModel, Provenance
+from objectmodels.identification.datafile import FORCE_SHARE, Reading, read_data
+from objectmodels.identification.fit import Fit, fit
+from objectmodels.parameters import UNCERTAIN
+
+TOLD = 0.3
+"""Correlations from this size on are told."""
+
+EXPERIMENTS = {
+    "mass": "press near the top of two opposite sides until it tilts (topple)",
+    "friction": "push it low until it slides (slide), and tilt it for its mass (topple)",
+    "finger_friction": "drag the finger along a side until it slips (slip, with nx, ny, nz)",
+    "friction_radius": "push it low and off the middle (slide, with turn_deg and travel_m)",
+    "com_x": "tilt it over both sides in x (topple)",
+    "com_y": "tilt it over both sides in y (topple)",
+    "com_z": "hold it tilted at an angle, better at two (topple, with tilt_deg)",
+}
+"""The experiment that finds each parameter, as the rows of a data file."""
+
+_UNITS = {"mass": "kg", "friction_radius": "m", "com_x": "m", "com_y": "m", "com_z": "m"}
+_NAMES = {
+    "mass": "mass",
+    "friction": "friction, table",
+    "finger_friction": "friction, finger",
+    "friction_radius": "friction radius",
+    "com_x": "centre of mass, x",
+    "com_y": "centre of mass, y",
+    "com_z": "centre of mass, z",
+}
+
+
+class FittedParameter(BaseModel):
+    """A parameter that was found; SI units.
+
+    Attributes:
+        value: what was found.
+        sd: its standard deviation.
+        percent: that in percent of the value; null for the horizontal centre of mass.
+        low, high: where it lies with a probability of 95 %.
+        believed, believed_sd: what was believed before.
+    """
+
+    model_config = ConfigDict(frozen=True)
+
+    value: float
+    sd: float
+    percent: float | None
+    low: float
+    high: float
+    believed: float
+    believed_sd: float
+
+
+class FitReport(BaseModel):
+    """What a fit of data files found; SI units.
+
+    Attributes:
+        object: name of the model.
+        files: the data files.
+        trials: number of those used, by what moved.
+        assumed: number of trials whose force came without a standard deviation.
+        parameters: those found, by name.
+        correlations: of those found, from 0.3 on.
+        unidentified: the others, kept as believed, each with the experiment that would find it.
+        dropped: trials left out, each with the reason.
+        rms: root mean square of the relative errors of the predicted forces.
+        friction_spread: relative standard deviation of the friction from slide to slide.
+        noise: factor by which the stated standard deviations were too small.
+        support: how the base carries the object, the one that predicts best.
+        notes: what else a reader should know.
+        saved, output: files written, if any.
+        instead_of: where the model comes from whose place the saved one takes, if it takes one.
+    """
+
+    model_config = ConfigDict(frozen=True)
+
+    ok: bool = True
+    object: str
+    files: tuple[str, ...]
+    trials: dict[str, int]
+    assumed: int
+    parameters: dict[str, FittedParameter]
+    correlations: tuple[tuple[str, str, float], ...]
+    unidentified: dict[str, str]
+    dropped: dict[str, str]
+    rms: float
+    friction_spread: float
+    noise: float
+    support: str | tuple[tuple[float, ...], ...]
+    notes: tuple[str, ...]
+    saved: str | None = None
+    output: str | None = None
+    instead_of: str | None = None
+
+
+@dataclass(frozen=True)
+class FittedFiles:
+    """A model fitted to data files.
+
+    Attributes:
+        model: with what was found, and where that comes from.
+        report: of the fit.
+    """
+
+    model: ObjectModel
+    report: FitReport
+
+
+def fit_files(
+    model: ObjectModel, files: Sequence[Path], parameters: Sequence[str] | None = None
+) -> FittedFiles:
+    """Fits a model to data files.
+
+    Args:
+        model: the object that was touched, as it is believed to be.
+        files: the data files; see docs/fitting.md.
+        parameters: what to find; all that the data tell if not given.
+
+    Raises:
+        ModelError: `unreadable_file`, `bad_data`; `not_identifiable` with the experiments that are
+            missing; what else `objectmodels.identification.fit` raises.
+    """
+    reading = read_data(files, model)
+    if not reading.trials:
+        raise ModelError(
+            "not_identifiable",
+            "not identifiable: nothing moved in any trial",
+            path=str(files[0]),
+            suggestions=reading.unused,
+        )
+    try:
+        found = fit(model, reading.trials, parameters=parameters)
+    except ModelError as error:
+        # The fit names the trial, as a rule by its row; the file is known here.
+        where = ", ".join(map(str, files)) if error.path is None else error.path
+        raise ModelError(
+            error.code, error.message, path=where, suggestions=error.suggestions
+        ) from error
+    names = ", ".join(file.name for file in files)
+    return FittedFiles(_with_provenance(model, found, names), _report(model, found, reading, files))
+
+
+def _with_provenance(before: ObjectModel, found: Fit, names: str) -> ObjectModel:
+    kept = [name for name in UNCERTAIN if name not in found.found]
+    method = (
+        f"least squares of {len(found.residuals) - len(found.dropped)} touches by a robot; found: "
+        f"{', '.join(found.found)}"
+    )
+    if kept:
+        method += f"; as believed before ({before.provenance.source}): {', '.join(kept)}"
+    provenance = Provenance(
+        source=f"fitted to {names}",
+        method=method,
+        trials=len(found.residuals) - len(found.dropped),
+        date=date.today().isoformat(),
+    )
+    return found.model.model_copy(update={"provenance": provenance})
+
+
+def _report(before: ObjectModel, found: Fit, reading: Reading, files: Sequence[Path]) -> FitReport:
+    used = [trial for trial in reading.trials if trial.source not in found.dropped]
+    support = found.model.support
+    return FitReport(
+        object=before.name,
+        files=tuple(map(str, files)),
+        trials=dict(Counter(trial.moved for trial in used)),
+        assumed=sum(reading.assumed),
+        parameters={name: _parameter(name, before, found) for name in found.found},
+        correlations=tuple(_correlations(found)),
+        unidentified={n: EXPERIMENTS[n] for n in UNCERTAIN if n not in found.found},
+        dropped=dict(found.dropped),
+        rms=found.rms,
+        friction_spread=found.spread,
+        noise=found.noise,
+        support=support,
+        notes=(*found.notes, *reading.unused),
+    )
+
+
+def _parameter(name: str, before: ObjectModel, found: Fit) -> FittedParameter:
+    k = UNCERTAIN.index(name)
+    value, sd = found.values[name], found.deviations[name]
+    low, high = found.interval(name)
+    return FittedParameter(
+        value=value,
+        sd=sd,
+        percent=None if name in ("com_x", "com_y") else 100.0 * sd / value,
+        low=low,
+        high=high,
+        believed=float(before.means[k]),
+        believed_sd=float(before.deviations[k]),
+    )
+
+
+def _correlations(found: Fit) -> Iterator[tuple[str, str, float]]:
+    for i, a in enumerate(UNCERTAIN):
+        for j, b in enumerate(UNCERTAIN[:i]):
+            if a in found.found and b in found.found and abs(found.correlation[i, j]) >= TOLD:
+                yield b, a, float(found.correlation[i, j])
+
+
+# -- in words ----------------------------------------------------------------------------------
+
+
+def report_lines(report: FitReport) -> Iterator[str]:
+    """The report as people read it."""
+    kinds = ", ".join(
+        f"{count} {moved}{'s' * (count > 1)}" for moved, count in report.trials.items()
+    )
+    names = ", ".join(Path(file).name for file in report.files)
+    yield f"{report.object}: {sum(report.trials.values())} trials of {names} ({kinds})"
+    yield f"  {'found':18} {'value':>9} {'±':>9} {'%':>6}   {'95 % interval':19} believed before"
+    for name, row in report.parameters.items():
+        yield f"  {_NAMES[name]:18} {_row(name, row)}"
+    for a, b, value in report.correlations:
+        yield f"  correlation of {_NAMES[a]} and {_NAMES[b]}: {value:+.2f}"
+    yield f"  the fitted model predicts the forces within {report.rms:.1%} (rms)"
+    if report.assumed:
+        yield f"  the noise of {report.assumed} forces was taken as {FORCE_SHARE:.0%} of each"
+    carried = report.support if isinstance(report.support, str) else "its own points"
+    yield f"  support: {carried}"
+    for source, why in report.dropped.items():
+        yield f"  left out: {source}, {why}"
+    yield from (f"  note: {note}" for note in report.notes)
+    for name, experiment in report.unidentified.items():
+        yield f"  to find also {_NAMES[name]}: {experiment}"
+    if report.saved:
+        yield f"Saved: {report.saved}"
+    if report.instead_of:
+        yield (
+            f"  The robot goes by it instead of: {report.instead_of}. "
+            f"To go back: nlcontrol objects remove '{report.object}'"
+        )
+    if report.output:
+        yield f"Model: {report.output}"
+
+
+def _row(name: str, row: FittedParameter) -> str:
+    unit = _UNITS.get(name, "")
+    scale, digits, sign = {"m": (1e3, 1, " mm"), "kg": (1.0, 4, " kg")}.get(unit, (1.0, 4, ""))
+    value, sd, low, high, believed, believed_sd = (
+        f"{scale * x + 0.0:.{digits}f}"
+        for x in (row.value, row.sd, row.low, row.high, row.believed, row.believed_sd)
+    )
+    percent = "" if row.percent is None else f"{row.percent:.1f}"
+    interval = f"{low} … {high}{sign}"
+    return f"{value:>9} {sd:>9} {percent:>6}   {interval:19} {believed} ± {believed_sd}{sign}"
