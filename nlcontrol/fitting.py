@@ -78,7 +78,8 @@ class FitReport(BaseModel):
         assumed: number of trials whose force came without a standard deviation.
         parameters: those found, by name.
         correlations: of those found, from 0.3 on.
-        unidentified: the others, kept as believed, each with the experiment that would find it.
+        unidentified: what the data do not tell, kept as believed, each with the experiment that
+            would find it; empty if parameters were asked for.
         dropped: trials left out, each with the reason.
         rms: root mean square of the relative errors of the predicted forces.
         friction_spread: relative standard deviation of the friction from slide to slide.
@@ -150,11 +151,13 @@ def fit_files(
     except ModelError as error:
         # The fit names the trial, as a rule by its row; the file is known here.
         where = ", ".join(map(str, files)) if error.path is None else error.path
-        raise ModelError(
-            error.code, error.message, path=where, suggestions=error.suggestions
-        ) from error
+        hints = error.suggestions
+        if error.code == "no_fit" and parameters is not None:
+            hints += ("find more: what is not found is kept as believed, and may be far off",)
+        raise ModelError(error.code, error.message, path=where, suggestions=hints) from error
     names = ", ".join(file.name for file in files)
-    return FittedFiles(_with_provenance(model, found, names), _report(model, found, reading, files))
+    report = _report(model, found, reading, files, asked=parameters is not None)
+    return FittedFiles(_with_provenance(model, found, names), report)
 
 
 def _with_provenance(before: ObjectModel, found: Fit, names: str) -> ObjectModel:
@@ -174,9 +177,11 @@ def _with_provenance(before: ObjectModel, found: Fit, names: str) -> ObjectModel
     return found.model.model_copy(update={"provenance": provenance})
 
 
-def _report(before: ObjectModel, found: Fit, reading: Reading, files: Sequence[Path]) -> FitReport:
+def _report(
+    before: ObjectModel, found: Fit, reading: Reading, files: Sequence[Path], *, asked: bool
+) -> FitReport:
     used = [trial for trial in reading.trials if trial.source not in found.dropped]
-    support = found.model.support
+    left = [name for name in UNCERTAIN if name not in found.found and not asked]
     return FitReport(
         object=before.name,
         files=tuple(map(str, files)),
@@ -184,12 +189,12 @@ def _report(before: ObjectModel, found: Fit, reading: Reading, files: Sequence[P
         assumed=sum(reading.assumed),
         parameters={name: _parameter(name, before, found) for name in found.found},
         correlations=tuple(_correlations(found)),
-        unidentified={n: EXPERIMENTS[n] for n in UNCERTAIN if n not in found.found},
+        unidentified={n: EXPERIMENTS[n] for n in left},
         dropped=dict(found.dropped),
         rms=found.rms,
         friction_spread=found.spread,
         noise=found.noise,
-        support=support,
+        support=found.model.support,
         notes=(*found.notes, *reading.unused),
     )
 

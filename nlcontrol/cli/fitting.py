@@ -151,8 +151,8 @@ def _save(registry: Registry, model: ObjectModel) -> tuple[Path, str | None]:
     from objectmodels.registry import user_file, user_folder
 
     path = user_file(model.name)
-    own = Path(registry.place(model.name)) if model.name in registry else path
-    if own.parent == user_folder() and own.is_file():
+    own = Path(registry.place(model.name)) if model.name in registry else None
+    if own is not None and own.parent == user_folder():
         path = own
     elif path.exists():
         raise error("cannot_write", f"cannot write {path}: it holds another model")

@@ -68,11 +68,21 @@ def test_the_report_in_words(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_only_what_was_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
-    names = "mass,friction,centre_of_mass"
+    names = "friction_radius,centre_of_mass,friction,mass,mass"
     status, found = answer(capsys, "fit", "ice tea", TRIALS, "--parameters", names)
     assert status == 0
-    assert list(found["parameters"]) == ["mass", "friction", "com_x", "com_y", "com_z"]
-    assert set(found["unidentified"]) == {"finger_friction", "friction_radius"}
+    assert list(found["parameters"]) == [
+        "mass", "friction", "friction_radius", "com_x", "com_y", "com_z"
+    ]  # fmt: skip
+    assert found["unidentified"] == {}
+
+
+def test_what_is_kept_may_be_what_is_wrong(capsys: pytest.CaptureFixture[str]) -> None:
+    # The friction radius that is believed is half of the true one, and may not be found.
+    names = "mass,friction,centre_of_mass"
+    status, found = answer(capsys, "fit", "ice tea", TRIALS, "--parameters", names)
+    assert (status, found["error"]["code"]) == (2, "no_fit")
+    assert "kept as believed" in found["error"]["suggestions"][-1]
 
 
 def test_a_saved_model_is_the_one_that_is_used(
@@ -164,7 +174,7 @@ def test_broken_files_change_nothing(
         (["ice tea", TRIALS, "--parameters", "colour"], 2, "usage", "centre_of_mass"),
         (["ice tea", TRIALS, "--save", SERIES], 2, "usage", "takes a name"),
         (["ice tea", TRIALS, "--save= x "], 2, "usage", "cannot be a name"),
-        (["ice tea", TRIALS, "--save", "soup"], 2, "duplicate_name", "soup can"),
+        (["ice tea", TRIALS, "--save", "tomato soup"], 2, "duplicate_name", "soup can"),
         (["ice tea", TRIALS, "--output", "x.csv"], 2, "usage", ".yaml"),
         (["ice tea", TRIALS, "--output", "/nowhere/x.yaml"], 2, "cannot_write", "/nowhere"),
         (["ice tea", SERIES, "--parameters", "finger_friction"], 2, "not_identifiable", "slip"),

@@ -37,7 +37,14 @@ def test_two_commands_each_doing_all_its_set_up() -> None:
 
 @pytest.mark.parametrize(
     "document",
-    ["README.md", "CONTRIBUTING.md", "docs/language.md", "docs/models.md", "docs/predictions.md"],
+    [
+        "README.md",
+        "CONTRIBUTING.md",
+        "docs/language.md",
+        "docs/models.md",
+        "docs/predictions.md",
+        "docs/fitting.md",
+    ],
 )
 def test_linked_files_exist(document: str) -> None:
     path = ROOT / document
@@ -51,6 +58,7 @@ def test_linked_files_exist(document: str) -> None:
 def test_examples_of_the_command_line(
     args: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.chdir(ROOT)
     monkeypatch.setattr("sys.stdin", io.StringIO("what can you do with the mug?\n"))
     assert run(args) == 0
     assert capsys.readouterr().out

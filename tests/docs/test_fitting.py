@@ -1,0 +1,69 @@
+"""The guide to fitting: its commands, its table and its Python run; every column is explained."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from nlcontrol.cli import run
+from nlcontrol.fitting import EXPERIMENTS
+from objectmodels import Registry
+from objectmodels.identification import datafile, recordings
+from objectmodels.parameters import UNCERTAIN
+
+ROOT = Path(__file__).parents[2]
+GUIDE = (ROOT / "docs" / "fitting.md").read_text(encoding="utf-8")
+
+
+def _block(language: str) -> str:
+    (block,) = re.findall(rf"^```{language}\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)
+    return str(block)
+
+
+def test_the_commands_of_the_guide(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, objects_folder: Path
+) -> None:
+    monkeypatch.chdir(ROOT)
+    lines = _block("console").splitlines()
+    assert len(lines) == 3
+    for line in lines:
+        assert run(shlex.split(line.removeprefix("$ "))[1:]) == 0
+    assert "instead of: built in" in capsys.readouterr().out
+    assert (objects_folder / "ice_tea_box.yaml").is_file()
+
+
+def test_the_table_of_the_guide(tmp_path: Path) -> None:
+    path = tmp_path / "table.csv"
+    path.write_text(_block("csv"), encoding="utf-8")
+    trials = datafile.read_data([path], Registry.built_in().get("ice tea box")).trials
+    assert [trial.moved for trial in trials] == ["slide", "slide", "topple", "topple", "topple"]
+    assert [trial.turn_rate is None for trial in trials] == [True, False, True, True, True]
+
+
+def test_the_python_of_the_guide(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out):
+        exec(compile(_block("python"), "fitting.md", "exec"), {})
+    assert out.getvalue().strip() == "0.85 kg, friction 0.32"
+
+
+def test_every_column_is_explained() -> None:
+    rows, samples = GUIDE.split("## Recordings")
+    assert {name for name in datafile.COLUMNS if f"`{name}`" not in rows} == set()
+    assert {name for name in recordings.COLUMNS if f"`{name}`" not in samples} == set()
+
+
+def test_the_stated_defaults_are_those_of_the_code() -> None:
+    assert f"{datafile.FORCE_SHARE:.0%}".replace("%", " %") in GUIDE
+    assert GUIDE.count("Deviation 0.5° if left out") == 2
+    assert pytest.approx(0.5 * 3.14159 / 180, rel=1e-5) == datafile.ANGLE_SD
+
+
+def test_every_parameter_has_an_experiment() -> None:
+    assert tuple(EXPERIMENTS) == UNCERTAIN
