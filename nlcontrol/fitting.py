@@ -18,6 +18,7 @@ from pydantic import BaseModel, ConfigDict
 from objectmodels import ModelError, ObjectModel, Provenance
 from objectmodels.identification.datafile import FORCE_SHARE, Reading, read_data
 from objectmodels.identification.fit import Fit, fit
+from objectmodels.identification.identifiability import UNKNOWN
 from objectmodels.parameters import UNCERTAIN
 
 TOLD = 0.3
@@ -136,7 +137,8 @@ def fit_files(
 
     Raises:
         ModelError: `unreadable_file`, `bad_data`; `not_identifiable` with the experiments that are
-            missing; what else `objectmodels.identification.fit` raises.
+            missing; `no_fit` if the trials contradict each other; what else
+            `objectmodels.identification.fit` raises.
     """
     reading = read_data(files, model)
     if not reading.trials:
@@ -155,9 +157,29 @@ def fit_files(
         if error.code == "no_fit" and parameters is not None:
             hints += ("find more: what is not found is kept as believed, and may be far off",)
         raise ModelError(error.code, error.message, path=where, suggestions=hints) from error
+    _require_found(found, reading, files)
     names = ", ".join(file.name for file in files)
     report = _report(model, found, reading, files, asked=parameters is not None)
     return FittedFiles(_with_provenance(model, found, names), report)
+
+
+def _require_found(found: Fit, reading: Reading, files: Sequence[Path]) -> None:
+    """Refuses trials that contradict each other so much that the fit says nothing."""
+    positive = [name for name in found.found if name not in ("com_x", "com_y")]
+    vague = [name for name in positive if found.deviations[name] > UNKNOWN * found.values[name]]
+    if not vague:
+        return
+    worst = sorted(
+        zip(found.residuals, reading.trials, strict=True),
+        key=lambda pair: -max(map(abs, pair[0])),
+    )
+    raise ModelError(
+        "no_fit",
+        f"the trials contradict each other: the fit misses their forces by {found.rms:.0%}, and "
+        f"leaves more than half of {' and '.join(_NAMES[name] for name in vague)} open",
+        path=", ".join(map(str, files)),
+        suggestions=(f"look at: {', '.join(trial.source for _, trial in worst[:3])}",),
+    )
 
 
 def _with_provenance(before: ObjectModel, found: Fit, names: str) -> ObjectModel:

@@ -140,6 +140,7 @@ def test_saved_under_another_name(
         ([SLIDE], "not_identifiable", "not identifiable: "),
         ([SLIDE] * 9, "not_identifiable", "a slide gives only friction times mass"),
         ([TOPPLE] * 9, "not_identifiable", "tilt from the opposite side"),
+        ([SLIDE, TOPPLE, TOPPLE.replace("0.21", "0.01")], "no_fit", "contradict each other"),
         ([], "bad_data", "no rows"),
     ],
 )
@@ -153,7 +154,9 @@ def test_broken_files_change_nothing(
 ) -> None:
     path, output = tmp_path / "data.csv", tmp_path / "out.yaml"
     path.write_text("\n".join([HEADER, *rows]), encoding="utf-8")
-    args = ("fit", "ice tea", str(path), "--output", str(output), "--save")
+    args = ["fit", "ice tea", str(path), "--output", str(output), "--save"]
+    if code == "no_fit":
+        args += ["--parameters", "mass,friction"]
     status, found = answer(capsys, *args)
     assert (status, found["ok"], found["error"]["code"]) == (2, False, code)
     assert found["error"]["path"].startswith(str(path))
@@ -235,6 +238,8 @@ def test_garbage_ends_in_an_error_that_is_known(
     written = list(objects_folder.iterdir())
     if status == 0:
         assert Registry.default().problems == ()
+        assert all(row["percent"] is None or row["percent"] <= 50.0
+                   for row in found["parameters"].values())  # fmt: skip
         for file in written:
             file.unlink()
     else:
