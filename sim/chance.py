@@ -6,13 +6,14 @@ the others as they were.
 
 from __future__ import annotations
 
-from enum import IntEnum
+from enum import IntEnum, unique
 
 import numpy as np
 
 from sim.rotations import Array
 
 
+@unique
 class Stream(IntEnum):
     """What is drawn at random."""
 
