@@ -79,7 +79,11 @@ def test_defaults_in_the_tables_are_those_of_the_code() -> None:
         )
     }
     assert len(told) == 11
-    classes = {"torque_sensor": TorqueSensor, "joint_sensor": JointSensor, "vision": Vision}
+    classes: dict[str, type[BaseModel]] = {
+        "torque_sensor": TorqueSensor,
+        "joint_sensor": JointSensor,
+        "vision": Vision,
+    }
     for (part, key), values in told.items():
         assert classes[part].model_fields[key].default == values[0]
 
