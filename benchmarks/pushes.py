@@ -9,7 +9,7 @@ base, so that its corners have lift only, whatever its middle does.
 
 Past the onset the force that is not balanced grows evenly, so the speed grows with the square of
 time: v ∝ (t − t0)². The onset is the force at t0, where the straight line through √v over the last
-`FITTED` of its way is zero. That takes out the ramp's delay. Creep below the onset is too slow to
+part of its way is zero. That takes out the ramp's delay. Creep below the onset is too slow to
 enter the line: it is below 1e-5 m/s but for a corner near the centre of rotation. If there are both
 slip and lift at the end, as when a toppling object starts to slide as well, the class is that of
 the one that started first.
@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from objectmodels import BoxModel, PrismModel
 from objectmodels.model import ObjectModel
+from sim.appliedforce import started
 
 Array = NDArray[np.float64]
 
@@ -44,11 +45,6 @@ LIFTS = 1e-3
 """Lift that counts as toppling [m/s]; slender objects rock on their contacts."""
 COUNTS = 2e-4
 """Slip or lift that had a start [m/s], once the other has ended the roll-out; rocking has none."""
-FITTED = 0.5
-"""The part of √v that the line is fitted to."""
-FEWEST = 4
-"""Steps that the line needs; a body that breaks away in fewer has no delay."""
-
 HEAVIEST = 20.0
 """Pushes with a larger onset are left out, as a share of the weight."""
 PRISMS = 0.3
@@ -197,7 +193,8 @@ def roll_out(world: World, push: Push) -> Seen:
         lifts.append(lift)
         if slip >= SLIPS or lift >= LIFTS:
             both = {"slide": slips, "topple": lifts}
-            starts = {key: started(np.array(v)) for key, v in both.items() if v[-1] >= COUNTS}
+            times = STEP * np.arange(len(slips))
+            starts = {key: started(times, v) for key, v in both.items() if v[-1] >= COUNTS}
             outcome = min(starts, key=lambda key: starts[key])
             onset = share_at(starts[outcome]) * push.onset
             return Seen(outcome, onset, share_at(time) * push.onset, slip, lift)
@@ -210,14 +207,3 @@ def corner_speeds(corners: Array, angular: Array, velocity: Array) -> tuple[floa
     slip = np.hypot(vx - wz * y, vy + wz * x).max()
     lift = (vz + wx * y - wy * x).max()
     return float(slip), float(lift)
-
-
-def started(speeds: Array) -> float:
-    """When a speed, given for every step, that last grew as v ∝ (t − t0)² was zero [s]."""
-    root = np.sqrt(np.maximum(speeds, 0.0))
-    before = (root < (1.0 - FITTED) * root[-1]) | (np.diff(root, append=np.inf) < 0.0)
-    first = int(np.flatnonzero(before)[-1]) + 1 if before.any() else 0
-    if len(root) - first < FEWEST:
-        return STEP * (len(root) - 1)
-    slope, offset = np.polyfit(STEP * np.arange(first, len(root)), root[first:], 1)
-    return float(-offset / slope)

@@ -75,12 +75,12 @@ def add_plant(builder: DiagramBuilder, scene: Scene) -> Plant:
     )
     plant, scene_graph = AddMultibodyPlant(config, builder)
     arm, hand_ = _add_robot(plant, scene)
-    table = _add_table(plant, scene)
+    table = add_table(plant, scene)
     solids: list[GeometryId] = []
     feet: dict[str, Feet] = {}
     bodies = {}
     for item in scene.objects:
-        bodies[item.name], solid, feet[item.name] = _add_object(plant, item)
+        bodies[item.name], solid, feet[item.name] = add_object(plant, item)
         solids.append(solid)
     plant.Finalize()
     for item in scene.objects:
@@ -92,7 +92,7 @@ def add_plant(builder: DiagramBuilder, scene: Scene) -> Plant:
         for geometry in plant.GetCollisionGeometriesForBody(plant.get_body(index))
     ]
     standing = [foot for each in feet.values() for foot in each.geometries]
-    _filter_collisions(scene_graph, robot=robot, table=table, solids=solids, feet=standing)
+    filter_collisions(scene_graph, robot=robot, table=table, solids=solids, feet=standing)
     return Plant(plant, scene_graph, arm, hand_, bodies, feet)
 
 
@@ -120,7 +120,8 @@ def _add_robot(
     return arm, hand_
 
 
-def _add_table(plant: MultibodyPlant, scene: Scene) -> GeometryId:
+def add_table(plant: MultibodyPlant, scene: Scene) -> GeometryId:
+    """Adds the table top, fixed to the world."""
     from pydrake.geometry import Box
     from pydrake.math import RigidTransform
 
@@ -132,7 +133,7 @@ def _add_table(plant: MultibodyPlant, scene: Scene) -> GeometryId:
     return plant.RegisterCollisionGeometry(world, X_WT, shape, "table", surface(ROUGH))
 
 
-def _add_object(plant: MultibodyPlant, item: SceneObject) -> tuple[RigidBody, GeometryId, Feet]:
+def add_object(plant: MultibodyPlant, item: SceneObject) -> tuple[RigidBody, GeometryId, Feet]:
     """Adds an object; returns its body, its solid and the spheres on which it stands or lies."""
     from pydrake.geometry import Sphere
     from pydrake.math import RigidTransform
@@ -205,7 +206,7 @@ def surface(friction: float) -> ProximityProperties:
     return properties
 
 
-def _filter_collisions(
+def filter_collisions(
     scene_graph: SceneGraph,
     *,
     robot: list[GeometryId],

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from benchmarks.engines import run, worst
-from benchmarks.pushes import STEP, share_at, started
+from benchmarks.pushes import STEP, share_at
+from sim.appliedforce import started
 
 PUSHES = 12
 SEED = 0
@@ -36,11 +37,11 @@ def test_the_delay_of_the_ramp_is_taken_out() -> None:
     times = STEP * np.arange(1000)
     speeds = 1e-6 + 0.5 * np.maximum(times - 0.9, 0.0) ** 2
     # The creep of 1e-6 m/s shifts the line by less than a step.
-    assert started(speeds) == pytest.approx(0.9, abs=STEP)
+    assert started(times, speeds) == pytest.approx(0.9, abs=STEP)
 
 
 def test_a_body_that_breaks_away_at_once_has_no_delay() -> None:
-    assert started(np.array([0.0] * 50 + [0.01])) == pytest.approx(50 * STEP)
+    assert started(STEP * np.arange(51), [0.0] * 50 + [0.01]) == pytest.approx(50 * STEP)
 
 
 def test_the_force_does_not_start_below_zero() -> None:
