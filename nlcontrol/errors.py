@@ -59,9 +59,11 @@ CODES: dict[str, Status] = {
     "bad_push": _CALLER,
     "bad_model_file": _CALLER,
     "not_yours": _CALLER,
+    "bad_record": _CALLER,
     "missing_extra": Status(USAGE, 501),
     "no_pictures": Status(INTERNAL, 501),
     "scene_and_registry_differ": _CALLER,
+    "worker_lost": Status(INTERNAL, 500),
     # After the execution.
     "clause_not_held": Status(NOT_HELD, 200),
     "internal": Status(INTERNAL, 500),

@@ -18,16 +18,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from objectmodels.base import Polygon
 from objectmodels.thresholds import GRAVITY
 from sim.observer import Observer, Verdict
 from sim.plant import add_object, add_table, filter_collisions, initial_pose
 from sim.rotations import Array
-from sim.scene import Scene
+from sim.scene import Scene, Truth
 from sim.touches import Contact, TouchResult
 
 BOUND = 1e-4
@@ -47,6 +48,7 @@ _NEAR = (0.92, 0.7, 0.4)  # of the rough onset; the next one if it moved before
 _FAR = 1.3  # of the rough onset, where the slow force ends
 _MARGIN = 0.01  # the slow force grows by so much of the rough onset before anything moves
 _CHUNK = 20  # steps after which the observer looks
+_TOLERANCE = 1e-3  # of what is called meeting the object [m]
 _FITTED = 0.5  # the part of √v that the line is fitted to
 _FEWEST = 4  # steps that the line needs; a body that breaks away in fewer has no delay
 
@@ -61,14 +63,17 @@ def touch(scene: Scene, contact: Contact, *, seed: int = 0) -> TouchResult:
     """
     observer = Observer(scene, bound=BOUND)
     world = _world(scene, contact.object)
-    weight = GRAVITY * observer.truth(contact.object).mass_kg
+    truth = observer.truth(contact.object)
+    if not _meets(truth, contact):
+        return TouchResult(None, None, f"it misses the {contact.object}")
+    weight = GRAVITY * truth.mass_kg
     quick = _Roll(world, observer, contact, lambda t: _WEAKEST * weight * math.exp(t / _GROWTH))
     quick.run(_GROWTH * math.log(STRONGEST / _WEAKEST))
     if quick.verdict.outcome == "none":
         return TouchResult("none", None)
+    rough = quick.onset
     for near in _NEAR:
-        rough = quick.onset
-        slow = _Roll(world, observer, contact, lambda t, s=near, f=rough: f * _share(t, s))
+        slow = _Roll(world, observer, contact, partial(_slow, near=near, rough=rough))
         slow.run(_RISE + SLOWNESS * (_FAR - near))
         if slow.verdict.outcome == "none":
             return TouchResult("none", None, "it moved only as long as the force grew quickly")
@@ -77,11 +82,26 @@ def touch(scene: Scene, contact: Contact, *, seed: int = 0) -> TouchResult:
     return TouchResult(slow.verdict.outcome, slow.onset)
 
 
-def _share(time: float, near: float) -> float:
-    """The slow force as a share of the rough onset."""
+def _meets(truth: Truth, contact: Contact) -> bool:
+    """Whether the line of the push goes through the object."""
+    p, u = np.array(contact.point), np.array(contact.direction)
+    sides = Polygon.convex(truth.outline)
+    normals = np.vstack((np.pad(sides.normals, ((0, 0), (0, 1))), [[0, 0, 1], [0, 0, -1]]))
+    room = np.append(sides.offsets, [truth.height, 0.0]) - normals @ p + _TOLERANCE
+    closing = normals @ u
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = room / closing
+    enters = np.max(at, where=closing < 0.0, initial=-np.inf)
+    leaves = np.min(at, where=closing > 0.0, initial=np.inf)
+    beside = (closing == 0.0) & (room < 0.0)
+    return bool(enters <= leaves and not beside.any())
+
+
+def _slow(time: float, *, near: float, rough: float) -> float:
+    """The slow force [N]: quickly near the rough onset, then evenly through it."""
     if time < _RISE:
-        return near * time / _RISE
-    return near + (time - _RISE) / SLOWNESS
+        return rough * near * time / _RISE
+    return rough * (near + (time - _RISE) / SLOWNESS)
 
 
 class _Roll:

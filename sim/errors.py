@@ -18,6 +18,10 @@ class SimError(Exception):
         self.message = message
         self.suggestions = suggestions
 
+    def __reduce__(self) -> tuple[type[SimError], tuple[str, str, tuple[str, ...]]]:
+        """So that it comes home from another process."""
+        return type(self), (self.code, self.message, self.suggestions)
+
 
 class SceneError(SimError):
     """A scene cannot be read: `unknown_scene` or `bad_scene`."""

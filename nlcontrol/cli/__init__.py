@@ -17,7 +17,7 @@ from collections.abc import Sequence
 import click
 
 from nlcontrol import __version__
-from nlcontrol.cli import doctor, fitting, objects, predictions, sentences, shell
+from nlcontrol.cli import doctor, fitting, maps, objects, predictions, sentences, shell
 from nlcontrol.cli.output import print_error
 from nlcontrol.errors import INTERNAL, OK, USAGE, ErrorInfo, described
 
@@ -55,7 +55,7 @@ for command in (
     sentences.parse,
     sentences.sample,
     predictions.predict,
-    predictions.map_,
+    maps.command,
     predictions.affordances,
     fitting.command,
     objects.group,

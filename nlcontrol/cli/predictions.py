@@ -1,4 +1,4 @@
-"""`predict`, `map` and `affordances`: what the object models say without a sentence."""
+"""`predict` and `affordances`: what the object models say without a sentence."""
 
 from __future__ import annotations
 
@@ -8,21 +8,27 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from nlcontrol.cli.objects import registry_told
-from nlcontrol.cli.output import print_json, require_writable, written_whole
+from nlcontrol.cli.output import print_json
 from nlcontrol.errors import OK
 
 if TYPE_CHECKING:
     from objectmodels import Face, ObjectModel
 
-_json = click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
-_face = click.option(
+json_option = click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
+face_option = click.option(
     "--face",
     default="front",
     show_default=True,
     help="The face that is touched, as the robot would call it.",
 )
-_lying = click.option(
+lying_option = click.option(
     "--lying-on", default="bottom", help="The face that the object lies on, e.g. left for a box."
+)
+scene_option = click.option(
+    "--scene", default="kitchen", show_default=True, help="A built-in scene, or a scene file."
+)
+seed_option = click.option(
+    "--seed", default=0, show_default=True, type=click.IntRange(0), help="Of everything random."
 )
 
 
@@ -49,10 +55,22 @@ class Numbers(click.ParamType[tuple[float, ...]]):
         return numbers
 
 
-def _looked_up(name: str, face: str, lying_on: str) -> tuple[ObjectModel, Face]:
-    from nlcontrol.faces import face_of
+def looked_up(
+    name: str, face: str, lying_on: str, file: Path | None = None
+) -> tuple[ObjectModel, Face]:
+    """The model of an object, lying on a face of it, and another face.
 
-    model = registry_told().called(name)
+    Args:
+        name: of the object.
+        face: how the one is called.
+        lying_on: how the other is called.
+        file: with a model to take instead of the registry's.
+    """
+    from nlcontrol.faces import face_of
+    from objectmodels.modelfile import load_model
+
+    registry = registry_told()
+    model = load_model(file, registry.kinds) if file else registry.called(name)
     if lying_on != "bottom":
         model = model.standing(lying_on)
     return model, face_of(model, face)
@@ -60,7 +78,7 @@ def _looked_up(name: str, face: str, lying_on: str) -> tuple[ObjectModel, Face]:
 
 @click.command()
 @click.argument("name", metavar="OBJECT")
-@_face
+@face_option
 @click.option(
     "--at",
     type=Numbers(2),
@@ -79,8 +97,8 @@ def _looked_up(name: str, face: str, lying_on: str) -> tuple[ObjectModel, Face]:
     show_default=True,
     help="Which coefficient at the table decides.",
 )
-@_lying
-@_json
+@lying_option
+@json_option
 def predict(
     name: str,
     face: str,
@@ -97,7 +115,7 @@ def predict(
     """
     from nlcontrol.predictions import predict_push
 
-    model, side = _looked_up(name, face, lying_on)
+    model, side = looked_up(name, face, lying_on)
     found = predict_push(
         model,
         face,
@@ -115,101 +133,11 @@ def predict(
     return OK
 
 
-@click.command("map")
-@click.argument("name", metavar="OBJECT")
-@_face
-@click.option(
-    "--direction", type=Numbers(3), metavar="X,Y,Z", help="Of the pushes; straight in by default."
-)
-@click.option("--spacing", default=10.0, show_default=True, help="Between contacts [mm].")
-@click.option(
-    "--band", default=5.0, show_default=True, help="Undecided: thresholds so close together [%]."
-)
-@click.option(
-    "--level",
-    type=click.FloatRange(0.5, 1.0),
-    help="Undecided: where no outcome has this probability, instead of the band.",
-)
-@click.option("--straight", is_flag=True, help="The object cannot turn, as in the paper.")
-@click.option("--shade", is_flag=True, help="Paler circles where the outcome is less probable.")
-@click.option("--3d", "solid", is_flag=True, help="In three dimensions, the force as height.")
-@click.option(
-    "--output",
-    "outputs",
-    multiple=True,
-    type=click.Path(dir_okay=False, path_type=Path),
-    help="Write it as PNG, SVG, PDF, CSV or JSON, by the ending; may be repeated.",
-)
-@_lying
-@_json
-def map_(
-    name: str,
-    face: str,
-    direction: tuple[float, float, float] | None,
-    spacing: float,
-    band: float,
-    level: float | None,
-    straight: bool,
-    shade: bool,
-    solid: bool,
-    outputs: tuple[Path, ...],
-    lying_on: str,
-    as_json: bool,
-) -> int:
-    """Show what pushes all over a face of OBJECT do, and what force they need."""
-    from nlcontrol import maps
-    from objectmodels.outcomemap import outcome_map
-
-    for output in outputs:
-        require_writable(output)
-        if output.suffix not in (".png", ".svg", ".pdf", ".csv", ".json"):
-            raise click.UsageError(f"{output}: the ending must be .png, .svg, .pdf, .csv or .json")
-    model, side = _looked_up(name, face, lying_on)
-    chart = outcome_map(
-        model,
-        side,
-        direction=direction,
-        spacing=1e-3 * spacing,
-        band=1e-2 * band,
-        level=level,
-        turning=not straight,
-    )
-    for output in outputs:
-        with written_whole(output) as temporary:
-            _write(chart, face, temporary, solid=solid, shaded=shade)
-    if as_json:
-        print_json(maps.document(chart, face))
-        return OK
-    for line in maps.text(chart, face):
-        click.echo(line)
-    for output in outputs:
-        click.echo(f"Map: {output}")
-    return OK
-
-
-def _write(chart: Any, face: str, path: Path, *, solid: bool, shaded: bool) -> None:
-    import json
-
-    from nlcontrol import maps
-
-    if path.suffix == ".csv":
-        maps.save_table(chart, face, path)
-    elif path.suffix == ".json":
-        document = maps.document(chart, face)
-        path.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-    else:
-        maps.save_map(chart, face, path, solid=solid, shaded=shaded)
-
-
 @click.command()
 @click.argument("name", metavar="OBJECT")
-@click.option(
-    "--scene", default="kitchen", show_default=True, help="A built-in scene, or a scene file."
-)
-@click.option(
-    "--seed", default=0, show_default=True, type=click.IntRange(0), help="Of everything random."
-)
-@_json
+@scene_option
+@seed_option
+@json_option
 def affordances(name: str, scene: str, seed: int, as_json: bool) -> int:
     """Tell what this robot can do with OBJECT, and if not, why not.
 

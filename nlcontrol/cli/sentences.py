@@ -218,7 +218,7 @@ def _write_files(
             save_picture(result.trace, controller.scene, temporary)
         files["picture"] = str(picture)
     elif picture and result.answer and result.answer.chart and result.answer.map:
-        from nlcontrol.maps import save_map
+        from nlcontrol.mapdrawing import save_map
 
         with written_whole(picture) as temporary:
             save_map(result.answer.map, result.answer.chart.face, temporary)

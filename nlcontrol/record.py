@@ -1,0 +1,128 @@
+"""What experiments found, kept in a file of JSON lines, so that a broken run can go on.
+
+The first line names the format, each further one a result with the key of all that determines it.
+Results are added as they come. What a run that was killed left of its last line is ignored, and
+overwritten by the next result.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from nlcontrol.errors import ControlError, error
+from sim.touches import Contact, Moved, TouchResult, Way
+
+FORMAT = "touches/1"
+
+_HEAD = json.dumps({"format": FORMAT}).encode() + b"\n"
+
+
+class _Line(BaseModel):
+    """A result as it stands in the file; what it is the result of is for people."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+
+    key: str
+    object: str
+    face: str
+    point: list[float]
+    direction: list[float]
+    by: Way
+    seed: int
+    outcome: Moved | None
+    force: Annotated[float, Field(ge=0.0)] | None
+    detail: str
+
+
+class Record:
+    """Results by key.
+
+    Args:
+        path: of the file; it need not exist.
+
+    Raises:
+        ControlError: `bad_record` if the file is something else, or damaged.
+
+    Attributes:
+        path: as given.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        content = _read(path)
+        self._size = content.rfind(b"\n") + 1
+        if not content.startswith(_HEAD[: len(content)]):
+            raise error(
+                "bad_record",
+                f"{path} is not a record of touches: it does not begin with {_HEAD.decode()!r}",
+                suggestions=("give another file with --record",),
+            )
+        self._known: dict[str, TouchResult] = {}
+        for number, text in enumerate(content[: self._size].splitlines()[1:], start=2):
+            line = _parsed(text, path, number)
+            self._known[line.key] = TouchResult(line.outcome, line.force, line.detail)
+
+    @property
+    def results(self) -> Mapping[str, TouchResult]:
+        """Those known by key, a read-only view."""
+        return MappingProxyType(self._known)
+
+    def add(self, key: str, contact: Contact, by: Way, seed: int, result: TouchResult) -> None:
+        """Adds a result at the end of the file.
+
+        Args:
+            key: of all that determines it.
+            contact: where and which way it was pushed.
+            by: how.
+            seed: of everything random.
+            result: what the push did.
+        """
+        line = _Line(
+            key=key,
+            object=contact.object,
+            face=contact.face,
+            point=list(contact.point),
+            direction=list(contact.direction),
+            by=by,
+            seed=seed,
+            outcome=result.outcome,
+            force=result.force,
+            detail=result.detail,
+        )
+        text = json.dumps(line.model_dump(), ensure_ascii=False, allow_nan=False).encode() + b"\n"
+        with self.path.open("ab") as file:
+            file.truncate(self._size)
+            file.write(text if self._size else _HEAD + text)
+        self._size += len(text) + (0 if self._size else len(_HEAD))
+        self._known[key] = result
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except FileNotFoundError:
+        return b""
+    except OSError as raised:
+        raise error("bad_record", f"cannot read {path}: {raised.strerror}") from raised
+
+
+def _parsed(text: bytes, path: Path, number: int) -> _Line:
+    try:
+        return _Line.model_validate_json(text)
+    except ValidationError as raised:
+        raise _damaged(path, number, raised.errors(include_url=False)[0]) from raised
+
+
+def _damaged(path: Path, number: int, fault: Any) -> ControlError:
+    where = ".".join(str(part) for part in fault["loc"])
+    return error(
+        "bad_record",
+        f"{path}, line {number}: {f'{where}: ' if where else ''}{fault['msg']}",
+        suggestions=("remove that line: its push is then carried out anew", "use another file"),
+    )
