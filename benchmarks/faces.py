@@ -14,16 +14,17 @@ from time import perf_counter
 
 from nlcontrol.comparison import Comparison, contacts_of
 from nlcontrol.controller import Controller
-from nlcontrol.experiment import Experiment
+from nlcontrol.faceexperiment import FaceExperiment
 from nlcontrol.faces import face_of
 from objectmodels import ObjectModel
 from objectmodels.outcomemap import outcome_map
+from sim.hidden import drawn
 from sim.observer import Observer
 
 
 def true_model(controller: Controller, name: str) -> ObjectModel:
     """The belief about an object with the scene's true parameters in it; its shape is right."""
-    truth = Observer(controller.scene).truth(name)
+    truth = Observer(drawn(controller.scene, controller.seed)).truth(name)
     belief = controller.models[name]
     stated = belief.model_dump(exclude={"friction_radius", "friction_radius_sd", "correlations"})
     changes = {
@@ -44,7 +45,9 @@ def compared(
         for model in (controller.models[name], true_model(controller, name))
     )
     start = perf_counter()
-    results = Experiment(controller.scene, contacts_of(believed, name, face)).run(workers=workers)
+    results = FaceExperiment(controller.scene, contacts_of(believed, name, face)).run(
+        workers=workers
+    )
     seconds = perf_counter() - start
     scene = controller.scene.name
     first, second = (

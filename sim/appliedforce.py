@@ -1,6 +1,8 @@
 """One push by a force that is applied directly, without a robot.
 
-Model: an object of a scene stands alone on the table, with its true parameters. A force acts at a
+Model: an object of a scene stands alone on the table, as it truly is in the world of a seed at its
+first touch: what the scene hides is drawn, its friction is that of its place and trial, its
+contents lie as they then do. A force acts at a
 material point of it, in a direction that stays; at first it grows quickly until the object moves,
 which tells its size roughly, then, from rest again, slowly through that size. A force acts along
 its line, so that a point believed a little beside the true surface makes no difference.
@@ -25,11 +27,14 @@ from numpy.typing import ArrayLike
 
 from objectmodels.base import Polygon
 from objectmodels.thresholds import GRAVITY
+from sim.hidden import drawn
 from sim.observer import Observer, Verdict
-from sim.plant import add_object, add_table, filter_collisions, initial_pose
+from sim.onetouch import Contact, TouchResult
+from sim.plant import Standing, add_object, add_table, filter_collisions, initial_pose
 from sim.rotations import Array
-from sim.scene import Scene, Truth
-from sim.touches import Contact, TouchResult
+from sim.scene import Scene
+from sim.truth import Truth
+from sim.world import changes_in
 
 BOUND = 1e-4
 """Displacement that counts as motion [m]; the object creeps by a tenth of it."""
@@ -54,15 +59,15 @@ _FEWEST = 4  # steps that the line needs; a body that breaks away in fewer has n
 
 
 def touch(scene: Scene, contact: Contact, *, seed: int = 0) -> TouchResult:
-    """Pushes an object by a force alone; a `sim.touches.Touch`.
+    """Pushes an object by a force alone; a `sim.onetouch.Touch`.
 
     Args:
         scene: the world as it is.
         contact: where and which way.
-        seed: makes no difference, since nothing here is random.
+        seed: of what the scene hides or leaves to chance.
     """
-    observer = Observer(scene, bound=BOUND)
-    world = _world(scene, contact.object)
+    world = _world(scene, contact.object, seed)
+    observer = Observer(world.scene, bound=BOUND)
     truth = observer.truth(contact.object)
     if not _meets(truth, contact):
         return TouchResult(None, None, f"it misses the {contact.object}")
@@ -164,11 +169,12 @@ class _World:
     """An object of a scene alone on the table, in Drake.
 
     Attributes:
+        scene: what is true.
         step_time: of a step, the scene's [s].
         R_WB: orientation in which it stands.
     """
 
-    def __init__(self, scene: Scene, name: str) -> None:
+    def __init__(self, scene: Scene, name: str, seed: int) -> None:
         from pydrake.multibody.plant import (
             AddMultibodyPlant,
             ExternallyAppliedSpatialForce,
@@ -177,6 +183,7 @@ class _World:
         from pydrake.systems.analysis import Simulator
         from pydrake.systems.framework import DiagramBuilder
 
+        self.scene = scene = drawn(scene, seed)
         self.step_time = scene.time_step_s
         builder = DiagramBuilder()
         config = MultibodyPlantConfig(
@@ -193,7 +200,7 @@ class _World:
         self._plant.Finalize()
         X_WB = initial_pose(item)
         self._plant.SetDefaultFloatingBaseBodyPose(self._body, X_WB)
-        filter_collisions(scene_graph, robot=[], table=table, solids=[solid], feet=feet)
+        filter_collisions(scene_graph, robot=[], table=table, solids=[solid], feet=feet.geometries)
         self.R_WB = X_WB.rotation().matrix()
         self._push = ExternallyAppliedSpatialForce()
         self._push.body_index = self._body.index()
@@ -201,6 +208,9 @@ class _World:
         self._simulator = Simulator(builder.Build())
         self._root = self._simulator.get_mutable_context()
         self._context = self._plant.GetMyMutableContextFromRoot(self._root)
+        model = Standing(self._plant, scene_graph, {name: self._body}, {name: feet})
+        for change in changes_in(model, self._root, scene, seed):
+            change.prepare([name], {name: (self.R_WB, X_WB.translation())})
         self._steps = 0
         self._rested = math.ceil(_SETTLING / self.step_time)
         for _ in range(self._rested):
@@ -230,5 +240,5 @@ class _World:
 
 
 @lru_cache(maxsize=8)
-def _world(scene: Scene, name: str) -> _World:
-    return _World(scene, name)
+def _world(scene: Scene, name: str, seed: int) -> _World:
+    return _World(scene, name, seed)

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from sim.chance import Stream, clipped_normal, source
-from sim.plant import Plant, inertia
+from sim.plant import Standing, inertia
 from sim.rotations import Array
 from sim.scene import Scene
 from sim.truth import Truth
@@ -30,7 +30,7 @@ class ShiftingContents:
         seed: of the world.
     """
 
-    def __init__(self, model: Plant, root: Context, scene: Scene, seed: int) -> None:
+    def __init__(self, model: Standing, root: Context, scene: Scene, seed: int) -> None:
         self._model = model
         self._context = model.plant.GetMyMutableContextFromRoot(root)
         self._truths = {item.name: item.truth for item in scene.objects}

@@ -19,9 +19,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sim.onetouch import Moved
 from sim.rotations import Array
-from sim.scene import Scene, Truth
-from sim.touches import Moved
+from sim.scene import Scene
+from sim.truth import Truth
 
 BOUND = 1e-3
 """Displacement of a corner of the base that counts as motion [m]."""

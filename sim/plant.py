@@ -51,15 +51,21 @@ class Feet:
 
 
 @dataclass(frozen=True)
-class Plant:
-    """A finalised plant in its builder, and who is who in it."""
+class Standing:
+    """A finalised plant in its builder, and the objects of a scene in it."""
 
     plant: MultibodyPlant
     scene_graph: SceneGraph
-    arm: ModelInstanceIndex
-    hand: ModelInstanceIndex
     bodies: Mapping[str, RigidBody]
     feet: Mapping[str, Feet]
+
+
+@dataclass(frozen=True)
+class Plant(Standing):
+    """The same with the robot."""
+
+    arm: ModelInstanceIndex
+    hand: ModelInstanceIndex
 
 
 def add_plant(builder: DiagramBuilder, scene: Scene) -> Plant:
@@ -93,7 +99,7 @@ def add_plant(builder: DiagramBuilder, scene: Scene) -> Plant:
     ]
     standing = [foot for each in feet.values() for foot in each.geometries]
     filter_collisions(scene_graph, robot=robot, table=table, solids=solids, feet=standing)
-    return Plant(plant, scene_graph, arm, hand_, bodies, feet)
+    return Plant(plant, scene_graph, bodies, feet, arm, hand_)
 
 
 def _add_robot(

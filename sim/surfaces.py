@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sim.chance import Stream, source
-from sim.plant import Plant, surface
+from sim.plant import Standing, surface
 from sim.rotations import Array
 from sim.scene import Scene, Table
 from sim.truth import Truth
@@ -86,7 +86,7 @@ class VaryingFriction:
         seed: of the world.
     """
 
-    def __init__(self, model: Plant, root: Context, scene: Scene, seed: int) -> None:
+    def __init__(self, model: Standing, root: Context, scene: Scene, seed: int) -> None:
         self._model = model
         self._context = model.scene_graph.GetMyMutableContextFromRoot(root)
         self._field = FrictionField(scene.table, seed)

@@ -22,7 +22,7 @@ from sim.contacts import ContactWatch
 from sim.contents import ShiftingContents
 from sim.hand import FINGERS, RESTING, Angles
 from sim.hidden import drawn
-from sim.plant import Plant, add_plant
+from sim.plant import Standing, add_plant
 from sim.rotations import Array
 from sim.scene import Scene
 from sim.sensors import JointReadings, TorqueReadings
@@ -114,7 +114,7 @@ class DrakeWorld:
         self._watch = ContactWatch(self._plant, self._model.bodies)
         self.contacts: list[ContactEvent] = self._watch.events
         self._changes = tuple(
-            _changes(self._model, self.simulator.get_mutable_context(), scene, seed)
+            changes_in(self._model, self.simulator.get_mutable_context(), scene, seed)
         )
         self._poses: dict[str, tuple[Array, Array]] = {}
         self._touched: list[str] = []
@@ -252,8 +252,15 @@ class DrakeWorld:
         self._touched = self._watch.note(self.time, results)
 
 
-def _changes(model: Plant, root: Context, scene: Scene, seed: int) -> Iterable[Change]:
-    """What changes in a scene; nothing of it costs any time where nothing does."""
+def changes_in(model: Standing, root: Context, scene: Scene, seed: int) -> Iterable[Change]:
+    """What changes in a scene; nothing of it costs any time where nothing does.
+
+    Args:
+        model: the objects.
+        root: context of the diagram.
+        scene: what is true.
+        seed: of the world.
+    """
     variation = scene.table.friction_variation
     if variation.over_table > 0.0 or variation.per_trial > 0.0:
         yield VaryingFriction(model, root, scene, seed)

@@ -25,7 +25,7 @@ from nlcontrol.errors import OK
 if TYPE_CHECKING:
     from nlcontrol.comparison import Comparison
     from objectmodels.outcomemap import OutcomeMap
-    from sim.touches import Way
+    from sim.onetouch import Way
 
 _File = click.Path(dir_okay=False, path_type=Path)
 _PICTURES = (".png", ".svg", ".pdf")
@@ -226,7 +226,7 @@ def _compared(
     from nlcontrol.cli.progress import Progress
     from nlcontrol.comparison import Comparison, contacts_of
     from nlcontrol.controller import Controller
-    from nlcontrol.experiment import Experiment, standing
+    from nlcontrol.faceexperiment import FaceExperiment, standing
     from nlcontrol.faces import face_of
     from nlcontrol.record import Record
     from objectmodels.modelfile import load_model
@@ -240,7 +240,7 @@ def _compared(
     chart = outcome_map(model, face_of(model, face), **wanted)
     contacts = contacts_of(chart, item.name, face)
     kept = Record(record) if record else None
-    experiment = Experiment(controller.scene, contacts, by=by, seed=seed, record=kept)
+    experiment = FaceExperiment(controller.scene, contacts, by=by, seed=seed, record=kept)
     if known := len(contacts) - len(experiment.missing):
         click.echo(f"{known} of {len(contacts)} results are in {record} already", err=True)
     with Progress("pushes") as progress:

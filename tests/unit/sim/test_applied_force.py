@@ -7,8 +7,11 @@ import pytest
 
 from objectmodels import BoxModel
 from sim import appliedforce, load_scene
-from sim.scene import Scene
-from sim.touches import Contact, TouchResult, Vector
+from sim.chance import Stream, source
+from sim.hidden import drawn
+from sim.onetouch import Contact, TouchResult, Vector
+from sim.scene import FrictionVariation, Hidden, Scene
+from sim.surfaces import FrictionField
 
 SCENE = load_scene("kitchen")
 ICE_TEA, CEREAL = "ice tea box", "cereal box"
@@ -23,10 +26,12 @@ def true_model(name: str, scene: Scene = SCENE) -> BoxModel:
     )  # fmt: skip
 
 
-def touched(name: str, point: Vector, direction: Vector, scene: Scene = SCENE) -> TouchResult:
+def touched(
+    name: str, point: Vector, direction: Vector, scene: Scene = SCENE, seed: int = 0
+) -> TouchResult:
     u = np.array(direction) / np.linalg.norm(direction)
     contact = Contact(name, "front", point, (-1.0, 0.0, 0.0), tuple(u.tolist()))
-    return appliedforce.touch(scene, contact, seed=0)
+    return appliedforce.touch(scene, contact, seed=seed)
 
 
 @pytest.mark.parametrize(
@@ -77,3 +82,43 @@ def test_the_direction_is_that_of_the_object_however_it_stands() -> None:
     assert (before.outcome, after.outcome) == ("topple", "topple")
     # Friction is solved in the world's axes, to some digits only.
     assert after.force == pytest.approx(before.force, rel=1e-4)
+
+
+def test_a_push_beside_the_object_misses_it() -> None:
+    ahead = (1.0, 0.0, 0.0)
+    assert touched(ICE_TEA, (-0.045, 0.0, 0.24), ahead).outcome is None
+    assert touched(ICE_TEA, (-0.045, 0.05, 0.1), ahead).outcome is None
+    missed = touched(ICE_TEA, (-0.05, 0.04, 0.1), (1.0, 20.0, 0.0))
+    assert missed == TouchResult(None, None, "it misses the ice tea box")
+    # A force acts along its line: a contact believed 5 mm beside the surface is as good.
+    on, beside = (touched(ICE_TEA, (x, 0.02, 0.1), ahead) for x in (-0.045, -0.05))
+    assert on.force == pytest.approx(beside.force, rel=1e-3)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_what_the_scene_hides_is_drawn_from_the_seed(seed: int) -> None:
+    scene = SCENE.model_copy(update={"hidden": Hidden(mass=0.3, friction=0.3)})
+    push = (ICE_TEA, (-0.045, 0.0, 0.05), (1.0, 0.0, 0.0))
+    model = true_model(ICE_TEA, drawn(scene, seed))
+    assert abs(model.mass / 1.06 - 1.0) > 0.01
+    seen = touched(*push, scene=scene, seed=seed)
+    assert seen.force == pytest.approx(model.friction * model.weight, rel=0.005)
+
+
+def test_friction_is_that_of_the_place_and_the_trial() -> None:
+    push = (ICE_TEA, (-0.045, 0.0, 0.05), (1.0, 0.0, 0.0))
+    variation = FrictionVariation(per_trial=0.2)
+    table = SCENE.table.model_copy(update={"friction_variation": variation})
+    scene = SCENE.model_copy(update={"table": table})
+    log_sd = np.sqrt(np.log1p(0.2**2))
+    draw = source(3, Stream.TRIAL_FRICTION).standard_normal()
+    even, varied = touched(*push).force, touched(*push, scene=scene, seed=3).force
+    assert even is not None
+    assert varied == pytest.approx(even * np.exp(log_sd * draw - log_sd**2 / 2.0), rel=1e-3)
+    over_table = FrictionVariation(over_table=0.3, length_m=0.5)
+    table = SCENE.table.model_copy(update={"friction_variation": over_table})
+    scene = SCENE.model_copy(update={"table": table})
+    # The field hardly changes under the base, which is 90 mm long: about what it is in the middle.
+    there = float(FrictionField(table, 4).at(np.array([0.45, 0.0])))
+    assert there < 0.9
+    assert touched(*push, scene=scene, seed=4).force == pytest.approx(even * there, rel=0.02)

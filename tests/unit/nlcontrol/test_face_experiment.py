@@ -13,11 +13,11 @@ import pytest
 
 from nlcontrol.controller import Controller
 from nlcontrol.errors import ControlError
-from nlcontrol.experiment import WAYS, Experiment, standing
+from nlcontrol.faceexperiment import WAYS, FaceExperiment, standing
 from nlcontrol.record import Record
 from sim import SimError, load_scene
+from sim.onetouch import Contact, TouchResult, Way
 from sim.scene import Scene
-from sim.touches import Contact, TouchResult, Way
 
 SCENE = load_scene("kitchen")
 CONTACTS = [
@@ -45,8 +45,10 @@ class Inline(Executor):
         return future
 
 
-def experiment(record: Record | None = None, scene: Scene = SCENE, **changes: Any) -> Experiment:
-    return Experiment(scene, CONTACTS, record=record, **changes)
+def experiment(
+    record: Record | None = None, scene: Scene = SCENE, **changes: Any
+) -> FaceExperiment:
+    return FaceExperiment(scene, CONTACTS, record=record, **changes)
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +59,7 @@ def expected() -> tuple[TouchResult, ...]:
 def test_results_are_in_the_order_of_the_contacts(expected: tuple[TouchResult, ...]) -> None:
     # b/μ is 113 mm, and the left one is off the middle.
     assert [result.outcome for result in expected] == ["slide", "slide", "slide", "topple"]
-    backwards = Experiment(SCENE, CONTACTS[::-1]).run(executor=Inline())
+    backwards = FaceExperiment(SCENE, CONTACTS[::-1]).run(executor=Inline())
     assert backwards == expected[::-1]
 
 
@@ -132,7 +134,7 @@ def test_results_of_something_else_are_not_taken(
 def test_a_new_version_computes_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     record = Record(tmp_path / "touches.jsonl")
     experiment(record).run(executor=Inline())
-    monkeypatch.setattr("nlcontrol.experiment.__version__", "0.0.1")
+    monkeypatch.setattr("nlcontrol.faceexperiment.__version__", "0.0.1")
     assert len(experiment(record).missing) == len(CONTACTS)
 
 
@@ -147,7 +149,7 @@ def test_a_way_that_is_not_there_is_said_so() -> None:
 def test_an_error_of_a_push_comes_home_from_its_process() -> None:
     stranger = dataclasses.replace(CONTACTS[0], object="unicorn")
     with pytest.raises(KeyError, match="unicorn"):
-        Experiment(SCENE, [stranger]).run(workers=1)
+        FaceExperiment(SCENE, [stranger]).run(workers=1)
     raised = SimError("bad_scene", "no table", ("add one",))
     copied = pickle.loads(pickle.dumps(raised))
     assert (type(copied), vars(copied)) == (SimError, vars(raised))

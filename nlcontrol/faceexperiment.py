@@ -31,8 +31,8 @@ from nlcontrol.errors import error, translated
 from nlcontrol.names import Candidate, called, listed
 from nlcontrol.record import Record
 from sim import appliedforce
+from sim.onetouch import Contact, Touch, TouchResult, Way
 from sim.scene import Scene, SceneObject, built_in_scenes, load_scene
-from sim.touches import Contact, Touch, TouchResult, Way
 
 if TYPE_CHECKING:
     from nlcontrol.controller import Controller
@@ -97,7 +97,7 @@ def _scenes_with(model: ObjectModel) -> list[str]:
     ]
 
 
-class Experiment:
+class FaceExperiment:
     """Pushes to be carried out, of which some may have been.
 
     Args:
