@@ -35,8 +35,10 @@ EXPERIMENTS = {
 }
 """The experiment that finds each parameter, as the rows of a data file."""
 
-_UNITS = {"mass": "kg", "friction_radius": "m", "com_x": "m", "com_y": "m", "com_z": "m"}
-_NAMES = {
+UNITS = {"mass": "kg", "friction_radius": "m", "com_x": "m", "com_y": "m", "com_z": "m"}
+"""Units of those that have one."""
+
+NAMES = {
     "mass": "mass",
     "friction": "friction, table",
     "finger_friction": "friction, finger",
@@ -45,6 +47,7 @@ _NAMES = {
     "com_y": "centre of mass, y",
     "com_z": "centre of mass, z",
 }
+"""Parameters as people call them."""
 
 
 class FittedParameter(BaseModel):
@@ -176,7 +179,7 @@ def _require_found(found: Fit, reading: Reading, files: Sequence[Path]) -> None:
     raise ModelError(
         "no_fit",
         f"the trials contradict each other: the fit misses their forces by {found.rms:.0%}, and "
-        f"leaves more than half of {' and '.join(_NAMES[name] for name in vague)} open",
+        f"leaves more than half of {' and '.join(NAMES[name] for name in vague)} open",
         path=", ".join(map(str, files)),
         suggestions=(f"look at: {', '.join(trial.source for _, trial in worst[:3])}",),
     )
@@ -209,8 +212,8 @@ def _report(
         files=tuple(map(str, files)),
         trials=dict(Counter(trial.moved for trial in used)),
         assumed=sum(reading.assumed),
-        parameters={name: _parameter(name, before, found) for name in found.found},
-        correlations=tuple(_correlations(found)),
+        parameters={name: fitted_parameter(name, before, found) for name in found.found},
+        correlations=tuple(correlations(found)),
         unidentified={n: EXPERIMENTS[n] for n in left},
         dropped=dict(found.dropped),
         rms=found.rms,
@@ -221,7 +224,8 @@ def _report(
     )
 
 
-def _parameter(name: str, before: ObjectModel, found: Fit) -> FittedParameter:
+def fitted_parameter(name: str, before: ObjectModel, found: Fit) -> FittedParameter:
+    """A parameter that was found, beside what was believed."""
     k = UNCERTAIN.index(name)
     value, sd = found.values[name], found.deviations[name]
     low, high = found.interval(name)
@@ -236,7 +240,8 @@ def _parameter(name: str, before: ObjectModel, found: Fit) -> FittedParameter:
     )
 
 
-def _correlations(found: Fit) -> Iterator[tuple[str, str, float]]:
+def correlations(found: Fit) -> Iterator[tuple[str, str, float]]:
+    """Pairs of parameters that were found, whose errors hang together."""
     for i, a in enumerate(UNCERTAIN):
         for j, b in enumerate(UNCERTAIN[:i]):
             if a in found.found and b in found.found and abs(found.correlation[i, j]) >= TOLD:
@@ -255,9 +260,9 @@ def report_lines(report: FitReport) -> Iterator[str]:
     yield f"{report.object}: {sum(report.trials.values())} trials of {names} ({kinds})"
     yield f"  {'found':18} {'value':>9} {'±':>9} {'%':>6}   {'95 % interval':19} believed before"
     for name, row in report.parameters.items():
-        yield f"  {_NAMES[name]:18} {_row(name, row)}"
+        yield f"  {NAMES[name]:18} {_row(name, row)}"
     for a, b, value in report.correlations:
-        yield f"  correlation of {_NAMES[a]} and {_NAMES[b]}: {value:+.2f}"
+        yield f"  correlation of {NAMES[a]} and {NAMES[b]}: {value:+.2f}"
     yield f"  the fitted model predicts the forces within {report.rms:.1%} (rms)"
     if report.assumed:
         yield f"  the noise of {report.assumed} forces was taken as {FORCE_SHARE:.0%} of each"
@@ -267,7 +272,7 @@ def report_lines(report: FitReport) -> Iterator[str]:
         yield f"  left out: {source}, {why}"
     yield from (f"  note: {note}" for note in report.notes)
     for name, experiment in report.unidentified.items():
-        yield f"  to find also {_NAMES[name]}: {experiment}"
+        yield f"  to find also {NAMES[name]}: {experiment}"
     if report.saved:
         yield f"Saved: {report.saved}"
     if report.instead_of:
@@ -280,7 +285,7 @@ def report_lines(report: FitReport) -> Iterator[str]:
 
 
 def _row(name: str, row: FittedParameter) -> str:
-    unit = _UNITS.get(name, "")
+    unit = UNITS.get(name, "")
     scale, digits, sign = {"m": (1e3, 1, " mm"), "kg": (1.0, 4, " kg")}.get(unit, (1.0, 4, ""))
     value, sd, low, high, believed, believed_sd = (
         f"{scale * x + 0.0:.{digits}f}"

@@ -17,7 +17,7 @@ Frames: W is the world, B the object's.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -25,6 +25,8 @@ import numpy as np
 from objectmodels import tilting
 from objectmodels.base import Array
 from objectmodels.faces import Face
+from objectmodels.identification.trials import Trial
+from objectmodels.model import ObjectModel
 from planner.directions import face_name
 from planner.plan import Push
 from planner.reach import Reach
@@ -51,11 +53,14 @@ RUB = 0.010
 """Way of a rub [m]."""
 
 _SIGMAS = 2.0
+_FORCE_SD = 0.01  # of a felt force, as a share of it
+_TURN_SD = 0.4  # of a turn rate [rad/m]
+_BALANCES = (0.2, 0.85)  # shares of the largest tilt at which the balance is read
 _MAY_TILT = 0.02  # least believed probability of a tilt worth a trial
 _RUB_HEIGHT = 0.4  # share of the height
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Experiment:
     """One touch that shows something about an object.
 
@@ -65,6 +70,7 @@ class Experiment:
         onset: force at which the object is believed to move [N].
         angle: of a tilt, at which it ends [rad].
         length: from the touched side to the far edge of the base, about which it would tilt [m].
+        R_WB: orientation in which the object was seen, shape (3, 3).
         lateral: place of the contact along its face from the middle [m].
         raised: of a rub, how far above `push.p_BC` it begins [m].
     """
@@ -73,6 +79,7 @@ class Experiment:
     push: Push
     onset: float
     length: float
+    R_WB: Array = field(repr=False)
     angle: float = 0.0
     lateral: float = 0.0
     raised: float = 0.0
@@ -109,6 +116,29 @@ def experiments(seen: SeenObject, reach: Reach) -> tuple[Experiment, ...]:
     return tuple(found)
 
 
+def expected(experiment: Experiment, model: ObjectModel) -> tuple[Trial, ...]:
+    """What an experiment would show if the model were right, and how precisely.
+
+    Args:
+        experiment: what would be done.
+        model: what is believed.
+    """
+    point = experiment.push.p_BC
+    R_WB = experiment.R_WB
+    u = R_WB.T @ np.array(experiment.push.direction_W)
+    x, y, z = (experiment.onset * u).tolist()
+    trial = Trial("slide", point, (x, y, z), _FORCE_SD * experiment.onset, source=experiment.name)
+    if experiment.kind == "tilt":
+        tilts = np.linspace(*_BALANCES, 2) * experiment.angle
+        return tuple(replace(trial, moved="topple", tilt=float(tilt)) for tilt in tilts)
+    if experiment.kind == "rub":
+        n_x, n_y, _ = (-u).tolist()
+        force = (x, y, z - model.finger_friction * experiment.onset)
+        return (replace(trial, moved="slip", force=force, normal=(n_x, n_y, 0.0)),)
+    turn = float(np.nan_to_num(model.thresholds([point], [u]).twist[0, 2]))
+    return (replace(trial, turn_rate=turn, turn_rate_sd=_TURN_SD),)
+
+
 def _tilt(seen: SeenObject, face: Face, height: float, reach: Reach) -> Experiment | None:
     model = seen.model
     point, normal = face.at(0.0, height)
@@ -139,6 +169,7 @@ def _touch(
         _push(seen, point, normal, stroke, reach.max_force),
         onset=float(seen.model.thresholds([point], [-normal]).onset[0]),
         length=tilting.length_along(seen.model, -normal),
+        R_WB=seen.pose.R_WB,
     )
 
 

@@ -1,9 +1,10 @@
 """One touch after another: which experiments are made, and what becomes of each.
 
 A *repetition* has one experiment of each kind that is asked for: tilts on two opposite sides, a
-slide, an off-centre slide, a rub. Sides take turns, so that every side is touched and the object
-ends about where it stood. Where the hand does not get, or where a touch showed something else than
-was meant, the next side is tried; what was given up is told.
+slide, an off-centre slide, a rub. Tilts take turns over the sides, slides move the object along a
+spiral: friction differs from place to place, and no two slides are then at one. Where the hand does
+not get, or where a touch showed something else than was meant, the next side is tried; what was
+given up is told.
 """
 
 from __future__ import annotations
@@ -26,6 +27,13 @@ if TYPE_CHECKING:
 
 OPPOSITE: tuple[tuple[FaceName, FaceName], ...] = (("front", "back"), ("left", "right"))
 """Pairs of sides whose tilts together tell the weight from the centre of mass."""
+
+
+SPIRAL: tuple[FaceName, ...] = (
+    "front", "left", "back", "back", "right", "right",
+    "front", "front", "front", "left", "left", "left",
+)  # fmt: skip
+"""Sides at which one slide after another pushes."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +73,7 @@ class Explorer:
         progress: told of the phase, the simulated time [s] and what happens.
 
     Attributes:
+        name: as given.
         touches: all that was tried, in order.
     """
 
@@ -79,7 +88,7 @@ class Explorer:
         progress: Progress | None = None,
     ) -> None:
         self.touches: list[Touched] = []
-        self._name = name
+        self.name = name
         self._world = world
         self._look = look
         self._reach = reach
@@ -95,7 +104,7 @@ class Explorer:
     def possible(self, kinds: Iterable[Kind]) -> list[Experiment]:
         """Experiments of these kinds that were not given up, planned with what is known now."""
         wanted = set(kinds)
-        found = experiments(self._look().objects[self._name], self._reach)
+        found = experiments(self._look().objects[self.name], self._reach)
         return [e for e in found if e.kind in wanted and _key(e) not in self._given_up]
 
     def repeat(self, kinds: Sequence[Kind], repetition: int) -> None:
@@ -122,7 +131,7 @@ class Explorer:
         tried = next(
             (
                 e
-                for e in experiments(state.objects[self._name], self._reach)
+                for e in experiments(state.objects[self.name], self._reach)
                 if (e.kind, e.push.face) == (kind, face) and e.lateral * lateral >= 0.0
             ),
             None,
@@ -157,12 +166,11 @@ def _key(experiment: Experiment) -> tuple[Kind, FaceName]:
 
 
 def _sides(kind: Kind, repetition: int) -> list[tuple[FaceName, float]]:
-    """Sides in the order in which they are tried; each repetition undoes the one before."""
-    faces = [face for pair in OPPOSITE for face in pair]
-    if repetition % 2 == 1:
-        faces = [face for pair in OPPOSITE for face in reversed(pair)]
-    if kind != "off-centre slide":
-        return [(face, 0.0) for face in faces]
-    # Slides and off-centre slides of one repetition go against each other.
-    end = 1.0 if repetition % 2 == 0 else -1.0
-    return [(face, end) for pair in OPPOSITE for face in (pair if end < 0.0 else pair[::-1])]
+    """Sides and their ends in the order in which they are tried.
+
+    The first one moves the object on along a spiral, so that no two slides are at one place.
+    """
+    first = SPIRAL[(repetition // 2 if kind == "rub" else repetition) % len(SPIRAL)]
+    others = [face for pair in OPPOSITE for face in pair if face != first]
+    end = (1.0 if repetition % 2 == 0 else -1.0) if kind == "off-centre slide" else 0.0
+    return [(face, end) for face in (first, *others)]

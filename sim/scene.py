@@ -106,7 +106,7 @@ class Vision(Part):
     delay_s: NonNegative = 0.05
 
 
-TORQUE_BIAS = 0.0
+TORQUE_BIAS = 0.02
 """Standard deviation of the torque sensors' constant errors, if the scene does not say [N·m]."""
 
 

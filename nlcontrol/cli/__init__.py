@@ -17,7 +17,7 @@ from collections.abc import Sequence
 import click
 
 from nlcontrol import __version__
-from nlcontrol.cli import doctor, fitting, maps, objects, predictions, sentences, shell
+from nlcontrol.cli import doctor, exploring, fitting, maps, objects, predictions, sentences, shell
 from nlcontrol.cli.output import print_error
 from nlcontrol.errors import INTERNAL, OK, USAGE, ErrorInfo, described
 
@@ -57,6 +57,7 @@ for command in (
     predictions.predict,
     maps.command,
     predictions.affordances,
+    exploring.command,
     fitting.command,
     objects.group,
     shell.command,

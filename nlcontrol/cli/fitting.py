@@ -9,7 +9,8 @@ import click
 
 from nlcontrol.cli.objects import registry_told
 from nlcontrol.cli.output import print_json, require_writable
-from nlcontrol.errors import OK, error
+from nlcontrol.errors import OK
+from nlcontrol.keeping import kept, renamed
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel, Registry
@@ -84,9 +85,9 @@ def command(
     _require_sensible(files, saved_as, output)
     registry = registry_told()
     found = fit_files(_model(registry, name), files, parameters)
-    model = found.model if not saved_as else _renamed(found.model, saved_as)
+    model = found.model if not saved_as else renamed(found.model, saved_as)
     # Both are written only now that nothing can fail any more but the writing itself.
-    path, instead = (None, None) if saved_as is None else _save(registry, model)
+    path, instead = (None, None) if saved_as is None else kept(registry, model)
     if output is not None:
         save_model(model, output)
     written = {"saved": _told(path), "output": _told(output), "instead_of": instead}
@@ -118,48 +119,6 @@ def _model(registry: Registry, name: str) -> ObjectModel:
     if name.endswith((".yaml", ".yml")):
         return load_model(Path(name), registry.kinds)
     return registry.called(name)
-
-
-def _renamed(model: ObjectModel, name: str) -> ObjectModel:
-    """The model under another name; its synonyms stay with the model that they belong to.
-
-    Raises:
-        UsageError: it cannot be a name.
-    """
-    from pydantic import TypeAdapter, ValidationError
-
-    from objectmodels.parameters import Word
-
-    try:
-        TypeAdapter(Word).validate_python(name, strict=True)
-    except ValidationError as wrong:
-        raise click.UsageError(f"{name!r} cannot be a name") from wrong
-    return model.model_copy(update={"name": name, "synonyms": ()})
-
-
-def _save(registry: Registry, model: ObjectModel) -> tuple[Path, str | None]:
-    """Writes a model into the user's folder, over the user's own one of that name.
-
-    Returns:
-        The file, and where the model comes from whose place it takes, if not the user's own.
-
-    Raises:
-        ModelError: `duplicate_name` if it is called as another model's synonym.
-        ControlError: `cannot_write` if the file is there and holds another model.
-    """
-    from objectmodels.modelfile import save_model
-    from objectmodels.registry import user_file, user_folder
-
-    path = user_file(model.name)
-    own = Path(registry.place(model.name)) if model.name in registry else None
-    if own is not None and own.parent == user_folder():
-        path = own
-    elif path.exists():
-        raise error("cannot_write", f"cannot write {path}: it holds another model")
-    registry.add(model, place=str(path), over=registry.names())
-    save_model(model, path)
-    replaced = registry.replaced(model.name)
-    return path, None if replaced == str(path) else replaced
 
 
 def _told(path: Path | None) -> str | None:

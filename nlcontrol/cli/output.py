@@ -98,3 +98,10 @@ class Narrator:
         elif phase != self._phase:
             click.echo(line, err=True)
         self._phase = phase
+
+    def line(self, text: str) -> None:
+        """Tells a line that stays."""
+        if self._status is not None:
+            self._status.console.print(text, highlight=False, markup=False)
+        else:
+            click.echo(text, err=True)

@@ -1,0 +1,64 @@
+"""The report of an exploration as people read it: the paper's Table I for this run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from nlcontrol.exploring import ExplorationReport
+from nlcontrol.fitting import NAMES, UNITS
+
+_SCALES = {"m": (1e3, 1, "mm"), "kg": (1.0, 4, "kg"), "": (1.0, 4, "")}
+_COLUMNS = ("mean", "sd", "%", "min", "max", "joint fit", "±", "believed", "truth")
+
+
+def report_lines(report: ExplorationReport) -> Iterator[str]:
+    """The report, line by line."""
+    useful = sum(touch.as_meant for touch in report.touches)
+    yield (
+        f"{report.object}, scene {report.scene}, seed {report.seed}: {len(report.touches)} touches,"
+        f" {useful} as meant"
+    )
+    told = _COLUMNS if report.truth is not None else _COLUMNS[:-1]
+    yield f"  {'':22}" + "".join(f"{name:>10}" for name in told)
+    for name in report.parameters:
+        yield f"  {_label(name):22}" + "".join(f"{cell:>10}" for cell in _cells(report, name))
+    yield f"  each repetition by itself; then all {len(report.touches)} touches together"
+    for a, b, value in report.correlations:
+        yield f"  correlation of {NAMES[a]} and {NAMES[b]}: {value:+.2f}"
+    if report.friction_spread:
+        yield f"  friction differs by {report.friction_spread:.1%} from slide to slide"
+    yield f"  the fitted model predicts the forces within {report.rms:.1%} (rms)"
+    yield from (f"  given up: {why}" for why in report.given_up)
+    yield from (f"  left out: {source}, {why}" for source, why in report.dropped.items())
+    yield from (f"  note: {note}" for note in report.notes)
+    if report.saved:
+        yield f"Saved: {report.saved}"
+    if report.instead_of:
+        yield f"  The robot goes by it instead of: {report.instead_of}"
+    for kind, path in report.files.items():
+        yield f"{kind.capitalize()}: {path}"
+
+
+def _label(name: str) -> str:
+    unit = _SCALES[UNITS.get(name, "")][2]
+    return f"{NAMES[name]} [{unit}]" if unit else NAMES[name]
+
+
+def _cells(report: ExplorationReport, name: str) -> Iterator[str]:
+    scale, digits, _ = _SCALES[UNITS.get(name, "")]
+
+    def cell(value: float | None) -> str:
+        return "" if value is None else f"{scale * value + 0.0:.{digits}f}"
+
+    row, fitted = report.repeated.get(name), report.parameters[name]
+    yield cell(row and row.mean)
+    yield cell(row and row.sd)
+    percent = row.percent if row and not name.startswith("com_") else None
+    yield "" if percent is None else f"{percent:.1f}"
+    yield cell(row and row.least)
+    yield cell(row and row.most)
+    yield cell(fitted.value)
+    yield cell(fitted.sd)
+    yield cell(fitted.believed)
+    if report.truth is not None:
+        yield cell(report.truth.get(name))
