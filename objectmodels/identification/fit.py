@@ -38,7 +38,7 @@ from objectmodels.identification.balance import (
     with_values,
 )
 from objectmodels.identification.identifiability import identified
-from objectmodels.identification.leastsquares import Solution, solve
+from objectmodels.identification.leastsquares import Solution, require_possible, solve
 from objectmodels.identification.trials import Trial
 from objectmodels.model import ObjectModel
 from objectmodels.parameters import UNCERTAIN, Provenance
@@ -145,6 +145,7 @@ def fit(
         free = np.array([name in wanted for name in UNCERTAIN]) & (np.diag(belief) > 0.0)
     else:
         start = coarse.linear(model.means)
+        require_possible(coarse, start)
         free, lost = identified(coarse, start, belief, parameters)
         notes += [f"{m.name} is kept as believed: {m.reason}" for m in lost]
     first = solve(coarse, model.means, free, belief, prior=prior)
@@ -219,7 +220,7 @@ def _robust_rows(balance: Balance, solution: Solution) -> Mask:
 
 def _suspects(balance: Balance, solution: Solution) -> list[tuple[int, float]]:
     """Trials that may be outliers, the worst first, with their robust deviations."""
-    z = (balance.observed - solution.at.predicted) / (solution.noise * solution.at.sd)
+    z = (balance.observed - solution.at.predicted) / solution.at.sd
     worst = np.zeros(len(balance.touches.size))
     for rows in balance.groups:
         if len(rows) < _LEAST_ROWS:
@@ -278,7 +279,7 @@ def _result(
     if solution.spread > 0.0:
         notes.append(f"the friction differs by {solution.spread:.1%} from slide to slide")
     return Fit(
-        model=_fitted(balance.model, solution, covariance, found),
+        model=_fitted(balance, solution, covariance, found),
         found=found,
         values=dict(zip(UNCERTAIN, values.tolist(), strict=True)),
         deviations=dict(zip(UNCERTAIN, sd.tolist(), strict=True)),
@@ -297,16 +298,16 @@ def _result(
 
 
 def _fitted(
-    model: ObjectModel, solution: Solution, covariance: Array, found: tuple[str, ...]
+    balance: Balance, solution: Solution, covariance: Array, found: tuple[str, ...]
 ) -> ObjectModel:
     """The model as the fit leaves it; the next slide's friction differs from the mean."""
     covariance = covariance.copy()
     covariance[FRICTION, FRICTION] += (solution.spread * solution.values[FRICTION]) ** 2
-    fitted = with_belief(with_values(model, solution.values), covariance)
+    fitted = with_belief(with_values(balance.model, solution.values), covariance)
     provenance = Provenance(
         source="found by touching it",
         method=f"joint fit of {', '.join(found)}",
-        trials=len(np.unique(np.arange(len(solution.rows))[solution.rows])),
+        trials=len(np.unique(balance.trial[solution.rows])),
     )
     return fitted.model_copy(update={"provenance": provenance})
 

@@ -36,7 +36,7 @@ UNKNOWN = 0.5
 """Standard deviation of a logarithm from which on a parameter counts as not found. Of the
 horizontal centre of mass, half of this share of the base's size."""
 
-HANGS, HANGS_WHEN_ASKED = 0.05, 0.25
+HANGS, HANGS_WHEN_ASKED = 0.05, 0.1
 """Largest standard deviation of a value, relative to it, that may come from what is believed of
 others. Of the horizontal centre of mass, as a share of the base's size."""
 
@@ -197,6 +197,9 @@ def missing(balance: Balance, at: Linear, k: int, free: Mask) -> Missing:
         if COM_Z in tied and np.ptp(t.tilt[tilts]) > _SAME_ANGLE:
             why = "the tilts do not tell it from the mass and the rest of the centre of mass"
         return Missing(name, why, ("tilt to a second angle",))
+    if not _one_sided(balance) and k in (MASS, FRICTION):
+        why = "the forces are too noisy, or too few, to tell it from the centre of mass"
+        return Missing(name, why, ("tilt", "tilt from the opposite side"))
     b = _lever(balance, at.values)
     return Missing(
         name,

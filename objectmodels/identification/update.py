@@ -31,6 +31,7 @@ from objectmodels.identification.balance import (
     with_belief,
     with_values,
 )
+from objectmodels.identification.leastsquares import require_possible
 from objectmodels.identification.trials import Trial
 from objectmodels.model import ObjectModel
 from objectmodels.parameters import UNCERTAIN
@@ -38,8 +39,8 @@ from objectmodels.parameters import UNCERTAIN
 SURPRISING = 3.0
 """Standard deviations from which on a trial contradicts what was believed."""
 
-_STEPS = 30
-_SETTLED = 1e-6
+_STEPS, _WHOLE = 30, 8  # and after how many they are halved
+_SETTLED = 1e-4  # step in standard deviations
 _LONGEST = 0.7  # step in a logarithm, a factor of two; along the base as a share of its size
 _HALVINGS = 12
 
@@ -111,30 +112,25 @@ def update(
 
     Raises:
         ModelError: `no_trials`, `bad_trial`; `impossible_trial` if by the belief no force moves
-            the object so; `no_fit` if the belief cannot be brought to explain it.
+            the object so; `no_fit` if what explains it would not stand.
     """
     balance = Balance(model, trials, exact=exact)
     x, P = coordinates(model.means), belief_of(model, spread)
     at = _linear(balance, model.means, spread)
-    if not np.isfinite(at.predicted).all():
-        raise ModelError(
-            "impossible_trial",
-            f"{trials[0].source}: by what is believed such a push never moves the object so",
-        )
+    require_possible(balance, at)
     observed = _observed(balance)
     missed = observed - at.predicted
     S = at.jacobian @ P @ at.jacobian.T + np.diag(at.sd**2)
     surprise = sqrt(float(missed @ np.linalg.solve(S, missed)) / len(missed))
-    for _ in range(_STEPS):
+    for number in range(_STEPS):
         H = at.jacobian
         gain = P @ H.T @ np.linalg.inv(H @ P @ H.T + np.diag(at.sd**2))
         now = coordinates(at.values)
         step = x + gain @ (observed - at.predicted - H @ (x - now)) - now
-        if (np.abs(step) <= _SETTLED * np.sqrt(np.diag(P)) + 1e-12).all():
+        if (np.abs(step) <= _SETTLED * np.sqrt(np.diag(P))).all():
             break
-        at = _moved(balance, at, step, spread)
-    else:
-        raise ModelError("no_fit", f"{trials[0].source} cannot be explained by this object")
+        # Far from what was believed steps may swing to and fro; shorter ones settle.
+        at = _moved(balance, at, step * 0.5 ** (number // _WHOLE), spread)
     keep = np.eye(len(x)) - gain @ H
     P = keep @ P @ keep.T + gain @ np.diag(at.sd**2) @ gain.T
     P[FRICTION, FRICTION] += spread**2
@@ -185,6 +181,7 @@ def _moved(balance: Balance, at: Linear, step: Array, spread: float) -> Linear:
     share = 1.0 / max(1.0, float((np.abs(step) / longest).max()))
     for _ in range(_HALVINGS):
         values = values_at(coordinates(at.values) + share * step)
+        values = np.where(step == 0.0, at.values, values)
         try:
             with_values(balance.model, values)
         except ModelError:
