@@ -233,7 +233,8 @@ class Balance:
         around = coordinates(values) + np.vstack((np.diag(steps), -np.diag(steps)))
         predicted = self.predict(np.vstack((values, values_at(around))))
         k = len(steps)
-        jacobian = ((predicted[1 : k + 1] - predicted[k + 1 :]) / (2.0 * steps[:, None])).T
+        with np.errstate(invalid="ignore"):  # infinite where nothing would move
+            jacobian = ((predicted[1 : k + 1] - predicted[k + 1 :]) / (2.0 * steps[:, None])).T
         now = predicted[0]
         if self.exact:
             self._take_exact(values, now, jacobian)
