@@ -26,31 +26,32 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isclose
 
 import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.base import Array, Base, Disc
 from objectmodels.errors import ModelError
+from objectmodels.identification.coordinates import (
+    COM_X,
+    FINGER,
+    FRICTION,
+    LOGARITHMIC,
+    MASS,
+    RADIUS,
+    coordinates,
+    values_at,
+    with_values,
+)
 from objectmodels.identification.exactly import exact_slides
 from objectmodels.identification.trials import Trial
 from objectmodels.model import ObjectModel
-from objectmodels.parameters import UNCERTAIN
 from objectmodels.thresholds import GRAVITY, push_moment, slide_threshold, yaw_arm
-
-MASS, FRICTION, FINGER, RADIUS, COM_X, COM_Y, COM_Z = range(len(UNCERTAIN))
-"""Places of the parameters in vectors of values."""
-
-LOGARITHMIC = np.array([name not in ("com_x", "com_y") for name in UNCERTAIN])
-"""Which coordinates are logarithms."""
 
 TURN_RATE_SD = 0.5
 """Standard deviation of a turn rate that comes without one [rad/m]."""
 
 _STEP = 1e-6  # of a logarithm, and of the base's size, in differences
-
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -337,77 +338,3 @@ def _edges(model: ObjectModel, t: Touches) -> Array:
 
 def _dot(n: Array, v: Array) -> Array:
     return np.asarray(n[..., 0] * v[..., 0] + n[..., 1] * v[..., 1])
-
-
-def coordinates(values: Array) -> Array:
-    """Coordinates of parameters (..., 7): logarithms, or metres for com_x and com_y."""
-    safe = np.where(LOGARITHMIC, values, 1.0)
-    return np.where(LOGARITHMIC, np.log(safe), values)
-
-
-def values_at(x: Array) -> Array:
-    """Parameters at coordinates (..., 7); the inverse of `coordinates`."""
-    return np.where(LOGARITHMIC, np.exp(np.where(LOGARITHMIC, x, 0.0)), x)
-
-
-def units(values: Array) -> Array:
-    """By how much the parameters change for each unit of their coordinates, shape (7,)."""
-    return np.where(LOGARITHMIC, values, 1.0)
-
-
-def with_values(model: ObjectModel, values: Array) -> ObjectModel:
-    """The model with other values of the uncertain parameters, in the order of `UNCERTAIN`.
-
-    Raises:
-        ModelError: `not_possible` if an object with them would not stand.
-    """
-    m, friction, finger, radius, *com = (float(value) for value in values)
-    c = np.array(com)
-    room = model.base.topple(np.zeros(2), c[:2], np.zeros(()), 1.0)
-    if not (room > 1.0 and 0.0 < c[2] < model.top):
-        raise ModelError(
-            "not_possible",
-            f"the trials put the centre of mass of the {model.name} at "
-            f"({c[0]:.3f}, {c[1]:.3f}, {c[2]:.3f}) m, where it would not stand",
-            suggestions=("check where the contacts were, and the object's size",),
-        )
-    return model.model_copy(
-        update={
-            "mass": m,
-            "friction": friction,
-            "finger_friction": finger,
-            "friction_radius": radius,
-            "com": tuple(com),
-        }
-    )
-
-
-def with_belief(model: ObjectModel, covariance: Array) -> ObjectModel:
-    """The model with another covariance of its parameters, in the order of `UNCERTAIN`, (7, 7)."""
-    mass, friction, finger, radius, *com = np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist()
-    rho = correlation_of(covariance)
-    pairs = [
-        (a, b, float(rho[i, j]))
-        for i, a in enumerate(UNCERTAIN)
-        for j, b in enumerate(UNCERTAIN)
-        if i < j and not isclose(rho[i, j], 0.0, abs_tol=1e-12)
-    ]
-    return model.model_copy(
-        update={
-            "mass_sd": mass,
-            "friction_sd": friction,
-            "finger_friction_sd": finger,
-            "friction_radius_sd": radius,
-            "com_sd": tuple(com),
-            "correlations": tuple(pairs),
-        }
-    )
-
-
-def correlation_of(covariance: Array) -> Array:
-    """Correlations of a covariance (7, 7); a hair inside of what is possible, for rounding."""
-    sd = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    safe = np.where(sd > 0.0, sd, 1.0)
-    rho = covariance / np.outer(safe, safe) * (1.0 - 1e-9)
-    np.fill_diagonal(rho, 1.0)
-    return np.asarray(np.clip(rho, -1.0, 1.0))

@@ -20,7 +20,8 @@ import numpy as np
 
 from objectmodels.base import Array
 from objectmodels.errors import ModelError
-from objectmodels.identification.balance import FRICTION, Balance, units
+from objectmodels.identification.balance import Balance
+from objectmodels.identification.coordinates import FRICTION, units
 from objectmodels.identification.identifiability import require_names
 from objectmodels.identification.trials import Trial
 from objectmodels.identification.update import belief_of

@@ -24,7 +24,8 @@ import numpy as np
 
 from objectmodels.base import Array
 from objectmodels.errors import ModelError
-from objectmodels.identification.balance import COM_X, MASS, Balance, Touches, tilt_arms
+from objectmodels.identification.balance import Balance, Touches, tilt_arms
+from objectmodels.identification.coordinates import COM_X, MASS
 from objectmodels.identification.trials import Trial
 from objectmodels.model import ObjectModel
 from objectmodels.parameters import UNCERTAIN

@@ -32,7 +32,7 @@ class ExactSlides:
     Attributes:
         force: force that slides, shape (n,) [N].
         turn: turn rate, shape (n,) [rad/m].
-        force_change: derivatives along the coordinates of `balance`, shape (n, 7).
+        force_change: derivatives along the `coordinates`, shape (n, 7).
         turn_change: the same of the turn rate, shape (n, 7).
         sure: where the tier has an answer: the object slides before it topples, shape (n,).
     """

@@ -25,12 +25,12 @@ import numpy as np
 
 from objectmodels.base import Array
 from objectmodels.errors import ModelError
-from objectmodels.identification.balance import (
+from objectmodels.identification.balance import Balance
+from objectmodels.identification.coordinates import (
     COM_X,
     FRICTION,
     LOGARITHMIC,
     RADIUS,
-    Balance,
     Mask,
     correlation_of,
     units,

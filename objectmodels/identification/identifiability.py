@@ -16,7 +16,8 @@ import numpy as np
 
 from objectmodels.base import Array
 from objectmodels.errors import ModelError
-from objectmodels.identification.balance import (
+from objectmodels.identification.balance import Balance, Linear
+from objectmodels.identification.coordinates import (
     COM_X,
     COM_Y,
     COM_Z,
@@ -25,8 +26,6 @@ from objectmodels.identification.balance import (
     LOGARITHMIC,
     MASS,
     RADIUS,
-    Balance,
-    Linear,
     Mask,
 )
 from objectmodels.parameters import UNCERTAIN

@@ -19,11 +19,10 @@ import numpy as np
 
 from objectmodels.base import Array
 from objectmodels.errors import ModelError
-from objectmodels.identification.balance import (
+from objectmodels.identification.balance import Balance, Linear
+from objectmodels.identification.coordinates import (
     FRICTION,
     LOGARITHMIC,
-    Balance,
-    Linear,
     Mask,
     coordinates,
     values_at,

@@ -1,6 +1,6 @@
 """Guess, touch, update: what one more trial changes in what is believed.
 
-The belief is a model's values with their covariance, normal in the coordinates of `balance`:
+The belief is a model's values with their covariance, normal in the `coordinates`:
 logarithms of the positive parameters. Trials enter one after the other by an iterated extended
 Kalman filter (Gauss and Newton's method on the posterior density; Bell and Cathey 1993). Forces are
 compared by their logarithm, in which the products of mass, friction and lever arms are sums.
@@ -20,11 +20,10 @@ import numpy as np
 
 from objectmodels.base import Array
 from objectmodels.errors import ModelError
-from objectmodels.identification.balance import (
+from objectmodels.identification.balance import Balance, Linear
+from objectmodels.identification.coordinates import (
     FRICTION,
     LOGARITHMIC,
-    Balance,
-    Linear,
     coordinates,
     units,
     values_at,

@@ -10,7 +10,8 @@ import pytest
 from objectmodels import BoxModel, CylinderModel, ModelError, ObjectModel
 from objectmodels.base import Array
 from objectmodels.identification import Trial
-from objectmodels.identification.balance import LOGARITHMIC, Balance, coordinates, values_at
+from objectmodels.identification.balance import Balance
+from objectmodels.identification.coordinates import LOGARITHMIC, coordinates, values_at
 from tests.unit.objectmodels.touching import slide, slip, tilt
 
 BOX = BoxModel(
