@@ -51,12 +51,15 @@ def _cells(report: ExplorationReport, name: str) -> Iterator[str]:
         return "" if value is None else f"{scale * value + 0.0:.{digits}f}"
 
     row, fitted = report.repeated.get(name), report.parameters[name]
-    yield cell(row and row.mean)
-    yield cell(row and row.sd)
-    percent = row.percent if row and not name.startswith("com_") else None
-    yield "" if percent is None else f"{percent:.1f}"
-    yield cell(row and row.least)
-    yield cell(row and row.most)
+    if row is None:
+        yield from ("",) * 5
+    else:
+        percent = None if name.startswith("com_") else row.percent
+        yield cell(row.mean)
+        yield cell(row.sd)
+        yield "" if percent is None else f"{percent:.1f}"
+        yield cell(row.least)
+        yield cell(row.most)
     yield cell(fitted.value)
     yield cell(fitted.sd)
     yield cell(fitted.believed)

@@ -17,6 +17,7 @@ Frames: W is the world, B the object's.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -46,7 +47,12 @@ TILT = np.radians(8.0)
 TILT_SHARE = 0.4
 """A tilt stays below this share of the angle of no return, in the worst case believed."""
 
-SPEED = 0.005
+SPEED: Mapping[Kind, float] = {
+    "tilt": 0.008,
+    "slide": 0.005,
+    "off-centre slide": 0.005,
+    "rub": 0.005,
+}
 """Of the fingertip while it presses [m/s]."""
 
 RUB = 0.010
@@ -166,14 +172,16 @@ def _touch(
 ) -> Experiment:
     return Experiment(
         kind,
-        _push(seen, point, normal, stroke, reach.max_force),
+        _push(seen, point, normal, stroke, reach.max_force, SPEED[kind]),
         onset=float(seen.model.thresholds([point], [-normal]).onset[0]),
         length=tilting.length_along(seen.model, -normal),
         R_WB=seen.pose.R_WB,
     )
 
 
-def _push(seen: SeenObject, point: Array, normal: Array, stroke: float, force: float) -> Push:
+def _push(
+    seen: SeenObject, point: Array, normal: Array, stroke: float, force: float, speed: float
+) -> Push:
     x, y, z = point.tolist()
     normal_W = seen.pose.R_WB @ normal
     n_x, n_y, _ = normal_W.tolist()
@@ -184,7 +192,7 @@ def _push(seen: SeenObject, point: Array, normal: Array, stroke: float, force: f
         normal_W=(n_x, n_y, 0.0),
         direction_W=(-n_x, -n_y, 0.0),
         force_limit=force,
-        speed=SPEED,
+        speed=speed,
         stroke=stroke,
         fingers=1,
         spread=0.0,

@@ -11,11 +11,11 @@ Frames: A is the arm's base, z along joint 1; F the flange. The figures are thos
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from sim.rotations import Array, axis_rotation, rot_y, rot_z
+from sim.rotations import Array, axis_rotation, cross, rot_y, rot_z
 
 SHOULDER, UPPER_ARM, FOREARM, FLANGE = 0.31, 0.40, 0.39, 0.078
 """Heights of the shoulder above the base and lengths of the links [m]."""
@@ -76,20 +76,27 @@ def _perpendicular(v: Array, unit: Array) -> Array:
 
 def _frame(first: Array, second: Array) -> Array:
     """Right-handed frame of two perpendicular unit vectors as its first two columns."""
-    return np.stack([first, second, np.cross(first, second)], axis=-1)
+    return np.stack([first, second, cross(first, second)], axis=-1)
 
 
-def inverse(R_AF: Array, p_AF: Array, elbow: Array) -> tuple[Array, Array]:
+BRANCHES = tuple(itertools.product((1.0, -1.0), repeat=3))
+"""Signs of joints 4, 2 and 6 of the eight solutions."""
+
+
+def inverse(
+    R_AF: Array, p_AF: Array, elbow: Array, branches: Sequence[int] = tuple(range(8))
+) -> tuple[Array, Array]:
     """All joint angles that bring the flange to a pose with a given elbow angle.
 
     Args:
         R_AF: flange orientations, shape (n, 3, 3).
         p_AF: flange positions, shape (n, 3) [m].
         elbow: angle of the elbow about the line from shoulder to wrist, shape (n,) [rad].
+        branches: which of the solutions, k of them; all eight if not given.
 
     Returns:
-        Joint angles, shape (n, 8, 7) [rad], and which of them reach the pose within the joint
-        limits and away from the singularities, shape (n, 8).
+        Joint angles, shape (n, k, 7) [rad], and which of them reach the pose within the joint
+        limits and away from the singularities, shape (n, k).
     """
     p_SW = p_AF - FLANGE * R_AF[:, :, 2] - np.array([0.0, 0.0, SHOULDER])
     distance = np.linalg.norm(p_SW, axis=1)
@@ -101,7 +108,7 @@ def inverse(R_AF: Array, p_AF: Array, elbow: Array) -> tuple[Array, Array]:
     R_arm = axis_rotation(along, elbow) @ _frame(along, _perpendicular(up, along))
 
     solutions, valid = [], []
-    for sign_4, sign_2, sign_6 in itertools.product((1.0, -1.0), repeat=3):
+    for sign_4, sign_2, sign_6 in (BRANCHES[k] for k in branches):
         q4 = sign_4 * bend
         # The same line from shoulder to wrist, seen from joint 3 at zero angles of joints 1 to 3.
         line = np.stack(

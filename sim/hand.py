@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.rotations import Array, axis_rotation, rot_x, rot_y
+from sim.rotations import Array, axis_rotation, cross, rot_x, rot_y
 
 LINKS = (0.0678, 0.030, 0.0295)
 """Lengths of the proximal, middle and distal link [m]."""
@@ -74,7 +74,7 @@ def _columns(finger: str, angles: Angles, p_PC: Array) -> Array:
     R = (_THUMB_R if finger == "thumb" else np.eye(3)) @ rot_x(angles[0])
     axes = np.array([R[:, 0], R[:, 1], R[:, 1], R[:, 1]])
     arms = p_PC[..., None, :] - np.array([base, base, middle, distal])
-    return np.swapaxes(np.cross(axes, arms), -1, -2)
+    return np.swapaxes(cross(axes, arms), -1, -2)
 
 
 def finger_jacobian(finger: str, angles: Angles, p_PC: Array) -> Array:

@@ -170,7 +170,7 @@ class ProbeControl(TouchControl):
     """
 
     pause = 1.5
-    speed = 0.008
+    speed = 0.012
 
     def __init__(
         self, experiment: Experiment, recorder: Recorder, stance: Stance, way: Way, tell: Progress

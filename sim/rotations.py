@@ -59,6 +59,13 @@ def rot_z(angle: ArrayLike) -> Array:
     return _about(2, angle)
 
 
+def cross(a: Array, b: Array) -> Array:
+    """Cross product along the last axis; several times as fast as numpy's for single vectors."""
+    a_x, a_y, a_z = a[..., 0], a[..., 1], a[..., 2]
+    b_x, b_y, b_z = b[..., 0], b[..., 1], b[..., 2]
+    return np.stack([a_y * b_z - a_z * b_y, a_z * b_x - a_x * b_z, a_x * b_y - a_y * b_x], axis=-1)
+
+
 def yaw_of(R: ArrayLike) -> Array:
     """Heading of a rotation's x axis in the horizontal plane, shape (...) [rad]."""
     matrix = np.asarray(R, dtype=float)

@@ -85,11 +85,11 @@ class Stance:
         """
         p_WP = p_WT - self.R_WP @ self.posture.tips.mean(axis=0)
         R_AF, p_AF = self.mount.flange(self.R_WP, p_WP)
-        q, valid = arm.inverse(R_AF[None], p_AF[None], np.array([self.elbow]))
-        if not valid[0, self.branch]:
+        q, valid = arm.inverse(R_AF[None], p_AF[None], np.array([self.elbow]), [self.branch])
+        if not valid[0, 0]:
             at = ", ".join(f"{1e3 * x:.0f}" for x in p_WT)
             raise UnreachableError(f"the arm does not bring the fingertips to ({at}) mm")
-        return np.asarray(q[0, self.branch])
+        return np.asarray(q[0, 0])
 
     def stiffness(self, direction_W: Array) -> float:
         """Force per displacement of the pushing fingers along a unit direction in W [N/m]."""

@@ -14,8 +14,8 @@ from math import erfc, exp, log, pi, sqrt
 import numpy as np
 
 from objectmodels.base import Array
-from objectmodels.identification.balance import (
-    Balance,
+from objectmodels.identification.balance import Balance
+from objectmodels.identification.coordinates import (
     coordinates,
     units,
     values_at,
