@@ -54,7 +54,9 @@ def carry_out(
     """
     result = with_(result, frames=command.frames)
     for index, frame in enumerate(command.frames):
-        if frame.query is not None:
+        if frame.action == "explore" or (not plan_only and _to_be_found_out(controller, frame)):
+            result = _explored(controller, index, frame, result, plan_only, progress)
+        elif frame.query is not None:
             result = _answered(controller, index, frame, result)
         else:
             result = _Carrying(controller, index, frame, progress).out(result, plan_only)
@@ -80,6 +82,41 @@ def _answered(controller: Controller, index: int, frame: g.Frame, result: Result
         return _ended(result, step, _unanswered(raised.info), raised.info)
     step = step.model_copy(update={"answer": answer})
     return _ended(with_(result, answer=answer), step, "answered")
+
+
+def _to_be_found_out(controller: Controller, frame: g.Frame) -> bool:
+    """Whether a question asks for something that is not known well, of an object within reach."""
+    from nlcontrol.touching import unknown
+
+    name = frame.object.id if frame.object else None
+    model = controller.models.get(name) if name else None
+    return model is not None and unknown(frame, model, controller.defaults.known_to)
+
+
+def _explored(
+    controller: Controller,
+    index: int,
+    frame: g.Frame,
+    result: Result,
+    plan_only: bool,
+    progress: Progress | None,
+) -> Result:
+    """The result with what touching the object found out."""
+    from nlcontrol.touching import announced, find_out
+
+    step = Step(frame=index, status="failed")
+    try:
+        state = controller.about(frame)
+        step = step.model_copy(update={"basis": Basis.of(frame, state, controller.defaults)})
+        if plan_only:
+            note = announced(controller, frame, state)
+            return _ended(with_(result, notes=(*result.notes, note)), step, "planned")
+        found, answer = find_out(controller, frame, progress)
+    except ControlError as raised:
+        return _ended(result, step, _unanswered(raised.info), raised.info)
+    step = step.model_copy(update={"exploration": found.report, "answer": answer})
+    result = with_(result, answer=answer, trace=found.trace)
+    return _ended(result, step, "done" if frame.query is None else "answered")
 
 
 class _Carrying:

@@ -30,13 +30,14 @@ from objectmodels.identification.design import Candidate, ranked, reached
 from objectmodels.identification.estimates import Estimates, estimates, table
 from objectmodels.identification.fit import Fit, fit
 from objectmodels.parameters import UNCERTAIN, Provenance
-from planner.experiments import Kind, expected
+from planner.experiments import Experiment, Kind, expected
 
 if TYPE_CHECKING:
     from nlcontrol.controller import Controller, Progress
     from objectmodels import ObjectModel
     from objectmodels.identification import Trial
     from sim.exploration import Explorer, Touched
+    from sim.trace import Trace
     from sim.world import DrakeWorld
 
 CENTRE_OF_MASS = ("com_x", "com_y", "com_z")
@@ -52,6 +53,8 @@ NEEDS: Mapping[str, tuple[Kind, ...]] = {
 
 TRIALS = 10
 """Repetitions, if nothing else is said."""
+
+_AGAIN = 0.1  # share by which a touch that was made before costs more
 
 Told = Callable[["Touched", "ObjectModel"], None]
 """Told of each touch, and of what is believed after it."""
@@ -151,6 +154,14 @@ class Exploration:
     report: ExplorationReport
     touches: tuple[Touched, ...]
 
+    @property
+    def trace(self) -> Trace | None:
+        """Everything that happened."""
+        from sim.trace import joined
+
+        traces = [t.recording.trace for t in self.touches if t.recording.trace is not None]
+        return joined(traces) if traces else None
+
 
 def explore(
     controller: Controller,
@@ -197,7 +208,7 @@ def explore(
         name, controller.world, controller.look, reach=controller.reach, learn=learn,
         progress=progress,
     )  # fmt: skip
-    kinds = _kinds(parameters)
+    kinds = kinds_for(parameters)
     if precision is None:
         for repetition in range(repetitions):
             explorer.repeat(kinds, repetition)
@@ -238,7 +249,7 @@ def with_truth(report: ExplorationReport, world: DrakeWorld) -> ExplorationRepor
     return report.model_copy(update={"truth": figures})
 
 
-def _kinds(parameters: Sequence[str]) -> tuple[Kind, ...]:
+def kinds_for(parameters: Sequence[str]) -> tuple[Kind, ...]:
     """Kinds of experiments that the parameters need, in the paper's order."""
     needed = {kind for name in parameters for kind in NEEDS[name]}
     order: tuple[Kind, ...] = ("tilt", "slide", "off-centre slide", "rub")
@@ -272,7 +283,7 @@ def _until(
         if not offered:
             return
         candidates = {
-            f"{i} {e.name}": (e, Candidate(f"{i} {e.name}", expected(e, model)))
+            f"{i} {e.name}": (e, Candidate(f"{i} {e.name}", expected(e, model), _cost(e, explorer)))
             for i, e in enumerate(offered)
         }
         best = ranked(model, [c for _, c in candidates.values()], asked, spread=SPREAD)[0]
@@ -280,6 +291,14 @@ def _until(
         done = sum(t.experiment.kind == chosen.kind for t in explorer.touches)
         repetition = done // 2 if chosen.kind == "tilt" else done
         explorer.touch(chosen.kind, chosen.push.face, repetition, chosen.lateral)
+
+
+def _cost(experiment: Experiment, explorer: Explorer) -> float:
+    """More for what was done before: of equals, sides take turns."""
+    done = [t.experiment for t in explorer.touches]
+    return 1.0 + _AGAIN * sum(
+        (e.kind, e.push.face) == (experiment.kind, experiment.push.face) for e in done
+    )
 
 
 def _fitted(model: ObjectModel, trials: Sequence[Trial], explorer: Explorer, name: str) -> Fit:

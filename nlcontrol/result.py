@@ -14,6 +14,7 @@ from nlcontrol import measures
 from nlcontrol.answers import Answer
 from nlcontrol.checks import Check
 from nlcontrol.errors import OK, ErrorInfo
+from nlcontrol.exploring import ExplorationReport
 from nlcontrol.learning import Lesson
 from planner.explain import Basis
 from planner.plan import DefaultUsed, Plan, Vector3
@@ -76,6 +77,7 @@ class Step(BaseModel):
         execution: the trace in a few numbers.
         checks: a verdict per clause of this frame.
         lessons: what the pushes taught about the object, in their order.
+        exploration: what touching the object found out, if the frame asked for that.
         answer: if the frame is a question.
         error: why it went no further.
         basis: what was known then; not a part of the JSON document.
@@ -90,6 +92,7 @@ class Step(BaseModel):
     execution: Execution | None = None
     checks: tuple[Check, ...] = ()
     lessons: tuple[Lesson, ...] = ()
+    exploration: ExplorationReport | None = None
     answer: Answer | None = None
     error: ErrorInfo | None = None
     basis: SkipJsonSchema[InstanceOf[Basis] | None] = Field(default=None, exclude=True, repr=False)

@@ -35,6 +35,9 @@ class Defaults:
         speed_tolerance: of a speed against a limit [m/s].
         height_tolerance: of a contact height [m].
         side_tolerance: between the asked and the actual direction of a fall [rad].
+        known_to: relative standard deviation up to which a property counts as known: a question
+            about it is then answered without touching the object.
+        found_to: relative standard deviation to which a property is found out by touching.
     """
 
     distance: float = 0.10
@@ -57,6 +60,8 @@ class Defaults:
     speed_tolerance: float = 0.005
     height_tolerance: float = 0.005
     side_tolerance: float = math.radians(45.0)
+    known_to: float = 0.10
+    found_to: float = 0.03
 
 
 DEFAULTS = Defaults()

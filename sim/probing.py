@@ -17,7 +17,7 @@ Frames: W is the world, T the fingertip's centre.
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from sim.reach import Way
     from sim.recorder import Recorder
     from sim.stance import Stance
+    from sim.trace import Trace
     from sim.vision import Frame
     from sim.world import DrakeWorld
 
@@ -82,6 +83,7 @@ class Recording:
         force_sd: standard deviation of one sample of the force along the push [N].
         zero_sd: of the sensors' zero, as a force along the push [N].
         pose_sd: of the seen position [m] and heading [rad].
+        trace: of the whole trip, for judging and replay.
     """
 
     experiment: Experiment
@@ -97,6 +99,7 @@ class Recording:
     force_sd: float
     zero_sd: float
     pose_sd: tuple[float, float]
+    trace: Trace | None = field(default=None, repr=False)
 
 
 def probe(
@@ -124,40 +127,35 @@ def probe(
     trip = Trip(experiment.push, world, models, reach or ArmReach(world.scene), tell)
     before = state.objects[experiment.push.object].pose
     try:
-        stance, way = trip.stance(state)
-        way = way.raised(experiment.raised)
-        trip.approach(stance, way)
-        control = ProbeControl(experiment, trip.recorder, stance, way, tell)
-        try:
-            end, detail = control.run()
-        finally:
-            trip.leave(stance, control.commanded, way)
+        found = _touched(experiment, trip, state, before, tell)
     except EarlyEndError as early:
-        trip.come_home(SETTLE)
-        return _nothing(experiment, early.end, early.detail, before)
+        found = _nothing(experiment, early.end, early.detail, before)
     except UnreachableError as error:
-        trip.come_home(SETTLE)
-        return _nothing(experiment, "unreachable", str(error), before)
+        found = _nothing(experiment, "unreachable", str(error), before)
     trip.come_home(SETTLE)
+    trace = trip.recorder.trace(experiment.push, end=found.end, detail=found.detail)
+    return replace(found, trace=trace)
+
+
+def _touched(
+    experiment: Experiment, trip: Trip, state: WorldState, before: PlanarPose, tell: Progress
+) -> Recording:
+    """Goes there, touches, and leaves the object again."""
+    stance, way = trip.stance(state)
+    way = way.raised(experiment.raised)
+    trip.approach(stance, way)
+    control = ProbeControl(experiment, trip.recorder, stance, way, tell)
+    try:
+        end, detail = control.run()
+    finally:
+        trip.leave(stance, control.commanded, way)
     return control.recording(end, detail, before)
 
 
 def _nothing(experiment: Experiment, end: EndReason, detail: str, before: PlanarPose) -> Recording:
-    empty = np.empty((0, 3))
+    none, empty = np.empty(0), np.empty((0, 3))
     return Recording(
-        experiment,
-        end,
-        detail,
-        None,
-        np.empty(0),
-        empty,
-        empty,
-        before,
-        None,
-        None,
-        0.0,
-        0.0,
-        (0.0, 0.0),
+        experiment, end, detail, None, none, empty, empty, before, None, None, 0.0, 0.0, (0.0, 0.0)
     )
 
 
