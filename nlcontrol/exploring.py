@@ -3,7 +3,7 @@
 Repetition after repetition the hand tilts, slides and rubs the object; every touch updates what is
 believed, so that the next one is planned with it, and at the end all trials are fitted together.
 With a precision asked for, the experiment that tells most is done next, until all asked parameters
-are known so well.
+are known so well; as these may be few touches, what was believed before then counts in the fit.
 
 The report is the paper's Table I for this run: each repetition by itself gives an estimate in
 closed form, and their mean, standard deviation, least and largest value are told, beside the joint
@@ -220,7 +220,7 @@ def explore(
         asked |= {"com_z": precision * before.model.top} if "com_z" in parameters else {}
         _until(controller, explorer, kinds, asked, most=repetitions * (len(kinds) + 1))
     trials = [trial for touched in explorer.touches for trial in touched.trials]
-    found = _fitted(before.model, trials, explorer, name)
+    found = _fitted(before.model, trials, explorer, prior=precision is not None)
     model = _with_provenance(found, controller)
     controller.models[name] = model
     report = _report(controller, name, before.model, found, explorer, trials, parameters)
@@ -301,25 +301,21 @@ def _cost(experiment: Experiment, explorer: Explorer) -> float:
     )
 
 
-def _fitted(model: ObjectModel, trials: Sequence[Trial], explorer: Explorer, name: str) -> Fit:
+def _fitted(model: ObjectModel, trials: Sequence[Trial], explorer: Explorer, *, prior: bool) -> Fit:
+    """The joint fit; with few touches what was believed before counts too."""
+    name = explorer.name
     if not trials:
-        raise ControlError(
-            ErrorInfo(
-                code="not_explorable",
-                message=f"no touch of the {name} showed anything",
-                suggestions=explorer.given_up,
-            )
-        )
+        raise _untold(f"no touch of the {name} showed anything", explorer)
     try:
-        return fit(model, trials)
+        return fit(model, trials, prior=prior)
     except ModelError as raised:
-        raise ControlError(
-            ErrorInfo(
-                code="not_explorable",
-                message=f"the touches of the {name} do not tell its parameters: {raised.message}",
-                suggestions=(*raised.suggestions, *explorer.given_up),
-            )
-        ) from raised
+        message = f"the touches of the {name} do not tell its parameters: {raised.message}"
+        raise _untold(message, explorer, *raised.suggestions) from raised
+
+
+def _untold(message: str, explorer: Explorer, *hints: str) -> ControlError:
+    suggestions = (*hints, *explorer.given_up)
+    return ControlError(ErrorInfo(code="not_explorable", message=message, suggestions=suggestions))
 
 
 def _with_provenance(found: Fit, controller: Controller) -> ObjectModel:
