@@ -44,6 +44,8 @@ _BASES: Mapping[str, Array] = {
 }
 _THUMB_R = rot_y(_THUMB_LEAN) @ axis_rotation([0.0, 0.0, 1.0], np.pi)
 
+_FOLLOWS = np.vstack([np.eye(3), [0.0, 0.0, 1.0]])  # all four joints by the independent ones
+
 Angles = tuple[float, float, float]
 CURLED: Angles = (0.0, 1.40, 1.60)
 THUMB_AWAY: Angles = (0.0, -0.65, 0.0)
@@ -78,9 +80,9 @@ def _columns(finger: str, angles: Angles, p_PC: Array) -> Array:
 
 
 def finger_jacobian(finger: str, angles: Angles, p_PC: Array) -> Array:
-    """Velocity of points of the distal link per rate of each measured joint, alone.
+    """Velocity of points of the distal link per rate of each independent joint.
 
-    The distal joint's share is left out: a torque sensor measures the moment about its own axis.
+    The distal joint follows the middle one, whose drive and torque sensor serve both.
 
     Args:
         finger: one of `FINGERS`.
@@ -90,7 +92,7 @@ def finger_jacobian(finger: str, angles: Angles, p_PC: Array) -> Array:
     Returns:
         Columns of abduction, proximal and middle joint, shape (..., 3, 3) [m].
     """
-    return _columns(finger, angles, p_PC)[..., :3]
+    return np.asarray(_columns(finger, angles, p_PC) @ _FOLLOWS)
 
 
 def fingertip_stiffness(finger: str, angles: Angles, p_PC: Array) -> Array:
@@ -102,9 +104,9 @@ def fingertip_stiffness(finger: str, angles: Angles, p_PC: Array) -> Array:
         p_PC: the points in P, shape (..., 3) [m].
 
     Returns:
-        Shape (..., 3, 3); J includes the distal joint, which follows the middle one.
+        Shape (..., 3, 3).
     """
-    J = _columns(finger, angles, p_PC) @ np.vstack([np.eye(3), [0.0, 0.0, 1.0]])
+    J = finger_jacobian(finger, angles, p_PC)
     return np.asarray(np.linalg.inv(J @ np.swapaxes(J, -1, -2) / JOINT_STIFFNESS))
 
 

@@ -53,7 +53,7 @@ SETTLE = 0.3
 
 _PRESSES = 0.15  # time constant of the force with which a rub presses [s]
 _MOVED = 0.002  # way of the fingertip into the face that a rub must not make [m]
-_GIVES_WAY = 0.15  # time constant with which forces along the face are given way to [s]
+_GIVES_WAY = 0.08  # time constant with which forces along the face are given way to [s]
 _LONGEST = 4.0  # times the time that the way alone takes, after the force has risen
 _RISE = 6.0  # longest time in which the force rises to the most [s]
 _LET_DOWN = 2.0  # speed of letting down, relative to raising

@@ -32,6 +32,10 @@ SMALL = np.radians([0.5, 1.5])
 LARGE = np.radians(1.5)
 """The second one is averaged over so much before the largest tilt [rad]."""
 
+TURN_SD = 0.4
+"""Standard deviation of a turn rate besides what was seen: how the base carries an object is not
+known exactly, and the force turns a little as it begins to slide [rad/m]."""
+
 EDGE_SD = 0.0005
 """Standard deviation of the distance from the touch to the far edge [m]."""
 
@@ -132,7 +136,7 @@ def _slide(recording: Recording, source: str) -> list[Trial]:
     point = seen + (np.array(push.p_BC) - seen) @ out * out
     along = rot_z(yaw[moving].mean()) @ force
     way = float((recording.tips[-1] - recording.tips[0]) @ along / np.linalg.norm(along))
-    rate, rate_sd = turned / way, np.sqrt(2.0) * recording.pose_sd[1] / way
+    rate, rate_sd = turned / way, np.hypot(TURN_SD, np.sqrt(2.0) * recording.pose_sd[1] / way)
     return [
         Trial(
             "slide",

@@ -32,8 +32,9 @@ from sim.truth import Truth
 from sim.vision import Frame, VisionPort, averaged
 
 if TYPE_CHECKING:
-    from pydrake.multibody.tree import RevoluteJoint
-    from pydrake.systems.framework import Context
+    from pydrake.multibody.plant import MultibodyPlant
+    from pydrake.multibody.tree import ModelInstanceIndex, RevoluteJoint
+    from pydrake.systems.framework import Context, DiagramBuilder, OutputPort
 
 
 @dataclass(frozen=True)
@@ -91,6 +92,7 @@ class DrakeWorld:
         builder = DiagramBuilder()
         self._model = add_plant(builder, scene)
         self._plant = self._model.plant
+        self._effort = summed(builder, self._plant, self._model.hand, scene.time_step_s)
         self.simulator = Simulator(builder.Build())
         self._context = self._plant.GetMyMutableContextFromRoot(
             self.simulator.get_mutable_context()
@@ -104,6 +106,8 @@ class DrakeWorld:
         self._joints = joints
         self.joint_names = tuple(joint.name() for joint in joints)
         self._vision = VisionPort(scene.vision, scene.names, seed=seed)
+        self._impulse = np.zeros(len(hand.JOINT_NAMES))
+        self._mean_torques = np.zeros(len(hand.JOINT_NAMES))
         self._torques = TorqueReadings(scene.torque_sensor, self.period, seed)
         self._angles = JointReadings(
             scene.joint_sensor, len(self._arm_joints), len(self._joints), seed
@@ -161,7 +165,15 @@ class DrakeWorld:
         self._steps += 1
         self._prepare()
         self.simulator.AdvanceTo(self.time)
+        impulse = self._efforts()
+        self._mean_torques, self._impulse = (impulse - self._impulse) / self.period, impulse
         self._observe()
+
+    def _efforts(self) -> Array:
+        """Time integrals of the hand's drive torques, shape (12,) [N·m·s]."""
+        system = self._effort.get_system()
+        context = system.GetMyContextFromRoot(self.simulator.get_context())
+        return np.array(self._effort.Eval(context))
 
     def _prepare(self) -> None:
         for change in self._changes:
@@ -190,16 +202,11 @@ class DrakeWorld:
     def finger_torques(self, finger: str) -> Array:
         """What a finger's joint torque sensors read, shape (3,) [N·m].
 
-        The moment that the joint transmits to the link beyond it, about the joint's axis: the mean
-        of the samples since the last control step.
+        The torque of the joint's drive, the mean of the samples since the last control step. The
+        middle joint's one drives the distal joint too.
         """
-        reactions = self._plant.get_reaction_forces_output_port().Eval(self._context)
-        torques = np.array(
-            [
-                reactions[int(joint.index())].rotational() @ joint.revolute_axis()
-                for joint in self._finger_joints[finger][:3]
-            ]
-        )
+        first = 3 * FINGERS.index(finger)
+        torques = self._mean_torques[first : first + 3]
         return self._torques.read(finger, torques)
 
     @property
@@ -250,6 +257,22 @@ class DrakeWorld:
         self._frames += self._vision.arrived(self.time)
         results = self._plant.get_contact_results_output_port().Eval(self._context)
         self._touched = self._watch.note(self.time, results)
+
+
+def summed(
+    builder: DiagramBuilder, plant: MultibodyPlant, model: ModelInstanceIndex, time_step: float
+) -> OutputPort:
+    """The drives' torques of a model, integrated over time: samples alone would alias.
+
+    Under a control loop the torques repeat with its period, so that a sample at the end of each
+    step is not their mean.
+    """
+    from pydrake.systems.primitives import DiscreteTimeIntegrator
+
+    torques = plant.get_net_actuation_output_port(model)
+    integrator = builder.AddSystem(DiscreteTimeIntegrator(torques.size(), time_step))
+    builder.Connect(torques, integrator.get_input_port())
+    return integrator.get_output_port()
 
 
 def changes_in(model: Standing, root: Context, scene: Scene, seed: int) -> Iterable[Change]:

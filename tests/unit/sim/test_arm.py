@@ -104,7 +104,7 @@ def test_jacobian_against_differences(finger: str) -> None:
     angles, nudge = np.array([0.1, 0.4, 0.8]), 1e-6
     tip = hand.finger_points(finger, (0.1, 0.4, 0.8))[3]
     J = hand.finger_jacobian(finger, (0.1, 0.4, 0.8), tip)
-    for joint in range(2):  # the middle joint also moves the distal one, which is left out
+    for joint in range(3):  # the middle joint also moves the distal one
         moved = angles.copy()
         moved[joint] += nudge
         a, b, c = moved.tolist()

@@ -36,7 +36,7 @@ def test_the_force_at_the_contact_point(finger: str, angles: Angles) -> None:
     mount, q = Mount.of(scene.robot), np.radians(scene.robot.home_deg)
     R_WP, p_WP = mount.palm(q)
     inward_W, force_W = np.array([0.6, 0.8, 0.0]), np.array([1.2, 1.4, -0.5])
-    base, middle, _, tip = finger_points(finger, angles)
+    base, middle, distal, tip = finger_points(finger, angles)
     p_PC = tip + TIP_RADIUS * R_WP.T @ inward_W
     # Moment of the force about each joint's axis, from the cross product alone.
     c, s = np.cos(angles[0]), np.sin(angles[0])
@@ -46,7 +46,8 @@ def test_the_force_at_the_contact_point(finger: str, angles: Angles) -> None:
         [
             np.array([1.0, 0.0, 0.0]) @ np.cross(p_PC - base, force_P),
             flexion @ np.cross(p_PC - base, force_P),
-            flexion @ np.cross(p_PC - middle, force_P),
+            # The middle joint's drive bends the distal joint too.
+            flexion @ np.cross(p_PC - middle, force_P) + flexion @ np.cross(p_PC - distal, force_P),
         ]
     )
     world: Any = Sensors(q, angles)
