@@ -29,6 +29,7 @@ from objectmodels.errors import ModelError
 from objectmodels.identification.design import Candidate, ranked, reached
 from objectmodels.identification.estimates import Estimates, estimates, table
 from objectmodels.identification.fit import Fit, fit
+from objectmodels.identification.update import guess as guessed
 from objectmodels.parameters import UNCERTAIN, Provenance
 from planner.experiments import Experiment, Kind, expected
 
@@ -170,6 +171,7 @@ def explore(
     parameters: Sequence[str] = UNCERTAIN,
     repetitions: int = TRIALS,
     precision: float | None = None,
+    guess: float | None = None,
     progress: Progress | None = None,
     told: Told | None = None,
 ) -> Exploration:
@@ -182,6 +184,8 @@ def explore(
         repetitions: of the experiments; with a precision the most of them.
         precision: relative standard deviation at which to stop; of the centre of mass, as a share
             of the base's size. Nothing is measured beyond it.
+        guess: take mass and frictions as no more than guessed, off by such a factor, instead of
+            trusting them as the knowledge base does.
         progress: told what the hand does.
         told: told of each touch.
 
@@ -198,6 +202,9 @@ def explore(
             "for its base",
             suggestions=("stand it upright first",),
         )
+
+    if guess is not None:
+        controller.models[name] = guessed(controller.models[name], guess)
 
     def learn(touched: Touched) -> None:
         controller.models[name] = _believed(controller.models[name], touched.trials)
@@ -220,7 +227,8 @@ def explore(
         asked |= {"com_z": precision * before.model.top} if "com_z" in parameters else {}
         _until(controller, explorer, kinds, asked, most=repetitions * (len(kinds) + 1))
     trials = [trial for touched in explorer.touches for trial in touched.trials]
-    found = _fitted(before.model, trials, explorer, prior=precision is not None)
+    start = guessed(before.model, guess) if guess is not None else before.model
+    found = _fitted(start, trials, explorer, prior=precision is not None)
     model = _with_provenance(found, controller)
     controller.models[name] = model
     report = _report(controller, name, before.model, found, explorer, trials, parameters)

@@ -30,7 +30,7 @@ _GOALS = {
     "close": "closing objects",
     "pour": "pouring",
     "hand_over": "handing objects over",
-    "parameters": "finding out parameters by touching",
+    "parameters": "finding out parameters with one push",
     "none": "a command that does not say what should become of the object",
 }
 _CONSTRAINTS = {

@@ -38,6 +38,12 @@ _File = click.Path(dir_okay=False, path_type=Path)
     help="Do what tells most until everything asked is known with this relative standard "
     "deviation, e.g. 0.02; of the centre of mass as a share of the object's size.",
 )
+@click.option(
+    "--guess",
+    type=click.FloatRange(1.0, min_open=True),
+    metavar="FACTOR",
+    help="Take what is believed of mass and friction as a guess that may be off by this factor.",
+)
 @click.option("--scene", default="kitchen", show_default=True, help="A built-in scene, or a file.")
 @click.option(
     "--seed", default=0, show_default=True, type=click.IntRange(0), help="Of everything random."
@@ -58,6 +64,7 @@ def command(
     trials: int,
     parameters: tuple[str, ...] | None,
     precision: float | None,
+    guess: float | None,
     scene: str,
     seed: int,
     picture: Path | None,
@@ -85,7 +92,7 @@ def command(
     with Narrator() as progress:
         found = explore(
             controller, item.name, parameters=parameters or UNCERTAIN, repetitions=trials,
-            precision=precision, progress=progress, told=_teller(progress),
+            precision=precision, guess=guess, progress=progress, told=_teller(progress),
         )  # fmt: skip
     files = {}
     if picture is not None:

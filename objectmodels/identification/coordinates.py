@@ -44,6 +44,8 @@ def units(values: Array) -> Array:
 def with_values(model: ObjectModel, values: Array) -> ObjectModel:
     """The model with other values of the uncertain parameters, in the order of `UNCERTAIN`.
 
+    Kinetic coefficients keep their ratio to the static ones: no trial tells them apart.
+
     Raises:
         ModelError: `not_possible` if an object with them would not stand.
     """
@@ -64,8 +66,16 @@ def with_values(model: ObjectModel, values: Array) -> ObjectModel:
             "finger_friction": finger,
             "friction_radius": radius,
             "com": tuple(com),
+            "friction_kinetic": _in_ratio(model.friction_kinetic, friction, model.friction),
+            "finger_friction_kinetic": _in_ratio(
+                model.finger_friction_kinetic, finger, model.finger_friction
+            ),
         }
     )
+
+
+def _in_ratio(kinetic: float | None, static: float, before: float) -> float | None:
+    return None if kinetic is None else kinetic * (static / before)
 
 
 def with_belief(model: ObjectModel, covariance: Array) -> ObjectModel:

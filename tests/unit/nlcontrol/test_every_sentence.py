@@ -52,7 +52,7 @@ def test_every_sentence_comes_to_an_end_that_is_told(kitchen: Controller, seed: 
         ("tilt the coffee box by 5 degrees", "tilting objects and letting them return"),
         ("stand the coffee box upright", "standing objects up"),
         ("put the coffee box next to the cereal box", "placing objects at places"),
-        ("find out how heavy the coffee box is", "finding out parameters by touching"),
+        ("find out how tall the coffee box is", "finding out the height of objects"),
         ("push the coffee box away until it touches the cereal box", "stopping at an event"),
     ],
 )

@@ -1,0 +1,133 @@
+"""Sentences that have the robot find something out by touching."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+
+import grammar
+from grammar import frames as g
+from nlcontrol import Controller
+from nlcontrol.errors import ControlError
+from nlcontrol.touching import EVERYTHING, unknown, wanted
+from objectmodels import BoxModel
+from sim.probing import Recording
+
+
+@pytest.fixture
+def kitchen() -> Controller:
+    return Controller("kitchen", seed=0)
+
+
+def frame(text: str) -> g.Frame:
+    return grammar.parse(text).frames[0]
+
+
+@pytest.mark.parametrize(
+    ("text", "parameters"),
+    [
+        ("find out how heavy the ice tea box is", ("mass",)),
+        ("weigh the ice tea box", ("mass",)),
+        ("find out the friction and the weight of the ice tea box", ("friction", "mass")),
+        ("find out the centre of mass of the ice tea box", ("com_x", "com_y", "com_z")),
+        ("explore the ice tea box", EVERYTHING),
+        ("gently explore the ice tea box without toppling it", EVERYTHING),
+    ],
+)
+def test_the_parameters_that_a_sentence_wants(text: str, parameters: tuple[str, ...]) -> None:
+    assert wanted(frame(text)) == parameters
+
+
+@pytest.mark.parametrize(
+    ("text", "capability"),
+    [
+        ("find out how tall the ice tea box is", "finding out the height of objects"),
+        ("explore the ice tea box with at most 1 N", "keeping max force while exploring"),
+    ],
+)
+def test_what_touching_does_not_tell_is_said(
+    kitchen: Controller, text: str, capability: str
+) -> None:
+    with pytest.raises(ControlError) as raised:
+        wanted(frame(text))
+    assert raised.value.info.capability == capability
+    result = kitchen.say(text)
+    assert (result.status, result.exit_status) == ("unsupported", 4)
+
+
+def test_what_is_not_on_the_table_cannot_be_touched(kitchen: Controller) -> None:
+    result = kitchen.say("find out how heavy the mug is")
+    assert result.error is not None
+    assert (result.error.code, result.exit_status) == ("not_on_table", 3)
+
+
+@pytest.mark.parametrize(
+    ("sd", "text", "expected"),
+    [
+        (0.20, "how slippery is the crate?", True),
+        (0.05, "how slippery is the crate?", False),
+        (0.20, "how heavy is the crate?", False),
+        (0.20, "how tall is the crate?", False),
+        (0.20, "what happens if you push the crate?", False),
+    ],
+)
+def test_a_question_is_found_out_if_the_answer_is_not_known_well(
+    sd: float, text: str, expected: bool
+) -> None:
+    crate = BoxModel(
+        name="crate", size=(0.1, 0.1, 0.2), mass=1.0, mass_sd=0.02, friction=0.4,
+        friction_sd=sd * 0.4,
+    )  # fmt: skip
+    assert unknown(frame(text), crate, 0.10) is expected
+
+
+def test_a_plan_tells_what_would_be_touched_and_moves_nothing(kitchen: Controller) -> None:
+    result = kitchen.say("find out how slippery the coffee box is", plan_only=True)
+    assert (result.status, result.ok, result.exit_status) == ("planned", True, 0)
+    assert "would be touched (tilt and slide)" in result.notes[0]
+    assert kitchen._world is None
+
+
+def test_where_nothing_may_move_the_model_answers(kitchen: Controller) -> None:
+    result = kitchen.say("how slippery is the coffee box?", plan_only=True)
+    assert (result.status, kitchen._world) == ("answered", None)
+    assert result.answer is not None
+    assert "0.313" in result.answer.text
+
+
+def test_touches_that_show_nothing_are_told(
+    kitchen: Controller, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def probe(experiment: Any, world: Any, state: Any, **_: Any) -> Recording:
+        from sim.probing import _nothing
+
+        pose = state.objects[experiment.push.object].pose
+        return _nothing(experiment, "unreachable", "the arm does not reach", pose)
+
+    monkeypatch.setattr("sim.exploration.probe", probe)
+    result = kitchen.say("find out how heavy the ice tea box is")
+    assert (result.status, result.exit_status) == ("refused", 4)
+    assert result.error is not None
+    assert result.error.code == "not_explorable"
+    assert "tilt at the front: the arm does not reach" in result.error.suggestions
+
+
+@pytest.mark.slow
+def test_find_out_how_heavy_it_is(kitchen: Controller) -> None:
+    before = kitchen.models["ice tea box"]
+    result = kitchen.say("find out how heavy the ice tea box is")
+    assert (result.status, result.ok) == ("done", True)
+    model, truth = kitchen.models["ice tea box"], kitchen.scene.object("ice tea box").truth
+    assert model.mass_sd < 0.03 * model.mass < before.mass_sd
+    # Two or three touches, known to 3 %: three standard deviations.
+    assert model.mass == pytest.approx(truth.mass_kg, abs=3.0 * model.mass_sd)
+    assert "explored by touching" in model.provenance.source
+    (step,) = json.loads(result.to_json())["steps"]
+    assert {t["as_meant"] for t in step["exploration"]["touches"]} == {True}
+    assert step["exploration"]["truth"] is None
+    assert result.trace is not None
+    assert result.trace.tilt("ice tea box").max() > 0.05
+    again = kitchen.say("how heavy is the ice tea box?", plan_only=True)
+    assert f"{model.mass:.3f} kg" in str(again)
