@@ -54,7 +54,7 @@ class Missing:
         name: of the parameter.
         reason: what the trials do not tell.
         experiments: what would tell it: `tilt`, `tilt from the opposite side`, `tilt to a second
-            angle`, `slide`, `off-centre slide`, `rub`.
+            angle`, `slide`, `off-centre slide`, `rub`; or to find another parameter too.
     """
 
     name: str
@@ -102,9 +102,13 @@ def identified(
     if parameters is not None:
         require_names(parameters)
         free = np.array([name in parameters for name in UNCERTAIN])
-        wanting = _open(balance, at, free) | _hanging(balance, at, free, belief, HANGS_WHEN_ASKED)
+        left_open = _open(balance, at, free)
+        wanting = left_open | _hanging(balance, at, free, belief, HANGS_WHEN_ASKED)
         if wanting.any():
-            raise refusal([missing(balance, at, int(k), free) for k in np.flatnonzero(wanting)])
+            kept = belief if not left_open.any() else None
+            raise refusal(
+                [missing(balance, at, int(k), free, kept) for k in np.flatnonzero(wanting)]
+            )
         return free, ()
     free = np.ones(len(UNCERTAIN), dtype=bool)
     everything = free.copy()
@@ -137,7 +141,7 @@ def refusal(lost: Sequence[Missing]) -> ModelError:
     return ModelError(
         "not_identifiable",
         f"not identifiable: {said}",
-        suggestions=tuple(HOW[name] for name in names),
+        suggestions=tuple(HOW.get(name, name) for name in names),
     )
 
 
@@ -163,16 +167,36 @@ def _open(balance: Balance, at: Linear, free: Mask) -> Mask:
 def _hanging(balance: Balance, at: Linear, free: Mask, belief: Array, limit: float) -> Mask:
     """Which of the parameters sought would hang too much on beliefs about the others."""
     hangs = np.zeros(len(free), dtype=bool)
-    J = at.jacobian / at.sd[:, None]
-    shift = open_covariance(balance, at, free) @ J[:, free].T @ J[:, ~free]
+    shift = _shift(balance, at, free)
     variance = np.einsum("ij,jk,ik->i", shift, belief[np.ix_(~free, ~free)], shift)
     size = np.where(LOGARITHMIC, 1.0, balance.model.base.size)
     hangs[free] = np.sqrt(variance) > limit * size[free]
     return hangs
 
 
-def missing(balance: Balance, at: Linear, k: int, free: Mask) -> Missing:
-    """Why parameter k cannot be found, in words, from what its wide direction is made of."""
+def _shift(balance: Balance, at: Linear, free: Mask) -> Array:
+    """By how much the parameters sought follow those that are kept, shape (sought, kept)."""
+    J = at.jacobian / at.sd[:, None]
+    return np.asarray(open_covariance(balance, at, free) @ J[:, free].T @ J[:, ~free])
+
+
+def _hung_on(balance: Balance, at: Linear, k: int, free: Mask, belief: Array) -> str:
+    """The kept parameter on whose belief parameter k hangs most."""
+    row = np.flatnonzero(free).tolist().index(k)
+    shares = np.abs(_shift(balance, at, free)[row]) * np.sqrt(np.diag(belief)[~free])
+    return UNCERTAIN[int(np.flatnonzero(~free)[np.argmax(shares)])]
+
+
+def missing(balance: Balance, at: Linear, k: int, free: Mask, kept: Array | None = None) -> Missing:
+    """Why parameter k cannot be found, in words, from what its wide direction is made of.
+
+    Args:
+        balance: the trials and their model.
+        at: predictions near some values.
+        k: place of the parameter.
+        free: the parameters sought.
+        kept: covariance of what is believed, if nothing but that leaves k in doubt.
+    """
     t, name = balance.touches, UNCERTAIN[k]
     tied = _tied(balance, at, k, free)
     tilts = t.kind == "topple"
@@ -196,6 +220,9 @@ def missing(balance: Balance, at: Linear, k: int, free: Mask) -> Missing:
         if COM_Z in tied and np.ptp(t.tilt[tilts]) > _SAME_ANGLE:
             why = "the tilts do not tell it from the mass and the rest of the centre of mass"
         return Missing(name, why, ("tilt to a second angle",))
+    if not _one_sided(balance) and kept is not None:
+        other = _hung_on(balance, at, k, free, kept)
+        return Missing(name, f"it hangs on what is believed of {other}", (f"find {other} too",))
     if not _one_sided(balance) and k in (MASS, FRICTION):
         why = "the forces are too noisy, or too few, to tell it from the centre of mass"
         return Missing(name, why, ("tilt", "tilt from the opposite side"))

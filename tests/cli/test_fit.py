@@ -181,6 +181,12 @@ def test_broken_files_change_nothing(
         (["ice tea", TRIALS, "--output", "x.csv"], 2, "usage", ".yaml"),
         (["ice tea", TRIALS, "--output", "/nowhere/x.yaml"], 2, "cannot_write", "/nowhere"),
         (["ice tea", SERIES, "--parameters", "finger_friction"], 2, "not_identifiable", "slip"),
+        (
+            ["ice tea", SERIES, "--parameters", "mass,friction"],
+            2,
+            "not_identifiable",
+            "find friction_radius too",
+        ),
     ],
 )
 def test_mistakes_are_explained(
