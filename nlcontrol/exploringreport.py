@@ -25,8 +25,6 @@ def report_lines(report: ExplorationReport) -> Iterator[str]:
     yield f"  each repetition by itself; then all {len(report.touches)} touches together"
     for a, b, value in report.correlations:
         yield f"  correlation of {NAMES[a]} and {NAMES[b]}: {value:+.2f}"
-    if report.friction_spread:
-        yield f"  friction differs by {report.friction_spread:.1%} from slide to slide"
     yield f"  the fitted model predicts the forces within {report.rms:.1%} (rms)"
     yield from (f"  given up: {why}" for why in report.given_up)
     yield from (f"  left out: {source}, {why}" for source, why in report.dropped.items())

@@ -47,6 +47,9 @@ TILT = np.radians(8.0)
 TILT_SHARE = 0.4
 """A tilt stays below this share of the angle of no return, in the worst case believed."""
 
+LEAST_OFF = 0.002
+"""Distance from the middle of a side from which on a slide is off-centre [m]."""
+
 SPEED: Mapping[Kind, float] = {
     "tilt": 0.008,
     "slide": 0.005,
@@ -116,7 +119,7 @@ def experiments(seen: SeenObject, reach: Reach) -> tuple[Experiment, ...]:
         tilt = _tilt(seen, face, face.top - BELOW_TOP, reach)
         found += [tilt] if tilt is not None else []
         found.append(_slide(seen, face, 0.0, low, reach))
-        if not face.curvature:
+        if not face.curvature and room > LEAST_OFF:
             found += [_slide(seen, face, side * room, low, reach) for side in (1.0, -1.0)]
         found.append(_rub(seen, face, max(_RUB_HEIGHT * face.top, low), reach))
     return tuple(found)

@@ -2,8 +2,8 @@
 
 A push that slides the object tells the force that it takes, once it goes at an even speed; one that
 tilts it tells the force at the onset of the tilt; one that stops at its force limit tells that more
-is needed. Two fingers keep the object from turning, so that their midpoint counts as level with the
-centre of mass.
+is needed. One that lost the object, became too fast or did not fall tells nothing. Two fingers keep
+the object from turning, so that their midpoint counts as level with the centre of mass.
 
 Frames: W is the world, B the object's as it was seen before.
 """
@@ -40,6 +40,7 @@ _SHOWS: dict[str, Moved] = {
     "tilted": "topple",
     "toppled": "topple",
     "slid": "slide",
+    "stroke": "slide",
     "force": "none",
 }
 
@@ -53,9 +54,10 @@ def shown(push: Push, target: SeenObject, trace: Trace) -> Trial | None:
         trace: of the push.
     """
     pushing = trace.phase == "push"
-    if pushing.sum() < LEAST_SAMPLES:
+    moved = _SHOWS.get(trace.end)
+    unfallen = trace.end == "stroke" and push.ends_on == "toppled"
+    if moved is None or unfallen or pushing.sum() < LEAST_SAMPLES:
         return None
-    moved = _SHOWS.get(trace.end, "slide")
     time = trace.time[pushing]
     tips = np.mean([tip[pushing] for tip in trace.tips.values()], axis=0)
     forces = np.sum([felt[pushing] for felt in trace.felt.values()], axis=0)
