@@ -14,8 +14,10 @@ from math import erfc, exp, log, pi, sqrt
 import numpy as np
 
 from objectmodels.base import Array
+from objectmodels.errors import ModelError
 from objectmodels.identification.balance import Balance
 from objectmodels.identification.coordinates import (
+    COM_X,
     coordinates,
     units,
     values_at,
@@ -26,6 +28,7 @@ from objectmodels.identification.trials import Moved, Trial
 from objectmodels.identification.update import SURPRISING, Update, belief_of
 from objectmodels.model import ObjectModel
 
+_HALVINGS = 6  # of the step of the centre of mass
 _FAR = 6.0  # standard deviations from which on the hazard is taken from its asymptote
 
 
@@ -63,10 +66,21 @@ def _above(model: ObjectModel, trial: Trial, moved: Moved) -> tuple[ObjectModel,
     if not np.isfinite(cut):
         return model, 0.0
     hazard = _hazard(cut)
-    values = values_at(coordinates(model.means) + hazard * gain)
+    raised = _standing(model, hazard * gain)
     P = P - hazard * (hazard - cut) * np.outer(gain, gain)
-    per = units(values)
-    return with_belief(with_values(model, values), P * np.outer(per, per)), max(z, 0.0)
+    per = units(raised.means)
+    return with_belief(raised, P * np.outer(per, per)), max(z, 0.0)
+
+
+def _standing(model: ObjectModel, step: Array) -> ObjectModel:
+    """The model after a step, of which the centre of mass goes as far as the object stands."""
+    x, place = coordinates(model.means), np.arange(len(step)) >= COM_X
+    for number in range(_HALVINGS):
+        try:
+            return with_values(model, values_at(x + np.where(place, 0.5**number, 1.0) * step))
+        except ModelError:
+            continue
+    return with_values(model, values_at(x + np.where(place, 0.0, step)))
 
 
 def _distance(model: ObjectModel, trial: Trial, moved: Moved) -> tuple[float, Array, Array]:
