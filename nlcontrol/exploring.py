@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date
 from typing import TYPE_CHECKING
 
@@ -56,6 +56,8 @@ TRIALS = 10
 """Repetitions, if nothing else is said."""
 
 _AGAIN = 0.1  # share by which a touch that was made before costs more
+
+_BELIEVING = "what was believed before counts as measured, since the touches are few"
 
 Told = Callable[["Touched", "ObjectModel"], None]
 """Told of each touch, and of what is believed after it."""
@@ -225,6 +227,12 @@ def explore(
             for p in parameters
         }
         asked |= {"com_z": precision * before.model.top} if "com_z" in parameters else {}
+        if reached(controller.models[name], asked, spread=SPREAD):
+            raise error(
+                "not_explorable",
+                f"what was asked about the {name} is known to {precision:.0%} already",
+                suggestions=("ask for more precision, or give none",),
+            )
         _until(controller, explorer, kinds, asked, most=repetitions * (len(kinds) + 1))
     trials = [trial for touched in explorer.touches for trial in touched.trials]
     start = guessed(before.model, guess) if guess is not None else before.model
@@ -315,7 +323,8 @@ def _fitted(model: ObjectModel, trials: Sequence[Trial], explorer: Explorer, *, 
     if not trials:
         raise _untold(f"no touch of the {name} showed anything", explorer)
     try:
-        return fit(model, trials, prior=prior)
+        found = fit(model, trials, prior=prior)
+        return replace(found, notes=(*found.notes, _BELIEVING)) if prior else found
     except ModelError as raised:
         message = f"the touches of the {name} do not tell its parameters: {raised.message}"
         raise _untold(message, explorer, *raised.suggestions) from raised

@@ -30,6 +30,12 @@ CONTRADICTIONS: dict[EndReason, str] = {
 SPREAD = 0.05
 """Relative standard deviation by which friction is taken to differ from push to push."""
 
+_METRES = {
+    "friction_radius": "friction radius",
+    "com_x": "centre of mass, x",
+    "com_y": "centre of mass, y",
+    "com_z": "centre of mass, z",
+}  # told in millimetres
 _MOVED, _SURER = 0.3, 0.8  # a change is told from this on: in standard deviations, and their ratio
 
 
@@ -59,8 +65,13 @@ class Change(BaseModel):
     @property
     def text(self) -> str:
         """In words."""
-        before, after = known(self.before, self.before_sd), known(self.after, self.after_sd)
-        return f"{self.parameter.replace('_', ' ')} {before} → {after}"
+        figures = ((self.before, self.before_sd), (self.after, self.after_sd))
+        if self.parameter in _METRES:
+            before, after = (f"{1e3 * x + 0.0:.1f} ± {1e3 * sd:.1f}" for x, sd in figures)
+            return f"{_METRES[self.parameter]} {before} → {after} mm"
+        before, after = (known(x, sd) for x, sd in figures)
+        unit = " kg" if self.parameter == "mass" else ""
+        return f"{self.parameter.replace('_', ' ')} {before} → {after}{unit}"
 
 
 class Lesson(BaseModel):

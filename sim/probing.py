@@ -59,8 +59,10 @@ _RISE = 6.0  # longest time in which the force rises to the most [s]
 _LET_DOWN = 2.0  # speed of letting down, relative to raising
 _LOOKS_BACK = 0.35  # time over which camera frames are averaged by the guards [s]
 _TILTS = np.radians(2.5)  # seen tilt that no slide has, beyond the noise
-_SLIDES_FROM = np.radians(2.5)  # tilt of the arc from which on a tilt must be seen
-_SLIDES_SHARE = 0.5  # less of it than this is a slide
+_SLIDES_SHARE = 0.5  # less of the arc's tilt than this is a slide,
+_SLIDES_SURELY = 4.0  # if it is less by so many standard deviations of what is seen
+_LEAST_SHORT = np.radians(0.5)  # which a tilt may always be seen too small
+_FEWEST_VIEWS = 5
 _LOST_SHARE, _LOST_TIME = 0.1, 0.3  # of the largest force felt, [s]
 _OFF = 0.015  # way sideways after which the finger has slipped along the face [m]
 
@@ -176,7 +178,8 @@ class ProbeControl(TouchControl):
         super().__init__(experiment.push, experiment.onset, recorder, stance, way, tell)
         self.experiment = experiment
         self._samples: list[tuple[float, Array, Array]] = []
-        self._views: deque[tuple[float, float]] = deque()  # time and seen tilt along the push
+        # Time, seen tilt along the push, and the one at which the fingertip was then.
+        self._views: deque[tuple[float, float, float]] = deque()
         self._origin = way.touch
         axes = np.array([[-self._u[1], self._u[0], 0.0], [0.0, 0.0, 1.0]])
         self._face_axes = [(axis, stance.stiffness(axis)) for axis in axes]
@@ -298,7 +301,8 @@ class ProbeControl(TouchControl):
         self._samples.append((now, here.midpoint, here.forces[0]))
         for frame in self.recorder.frames:
             up = frame.poses[self.experiment.push.object].R_WB[:, 2]
-            self._views.append((frame.time, float(np.arctan2(up @ self._u, up[2]))))
+            seen = float(np.arctan2(up @ self._u, up[2]))
+            self._views.append((frame.time, seen, self.tilt_of(here.midpoint)))
         while self._views and self._views[0][0] < now - _LOOKS_BACK:
             self._views.popleft()
 
@@ -331,21 +335,26 @@ class ProbeControl(TouchControl):
             return "guard", f"it took longer than {longest:.0f} s"
         return None
 
-    def _seen_tilt(self) -> float | None:
-        """Mean of the tilts seen lately [rad]; None as long as there are too few."""
-        tilts = [tilt for _, tilt in self._views]
-        return float(np.mean(tilts)) if len(tilts) >= 5 else None
+    def _lately(self) -> tuple[float, float]:
+        """Means of the tilts seen lately and of the fingertip's own [rad]; nan if too few."""
+        if len(self._views) < _FEWEST_VIEWS:
+            return np.nan, np.nan
+        _, seen, own = np.mean(self._views, axis=0).tolist()
+        return seen, own
 
     def _tilts(self) -> tuple[EndReason, str] | None:
-        seen = self._seen_tilt()
-        if seen is not None and seen > _TILTS:
+        seen, _ = self._lately()
+        if seen > _TILTS:
             self._moved = "topple"
             return "guard", f"it tilts ({np.degrees(seen):.0f}°) where it should slide"
         return None
 
     def _slides(self) -> tuple[EndReason, str] | None:
-        expected, seen = self.tilt_of(self._here.midpoint), self._seen_tilt()
-        if expected > _SLIDES_FROM and seen is not None and seen < _SLIDES_SHARE * expected:
+        """Compares tilts of the same frames: what is seen lags behind."""
+        seen, own = self._lately()
+        noise = np.radians(self.recorder.world.scene.vision.angle_noise_deg)
+        unsure = _SLIDES_SURELY * float(noise) / np.sqrt(max(len(self._views), 1))
+        if own - seen > max((1.0 - _SLIDES_SHARE) * own, unsure, _LEAST_SHORT):
             self._moved = "slide"
             return "guard", "it slides where it should tilt"
         return None

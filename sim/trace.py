@@ -89,11 +89,12 @@ class Trace:
     def seen_displacement(self, name: str) -> Array:
         """The same as far as the robot saw it, horizontal, shape (3,) [m].
 
-        Means over what was seen before the hand touched and at the end.
+        Means over what was seen in the first look and after the hand was home at the end.
         """
         p = self.seen[name][:, 4:]
-        before, after = self.phase == "look", self.phase == "settle"
-        moved = p[after].mean(axis=0) - p[before].mean(axis=0)
+        looked = int(np.argmax(self.phase != "look"))
+        settling = int(np.flatnonzero(self.phase != "settle")[-1]) + 1
+        moved = p[settling:].mean(axis=0) - p[:looked].mean(axis=0)
         return np.array([moved[0], moved[1], 0.0])
 
     def tilt(self, name: str) -> Array:

@@ -1,0 +1,162 @@
+"""What is believed after a push, and how it is told."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nlcontrol import Controller
+from nlcontrol.learning import CONTRADICTIONS, Change, Lesson, changes, learned, taken
+from objectmodels import BoxModel
+from objectmodels.identification import Trial
+from objectmodels.identification.update import SURPRISING
+from objectmodels.parameters import UNCERTAIN
+from planner.plan import Plan
+from planner.state import SeenObject
+from sim.trace import EndReason, Trace
+from tests.unit.nlcontrol.pushes import TraceMaker, stuck
+
+BELIEF = BoxModel(
+    name="b", size=(0.09, 0.09, 0.23), mass=1.0, mass_sd=0.04, friction=0.4, friction_sd=0.04,
+    com=(0.0, 0.0, 0.1), com_sd=(0.002, 0.002, 0.01),
+)  # fmt: skip
+SLIDES = 1.0 * 0.4 * 9.81
+
+
+def slid(force: float) -> Trial:
+    return Trial("slide", (-0.045, 0.0, 0.03), (force, 0.0, 0.0), 0.02 * force)
+
+
+def test_a_slide_as_believed_makes_surer() -> None:
+    update = taken(BELIEF, slid(SLIDES))
+    assert update.surprise == pytest.approx(0.0, abs=1e-6)
+    assert update.model.friction == pytest.approx(0.4, rel=1e-3)
+    assert update.model.friction_sd < BELIEF.friction_sd
+
+
+def test_a_slide_that_contradicts_is_believed_more_than_one_that_does_not() -> None:
+    near, far = taken(BELIEF, slid(1.1 * SLIDES)), taken(BELIEF, slid(3.0 * SLIDES))
+    assert not near.contradicts
+    assert far.surprise > SURPRISING
+    # The belief was too sure: widened, it gets there but for a tenth.
+    assert far.model.mass * far.model.friction * 9.81 == pytest.approx(3.0 * SLIDES, rel=0.1)
+    # Told from how far it was before it was widened.
+    assert far.surprise == pytest.approx(np.log(3.0) / np.sqrt(0.1**2 + 0.04**2 + 0.02**2), rel=0.2)
+
+
+def test_what_moved_nothing_raises_the_belief() -> None:
+    update = taken(BELIEF, Trial("none", (-0.045, 0.0, 0.03), (2.0 * SLIDES, 0.0, 0.0), 0.05))
+    assert update.contradicts
+    onset = update.model.thresholds([(-0.045, 0.0, 0.03)], [(1.0, 0.0, 0.0)]).onset[0]
+    assert onset > 1.9 * SLIDES
+
+
+def test_only_what_changed_is_a_change() -> None:
+    after = BELIEF.model_copy(update={"friction": 0.45, "mass_sd": 0.03})
+    found = {change.parameter: change for change in changes(BELIEF, after)}
+    assert set(found) == {"mass", "friction"}
+    assert (found["mass"].before_sd, found["mass"].after_sd) == (0.04, 0.03)
+    assert changes(BELIEF, BELIEF) == ()
+
+
+@pytest.mark.parametrize(
+    ("after", "after_sd", "matters"),
+    [
+        (0.40, 0.04, False),
+        (0.41, 0.04, False),  # a quarter of a standard deviation
+        (0.42, 0.04, True),  # half of one
+        (0.38, 0.04, True),
+        (0.40, 0.033, False),  # known better by less than a fifth
+        (0.40, 0.030, True),
+        (0.40, 0.08, False),
+    ],
+)
+def test_what_is_worth_telling(after: float, after_sd: float, matters: bool) -> None:
+    change = Change(
+        parameter="friction", before=0.4, before_sd=0.04, after=after, after_sd=after_sd
+    )
+    assert change.matters is matters
+
+
+def test_changes_in_words() -> None:
+    def text(parameter: str, *figures: float) -> str:
+        keys = ("before", "before_sd", "after", "after_sd")
+        return Change(parameter=parameter, **dict(zip(keys, figures, strict=True))).text
+
+    assert text("friction", 0.378, 0.069, 0.351, 0.024) == "friction 0.378 ± 0.069 → 0.351 ± 0.024"
+    assert text("mass", 1.0, 0.04, 1.06, 0.01) == "mass 1.000 ± 0.040 → 1.060 ± 0.010 kg"
+    assert text("com_x", 0.0, 0.003, -0.0012, 0.001) == (
+        "centre of mass, x 0.0 ± 3.0 → -1.2 ± 1.0 mm"
+    )
+
+
+@pytest.mark.parametrize(
+    ("moved", "why", "text"),
+    [
+        ("slide", None, "The b slid at 3.90 N: friction 0.400 ± 0.040 → 0.500 ± 0.020"),
+        ("none", "it did not move", "it did not move: the b stood still at 3.90 N: friction"),
+        ("topple", "it tilted", "it tilted: the b tilted at 3.90 N: friction"),
+        ("slip", None, "The b let the finger slip at 3.90 N: friction"),
+    ],
+)
+def test_a_lesson_in_a_sentence(moved: str, why: str | None, text: str) -> None:
+    told = Change(parameter="friction", before=0.4, before_sd=0.04, after=0.5, after_sd=0.02)
+    hair = Change(parameter="mass", before=1.0, before_sd=0.04, after=1.001, after_sd=0.04)
+    lesson = Lesson(
+        object="b", moved=moved, force=3.9, surprise=1.0, contradicts=why is not None, why=why,
+        changes=(told, hair),
+    )  # fmt: skip
+    assert lesson.text.startswith(text)
+    assert "mass" not in lesson.text
+    assert lesson.model_copy(update={"changes": (hair,)}).text.endswith("N: as believed")
+
+
+@pytest.fixture(scope="module")
+def planned() -> tuple[Plan, SeenObject]:
+    controller = Controller(seed=1)
+    command = controller.resolve(controller.parse("push the ice tea box away"))
+    state = controller.look()
+    plan = controller.plan(command.frames[0], state)
+    assert isinstance(plan, Plan)
+    return plan, state.objects["ice tea box"]
+
+
+@pytest.mark.parametrize("end", sorted(CONTRADICTIONS))
+def test_ends_that_contradict(
+    planned: tuple[Plan, SeenObject], make_trace: TraceMaker, end: EndReason
+) -> None:
+    plan, target = planned
+    trace = stuck(make_trace(force=5.0)) if end == "force" else make_trace(force=5.0, end=end)
+    found = learned(plan, target, trace)
+    if end == "tilted":  # even from the start: an onset that nobody can tell
+        assert found is None
+        return
+    assert found is not None
+    model, lesson = found
+    assert lesson.contradicts
+    assert lesson.why == CONTRADICTIONS[end]
+    assert lesson.object == "ice tea box"
+    assert lesson.force == pytest.approx(5.0)
+    assert {change.parameter for change in lesson.changes} <= set(UNCERTAIN)
+    assert model.friction > target.model.friction
+    assert Lesson.model_validate_json(lesson.model_dump_json()) == lesson
+
+
+def test_a_push_that_went_as_predicted_teaches_too(
+    planned: tuple[Plan, SeenObject], make_trace: TraceMaker
+) -> None:
+    plan, target = planned
+    found = learned(plan, target, make_trace(force=3.2))
+    assert found is not None
+    model, lesson = found
+    assert (lesson.moved, lesson.contradicts, lesson.why) == ("slide", False, None)
+    assert model.friction < target.model.friction
+
+
+def test_what_lies_on_another_face_teaches_nothing_about_its_base(
+    planned: tuple[Plan, SeenObject], make_trace: TraceMaker
+) -> None:
+    plan, target = planned
+    lying = SeenObject(target.name, target.pose, target.model, lies_on="left")
+    trace: Trace = make_trace(force=3.2)
+    assert learned(plan, lying, trace) is None
