@@ -114,8 +114,8 @@ def _explored(
         found, answer = find_out(controller, frame, progress)
     except ControlError as raised:
         return _ended(result, step, _unanswered(raised.info), raised.info)
-    step = step.model_copy(update={"exploration": found.report, "answer": answer})
-    result = with_(result, answer=answer, trace=found.trace)
+    step = step.model_copy(update={"exploration": found and found.report, "answer": answer})
+    result = with_(result, answer=answer, trace=found and found.trace)
     return _ended(result, step, "done" if frame.query is None else "answered")
 
 

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from nlcontrol.controller import Controller, Progress
     from objectmodels import ObjectModel
     from objectmodels.identification import Trial
+    from planner.state import SeenObject
     from sim.exploration import Explorer, Touched
     from sim.trace import Trace
     from sim.world import DrakeWorld
@@ -196,15 +197,7 @@ def explore(
     """
     from sim.exploration import Explorer
 
-    before = controller.look().objects[name]
-    if before.lies_on != "bottom":
-        raise error(
-            "not_explorable",
-            f"the {name} lies on its {before.lies_on} face; what touches tell there does not hold "
-            "for its base",
-            suggestions=("stand it upright first",),
-        )
-
+    before = _standing(controller, name)
     if guess is not None:
         controller.models[name] = guessed(controller.models[name], guess)
 
@@ -222,11 +215,7 @@ def explore(
         for repetition in range(repetitions):
             explorer.repeat(kinds, repetition)
     else:
-        asked = {
-            p: precision * (before.model.base.size if p in CENTRE_OF_MASS[:2] else 1.0)
-            for p in parameters
-        }
-        asked |= {"com_z": precision * before.model.top} if "com_z" in parameters else {}
+        asked = precisions_asked(before.model, parameters, precision)
         if reached(controller.models[name], asked, spread=SPREAD):
             raise error(
                 "not_explorable",
@@ -241,6 +230,27 @@ def explore(
     controller.models[name] = model
     report = _report(controller, name, before.model, found, explorer, trials, parameters)
     return Exploration(model, report, tuple(explorer.touches))
+
+
+def precisions_asked(
+    model: ObjectModel, parameters: Sequence[str], precision: float
+) -> dict[str, float]:
+    """What a precision means for each parameter: relative, of the centre of mass in metres."""
+    lengths = dict.fromkeys(CENTRE_OF_MASS, model.base.size) | {"com_z": model.top}
+    return {name: precision * lengths.get(name, 1.0) for name in parameters}
+
+
+def _standing(controller: Controller, name: str) -> SeenObject:
+    """The object as it is seen, if it stands on its base."""
+    seen = controller.look().objects[name]
+    if seen.lies_on != "bottom":
+        raise error(
+            "not_explorable",
+            f"the {name} lies on its {seen.lies_on} face; what touches tell there does not hold "
+            "for its base",
+            suggestions=("stand it upright first",),
+        )
+    return seen
 
 
 def with_truth(report: ExplorationReport, world: DrakeWorld) -> ExplorationReport:

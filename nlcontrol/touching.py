@@ -12,10 +12,16 @@ from typing import TYPE_CHECKING
 from grammar import frames as g
 from nlcontrol.answers import Answer
 from nlcontrol.errors import ControlError, ErrorInfo, error
-from nlcontrol.exploring import CENTRE_OF_MASS, Exploration, explore, kinds_for
+from nlcontrol.exploring import (
+    CENTRE_OF_MASS,
+    Exploration,
+    explore,
+    kinds_for,
+    precisions_asked,
+)
 from nlcontrol.inquiry import target_of
 from nlcontrol.names import listed
-from objectmodels.identification.design import precisions
+from objectmodels.identification.design import precisions, reached
 
 if TYPE_CHECKING:
     from nlcontrol.controller import Controller, Progress
@@ -98,8 +104,10 @@ def unknown(frame: g.Frame, model: ObjectModel, known: float) -> bool:
 
 def find_out(
     controller: Controller, frame: g.Frame, progress: Progress | None
-) -> tuple[Exploration, Answer]:
+) -> tuple[Exploration | None, Answer]:
     """Touches an object until what a sentence asks is known, and tells it.
+
+    What is known well enough already is told without a touch.
 
     Args:
         controller: of the robot.
@@ -109,19 +117,22 @@ def find_out(
     Raises:
         ControlError: `unsupported`, `not_on_table`, `not_explorable`.
     """
-    name = _on_table(controller, frame)
+    name, parameters = _on_table(controller, frame), wanted(frame)
+    precision, model = controller.defaults.found_to, controller.models[name]
+    question = frame.model_copy(update={"query": "value", "action": None, "constraints": ()})
+    if reached(model, precisions_asked(model, parameters, precision)):
+        line = f"known to {precision:.0%} already: nothing was touched"
+        return None, controller.answer(question).model_copy(update={"lines": (line,)})
     found = explore(
         controller,
         name,
-        parameters=wanted(frame),
+        parameters=parameters,
         repetitions=MOST_REPETITIONS,
-        precision=controller.defaults.found_to,
+        precision=precision,
         progress=progress,
     )
-    question = frame.model_copy(update={"query": "value", "action": None, "constraints": ()})
-    answer = controller.answer(question)
     lines = tuple(f"{t.experiment}: {t.outcome}" for t in found.report.touches)
-    return found, answer.model_copy(update={"lines": lines})
+    return found, controller.answer(question).model_copy(update={"lines": lines})
 
 
 def announced(controller: Controller, frame: g.Frame, state: WorldState) -> str:

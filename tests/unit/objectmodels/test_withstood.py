@@ -40,7 +40,7 @@ beliefs = st.builds(
             "friction_sd": sds[1] * friction,
             "com": (0.0, 0.0, com_z),
             "com_sd": (0.003, 0.003, 0.1 * com_z),
-        }  # fmt: skip
+        }
     ),
     st.floats(0.1, 3.0),
     st.floats(0.1, 0.8),
@@ -141,7 +141,7 @@ def test_widened_by_as_much_as_it_takes() -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(belief=beliefs, height=heights)
-def test_a_belief_three_times_too_low_gets_there_soon(belief: BoxModel, height: float) -> None:
+def test_a_belief_three_times_too_low_gets_there_soon(belief: ObjectModel, height: float) -> None:
     """With force limits of 1.5 times what is believed, as long as they move nothing."""
     true = 3.0 * onset(belief, height)
     bounds = 0
