@@ -42,7 +42,7 @@ from objectmodels.identification.leastsquares import Solution, require_possible,
 from objectmodels.identification.trials import Trial
 from objectmodels.model import ObjectModel
 from objectmodels.parameters import UNCERTAIN, Provenance
-from objectmodels.support import Support
+from objectmodels.support import Support, friction_radius
 from objectmodels.thresholds import yaw_arm
 
 OUTLIER = 4.0
@@ -168,8 +168,7 @@ def _best_support(
         tried = [model.support]
     found: list[tuple[float, Solution, Balance]] = []
     for support in dict.fromkeys(tried):
-        standing = model.model_copy(update={"support": support})
-        balance = Balance(standing, trials, exact=True)
+        balance = Balance(_standing_on(model, support), trials, exact=True)
         solution = solve(balance, first.values, first.free, belief, prior=prior)
         rows = _robust_rows(balance, solution)
         found.append((_misfit(balance, solution, rows), solution, balance))
@@ -178,6 +177,16 @@ def _best_support(
     if best[0] + DIFFERENT > found[0][0]:
         best = found[0]
     return best[1], best[2], _compared(found, best[2])
+
+
+def _standing_on(model: ObjectModel, support: Support) -> ObjectModel:
+    """The model carried otherwise; its friction radius changes as that of the support does."""
+    ratio = friction_radius(support, model.footprint) / friction_radius(
+        model.support, model.footprint
+    )
+    return model.model_copy(
+        update={"support": support, "friction_radius": model.friction_radius * ratio}
+    )
 
 
 def _compared(found: Sequence[tuple[float, Solution, Balance]], taken: Balance) -> list[str]:
