@@ -3,12 +3,15 @@
 The prediction is what the robot believes; the experiment is how the simulated world really is, and
 what moved there was judged by its observer. Classes are compared where the prediction is decided:
 where its two thresholds are too close to call, either class is as predicted. Forces are compared
-wherever something moved in both.
+wherever something moved in both. A face may be pushed in several ways; each is an experiment of its
+own beside the same prediction.
 """
 
 from __future__ import annotations
 
 import csv
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -59,6 +62,11 @@ class Comparison:
         measured = np.array([result.force for result in self.results], dtype=float)
         return np.where(np.isnan(measured), nothing, measured)
 
+    @property
+    def left_out(self) -> int:
+        """How many pushes were not carried out."""
+        return int((self.outcome == "").sum())
+
     @cached_property
     def compared(self) -> NDArray[np.bool_]:
         """Contacts whose classes are compared, shape (n,)."""
@@ -106,44 +114,60 @@ def contacts_of(chart: OutcomeMap, name: str, face: str) -> list[Contact]:
     ]
 
 
-def told(found: Comparison) -> list[str]:
-    """How far experiment and prediction agree, in sentences."""
+def told(found: Comparison) -> str:
+    """How far an experiment and the prediction agree, in a sentence."""
     share, median, compared = found.agreement, found.median_error, int(found.compared.sum())
-    left_out = int((found.outcome == "").sum())
-    undecided = len(found.results) - compared - left_out
+    undecided = len(found.results) - compared - found.left_out
     classes = "at none of 0" if share is None else f"at {100 * share:.1f} % of {compared}"
     forces = "none" if median is None else f"median error {100 * median:.1f} %"
-    lines = [f"same class {classes} contacts ({undecided} undecided); force: {forces}"]
-    if left_out:
-        lines.append(f"{left_out} not carried out: {_why(found)}")
-    return lines
+    return f"same class {classes} contacts ({undecided} undecided); force: {forces}"
 
 
-def _why(found: Comparison) -> str:
-    reasons = {r.detail for r in found.results if r.outcome is None}
-    return "; ".join(sorted(reasons))
+def _reasons(found: Comparison) -> list[str]:
+    """Why pushes were not carried out, the most frequent reason first."""
+    counted = Counter(r.detail for r in found.results if r.outcome is None)
+    return [f"not carried out at {n}: {why}" for why, n in counted.most_common()]
 
 
-def text(found: Comparison) -> list[str]:
-    """Both maps in letters side by side, top row first, and how far they agree."""
-    chart = found.chart
-    return [
-        f"{found.object}, {found.face} face, seen from outside",
-        "experiment left, prediction right",
+def text(experiments: Sequence[Comparison]) -> list[str]:
+    """The maps in letters side by side, top row first, and how far they agree.
+
+    Args:
+        experiments: one or more, of the same prediction.
+    """
+    first = experiments[0]
+    chart = first.chart
+    sides = [*(found.outcome for found in experiments), chart.outcome]
+    lines = [
+        f"{first.object}, {first.face} face, seen from outside",
+        f"{', '.join(['experiment', *('another' for _ in experiments[1:])])} left, "
+        "prediction right",
         *(
-            f"{1e3 * z:5.0f} mm  {maps.letters(chart, found.outcome, row)}   |   "
-            f"{maps.letters(chart, chart.outcome, row)}"
+            f"{1e3 * z:5.0f} mm  " + "   |   ".join(maps.letters(chart, o, row) for o in sides)
             for z, row in maps.rows(chart)
         ),
         maps.key(chart),
-        f"experiment: pushed by {BY[found.by]} in the scene {found.scene}, seed {found.seed}",
         f"prediction: {chart.friction} friction",
-        *told(found),
     ]
+    for found in experiments:
+        lines += [
+            f"experiment: pushed by {BY[found.by]} in the scene {found.scene}, seed {found.seed}",
+            *(f"  {line}" for line in (told(found), *_reasons(found))),
+        ]
+    return lines
 
 
-def document(found: Comparison) -> dict[str, Any]:
-    """The comparison as plain data: the map, and of each contact what was measured; SI units."""
+def document(experiments: Sequence[Comparison]) -> dict[str, Any]:
+    """A comparison as plain data: the map, and of each contact what was measured; SI units.
+
+    Args:
+        experiments: one or more, of the same prediction; of several the documents by their ways.
+    """
+    each = {str(found.by): _document(found) for found in experiments}
+    return each if len(each) > 1 else each[experiments[0].by]
+
+
+def _document(found: Comparison) -> dict[str, Any]:
     predicted = maps.document(found.chart, found.face)
     rows = zip(
         predicted["contacts"], found.results, found.compared, found.agrees, found.error, strict=True
@@ -171,17 +195,19 @@ def document(found: Comparison) -> dict[str, Any]:
     }
 
 
-def save_table(found: Comparison, path: Path) -> None:
-    """Writes the comparison as CSV: one row for each contact, units in the header."""
+def save_table(experiments: Sequence[Comparison], path: Path) -> None:
+    """Writes comparisons as CSV: one row for each push, units in the header."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(
-            ("lateral_m", "height_m", "x_m", "y_m", "z_m", "measured_outcome", "measured_force_n",
-             "outcome", "force_n", "slide_n", "topple_n", "agrees", "force_error")
+            ("by", "lateral_m", "height_m", "x_m", "y_m", "z_m", "measured_outcome",
+             "measured_force_n", "outcome", "force_n", "slide_n", "topple_n", "agrees",
+             "force_error")
         )  # fmt: skip
-        for row in document(found)["contacts"]:
-            writer.writerow(
-                (row["lateral"], row["height"], *row["point"], row["measured_outcome"],
-                 row["measured_force"], row["outcome"], row["force"], row["slide"], row["topple"],
-                 row["agrees"], row["force_error"])
-            )  # fmt: skip
+        for found in experiments:
+            for row in _document(found)["contacts"]:
+                writer.writerow(
+                    (found.by, row["lateral"], row["height"], *row["point"],
+                     row["measured_outcome"], row["measured_force"], row["outcome"], row["force"],
+                     row["slide"], row["topple"], row["agrees"], row["force_error"])
+                )  # fmt: skip

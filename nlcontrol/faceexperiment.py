@@ -3,7 +3,8 @@
 A push is plain data and its result depends on that alone, so that it does not matter which process
 carries it out, or in what order. Any executor of `concurrent.futures` will do. A result is known by
 a digest of all that determines it: the scene with its truth and time step, the contact, the way of
-pushing, the seed, and the versions of this package and of the simulator.
+pushing and what a robot believes then, the seed, and the versions of this package and of the
+simulator.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ from nlcontrol.errors import error, translated
 from nlcontrol.names import Candidate, called, listed
 from nlcontrol.record import Record
 from sim import appliedforce
+from sim.fingertouch import FingerTouch
 from sim.onetouch import Contact, Touch, TouchResult, Way
 from sim.scene import Scene, SceneObject, built_in_scenes, load_scene
 
@@ -38,23 +40,17 @@ if TYPE_CHECKING:
     from nlcontrol.controller import Controller
     from objectmodels import ObjectModel
 
-WAYS: Mapping[Way, Touch] = {"force": appliedforce.touch}
-"""The ways of pushing that can be carried out."""
+Believed = Mapping[str, "ObjectModel"]
+"""The robot's models of a scene's objects, by their names in it."""
+
+WAYS: Mapping[Way, Callable[[Believed], Touch]] = {
+    "force": lambda believed: appliedforce.touch,
+    "robot": FingerTouch,
+}
+"""The ways of pushing; a robot goes by what it believes, a force by nothing."""
 
 Report = Callable[[int, int], None]
 """Told how many pushes of how many are done."""
-
-
-def carry_out(scene: Scene, contact: Contact, *, by: Way, seed: int) -> TouchResult:
-    """Carries out one push.
-
-    Args:
-        scene: the world as it is.
-        contact: where and which way.
-        by: how.
-        seed: of everything random.
-    """
-    return WAYS[by](scene, contact, seed=seed)
 
 
 def standing(controller: Controller, name: str) -> SceneObject:
@@ -104,14 +100,12 @@ class FaceExperiment:
         scene: the world as it is.
         contacts: the pushes, each a different one.
         by: how an object is pushed.
+        believed: what the robot goes by, if it is the one that pushes.
         seed: of everything random.
         record: where results are kept; nowhere if not given.
 
     Attributes:
         missing: contacts of which no result is known, by key.
-
-    Raises:
-        ControlError: `unsupported` if pushes cannot be carried out that way.
     """
 
     def __init__(
@@ -120,17 +114,16 @@ class FaceExperiment:
         contacts: Iterable[Contact],
         *,
         by: Way = "force",
+        believed: Believed | None = None,
         seed: int = 0,
         record: Record | None = None,
     ) -> None:
-        if by not in WAYS:
-            raise error(
-                "unsupported",
-                f"pushes of a whole face by the {by} cannot be carried out",
-                suggestions=tuple(f"take --by {way}" for way in WAYS),
-            )
         self._scene, self._by, self._seed, self._record = scene, by, seed, record
-        world = _digest(scene.model_dump(mode="json"), by, seed, __version__, version("drake"))
+        believed = dict(believed or {}) if by == "robot" else {}
+        self._touch = WAYS[by](believed)
+        beliefs = {name: model.model_dump(mode="json") for name, model in believed.items()}
+        drake = version("drake")
+        world = _digest(scene.model_dump(mode="json"), by, beliefs, seed, __version__, drake)
         pushes = {contact: _digest(world, asdict(contact)) for contact in contacts}
         self._keys = tuple(pushes.values())
         kept = record.results if record else {}
@@ -173,9 +166,7 @@ class FaceExperiment:
             futures: dict[Future[TouchResult], str] = {}
             try:
                 for key, contact in self.missing.items():
-                    push = pool.submit(
-                        carry_out, self._scene, contact, by=self._by, seed=self._seed
-                    )
+                    push = pool.submit(self._touch, self._scene, contact, seed=self._seed)
                     futures[push] = key
                 for future in as_completed(futures):
                     raised = future.exception()

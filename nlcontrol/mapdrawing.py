@@ -1,12 +1,14 @@
 """Outcome maps drawn as in the paper's Fig. 7, alone or beside an experiment.
 
 Each contact of a face is a circle whose area is the force that the object needs there: red where it
-slides, green where it topples, blue where that is undecided; a cross where nothing moves it. An
-experiment stands on the left, the prediction on the right, drawn to one scale.
+slides, green where it topples, blue where that is undecided; a cross where nothing moves it; a dot
+where a push was not carried out. Experiments stand on the left, the prediction on the right, drawn
+to one scale.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nlcontrol.comparison import Comparison, told
+from nlcontrol.comparison import BY, Comparison, told
 from nlcontrol.maps import legend
 
 if TYPE_CHECKING:
@@ -25,15 +27,20 @@ if TYPE_CHECKING:
     from objectmodels.outcomemap import OutcomeMap
 
 COLOURS = {"slide": "#d1342b", "topple": "#2a9d4a", "undecided": "#2f6fd0", "none": "#9a9a9a"}
+_TITLES = {way: f"experiment by\n{words}" for way, words in BY.items()}
 _LARGEST = 190.0  # area of the circle of the largest force [points²]
 _FADED = 0.12  # opacity of a circle whose outcome has no more than even odds
 _OPAQUE = 0.85
 _CROSS = 30.0  # area of the mark where nothing moves it [points²]
+_DOT, _PALE = 5.0, "#b0b0b0"  # of the mark where nothing was carried out [points²]
 
 
 @dataclass(frozen=True)
 class _Spots:
-    """What is drawn of n contacts: class, force (inf if none moves it) and opacity, (n,) each."""
+    """What is drawn of n contacts: class, force (inf if none moves it) and opacity, (n,) each.
+
+    The class of a push that was not carried out is empty.
+    """
 
     lateral: NDArray[np.float64]
     height: NDArray[np.float64]
@@ -53,10 +60,8 @@ def _predicted(chart: OutcomeMap, shaded: bool) -> _Spots:
 
 
 def _measured(found: Comparison) -> _Spots:
-    """What was carried out of the experiment."""
-    i, chart = found.outcome != "", found.chart
-    opaque = np.full(int(i.sum()), _OPAQUE)
-    return _Spots(chart.lateral[i], chart.height[i], found.outcome[i], found.force[i], opaque)
+    chart, opaque = found.chart, np.full(len(found.results), _OPAQUE)
+    return _Spots(chart.lateral, chart.height, found.outcome, found.force, opaque)
 
 
 def save_map(
@@ -88,38 +93,47 @@ def save_map(
     _save(figure, path)
 
 
-def save_comparison(found: Comparison, path: Path, *, shaded: bool = False) -> None:
-    """Draws experiment and prediction side by side: PNG, SVG or PDF by the name's ending.
+def save_comparison(experiments: Sequence[Comparison], path: Path, *, shaded: bool = False) -> None:
+    """Draws experiments and prediction side by side: PNG, SVG or PDF by the name's ending.
 
     Args:
-        found: what to draw.
+        experiments: one or more, of the same prediction.
         path: where to.
         shaded: fade circles of the prediction as their outcome becomes less probable.
     """
     from matplotlib.figure import Figure
 
-    chart = found.chart
-    width = 2.4 + 2.0 * 22.0 * chart.face.width
+    first = experiments[0]
+    chart, predicted = first.chart, _predicted(first.chart, shaded)
+    panels = {_TITLES[found.by]: _measured(found) for found in experiments}
+    panels["prediction"] = predicted
+    width = 2.4 + 22.0 * len(panels) * chart.face.width
     figure = Figure(
-        figsize=(max(width, 6.4), _tall(chart.face) + 0.5), dpi=160, layout="constrained"
+        figsize=(max(width, 6.4), _tall(chart.face) + 0.6), dpi=160, layout="constrained"
     )
-    left, right = figure.subplots(1, 2, sharex=True, sharey=True)
-    measured, predicted = _measured(found), _predicted(chart, shaded)
-    largest = max(measured.largest, predicted.largest) or 1.0
-    for axes, spots, title in ((left, measured, "experiment"), (right, predicted, "prediction")):
+    row = figure.subplots(1, len(panels), sharex=True, sharey=True)
+    largest = max(spots.largest for spots in panels.values()) or 1.0
+    for axes, (title, spots) in zip(row, panels.items(), strict=True):
         _draw_flat(axes, chart.face, spots, largest)
         axes.set_title(title, fontsize=11)
         axes.set_xlabel("along the face [mm]")
-    left.set_ylabel("height above the table [mm]")
-    crossed = _crossed(measured) or _crossed(predicted)
+    row[0].set_ylabel("height above the table [mm]")
     _explain(
-        figure, right, chart, shaded=shaded, largest=largest, crossed=crossed,
-        above="\n".join(told(found)),
+        figure, row[-1], chart, shaded=shaded, largest=largest,
+        crossed=any(_crossed(spots) for spots in panels.values()),
+        left_out=any(found.left_out for found in experiments), above=_agreements(experiments),
     )  # fmt: skip
     figure.suptitle(
-        f"{found.object}, {found.face} face, seen from outside", fontsize=12, fontweight="bold"
+        f"{first.object}, {first.face} face, seen from outside", fontsize=12, fontweight="bold"
     )
     _save(figure, path)
+
+
+def _agreements(experiments: Sequence[Comparison]) -> str:
+    """What stands below the panels: how far each experiment agrees with the prediction."""
+    if len(experiments) == 1:
+        return told(experiments[0])
+    return "\n".join(f"{BY[found.by]}: {told(found)}" for found in experiments)
 
 
 def _tall(face: Face) -> float:
@@ -144,6 +158,10 @@ def _crossed(spots: _Spots) -> bool:
 def _draw_flat(axes: Axes, face: Face, spots: _Spots, largest: float) -> None:
     """The contacts of a face; the circle of the largest force has the area `_LARGEST`."""
     area = np.where(np.isfinite(spots.force), _LARGEST * spots.force / largest, _CROSS)
+    left_out = spots.outcome == ""
+    axes.scatter(
+        1e3 * spots.lateral[left_out], 1e3 * spots.height[left_out], s=_DOT, c=_PALE, linewidths=0.0
+    )
     for name, colour in COLOURS.items():
         i = spots.outcome == name
         if i.any():
@@ -160,7 +178,7 @@ def _draw_flat(axes: Axes, face: Face, spots: _Spots, largest: float) -> None:
 
 def _explain(
     figure: Figure, axes: Axes, chart: OutcomeMap, *, shaded: bool, largest: float, crossed: bool,
-    above: str = "",
+    left_out: bool = False, above: str = "",
 ) -> None:  # fmt: skip
     """The legend below the picture, with circles to read areas by, and what is told above it."""
     handles = [
@@ -180,6 +198,10 @@ def _explain(
     if crossed:
         handles.append(
             axes.scatter([], [], s=_CROSS, c=COLOURS["none"], marker="x", label="nothing moves it")
+        )
+    if left_out:
+        handles.append(
+            axes.scatter([], [], s=_DOT, c=_PALE, linewidths=0.0, label="not carried out")
         )
     if shaded:
         handles.append(axes.scatter([], [], s=0.0, label="paler: less probable"))

@@ -8,6 +8,7 @@
 - *Off-centre slide*: the same near the end of a side; how far the object turns gives the friction
   radius.
 - *Rub*: press a side gently and draw the fingertip down along it until it slips: finger friction.
+- *Press*: press any place of a side straight in until something has moved, whatever that is.
 
 Each is a push of one fingertip, so reach and clearance are asked for as for any push. What is
 proposed depends on what is believed: a tilt needs a height at which the object may tilt at all.
@@ -33,7 +34,7 @@ from planner.plan import Push
 from planner.reach import Reach
 from planner.state import SeenObject
 
-Kind = Literal["tilt", "slide", "off-centre slide", "rub"]
+Kind = Literal["tilt", "slide", "off-centre slide", "rub", "press"]
 
 BELOW_TOP = 0.010
 """Distance of a tilt's contact from the top [m]."""
@@ -55,11 +56,15 @@ SPEED: Mapping[Kind, float] = {
     "slide": 0.005,
     "off-centre slide": 0.005,
     "rub": 0.005,
+    "press": 0.0025,
 }
 """Of the fingertip while it presses [m/s]."""
 
 RUB = 0.010
 """Way of a rub [m]."""
+
+PRESS, RAISED = 0.003, 0.0015
+"""Way of a press, and how far it raises an edge of the base at least if the object tilts [m]."""
 
 _SIGMAS = 2.0
 _FORCE_SD = 0.01  # of a felt force, as a share of it
@@ -123,6 +128,20 @@ def experiments(seen: SeenObject, reach: Reach) -> tuple[Experiment, ...]:
             found += [_slide(seen, face, side * room, low, reach) for side in (1.0, -1.0)]
         found.append(_rub(seen, face, max(_RUB_HEIGHT * face.top, low), reach))
     return tuple(found)
+
+
+def press(seen: SeenObject, point: Array, normal: Array, reach: Reach) -> Experiment:
+    """A press at any place of an upright face, straight in, until something has moved.
+
+    Args:
+        seen: the object.
+        point: p_BC, shape (3,) [m].
+        normal: outward unit normal there in B, horizontal, shape (3,).
+        reach: of the robot; only its figures are asked for.
+    """
+    # Tilted, the far edge stays; the near one rises as far behind it as the contact moves above it.
+    stroke = RAISED * float(point[2]) / tilting.length_along(seen.model, -normal)
+    return _touch("press", seen, point, normal, max(PRESS, stroke), reach)
 
 
 def expected(experiment: Experiment, model: ObjectModel) -> tuple[Trial, ...]:

@@ -53,7 +53,6 @@ SETTLE = 0.3
 
 _PRESSES = 0.15  # time constant of the force with which a rub presses [s]
 _MOVED = 0.002  # way of the fingertip into the face that a rub must not make [m]
-_GIVES_WAY = 0.08  # time constant with which forces along the face are given way to [s]
 _LONGEST = 4.0  # times the time that the way alone takes, after the force has risen
 _RISE = 6.0  # longest time in which the force rises to the most [s]
 _LET_DOWN = 2.0  # speed of letting down, relative to raising
@@ -103,6 +102,17 @@ class Recording:
     pose_sd: tuple[float, float]
     trace: Trace | None = field(default=None, repr=False)
 
+    @classmethod
+    def nothing(
+        cls, experiment: Experiment, end: EndReason, detail: str, before: PlanarPose
+    ) -> Recording:
+        """Of a touch that did not come about."""
+        empty = np.empty((0, 3))
+        return cls(
+            experiment, end, detail, None, np.empty(0), empty, empty, before, None, None,
+            force_sd=0.0, zero_sd=0.0, pose_sd=(0.0, 0.0),
+        )  # fmt: skip
+
 
 def probe(
     experiment: Experiment,
@@ -131,9 +141,9 @@ def probe(
     try:
         found = _touched(experiment, trip, state, before, tell)
     except EarlyEndError as early:
-        found = _nothing(experiment, early.end, early.detail, before)
+        found = Recording.nothing(experiment, early.end, early.detail, before)
     except UnreachableError as error:
-        found = _nothing(experiment, "unreachable", str(error), before)
+        found = Recording.nothing(experiment, "unreachable", str(error), before)
     trip.come_home(SETTLE)
     trace = trip.recorder.trace(experiment.push, end=found.end, detail=found.detail)
     return replace(found, trace=trace)
@@ -154,23 +164,20 @@ def _touched(
     return control.recording(end, detail, before)
 
 
-def _nothing(experiment: Experiment, end: EndReason, detail: str, before: PlanarPose) -> Recording:
-    none, empty = np.empty(0), np.empty((0, 3))
-    return Recording(
-        experiment, end, detail, None, none, empty, empty, before, None, None, 0.0, 0.0, (0.0, 0.0)
-    )
-
-
 class ProbeControl(TouchControl):
     """One touch, from before the face until the hand holds still at its end.
 
     Args:
         experiment: what is tried.
         recorder, stance, way, tell: as for every touch.
+
+    Attributes:
+        gives_way: time constant with which forces along the face are given way to [s].
     """
 
     pause = 1.5
     speed = 0.012
+    gives_way = 0.08
 
     def __init__(
         self, experiment: Experiment, recorder: Recorder, stance: Stance, way: Way, tell: Progress
@@ -192,17 +199,22 @@ class ProbeControl(TouchControl):
     def run(self) -> tuple[EndReason, str]:
         """Touches, presses until an end or a guard, holds still; returns how it ended."""
         kind = self.experiment.kind
+        self._begin()
+        ended = {"tilt": self._raise, "rub": self._rub}.get(kind, self._slide)()
+        self._hold()
+        if kind == "tilt":
+            self._let_down()
+        return ended
+
+    def _begin(self) -> None:
+        """Touches; from then on it presses."""
+        kind = self.experiment.kind
         self.tell("touch", self.recorder.world.time, f"feeling for the face ({kind})")
         self.touch()
         self.recorder.phase = "push"
         self._origin = self._here.midpoint
         self._start = self.recorder.world.time
         self.tell("push", self.recorder.world.time, f"pressing until something moves ({kind})")
-        ended = {"tilt": self._raise, "rub": self._rub}.get(kind, self._slide)()
-        self._hold()
-        if kind == "tilt":
-            self._let_down()
-        return ended
 
     # -- the ways ------------------------------------------------------------------------------
 
@@ -293,7 +305,7 @@ class ProbeControl(TouchControl):
         self._keep()
         for axis, stiffness in self._face_axes:
             force = float(self._here.forces[0] @ axis)
-            self._aside = self._aside - self._period / _GIVES_WAY * force / stiffness * axis
+            self._aside = self._aside - self._period / self.gives_way * force / stiffness * axis
 
     def _keep(self) -> None:
         """Keeps what was felt and seen."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
@@ -64,10 +64,11 @@ _PICTURES = (".png", ".svg", ".pdf")
 )
 @click.option(
     "--by",
-    type=click.Choice(["force", "robot"]),
+    type=click.Choice(["force", "robot", "both"]),
     default="force",
     show_default=True,
-    help="What pushes in the experiment: a force applied directly, or the robot.",
+    help="What pushes in the experiment: a force applied directly, the robot where it reaches, or "
+    "one after the other.",
 )
 @scene_option
 @seed_option
@@ -94,7 +95,7 @@ def command(
     outputs: tuple[Path, ...],
     model_file: Path | None,
     experiment: bool,
-    by: Way,
+    by: Way | Literal["both"],
     scene: str,
     seed: int,
     workers: int | None,
@@ -117,7 +118,8 @@ def command(
     if experiment:
         record = record or (outputs[0].with_suffix(".touches.jsonl") if outputs else None)
         require_writable(record)
-        found = _compared(name, face, model_file, wanted, scene, by, seed, workers, record)
+        ways: tuple[Way, ...] = ("force", "robot") if by == "both" else (by,)
+        found = _compared(name, face, model_file, wanted, scene, ways, seed, workers, record)
         return _told_comparison(found, outputs, shaded=shade, as_json=as_json)
     from objectmodels.outcomemap import outcome_map
 
@@ -168,7 +170,7 @@ def _told_map(
 
 
 def _told_comparison(
-    found: Comparison, outputs: tuple[Path, ...], *, shaded: bool, as_json: bool
+    found: tuple[Comparison, ...], outputs: tuple[Path, ...], *, shaded: bool, as_json: bool
 ) -> int:
     from nlcontrol import comparison
 
@@ -217,12 +219,12 @@ def _compared(
     model_file: Path | None,
     wanted: dict[str, Any],
     scene: str,
-    by: Way,
+    ways: tuple[Way, ...],
     seed: int,
     workers: int | None,
     record: Path | None,
-) -> Comparison:
-    """The experiment, carried out as far as it was not yet, and the prediction."""
+) -> tuple[Comparison, ...]:
+    """The experiment each way, carried out as far as it was not yet, and the prediction."""
     from nlcontrol.cli.progress import Progress
     from nlcontrol.comparison import Comparison, contacts_of
     from nlcontrol.controller import Controller
@@ -240,9 +242,15 @@ def _compared(
     chart = outcome_map(model, face_of(model, face), **wanted)
     contacts = contacts_of(chart, item.name, face)
     kept = Record(record) if record else None
-    experiment = FaceExperiment(controller.scene, contacts, by=by, seed=seed, record=kept)
-    if known := len(contacts) - len(experiment.missing):
-        click.echo(f"{known} of {len(contacts)} results are in {record} already", err=True)
-    with Progress("pushes") as progress:
-        results = experiment.run(workers=workers, report=progress)
-    return Comparison(chart, results, item.name, face, controller.scene.name, by, seed)
+    found = []
+    for by in ways:
+        experiment = FaceExperiment(
+            controller.scene, contacts, by=by, believed=controller.models, seed=seed, record=kept
+        )
+        if known := len(contacts) - len(experiment.missing):
+            click.echo(f"{known} of {len(contacts)} results are in {record} already", err=True)
+        with Progress("pushes" if by == "force" else "pushes by the robot") as progress:
+            results = experiment.run(workers=workers, report=progress)
+        scene_name = controller.scene.name
+        found.append(Comparison(chart, results, item.name, face, scene_name, by, seed))
+    return tuple(found)

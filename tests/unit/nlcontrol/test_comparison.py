@@ -12,7 +12,7 @@ from nlcontrol import comparison
 from nlcontrol.comparison import Comparison, contacts_of, told
 from objectmodels import BoxModel
 from objectmodels.outcomemap import OutcomeMap, outcome_map
-from sim.onetouch import TouchResult
+from sim.onetouch import TouchResult, Way
 
 CRATE = BoxModel(name="crate", size=(0.1, 0.1, 0.2), mass=1.0, friction=0.4, support="corners")
 CHART = outcome_map(CRATE, CRATE.faces()[0], spacing=0.01)
@@ -27,8 +27,8 @@ def as_predicted(chart: OutcomeMap = CHART, scale: float = 1.0) -> list[TouchRes
     ]
 
 
-def compared(results: list[TouchResult]) -> Comparison:
-    return Comparison(CHART, tuple(results), "crate", "front", "table", "force", 0)
+def compared(results: list[TouchResult], by: Way = "force") -> Comparison:
+    return Comparison(CHART, tuple(results), "crate", "front", "table", by, 0)
 
 
 def other(result: TouchResult) -> TouchResult:
@@ -70,21 +70,48 @@ def test_each_wrong_class_counts_unless_it_is_undecided() -> None:
 
 def test_what_was_not_carried_out_is_left_out_and_told() -> None:
     results = as_predicted()
-    results[0] = TouchResult(None, None, "out of reach")
+    results[:3] = [TouchResult(None, None, why) for why in ("too far", "too low", "too low")]
     found = compared(results)
-    assert found.agreement == 1.0
-    assert not found.compared[0]
-    assert told(found)[1] == "1 not carried out: out of reach"
-    assert "same class at 100.0 % of" in told(found)[0]
-    row = comparison.document(found)["contacts"][0]
+    assert (found.agreement, found.left_out) == (1.0, 3)
+    assert not found.compared[:3].any()
+    assert "same class at 100.0 % of" in told(found)
+    undecided = (found.chart.outcome[3:] == "undecided").sum()
+    assert f"({undecided} undecided)" in told(found)
+    reasons = [line for line in comparison.text([found]) if "not carried out" in line]
+    assert reasons == ["  not carried out at 2: too low", "  not carried out at 1: too far"]
+    row = comparison.document([found])["contacts"][0]
     assert (row["measured_outcome"], row["agrees"], row["force_error"]) == (None, None, None)
 
 
 def test_nothing_carried_out_is_nothing_compared() -> None:
     found = compared([TouchResult(None, None, "out of reach")] * len(CHART.force))
     assert (found.agreement, found.median_error) == (None, None)
-    assert told(found)[0].startswith("same class at none of")
-    assert comparison.document(found)["agreement"] is None
+    assert told(found).startswith("same class at none of")
+    assert comparison.document([found])["agreement"] is None
+
+
+def test_what_moved_but_was_not_felt_has_no_force() -> None:
+    results = as_predicted()
+    results[0] = TouchResult(results[0].outcome, None, "the fingertip slipped off")
+    found = compared(results)
+    assert found.agreement == 1.0
+    assert np.isnan(found.error[0])
+
+
+def test_several_experiments_stand_beside_one_prediction(tmp_path: Path) -> None:
+    both = [compared(as_predicted()), compared(as_predicted(scale=0.5), by="robot")]
+    document = comparison.document(both)
+    assert document.keys() == {"force", "robot"}
+    assert document["robot"] == comparison.document(both[1:])
+    assert document["force"]["median_force_error"] == 0.0
+    assert document["robot"]["median_force_error"] == pytest.approx(1.0)
+    lines = comparison.text(both)
+    assert sum(line.count("   |   ") == 2 for line in lines) == len(np.unique(CHART.height))
+    assert [line for line in lines if "the robot's finger" in line]
+    comparison.save_table(both, tmp_path / "face.csv")
+    with (tmp_path / "face.csv").open(encoding="utf-8") as file:
+        ways = [row["by"] for row in csv.DictReader(file)]
+    assert ways == ["force"] * len(CHART.force) + ["robot"] * len(CHART.force)
 
 
 def test_contacts_are_those_of_the_chart() -> None:
@@ -97,7 +124,7 @@ def test_contacts_are_those_of_the_chart() -> None:
 
 def test_the_table_has_a_row_for_each_contact(tmp_path: Path) -> None:
     found = compared(as_predicted(scale=0.5))
-    comparison.save_table(found, tmp_path / "face.csv")
+    comparison.save_table([found], tmp_path / "face.csv")
     with (tmp_path / "face.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == len(CHART.force)
@@ -109,7 +136,7 @@ def test_the_table_has_a_row_for_each_contact(tmp_path: Path) -> None:
 def test_the_two_maps_in_letters_stand_side_by_side() -> None:
     results = as_predicted()
     results[0] = other(results[0])
-    lines = comparison.text(compared(results))
+    lines = comparison.text([compared(results)])
     rows = [tuple(line.split("mm  ")[1].split("   |   ")) for line in lines if "   |   " in line]
     heights = len(np.unique(CHART.height.round(9)))
     assert len(rows) == heights

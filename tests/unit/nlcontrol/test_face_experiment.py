@@ -7,13 +7,13 @@ import pickle
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar, get_args
+from typing import Any, ParamSpec, TypeVar
 
 import pytest
 
 from nlcontrol.controller import Controller
 from nlcontrol.errors import ControlError
-from nlcontrol.faceexperiment import WAYS, FaceExperiment, standing
+from nlcontrol.faceexperiment import FaceExperiment, standing
 from nlcontrol.record import Record
 from sim import SimError, load_scene
 from sim.onetouch import Contact, TouchResult, Way
@@ -25,6 +25,8 @@ CONTACTS = [
     for y in (-0.03, 0.01)
     for z in (0.03, 0.16)
 ]
+LOW = [Contact("coffee box", "front", (-0.031, 0.0, 0.005), (-1.0, 0.0, 0.0), (1.0, 0.0, 0.0))]
+"""Nearer to the table than a finger gets."""
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -138,12 +140,24 @@ def test_a_new_version_computes_anew(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert len(experiment(record).missing) == len(CONTACTS)
 
 
-def test_a_way_that_is_not_there_is_said_so() -> None:
-    for way in set(get_args(Way)) - set(WAYS):
-        with pytest.raises(ControlError) as raised:
-            experiment(by=way)
-        assert raised.value.code == "unsupported"
-        assert raised.value.info.suggestions == ("take --by force",)
+def test_only_what_the_robot_does_depends_on_what_it_believes(tmp_path: Path) -> None:
+    record, believed = Record(tmp_path / "touches.jsonl"), Controller(SCENE).models
+    lighter = believed | {"coffee box": believed["coffee box"].model_copy(update={"mass": 0.1})}
+    ways: tuple[tuple[Way, bool], ...] = (("force", True), ("robot", False))
+    for by, shared in ways:
+        first, second = (
+            FaceExperiment(SCENE, LOW, by=by, believed=models, record=record)
+            for models in (believed, lighter)
+        )
+        assert (first.missing.keys() == second.missing.keys()) is shared
+
+
+def test_the_robot_pushes_in_any_process(tmp_path: Path) -> None:
+    believed = Controller(SCENE).models
+    found = FaceExperiment(SCENE, LOW, by="robot", believed=believed).run(workers=1)
+    assert found == FaceExperiment(SCENE, LOW, by="robot", believed=believed).run(executor=Inline())
+    assert [result.outcome for result in found] == [None]
+    assert "table" in found[0].detail
 
 
 def test_an_error_of_a_push_comes_home_from_its_process() -> None:
