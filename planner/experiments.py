@@ -6,7 +6,9 @@
 - *Slide*: press as low as the finger gets, in the middle of a side, until the object has slid by a
   centimetre: friction.
 - *Off-centre slide*: the same near the end of a side; how far the object turns gives the friction
-  radius.
+  radius. At one end it is made as low, at the other as high as the object surely slides: pushed
+  high, the load moves to the far edge, and how the object then turns tells whether it stands on its
+  corners or all over its base.
 - *Rub*: press a side gently and draw the fingertip down along it until it slips: finger friction.
 - *Press*: press any place of a side straight in until something has moved, whatever that is.
 
@@ -72,6 +74,7 @@ _TURN_SD = 0.4  # of a turn rate [rad/m]
 _BALANCES = (0.2, 0.85)  # shares of the largest tilt at which the balance is read
 _MAY_TILT = 0.02  # least believed probability of a tilt worth a trial
 _RUB_HEIGHT = 0.4  # share of the height
+_SURE, _HEIGHTS = 0.99, 9  # believed probability of a slide that is sure, and heights tried
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +128,8 @@ def experiments(seen: SeenObject, reach: Reach) -> tuple[Experiment, ...]:
         found += [tilt] if tilt is not None else []
         found.append(_slide(seen, face, 0.0, low, reach))
         if not face.curvature and room > LEAST_OFF:
-            found += [_slide(seen, face, side * room, low, reach) for side in (1.0, -1.0)]
+            high = _still_slides(seen.model, face, -room, low)
+            found += [_slide(seen, face, y, z, reach) for y, z in ((room, low), (-room, high))]
         found.append(_rub(seen, face, max(_RUB_HEIGHT * face.top, low), reach))
     return tuple(found)
 
@@ -182,6 +186,15 @@ def _slide(seen: SeenObject, face: Face, lateral: float, height: float, reach: R
     point, normal = face.at(lateral, height)
     kind: Kind = "slide" if lateral == 0.0 else "off-centre slide"
     return replace(_touch(kind, seen, point, normal, SLIDE, reach), lateral=lateral)
+
+
+def _still_slides(model: ObjectModel, face: Face, lateral: float, low: float) -> float:
+    """The greatest height, up to the middle of a face, at which the object surely slides [m]."""
+    heights = np.linspace(low, max(low, 0.5 * face.top), _HEIGHTS)
+    points, normals = face.at(np.full(_HEIGHTS, lateral), heights)
+    sure = model.likelihood(points, -normals).slide > _SURE
+    sure[0] = True
+    return float(heights[np.flatnonzero(np.logical_and.accumulate(sure))[-1]])
 
 
 def _rub(seen: SeenObject, face: Face, height: float, reach: Reach) -> Experiment:

@@ -101,10 +101,8 @@ def test_touches_that_show_nothing_are_told(
     kitchen: Controller, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def probe(experiment: Any, world: Any, state: Any, **_: Any) -> Recording:
-        from sim.probing import _nothing
-
         pose = state.objects[experiment.push.object].pose
-        return _nothing(experiment, "unreachable", "the arm does not reach", pose)
+        return Recording.nothing(experiment, "unreachable", "the arm does not reach", pose)
 
     monkeypatch.setattr("sim.exploration.probe", probe)
     result = kitchen.say("find out how heavy the ice tea box is")
