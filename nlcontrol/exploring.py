@@ -19,7 +19,6 @@ from dataclasses import dataclass, replace
 from datetime import date
 from typing import TYPE_CHECKING
 
-import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from nlcontrol.errors import ControlError, ErrorInfo, error
@@ -40,7 +39,6 @@ if TYPE_CHECKING:
     from planner.state import SeenObject
     from sim.exploration import Explorer, Touched
     from sim.trace import Trace
-    from sim.world import DrakeWorld
 
 CENTRE_OF_MASS = ("com_x", "com_y", "com_z")
 
@@ -251,28 +249,6 @@ def _standing(controller: Controller, name: str) -> SeenObject:
             suggestions=("stand it upright first",),
         )
     return seen
-
-
-def with_truth(report: ExplorationReport, world: DrakeWorld) -> ExplorationReport:
-    """The report with how the object really is; an observer of the simulated world tells it.
-
-    Args:
-        report: of the exploration, which is over.
-        world: in which it was made.
-    """
-    from objectmodels.support import mean_distance
-    from sim.observer import Observer
-
-    truth = Observer(world.scene).truth(report.object)
-    feet = np.array(truth.support)
-    figures = {
-        "mass": truth.mass_kg,
-        "friction": truth.friction_table,
-        "finger_friction": truth.friction_finger,
-        "friction_radius": mean_distance(feet, np.full(len(feet), 1.0 / len(feet))),
-        **dict(zip(CENTRE_OF_MASS, truth.centre_of_mass, strict=True)),
-    }
-    return report.model_copy(update={"truth": figures})
 
 
 def kinds_for(parameters: Sequence[str]) -> tuple[Kind, ...]:

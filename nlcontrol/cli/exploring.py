@@ -78,10 +78,11 @@ def command(
     repetition by itself, those of all together, and how the object really is in the scene.
     """
     from nlcontrol.controller import Controller
-    from nlcontrol.exploring import explore, with_truth
+    from nlcontrol.exploring import explore
     from nlcontrol.exploringreport import report_lines
     from nlcontrol.faceexperiment import standing
     from nlcontrol.keeping import kept, renamed
+    from nlcontrol.truth import with_truth
     from objectmodels.modelfile import save_model
     from objectmodels.parameters import UNCERTAIN
 
