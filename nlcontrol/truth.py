@@ -1,4 +1,4 @@
-"""How an explored object really is, told by the observer of the simulated world when all is over."""
+"""How an explored object really is, told by the observer of the simulated world after all."""
 
 from __future__ import annotations
 
