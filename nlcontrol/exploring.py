@@ -7,8 +7,8 @@ are known so well; as these may be few touches, what was believed before then co
 
 The report is the paper's Table I for this run: each repetition by itself gives an estimate in
 closed form, and their mean, standard deviation, least and largest value are told, beside the joint
-fit of all trials. What is true stands in the report only if an observer of the simulated world is
-asked for it, after everything.
+fit of all trials. What is true stands in the report only if an observer is asked for it, after
+everything (`exploringreport`).
 """
 
 from __future__ import annotations
@@ -196,8 +196,8 @@ def explore(
     from sim.exploration import Explorer
 
     before = _standing(controller, name)
-    if guess is not None:
-        controller.models[name] = guessed(controller.models[name], guess)
+    start = before.model if guess is None else guessed(before.model, guess)
+    controller.models[name] = start
 
     def learn(touched: Touched) -> None:
         controller.models[name] = _believed(controller.models[name], touched.trials)
@@ -209,6 +209,9 @@ def explore(
         progress=progress,
     )  # fmt: skip
     kinds = kinds_for(parameters)
+    if not explorer.possible(kinds):
+        message = f"no side of the {name} is high and wide enough for a fingertip"
+        raise error("not_explorable", message)
     if precision is None:
         for repetition in range(repetitions):
             explorer.repeat(kinds, repetition)
@@ -222,7 +225,6 @@ def explore(
             )
         _until(controller, explorer, kinds, asked, most=repetitions * (len(kinds) + 1))
     trials = [trial for touched in explorer.touches for trial in touched.trials]
-    start = guessed(before.model, guess) if guess is not None else before.model
     found = _fitted(start, trials, explorer, prior=precision is not None)
     model = _with_provenance(found, controller)
     controller.models[name] = model

@@ -28,17 +28,15 @@ def renamed(model: ObjectModel, name: str) -> ObjectModel:
     return model.model_copy(update={"name": name, "synonyms": ()})
 
 
-def kept(registry: Registry, model: ObjectModel) -> tuple[Path, str | None]:
-    """Writes a model into the user's folder, over the user's own one of that name.
+def placed(registry: Registry, model: ObjectModel) -> Path:
+    """Puts a model into a registry, over the user's own one of that name, and names its file.
 
-    Returns:
-        The file, and where the model comes from whose place it takes, if not the user's own.
+    Nothing is written: on a copy of the registry this tells beforehand whether it can be kept.
 
     Raises:
         ModelError: `duplicate_name` if it is called as another model's synonym.
         ControlError: `cannot_write` if the file is there and holds another model.
     """
-    from objectmodels.modelfile import save_model
     from objectmodels.registry import user_file, user_folder
 
     path = user_file(model.name)
@@ -48,6 +46,22 @@ def kept(registry: Registry, model: ObjectModel) -> tuple[Path, str | None]:
     elif path.exists():
         raise error("cannot_write", f"cannot write {path}: it holds another model")
     registry.add(model, place=str(path), over=registry.names())
+    return path
+
+
+def kept(registry: Registry, model: ObjectModel) -> tuple[Path, str | None]:
+    """Writes a model into the user's folder, over the user's own one of that name.
+
+    Returns:
+        The file, and where the model comes from whose place it takes, if not the user's own.
+
+    Raises:
+        ModelError: as `placed`; `cannot_write`.
+        ControlError: as `placed`.
+    """
+    from objectmodels.modelfile import save_model
+
+    path = placed(registry, model)
     save_model(model, path)
     replaced = registry.replaced(model.name)
     return path, None if replaced == str(path) else replaced

@@ -8,10 +8,13 @@ from pydantic.json_schema import models_json_schema
 
 from grammar.frames import Command
 from nlcontrol.errors import ErrorInfo
+from nlcontrol.exploring import ExplorationReport
 from nlcontrol.fitting import FitReport
+from nlcontrol.learning import Lesson
 from nlcontrol.predictions import PushPrediction
 from nlcontrol.result import Result
 
+_ANSWERS = (Result, Command, PushPrediction, FitReport, ExplorationReport)
 _SCHEMA = "https://json-schema.org/draft/2020-12/schema"
 
 
@@ -19,24 +22,19 @@ def schema() -> dict[str, object]:
     """JSON schema of the answers.
 
     `Command` is what `parse` answers, `Result` what `plan` and `say` (its `answer` is that to a
-    question), `PushPrediction` what `predict` does, `FitReport` what `fit` does. Numbers are in SI
+    question, its steps carry a `Lesson` for what each push taught), `PushPrediction` what `predict`
+    does, `FitReport` what `fit` does, `ExplorationReport` what `explore` does. Numbers are in SI
     units, angles in radians, spans are `[start, end)` in code points of the sentence as given.
     """
     _, definitions = models_json_schema(
-        [
-            (model, "serialization")
-            for model in (Command, Result, PushPrediction, FitReport, ErrorInfo)
-        ],
+        [(model, "serialization") for model in (*_ANSWERS, Lesson, ErrorInfo)],
         title="nlcontrol",
         description=" ".join((schema.__doc__ or "").split()),
     )
     return {
         "$schema": _SCHEMA,
         **definitions,
-        "anyOf": [
-            {"$ref": f"#/$defs/{name}"}
-            for name in ("Result", "Command", "PushPrediction", "FitReport")
-        ],
+        "anyOf": [{"$ref": f"#/$defs/{model.__name__}"} for model in _ANSWERS],
     }
 
 

@@ -127,6 +127,8 @@ class Explorer:
         Returns:
             Whether it showed what it was to show.
         """
+        if (kind, face) in self._given_up:
+            return False
         state = self._look()
         tried = next(
             (
@@ -136,7 +138,7 @@ class Explorer:
             ),
             None,
         )
-        if tried is None or _key(tried) in self._given_up:
+        if tried is None:
             return False
         recording = probe(tried, self._world, state, reach=self._reach, progress=self._progress)
         touched = Touched(recording, trials(recording, repetition=repetition), repetition)

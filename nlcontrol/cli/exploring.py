@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -79,17 +80,21 @@ def command(
     """
     from nlcontrol.controller import Controller
     from nlcontrol.exploring import explore
-    from nlcontrol.exploringreport import report_lines
+    from nlcontrol.exploringreport import report_lines, with_truth
     from nlcontrol.faceexperiment import standing
-    from nlcontrol.keeping import kept, renamed
-    from nlcontrol.truth import with_truth
+    from nlcontrol.keeping import kept, placed, renamed
     from objectmodels.modelfile import save_model
     from objectmodels.parameters import UNCERTAIN
 
-    for file in (picture, output):
-        require_writable(file)
+    if precision is not None and math.isnan(precision):
+        raise click.UsageError("--precision: nan is no number")
+    _require_file(output, ".yaml", ".yml")
+    _require_file(picture, ".png", ".svg", ".pdf")
     controller = Controller(scene, seed=seed)
     item = standing(controller, name)
+    if saved_as is not None:
+        believed = controller.models[item.name]
+        placed(controller.registry.copy(), renamed(believed, saved_as) if saved_as else believed)
     with Narrator() as progress:
         found = explore(
             controller, item.name, parameters=parameters or UNCERTAIN, repetitions=trials,
@@ -116,6 +121,13 @@ def command(
     for line in report_lines(report):
         click.echo(line)
     return OK
+
+
+def _require_file(path: Path | None, *endings: str) -> None:
+    """Refuses a file that could not be written, before minutes are spent on its contents."""
+    if path is not None and path.suffix.lower() not in endings:
+        raise click.UsageError(f"{path}: the ending must be {' or '.join(endings)}")
+    require_writable(path)
 
 
 def _teller(progress: Narrator) -> Told:

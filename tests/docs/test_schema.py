@@ -51,6 +51,47 @@ def test_the_answers_of_the_commands() -> None:
     assert {"code", "message", "span", "suggestions"} <= set(_definition("ErrorInfo")["properties"])
 
 
+def test_what_is_found_by_touching() -> None:
+    assert {"ok", "object", "parameters", "unidentified", "saved"} <= set(
+        _definition("FitReport")["properties"]
+    )
+    assert list(_definition("ExplorationReport")["properties"]) == [
+        "ok", "object", "scene", "seed", "touches", "repeated", "parameters", "correlations",
+        "friction_spread", "rms", "support", "given_up", "dropped", "notes", "truth", "saved",
+        "instead_of", "files",
+    ]  # fmt: skip
+    assert list(_definition("TouchMade")["properties"]) == [
+        "experiment", "outcome", "as_meant", "force"
+    ]  # fmt: skip
+    assert list(_definition("Repeated")["properties"]) == [
+        "mean", "sd", "percent", "least", "most", "n"
+    ]  # fmt: skip
+    assert {"value", "sd", "percent", "low", "high", "believed", "believed_sd"} == set(
+        _definition("FittedParameter")["properties"]
+    )
+
+
+def test_what_a_push_teaches() -> None:
+    assert list(_definition("Lesson")["properties"]) == [
+        "object", "moved", "force", "surprise", "contradicts", "why", "changes"
+    ]  # fmt: skip
+    assert _definition("Lesson")["properties"]["moved"]["enum"] == [
+        "slide", "topple", "slip", "none"
+    ]  # fmt: skip
+    assert list(_definition("Change")["properties"]) == [
+        "parameter", "before", "before_sd", "after", "after_sd"
+    ]  # fmt: skip
+    assert _definition("Step")["properties"]["lessons"]["items"] == {"$ref": "#/$defs/Lesson"}
+
+
+def test_every_answer_is_one_of_them() -> None:
+    answers: Any = schema()["anyOf"]
+    assert {answer["$ref"] for answer in answers} == {
+        f"#/$defs/{name}"
+        for name in ("Result", "Command", "PushPrediction", "FitReport", "ExplorationReport")
+    }
+
+
 def test_the_names_of_the_frames() -> None:
     frame = _definition("Frame")["properties"]
     assert {"action", "query", "dialogue", "object", "goal", "constraints"} <= set(frame)
