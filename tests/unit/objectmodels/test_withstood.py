@@ -143,10 +143,11 @@ def test_widened_by_as_much_as_it_takes() -> None:
 @given(belief=beliefs, height=heights)
 def test_a_belief_three_times_too_low_gets_there_soon(belief: ObjectModel, height: float) -> None:
     """With force limits of 1.5 times what is believed, as long as they move nothing."""
-    true = 3.0 * onset(belief, height)
+    model: ObjectModel = belief
+    true = 3.0 * onset(model, height)
     bounds = 0
-    while (limit := 1.5 * onset(belief, height)) < true:
-        belief = withstood(belief, bound(limit, height)).model
+    while (limit := 1.5 * onset(model, height)) < true:
+        model = withstood(model, bound(limit, height)).model
         bounds += 1
         assert bounds <= 4
     assert limit < 6.0 * true  # and does not run away
