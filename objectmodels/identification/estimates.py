@@ -7,8 +7,9 @@
 2. *Friction radius* from turn rates ω: c̄ = sqrt(a/ω − a²) / |u_xy|, a = (G/N) [(p − c) × u]_z; if
    none was measured, from how much easier than straight ones off-centre slides are:
    c̄ = |a| / sqrt((μ N/s)² − |u_xy|²).
+   Low slides count: pushed high, a base turns otherwise than its ellipsoid.
 3. *Friction* from slides: μ = (s/N) sqrt(|u_xy|² + (a/c̄)²), N = G − F_z; straight ones have a = 0
-   and give F_xy / (G − F_z).
+   and give F_xy / (G − F_z), and count alone where there are any.
 4. *Finger friction* from slips: |f_t| / f_n.
 
 The ellipsoidal limit surface underlies 2 and 3; the joint fit (`fit`) does better where the exact
@@ -24,7 +25,7 @@ import numpy as np
 
 from objectmodels.base import Array
 from objectmodels.errors import ModelError
-from objectmodels.identification.balance import Balance, Touches, tilt_arms
+from objectmodels.identification.balance import Balance, tilt_arms
 from objectmodels.identification.coordinates import COM_X, MASS
 from objectmodels.identification.trials import Trial
 from objectmodels.model import ObjectModel
@@ -34,6 +35,7 @@ from objectmodels.thresholds import GRAVITY, yaw_arm
 _INDEPENDENT = 0.02  # least singular value of columns of unit length that are told apart
 _OPPOSITE = -0.5  # cosine between the ways of tilts to opposite sides
 _STRAIGHT = 0.1  # arm as a share of c̄ up to which a slide counts as straight
+_SHIFT = 0.2  # way of the load, as a share of the base's size, up to which a slide is a low one
 _LEAST_TURN = 0.2  # turn rate times c̄ from which on it tells c̄ well; 0 is straight
 
 
@@ -138,7 +140,7 @@ def estimates(model: ObjectModel, trials: Sequence[Trial]) -> Estimates:
     if (balance.touches.kind == "slide").any():
         if "mass" not in found:
             notes.append("nothing tilted: the friction is that for the believed mass")
-        found |= _of_slides(balance.touches, values)
+        found |= _of_slides(balance, values)
     slips = balance.touches.ratio[balance.touches.kind == "slip"]
     if slips.size:
         found["finger_friction"] = float(slips.mean())
@@ -201,8 +203,9 @@ def _independent(A: Array) -> bool:
     return len(A) >= A.shape[1] and bool(np.linalg.svd(scaled)[1][-1] > _INDEPENDENT)
 
 
-def _of_slides(t: Touches, values: Array) -> dict[str, float]:
+def _of_slides(balance: Balance, values: Array) -> dict[str, float]:
     """Friction, and friction radius if a slide went off-centre."""
+    t = balance.touches
     i = t.kind == "slide"
     weight, radius = GRAVITY * values[MASS], float(values[UNCERTAIN.index("friction_radius")])
     s, u = t.size[i], t.u[i]
@@ -213,13 +216,15 @@ def _of_slides(t: Touches, values: Array) -> dict[str, float]:
     r, h = s / load, np.hypot(u[:, 0], u[:, 1])
     a = weight / load * yaw_arm(t.p[i], u, values[COM_X:])
     straight = np.abs(a) <= _STRAIGHT * radius
-    found = _radius_by_turn(a, h, t.turn[i], radius)
-    if found is None and straight.any() and not straight.all():
-        found = _radius_by_force(a[~straight], h[~straight], r[~straight], (r * h)[straight])
+    low = t.p[i, 2] * r * h <= _SHIFT * balance.model.base.size
+    found = _radius_by_turn(a[low], h[low], t.turn[i][low], radius)
+    off = low & ~straight
+    if found is None and straight.any() and off.any():
+        found = _radius_by_force(a[off], h[off], r[off], (r * h)[straight])
     if found is not None:
         radius = found
     mu = r * np.hypot(h, a / radius)
-    result = {"friction": float(mu.mean())}
+    result = {"friction": float((mu[straight] if straight.any() else mu).mean())}
     return result if found is None else result | {"friction_radius": found}
 
 

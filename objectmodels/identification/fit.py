@@ -18,7 +18,7 @@ the mass alone.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import exp
 
 import numpy as np
@@ -32,6 +32,7 @@ from objectmodels.identification.coordinates import (
     LOGARITHMIC,
     RADIUS,
     Mask,
+    coordinates,
     correlation_of,
     units,
     with_belief,
@@ -52,11 +53,15 @@ MOST_DROPPED = 0.2
 """Share of the trials that may be left out."""
 
 DIFFERENT = 4.0
-"""Difference of −2 log likelihood from which on one support predicts better than another."""
+"""Difference of −2 log likelihood from which on one support surely predicts better than another."""
 
 _LEAST_ROWS = 5
 _TO_SD = 1.4826  # standard deviations of a normal distribution for each median distance
 _OFF_CENTRE = 0.1  # arm as a share of c̄
+
+
+_Tried = tuple[float, Solution, Balance]
+"""The misfit of a support, the solution with it, and its balance."""
 
 
 @dataclass(frozen=True)
@@ -149,34 +154,41 @@ def fit(
         free, lost = identified(coarse, start, belief, parameters)
         notes += [f"{m.name} is kept as believed: {m.reason}" for m in lost]
     first = solve(coarse, model.means, free, belief, prior=prior)
-    chosen, balance, told = _best_support(model, trials, first, belief, prior, exact, supports)
+    chosen, balance, doubt, told = _best_support(
+        model, trials, first, belief, prior, exact, supports
+    )
     notes += told
     solution, dropped = _without_outliers(balance, chosen, belief, prior)
+    solution = replace(solution, covariance=solution.covariance + doubt)
     return _result(balance, solution, dropped, notes)
 
 
 def _best_support(
     model: ObjectModel, trials: Sequence[Trial], first: Solution, belief: Array, prior: bool,
     exact: bool, supports: Sequence[Support] | None,
-) -> tuple[Solution, Balance, list[str]]:  # fmt: skip
-    """The solution of the support that predicts best, and what was compared."""
+) -> tuple[Solution, Balance, Array, list[str]]:  # fmt: skip
+    """The solution of the support that predicts best, what doubt of it adds, what was compared."""
     coarse = Balance(model, trials)
     if not exact or not _turns(coarse, first.values):
-        return first, coarse, []
+        return first, coarse, np.zeros((7, 7)), []
     tried = list(supports or (model.support, "uniform", "corners"))
     if not first.free[RADIUS] and supports is None:
         tried = [model.support]
-    found: list[tuple[float, Solution, Balance]] = []
+    found: list[_Tried] = []
     for support in dict.fromkeys(tried):
         balance = Balance(_standing_on(model, support), trials, exact=True)
         solution = solve(balance, first.values, first.free, belief, prior=prior)
         rows = _robust_rows(balance, solution)
         found.append((_misfit(balance, solution, rows), solution, balance))
-    # The first one stands unless another predicts better by more than chance does.
-    best = min(found[1:], key=lambda one: one[0] + DIFFERENT, default=found[0])
-    if best[0] + DIFFERENT > found[0][0]:
-        best = found[0]
-    return best[1], best[2], _compared(found, best[2])
+    best = min(found, key=lambda one: one[0])
+    return best[1], best[2], _between(found, best), _compared(found, best[2])
+
+
+def _between(found: Sequence[_Tried], best: _Tried) -> Array:
+    """Covariance from not being sure of the support: how far off the others are, by likelihood."""
+    weights = np.exp(-0.5 * (np.array([misfit for misfit, _, _ in found]) - best[0]))
+    apart = np.array([coordinates(s.values) - coordinates(best[1].values) for _, s, _ in found])
+    return np.asarray(apart.T @ (weights / weights.sum() * apart.T).T)
 
 
 def _standing_on(model: ObjectModel, support: Support) -> ObjectModel:
@@ -189,7 +201,7 @@ def _standing_on(model: ObjectModel, support: Support) -> ObjectModel:
     )
 
 
-def _compared(found: Sequence[tuple[float, Solution, Balance]], taken: Balance) -> list[str]:
+def _compared(found: Sequence[_Tried], taken: Balance) -> list[str]:
     """What to say of the supports that were tried."""
     if len(found) < 2:
         return []
