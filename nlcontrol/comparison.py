@@ -137,11 +137,11 @@ def text(experiments: Sequence[Comparison]) -> list[str]:
     """
     first = experiments[0]
     chart = first.chart
+    titles = [f"experiment by {BY[found.by]}" for found in experiments]
     sides = [*(found.outcome for found in experiments), chart.outcome]
     lines = [
         f"{first.object}, {first.face} face, seen from outside",
-        f"{', '.join(['experiment', *('another' for _ in experiments[1:])])} left, "
-        "prediction right",
+        f"from left to right: {', '.join(titles)}, prediction",
         *(
             f"{1e3 * z:5.0f} mm  " + "   |   ".join(maps.letters(chart, o, row) for o in sides)
             for z, row in maps.rows(chart)

@@ -1,7 +1,8 @@
 """One push at one place of an object, and what it did: the experiment of the paper's Fig. 7.
 
-There are several ways of pushing; each is a function like `Touch` that builds its own world from
-plain data, so that it may run in any process, and whose answer depends on its arguments alone.
+There are several ways of pushing; each is like `Touch`: it builds its own world from plain data, so
+that it may run in any process, and its answer depends on its arguments alone, and on what a robot
+that pushes believes.
 """
 
 from __future__ import annotations
