@@ -7,8 +7,7 @@ are known so well; as these may be few touches, what was believed before then co
 
 The report is the paper's Table I for this run: each repetition by itself gives an estimate in
 closed form, and their mean, standard deviation, least and largest value are told, beside the joint
-fit of all trials. What is true stands in the report only if an observer is asked for it, after
-everything (`exploringreport`).
+fit of all trials. What is true an observer adds to it after everything (`exploringreport`).
 """
 
 from __future__ import annotations

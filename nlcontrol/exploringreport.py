@@ -74,7 +74,7 @@ def _cells(report: ExplorationReport, name: str) -> Iterator[str]:
     scale, digits, _ = _SCALES[UNITS.get(name, "")]
 
     def cell(value: float | None) -> str:
-        return "" if value is None else f"{scale * value + 0.0:.{digits}f}"
+        return "" if value is None else f"{round(scale * value, digits) + 0.0:.{digits}f}"
 
     row, fitted = report.repeated.get(name), report.parameters[name]
     if row is None:

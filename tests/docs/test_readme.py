@@ -14,6 +14,7 @@ from grammar import parse
 from nlcontrol.cli import run
 
 ROOT = Path(__file__).parents[2]
+SLOW = ("say", "explore")  # `explore` is run in tests/cli/test_explore.py
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
@@ -51,7 +52,7 @@ def test_linked_files_exist(document: str) -> None:
     assert not missing
 
 
-@pytest.mark.parametrize("args", [e for e in _examples() if e[0] != "say"], ids=" ".join)
+@pytest.mark.parametrize("args", [e for e in _examples() if e[0] not in SLOW], ids=" ".join)
 def test_examples_of_the_command_line(
     args: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
