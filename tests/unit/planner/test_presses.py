@@ -1,4 +1,4 @@
-"""Experiments as they are planned: where the finger presses, and how far."""
+"""Presses and off-centre slides as they are planned: where the finger presses, and how far."""
 
 from __future__ import annotations
 
