@@ -17,6 +17,7 @@ Frames: W is the world, T the fingertip's centre.
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sized
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -203,6 +204,10 @@ class ProbeControl(TouchControl):
         ended = {"tilt": self._raise, "rub": self._rub}.get(kind, self._slide)()
         self._hold()
         if kind == "tilt":
+            if self._moved == "topple" and self._seen:
+                # A tilt too small to be told from a slide on the way is looked for at its end.
+                seen = float(np.mean([self._tilt_in(frame) for frame in self._seen]))
+                ended = self._slid(seen, self.tilt_of(self._here.midpoint), self._seen) or ended
             self._let_down()
         return ended
 
@@ -235,6 +240,9 @@ class ProbeControl(TouchControl):
         self._angle = start
         while True:
             self._angle += self.experiment.push.speed * self._period / radius
+            # Where the fingertip touches goes round on it as the face leans.
+            lean = self.tilt_of(self._here.midpoint)
+            self.recorder.inward = np.cos(lean) * self._u - [0.0, 0.0, np.sin(lean)]
             self._press(self._on_arc(self._angle))
             ended = self._ended() or self._slides()
             if ended is not None:
@@ -312,9 +320,8 @@ class ProbeControl(TouchControl):
         here, now = self._here, self.recorder.world.time
         self._samples.append((now, here.midpoint, here.forces[0]))
         for frame in self.recorder.frames:
-            up = frame.poses[self.experiment.push.object].R_WB[:, 2]
-            seen = float(np.arctan2(up @ self._u, up[2]))
-            self._views.append((frame.time, seen, self.tilt_of(here.midpoint)))
+            own = self.tilt_of(here.midpoint)
+            self._views.append((frame.time, self._tilt_in(frame), own))
         while self._views and self._views[0][0] < now - _LOOKS_BACK:
             self._views.popleft()
 
@@ -363,13 +370,21 @@ class ProbeControl(TouchControl):
 
     def _slides(self) -> tuple[EndReason, str] | None:
         """Compares tilts of the same frames: what is seen lags behind."""
-        seen, own = self._lately()
+        return self._slid(*self._lately(), self._views)
+
+    def _slid(self, seen: float, own: float, views: Sized) -> tuple[EndReason, str] | None:
+        """Whether much less of a tilt is seen in so many frames than the fingertip has gone."""
         noise = np.radians(self.recorder.world.scene.vision.angle_noise_deg)
-        unsure = _SLIDES_SURELY * float(noise) / np.sqrt(max(len(self._views), 1))
+        unsure = _SLIDES_SURELY * float(noise) / np.sqrt(max(len(views), 1))
         if own - seen > max((1.0 - _SLIDES_SHARE) * own, unsure, _LEAST_SHORT):
             self._moved = "slide"
             return "guard", "it slides where it should tilt"
         return None
+
+    def _tilt_in(self, frame: Frame) -> float:
+        """Tilt along the push that a frame shows [rad]."""
+        up = frame.poses[self.experiment.push.object].R_WB[:, 2]
+        return float(np.arctan2(up @ self._u, up[2]))
 
     # -- the record ------------------------------------------------------------------------------
 
@@ -378,7 +393,7 @@ class ProbeControl(TouchControl):
         name = self.experiment.push.object
         world, scene = self.recorder.world, self.recorder.world.scene
         noise = self.stance.coarseness(self._u) * world.torque_noise
-        ups = [frame.poses[name].R_WB[:, 2] for frame in self._seen]
+        tilts_seen = [self._tilt_in(frame) for frame in self._seen]
         frames = max(1.0, scene.vision.rate_hz)
         return Recording(
             experiment=self.experiment,
@@ -390,9 +405,7 @@ class ProbeControl(TouchControl):
             forces=np.array([f for _, _, f in self._samples]),
             before=before,
             after=averaged(self._seen)[name] if self._seen else None,
-            seen_tilt=float(np.mean([np.arctan2(up @ self._u, up[2]) for up in ups]))
-            if ups
-            else None,
+            seen_tilt=float(np.mean(tilts_seen)) if tilts_seen else None,
             force_sd=noise,
             zero_sd=noise / float(np.sqrt(max(1.0, self.pause / self._period))),
             pose_sd=(

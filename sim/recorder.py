@@ -36,6 +36,7 @@ class Recorder:
         zero: what they read while nothing is touched, of the same shape.
         touch: what the fingers felt last; None until there are any.
         frames: camera frames that arrived with the last step.
+        inward: unit normal into the touched face in W, shape (3,).
     """
 
     def __init__(self, world: DrakeWorld, mount: Mount, normal_W: Array) -> None:
@@ -48,7 +49,7 @@ class Recorder:
         self.touch: Touch | None = None
         self.frames: list[Frame] = []
         self._mount = mount
-        self._inward_W = -normal_W
+        self.inward = -normal_W
         self._first = len(world.history)
         self._contacts = len(world.contacts)
         self._newest: dict[str, SeenPose] = {}
@@ -66,7 +67,7 @@ class Recorder:
         if self.fingers:
             self.torques = np.array([self.world.finger_torques(f) for f in self.fingers])
             self.touch = feel(
-                self.world, self._mount, self.fingers, self._inward_W, self.torques - self.zero
+                self.world, self._mount, self.fingers, self.inward, self.torques - self.zero
             )
         self._phases.append(self.phase)
         self._limits.append(self.force_limit)
