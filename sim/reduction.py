@@ -126,13 +126,17 @@ def _slide(recording: Recording, source: str) -> list[Trial]:
     if moving.sum() < _FEWEST:
         return []
     before, after = recording.before, recording.after
+    if recording.experiment.kind == "tilt":
+        after = None  # it was pressed high: on a base about to rise, a little turns it much
     turned = 0.0 if after is None else float(wrap(after.yaw - before.yaw))
     yaw = before.yaw + turned * travel / travel[-1]
     forces = np.einsum("nij,ni->nj", rot_z(yaw), recording.forces)[moving]
     force = forces.mean(axis=0)
-    # Where the face is along its normal the shape knows better than the camera.
-    seen = (recording.tips[0] - TIP_RADIUS * normal - before.p_WB) @ before.R_WB
+    # The fingertip slips a little along the face: half-way is the mean of both ends. Where the face
+    # is along its normal the shape knows better than the camera.
     out = before.R_WB.T @ normal
+    ends = zip((before, after or before), recording.tips[[0, -1 if after else 0]], strict=True)
+    seen = np.mean([(tip - pose.p_WB) @ pose.R_WB for pose, tip in ends], axis=0)
     point = seen + (np.array(push.p_BC) - seen) @ out * out
     along = rot_z(yaw[moving].mean()) @ force
     way = float((recording.tips[-1] - recording.tips[0]) @ along / np.linalg.norm(along))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -98,20 +100,44 @@ def test_the_tilt_follows_from_the_fingertip_wherever_it_slips_to() -> None:
         assert tilts(tip[None], start, u, tried.length)[0] == pytest.approx(angle, abs=1e-12)
 
 
-def test_a_slide_gives_the_mean_force_in_the_axes_half_way() -> None:
+def slide_recording(turned: float, aside: float = 0.0) -> Recording:
+    """The box turns about the fingertip, which slips along the face meanwhile [m]."""
     tried = experiment("off-centre slide")
     start, u = touched(tried)
     travel = np.concatenate([np.zeros(50), np.linspace(0.0, 0.012, 240)])
     size = np.concatenate([np.linspace(0.0, 3.0, 50), np.full(240, 3.0)])
+    tips = start + np.outer(travel, u)
+    yaw = YAW + turned
+    x, y, _ = SEEN.pose.R_WB.T @ (start - SEEN.pose.p_WB) + [0.0, aside, 0.0]
+    c, s = np.cos(yaw), np.sin(yaw)
+    after = PlanarPose(tips[-1, 0] - (c * x - s * y), tips[-1, 1] - (s * x + c * y), yaw)
+    return replace(recording(tried, "slide", tips, np.outer(size, u)), after=after)
+
+
+def test_a_slide_gives_the_mean_force_in_the_axes_half_way() -> None:
     turned = np.radians(6.0)
-    rec = recording(tried, "slide", start + np.outer(travel, u), np.outer(size, u), turned)
+    rec = slide_recording(turned)
     (trial,) = trials(rec)
     assert np.linalg.norm(trial.force) == pytest.approx(3.0, rel=1e-3)  # directions turn by 5°
     half_way = np.arctan2(trial.force[1], trial.force[0])
     assert half_way == pytest.approx(-turned * 6.75 / 12.0, abs=1e-3)
     # The contact goes along u, the force half-way is u itself: 12 mm.
     assert trial.turn_rate == pytest.approx(turned / 0.012, rel=1e-2)
-    assert trial.point == pytest.approx(tried.push.p_BC, abs=1e-9)
+    assert trial.point == pytest.approx(rec.experiment.push.p_BC, abs=1e-9)
+
+
+def test_a_slide_counts_where_the_finger_was_half_way() -> None:
+    rec = slide_recording(np.radians(6.0), aside=0.002)
+    (trial,) = trials(rec)
+    x, y, z = rec.experiment.push.p_BC
+    assert trial.point == pytest.approx((x, y + 0.001, z), abs=1e-9)
+
+
+def test_a_tilt_that_slid_tells_a_force_and_no_turn() -> None:
+    slid = slide_recording(np.radians(6.0))
+    (trial,) = trials(replace(slid, experiment=experiment("tilt")))
+    assert trial.moved == "slide"
+    assert trial.turn_rate is None
 
 
 def test_a_rub_gives_the_force_while_the_finger_slips() -> None:
