@@ -8,8 +8,9 @@
    none was measured, from how much easier than straight ones off-centre slides are:
    c̄ = |a| / sqrt((μ N/s)² − |u_xy|²).
    Low slides count: pushed high, a base turns otherwise than its ellipsoid.
-3. *Friction* from slides: μ = (s/N) sqrt(|u_xy|² + (a/c̄)²), N = G − F_z; straight ones have a = 0
-   and give F_xy / (G − F_z), and count alone where there are any.
+3. *Friction* from the straight slides, or from all if none is: μ = (s/N) sqrt(|u_xy|² + (a/c̄)²),
+   N = G − F_z, which is F_xy / (G − F_z) for a = 0. How a straight one turned nevertheless tells
+   its a/c̄ = x better than the believed centre of mass: ω c̄ = x / (1 + x²).
 4. *Finger friction* from slips: |f_t| / f_n.
 
 The ellipsoidal limit surface underlies 2 and 3; the joint fit (`fit`) does better where the exact
@@ -37,6 +38,8 @@ _OPPOSITE = -0.5  # cosine between the ways of tilts to opposite sides
 _STRAIGHT = 0.1  # arm as a share of c̄ up to which a slide counts as straight
 _SHIFT = 0.2  # way of the load, as a share of the base's size, up to which a slide is a low one
 _LEAST_TURN = 0.2  # turn rate times c̄ from which on it tells c̄ well; 0 is straight
+_MOST_TURN = 0.5  # turn rate times c̄ that no slide exceeds
+_ACROSS = 0.3  # share of a tilt's way along an axis from which on it tells the place along it
 
 
 @dataclass(frozen=True)
@@ -164,7 +167,8 @@ def _of_tilts(balance: Balance, notes: list[str]) -> dict[str, float]:
     opposite = (n @ n.T).min() < _OPPOSITE
     sought = [
         name for name in ("com_x", "com_y", "com_z")
-        if np.abs(per[name]).max() > 0.0 and (opposite or name == "com_z")
+        if np.abs(per[name]).max() > (0.0 if name == "com_z" else _ACROSS)
+        and (opposite or name == "com_z")
     ]  # fmt: skip
     # What cannot be told from the weight is believed, the height first.
     while not _independent(_columns(d * np.cos(tilt), per, sought, believed)):
@@ -223,9 +227,18 @@ def _of_slides(balance: Balance, values: Array) -> dict[str, float]:
         found = _radius_by_force(a[off], h[off], r[off], (r * h)[straight])
     if found is not None:
         radius = found
-    mu = r * np.hypot(h, a / radius)
-    result = {"friction": float((mu[straight] if straight.any() else mu).mean())}
+    share = np.where(
+        straight & np.isfinite(t.turn[i]), _off_by_turn(t.turn[i] * radius), a / radius
+    )
+    mu = (r * np.hypot(h, share))[straight if straight.any() else slice(None)]
+    result = {"friction": float(mu.mean())}
     return result if found is None else result | {"friction_radius": found}
+
+
+def _off_by_turn(turn: Array) -> Array:
+    """The x of ω c̄ = x / (1 + x²) that is 0 without a turn."""
+    w = np.clip(np.nan_to_num(turn), -_MOST_TURN, _MOST_TURN)
+    return np.asarray(2.0 * w / (1.0 + np.sqrt(1.0 - 4.0 * w * w)))
 
 
 def _radius_by_turn(a: Array, h: Array, turn: Array, radius: float) -> float | None:

@@ -67,6 +67,15 @@ def test_slides_alone_give_the_friction_of_the_believed_mass() -> None:
     assert any("believed mass" in note for note in found.notes)
 
 
+def test_a_straight_slide_counts_by_how_it_turned() -> None:
+    """Where the centre of mass lies across the push nobody has found; the turn shows it."""
+    truth = TRUTH.model_copy(update={"com": (0.0, 0.03, 0.08)})
+    believed = BELIEF.model_copy(update={"friction_radius": TRUTH.friction_radius})
+    plan = [*(tilt(side) for side in ("front", "back")), slide()]
+    found = estimates(believed, touched(truth, plan))
+    assert found.friction == pytest.approx(TRUTH.friction)
+
+
 def test_a_push_aslant_counts_by_the_load_it_leaves() -> None:
     """The paper's friction: F_xy / (G − F_z)."""
     trial = replace(slide(turn=False), force=(3.0, 0.0, -1.0))
@@ -79,6 +88,21 @@ def test_round_bases_are_estimated_too() -> None:
     can = CylinderModel(name="c", radius=0.045, height=0.23, mass=0.7, friction=0.3)
     found = estimates(can.model_copy(update={"mass": 1.0}), touched(can, everything(1)))
     assert (found.mass, found.friction) == pytest.approx((0.7, 0.3))
+
+
+def test_tilts_one_way_do_not_tell_the_place_across() -> None:
+    """On a rim the ways of opposite tilts are not quite opposite, which tells noise only."""
+    can = CylinderModel(name="c", radius=0.045, height=0.23, mass=0.7, friction=0.3)
+    ways = [
+        ("front", 1.0, 0.02),
+        ("front", 1.0, -0.01),
+        ("back", -1.0, 0.03),
+        ("back", -1.0, -0.02),
+    ]
+    aslant = [replace(tilt(side), force=(x, y, 0.0)) for side, x, y in ways]
+    found = estimates(can, touched(can, aslant))
+    assert found.com_x == pytest.approx(0.0, abs=1e-9)
+    assert found.com_y is None
 
 
 def test_a_negative_weight_is_refused() -> None:
