@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from sim import DrakeWorld, PictureError, first_look, load_scene, save_picture, save_replay
+from sim.hand import JOINT_NAMES
 from sim.picture import missing_libraries
+from sim.scene import TorqueSensor
 from sim.stage import samples
 from sim.trace import Trace
 
@@ -69,6 +71,22 @@ def test_fingers_that_touch_nothing_feel_a_constant_and_noise(still: DrakeWorld)
     assert np.abs(early).max() < 4.0 * sensor.bias_nm
     # Steps of 2 mN·m add a twelfth of their square: 0.7 % here.
     np.testing.assert_allclose(readings.std(axis=0), still.torque_noise, rtol=0.15)
+
+
+@pytest.mark.parametrize("time_step", [0.001, 0.002])
+def test_a_finger_that_swings_evenly_feels_next_to_nothing(time_step: float) -> None:
+    ideal = TorqueSensor(noise_nm=0.0, resolution_nm=0.0, bias_nm=0.0)
+    kitchen = load_scene("kitchen")
+    world = DrakeWorld(
+        kitchen.model_copy(update={"torque_sensor": ideal, "time_step_s": time_step})
+    )
+    q_arm, q_hand = world.commanded
+    proximal = np.array(JOINT_NAMES) == "index_proximal"
+    for _ in range(40):
+        q_hand = q_hand - 0.002 * proximal
+        world.step(q_arm, q_hand)
+    # Commands in steps make a saw tooth of ±1.5 mN·m; its middle is the joint's damping, 0.1 mN·m.
+    assert np.abs(world.finger_torques("index")).max() < 3e-4
 
 
 def test_the_same_seed_gives_the_same_noise_and_another_seed_another() -> None:
