@@ -32,7 +32,8 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from nlcontrol import Controller
-from nlcontrol.exploring import CENTRE_OF_MASS, ExplorationReport, explore, with_truth
+from nlcontrol.exploring import CENTRE_OF_MASS, ExplorationReport, explore
+from nlcontrol.exploringreport import with_truth
 from nlcontrol.learning import taken
 from objectmodels import ObjectModel
 from objectmodels.identification import guess

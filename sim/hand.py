@@ -25,6 +25,9 @@ LINK_RADIUS = 0.010
 JOINT_STIFFNESS = 8.0
 """Of the impedance control of each finger joint [N·m/rad]."""
 
+FINGER_LIMITS = np.radians([[-20.0, 20.0], [-40.0, 85.0], [0.0, 100.0]])
+"""Stops of abduction, proximal and middle joint, shape (3, 2) [rad]."""
+
 FLANGE_TO_PALM = 0.03
 """Distance from the flange to the palm's origin, along z [m]; the palm is turned by π about it."""
 
@@ -44,6 +47,7 @@ _BASES: Mapping[str, Array] = {
 }
 _THUMB_R = rot_y(_THUMB_LEAN) @ axis_rotation([0.0, 0.0, 1.0], np.pi)
 
+_STOP = 0.005  # distance from a stop at which a joint counts as being there [rad]
 _FOLLOWS = np.vstack([np.eye(3), [0.0, 0.0, 1.0]])  # all four joints by the independent ones
 
 Angles = tuple[float, float, float]
@@ -124,6 +128,13 @@ def coarseness(finger: str, angles: Angles, p_PC: Array, along_P: Array) -> Arra
     """
     J = finger_jacobian(finger, angles, p_PC)
     return np.asarray(np.linalg.norm(np.linalg.solve(J, along_P[..., None])[..., 0], axis=-1))
+
+
+def at_stop(angles: Angles) -> bool:
+    """Whether a joint of a finger is at its stop, which then bears what no torque sensor shows."""
+    low, high = FINGER_LIMITS.T
+    room = np.minimum(angles - low, high - angles)
+    return bool(room.min() < _STOP)
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,7 +25,7 @@ import numpy as np
 
 from planner.experiments import Experiment
 from planner.state import PlanarPose, WorldState
-from sim.hand import TIP_RADIUS
+from sim.hand import TIP_RADIUS, at_stop
 from sim.reach import ArmReach
 from sim.rotations import Array
 from sim.stance import UnreachableError
@@ -342,8 +342,8 @@ class ProbeControl(TouchControl):
     def _guarded(self) -> tuple[EndReason, str] | None:
         """Too much force, a fingertip that slipped off, or too much time."""
         push, felt = self.experiment.push, float(self._forces.sum())
-        if felt > push.force_limit:
-            return "force", f"it does not move with {felt:.1f} N"
+        if felt > push.force_limit or self._at_stop():
+            return "force", f"it does not move with {felt:.1f} N, the most of this finger"
         aside = float((self._here.midpoint - self._origin) @ [-self._u[1], self._u[0], 0.0])
         self._most = max(self._most, felt)
         self._lost = self._lost + self._period if felt < _LOST_SHARE * self._most else 0.0
@@ -353,6 +353,11 @@ class ProbeControl(TouchControl):
         if self.recorder.world.time - self._start > longest:
             return "guard", f"it took longer than {longest:.0f} s"
         return None
+
+    def _at_stop(self) -> bool:
+        """Whether the finger is bent back as far as it goes."""
+        (finger,) = self.stance.posture.pushing
+        return at_stop(self.recorder.world.finger_angles(finger))
 
     def _lately(self) -> tuple[float, float]:
         """Means of the tilts seen lately and of the fingertip's own [rad]; nan if too few."""
