@@ -140,6 +140,18 @@ def test_limits_are_those_of_the_file() -> None:
         assert float(found.attrib["lower"]) == pytest.approx(-limit, abs=1e-5)
 
 
+def test_stops_of_the_fingers_are_those_of_the_file() -> None:
+    joints = {j.attrib["name"]: j for j in _urdf("four_finger_hand").iter("joint") if j.get("type")}
+    for name, stops in zip(hand.JOINT_NAMES, np.tile(hand.FINGER_LIMITS, (4, 1)), strict=True):
+        found = joints[name].find("limit")
+        assert found is not None
+        # The file has six digits.
+        file = float(found.attrib["lower"]), float(found.attrib["upper"])
+        assert file == pytest.approx(tuple(stops), abs=1e-5)
+    assert hand.at_stop((0.0, -0.697, 0.5))
+    assert not hand.at_stop((0.0, -0.65, 0.5))
+
+
 def test_finger_stiffness_is_that_of_the_file() -> None:
     tag = "{http://drake.mit.edu}controller_gains"
     gains = {float(g.attrib["p"]) for g in _urdf("four_finger_hand").iter(tag)}
