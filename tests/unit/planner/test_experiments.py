@@ -81,6 +81,23 @@ def test_where_the_fingertip_touches_and_how_far_it_goes(name: str, arm: Reach) 
             assert e.push.stroke == SLIDE
 
 
+@pytest.mark.parametrize("name", sorted(set(MODELS) - ROUND - {LOW}))
+def test_off_centre_slides_are_low_at_one_end_and_as_high_as_is_sure_at_the_other(
+    name: str, arm: Reach
+) -> None:
+    model = MODELS[name]
+    off = [e for e in experiments(seen(model), arm) if e.kind == "off-centre slide"]
+    for low, high in zip(off[::2], off[1::2], strict=True):
+        assert low.push.face == high.push.face
+        assert low.lateral == -high.lateral > 0.0
+        assert low.push.p_BC[2] == pytest.approx(arm.lowest_height)
+        assert arm.lowest_height - 1e-9 <= high.push.p_BC[2] <= 0.5 * model.top
+        surely = model.likelihood([high.push.p_BC], [inward(high)]).slide[0]
+        # The lowest one is made whether it is sure or not.
+        assert surely > 0.99 or high.push.p_BC[2] == pytest.approx(arm.lowest_height)
+    assert any(e.push.p_BC[2] > 1.5 * arm.lowest_height for e in off)
+
+
 def test_no_tilt_where_it_cannot_tilt(arm: Reach) -> None:
     tile = BoxModel(
         name="tile", size=(0.15, 0.06, 0.07), mass=0.5, mass_sd=0.02, friction=0.2,
