@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
+from objectmodels.identification.columns import Row, Table, read_table, shortened
 from objectmodels.identification.plausible import require_on_object, require_plausible_force
 from objectmodels.identification.recordings import CONTACT, FORCE, read_recordings
-from objectmodels.identification.table import Row, Table, read_table, shortened
 from objectmodels.identification.trials import Moved, Trial, Vector
 from objectmodels.model import ObjectModel
 from objectmodels.suggest import suggest

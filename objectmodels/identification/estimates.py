@@ -36,8 +36,8 @@ from objectmodels.thresholds import GRAVITY, yaw_arm
 _INDEPENDENT = 0.02  # least singular value of columns of unit length that are told apart
 _OPPOSITE = -0.5  # cosine between the ways of tilts to opposite sides
 _STRAIGHT = 0.1  # arm as a share of c̄ up to which a slide counts as straight
-_SHIFT = 0.2  # way of the load, as a share of the base's size, up to which a slide is a low one
-_LEAST_TURN = 0.2  # turn rate times c̄ from which on it tells c̄ well; 0 is straight
+_LOW = 1.5  # a slide moves the load by so many times as much as the lowest one, or less
+_LEAST_TURN = 0.04  # turn rate times arm from which on it tells c̄ well: an arm of c̄ / 5
 _MOST_TURN = 0.5  # turn rate times c̄ that no slide exceeds
 _ACROSS = 0.3  # share of a tilt's way along an axis from which on it tells the place along it
 
@@ -220,8 +220,9 @@ def _of_slides(balance: Balance, values: Array) -> dict[str, float]:
     r, h = s / load, np.hypot(u[:, 0], u[:, 1])
     a = weight / load * yaw_arm(t.p[i], u, values[COM_X:])
     straight = np.abs(a) <= _STRAIGHT * radius
-    low = t.p[i, 2] * r * h <= _SHIFT * balance.model.base.size
-    found = _radius_by_turn(a[low], h[low], t.turn[i][low], radius)
+    shift = t.p[i, 2] * r * h
+    low = shift <= _LOW * shift.min()
+    found = _radius_by_turn(a[low], h[low], t.turn[i][low])
     off = low & ~straight
     if found is None and straight.any() and off.any():
         found = _radius_by_force(a[off], h[off], r[off], (r * h)[straight])
@@ -241,11 +242,11 @@ def _off_by_turn(turn: Array) -> Array:
     return np.asarray(2.0 * w / (1.0 + np.sqrt(1.0 - 4.0 * w * w)))
 
 
-def _radius_by_turn(a: Array, h: Array, turn: Array, radius: float) -> float | None:
+def _radius_by_turn(a: Array, h: Array, turn: Array) -> float | None:
     """c̄ = sqrt(a/ω − a²) / |u_xy|, the median over the slides that turned."""
     with np.errstate(invalid="ignore", divide="ignore"):
         square = a / turn - a * a
-        told = (np.abs(turn) * radius > _LEAST_TURN) & (square > 0.0)
+        told = (a * turn > _LEAST_TURN) & (square > 0.0)  # a ω = x² / (1 + x²), x = a/c̄
         radii = np.sqrt(square[told]) / h[told]
     return float(np.median(radii)) if radii.size else None
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from objectmodels.base import Array, Polygon
-from objectmodels.identification.table import Row
+from objectmodels.identification.columns import Row
 from objectmodels.identification.trials import Trial, Vector
 from objectmodels.model import ObjectModel
 

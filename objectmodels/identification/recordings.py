@@ -17,9 +17,9 @@ import numpy as np
 
 from objectmodels.base import Array
 from objectmodels.errors import ModelError
+from objectmodels.identification.columns import Row, Table, shortened
 from objectmodels.identification.onset import LEAST_SAMPLES, LEAST_TRAVEL, Onset, detect_onset
 from objectmodels.identification.plausible import require_on_object, require_plausible_force
-from objectmodels.identification.table import Row, Table, shortened
 from objectmodels.identification.trials import Moved, Trial, Vector
 from objectmodels.model import ObjectModel
 

@@ -29,6 +29,7 @@ from objectmodels.identification.update import SURPRISING, Update, belief_of
 from objectmodels.model import ObjectModel
 
 _HALVINGS = 6  # of the step of the centre of mass
+_WAYS: tuple[Moved, ...] = ("slide", "topple")
 _FAR = 6.0  # standard deviations from which on the hazard is taken from its asymptote
 
 
@@ -42,9 +43,10 @@ def withstood(model: ObjectModel, trial: Trial) -> Update:
         model: the belief before.
         trial: the force that moved nothing.
     """
-    model, first = _above(model, trial, "slide")
-    model, second = _above(model, trial, "topple")
-    return Update(model, max(first, second))
+    surprise = max(0.0, *(_distance(model, trial, moved)[0] for moved in _WAYS))
+    for moved in _WAYS:
+        model = _above(model, trial, moved)
+    return Update(model, surprise)
 
 
 def widened(model: ObjectModel, surprise: float) -> ObjectModel:
@@ -58,18 +60,18 @@ def widened(model: ObjectModel, surprise: float) -> ObjectModel:
     return model if factor == 1.0 else with_belief(model, factor * model.covariance)
 
 
-def _above(model: ObjectModel, trial: Trial, moved: Moved) -> tuple[ObjectModel, float]:
-    """The belief if the force of one way to move is above that of the trial, and the surprise."""
+def _above(model: ObjectModel, trial: Trial, moved: Moved) -> ObjectModel:
+    """The belief if the force of one way to move is above that of the trial."""
     z, *_ = _distance(model, trial, moved)
     model = widened(model, z)
     cut, gain, P = _distance(model, trial, moved)
     if not np.isfinite(cut):
-        return model, 0.0
+        return model
     hazard = _hazard(cut)
     raised = _standing(model, hazard * gain)
     P = P - hazard * (hazard - cut) * np.outer(gain, gain)
     per = units(raised.means)
-    return with_belief(raised, P * np.outer(per, per)), max(z, 0.0)
+    return with_belief(raised, P * np.outer(per, per))
 
 
 def _standing(model: ObjectModel, step: Array) -> ObjectModel:
