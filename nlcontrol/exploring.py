@@ -25,7 +25,7 @@ from nlcontrol.fitting import FittedParameter, correlations, fitted_parameter
 from nlcontrol.learning import SPREAD, taken
 from objectmodels.errors import ModelError
 from objectmodels.identification.design import Candidate, ranked, reached
-from objectmodels.identification.estimates import Estimates, estimates, table
+from objectmodels.identification.estimates import Estimates, Statistics, estimates, table
 from objectmodels.identification.fit import Fit, fit
 from objectmodels.identification.update import guess as guessed
 from objectmodels.parameters import UNCERTAIN, Provenance
@@ -59,26 +59,6 @@ _BELIEVING = "what was believed before counts as measured, since the touches are
 
 Told = Callable[["Touched", "ObjectModel"], None]
 """Told of each touch, and of what is believed after it."""
-
-
-class Repeated(BaseModel):
-    """A parameter over the repetitions, each estimated by itself: a line of Table I; SI units.
-
-    Attributes:
-        mean, sd: of the estimates; no standard deviation of a single one.
-        percent: the standard deviation in percent of the mean.
-        least, most: of the estimates.
-        n: number of repetitions with an estimate.
-    """
-
-    model_config = ConfigDict(frozen=True)
-
-    mean: float
-    sd: float | None
-    percent: float | None
-    least: float
-    most: float
-    n: int
 
 
 class TouchMade(BaseModel):
@@ -126,7 +106,7 @@ class ExplorationReport(BaseModel):
     scene: str
     seed: int
     touches: tuple[TouchMade, ...]
-    repeated: dict[str, Repeated]
+    repeated: dict[str, Statistics]
     parameters: dict[str, FittedParameter]
     correlations: tuple[tuple[str, str, float], ...]
     friction_spread: float
@@ -347,11 +327,8 @@ def _report(
     trials: Sequence[Trial],
     parameters: Sequence[str],
 ) -> ExplorationReport:
-    repeated = {
-        p: Repeated(**vars(row))
-        for p, row in table(_by_repetition(before, trials)).items()
-        if p in found.found
-    }
+    lines = table(_by_repetition(before, trials))
+    repeated = {name: line for name, line in lines.items() if name in found.found}
     missing = [p for p in parameters if p not in found.found]
     notes = [note for note in found.notes if not _about_others(note, missing)]
     return ExplorationReport(

@@ -17,7 +17,8 @@ from objectmodels.identification import Trial
 from planner.experiments import Experiment, Kind, experiments
 from planner.plan import FaceName
 from planner.state import WorldState
-from sim.probing import Recording, probe
+from sim.probing import probe
+from sim.recording import Recording
 from sim.reduction import trials
 
 if TYPE_CHECKING:

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from planner.experiments import Experiment
 from planner.state import WorldState
-from sim.probing import ProbeControl, Recording
+from sim.probing import ProbeControl
 from sim.reach import ArmReach
+from sim.recording import Recording
 from sim.stance import UnreachableError
 from sim.touch import PAUSE, EarlyEndError
 from sim.trace import EndReason

@@ -18,15 +18,17 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sized
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from planner.experiments import Experiment
 from planner.state import PlanarPose, WorldState
-from sim.hand import TIP_RADIUS, at_stop
+from sim.arc import Arc
+from sim.hand import at_stop
 from sim.reach import ArmReach
+from sim.recording import Recording
 from sim.rotations import Array
 from sim.stance import UnreachableError
 from sim.touch import EarlyEndError, TouchControl
@@ -39,7 +41,6 @@ if TYPE_CHECKING:
     from sim.reach import Way
     from sim.recorder import Recorder
     from sim.stance import Stance
-    from sim.trace import Trace
     from sim.vision import Frame
     from sim.world import DrakeWorld
 
@@ -65,54 +66,6 @@ _LEAST_SHORT = np.radians(0.5)  # which a tilt may always be seen too small
 _FEWEST_VIEWS = 5
 _LOST_SHARE, _LOST_TIME = 0.1, 0.3  # of the largest force felt, [s]
 _OFF = 0.015  # way sideways after which the finger has slipped along the face [m]
-
-
-@dataclass(frozen=True)
-class Recording:
-    """What the robot knew during one touch, sampled n times from the touch on.
-
-    Attributes:
-        experiment: what was tried.
-        end: how it ended; `detail` says it in words.
-        moved: what the touch showed: that the object slid or tilted, that the finger slipped; None
-            if nothing did, or if that is not clear.
-        time: shape (n,) [s].
-        tips: the fingertip's centre p_WT, shape (n, 3) [m].
-        forces: on the object in W, shape (n, 3) [N].
-        before: where the object was seen before.
-        after: where it was seen at the end, the finger still there; None if it was not looked at.
-        seen_tilt: the same for its tilt along the push [rad].
-        force_sd: standard deviation of one sample of the force along the push [N].
-        zero_sd: of the sensors' zero, as a force along the push [N].
-        pose_sd: of the seen position [m] and heading [rad].
-        trace: of the whole trip, for judging and replay.
-    """
-
-    experiment: Experiment
-    end: EndReason
-    detail: str
-    moved: Moved | None
-    time: Array
-    tips: Array
-    forces: Array
-    before: PlanarPose
-    after: PlanarPose | None
-    seen_tilt: float | None
-    force_sd: float
-    zero_sd: float
-    pose_sd: tuple[float, float]
-    trace: Trace | None = field(default=None, repr=False)
-
-    @classmethod
-    def nothing(
-        cls, experiment: Experiment, end: EndReason, detail: str, before: PlanarPose
-    ) -> Recording:
-        """Of a touch that did not come about."""
-        empty = np.empty((0, 3))
-        return cls(
-            experiment, end, detail, None, np.empty(0), empty, empty, before, None, None,
-            force_sd=0.0, zero_sd=0.0, pose_sd=(0.0, 0.0),
-        )  # fmt: skip
 
 
 def probe(
@@ -207,7 +160,7 @@ class ProbeControl(TouchControl):
             if self._moved == "topple" and self._seen:
                 # A tilt too small to be told from a slide on the way is looked for at its end.
                 seen = float(np.mean([self._tilt_in(frame) for frame in self._seen]))
-                ended = self._slid(seen, self.tilt_of(self._here.midpoint), self._seen) or ended
+                ended = self._slid(seen, self._own_tilt(), self._seen) or ended
             self._let_down()
         return ended
 
@@ -235,15 +188,15 @@ class ProbeControl(TouchControl):
 
     def _raise(self) -> tuple[EndReason, str]:
         """Along the arc about the far edge."""
-        radius = float(np.hypot(*self._arm))
-        start = self.tilt_of(self.commanded)
+        radius = self._arc.radius
+        start = float(self._arc.tilts(self.commanded[None])[0])
         self._angle = start
         while True:
             self._angle += self.experiment.push.speed * self._period / radius
             # Where the fingertip touches goes round on it as the face leans.
-            lean = self.tilt_of(self._here.midpoint)
+            lean = self._own_tilt()
             self.recorder.inward = np.cos(lean) * self._u - [0.0, 0.0, np.sin(lean)]
-            self._press(self._on_arc(self._angle))
+            self._press(self._arc.at(self._angle))
             ended = self._ended() or self._slides()
             if ended is not None:
                 return ended
@@ -274,10 +227,10 @@ class ProbeControl(TouchControl):
         return "stroke", f"the finger slipped by {-1e3 * way[2]:.0f} mm"
 
     def _let_down(self) -> None:
-        radius = float(np.hypot(*self._arm))
+        radius = self._arc.radius
         while self._angle > 0.0:
             self._angle -= _LET_DOWN * self.experiment.push.speed * self._period / radius
-            self._step(self._on_arc(self._angle) + self._aside, self._u)
+            self._step(self._arc.at(self._angle) + self._aside, self._u)
 
     def _hold(self) -> None:
         """Stands still and looks."""
@@ -286,24 +239,13 @@ class ProbeControl(TouchControl):
             self._step(self.commanded, self._u)
             self._seen += [frame for frame in self.recorder.frames if frame.time > since]
 
-    # -- geometry of a tilt ----------------------------------------------------------------------
-
     @property
-    def _arm(self) -> tuple[float, float]:
-        """From the far edge to T while the object stands: back along the push, and up [m]."""
-        return self.experiment.length + TIP_RADIUS, float(self._origin[2])
+    def _arc(self) -> Arc:
+        return Arc(self._origin, self._u, self.experiment.length)
 
-    def _on_arc(self, angle: float) -> Array:
-        """T at a tilt about the far edge, in W."""
-        back, up = self._arm
-        c, s = np.cos(angle), np.sin(angle)
-        along = back - (back * c - up * s)
-        point = self._origin + along * self._u
-        return np.array([point[0], point[1], back * s + up * c])
-
-    def tilt_of(self, tip: Array) -> float:
+    def _own_tilt(self) -> float:
         """Tilt at which the fingertip touches the face where it is [rad]."""
-        return float(tilts(tip[None], self._origin, self._u, self.experiment.length)[0])
+        return float(self._arc.tilts(self._here.midpoint[None])[0])
 
     # -- ends and guards -------------------------------------------------------------------------
 
@@ -320,7 +262,7 @@ class ProbeControl(TouchControl):
         here, now = self._here, self.recorder.world.time
         self._samples.append((now, here.midpoint, here.forces[0]))
         for frame in self.recorder.frames:
-            own = self.tilt_of(here.midpoint)
+            own = self._own_tilt()
             self._views.append((frame.time, self._tilt_in(frame), own))
         while self._views and self._views[0][0] < now - _LOOKS_BACK:
             self._views.popleft()
@@ -330,7 +272,7 @@ class ProbeControl(TouchControl):
         here = self._here.midpoint
         travel = float((here - self._origin) @ self._u)
         if self.experiment.kind == "tilt":
-            tilt = self.tilt_of(here)
+            tilt = self._own_tilt()
             if tilt >= self.experiment.angle:
                 self._moved = "topple"
                 return "stroke", f"it was tilted by {np.degrees(tilt):.1f}°"
@@ -418,21 +360,3 @@ class ProbeControl(TouchControl):
                 float(np.radians(scene.vision.angle_noise_deg) / np.sqrt(frames)),
             ),
         )
-
-
-def tilts(tips: Array, origin: Array, u: Array, length: float) -> Array:
-    """Tilts at which fingertips touch the face, shape (n,) [rad].
-
-    Seen along the edge, T keeps the distance `length` + r from the plane through the far edge that
-    is parallel to the face, wherever it slips to on the face.
-
-    Args:
-        tips: p_WT, shape (n, 3) [m].
-        origin: p_WT at the touch, the object upright, shape (3,) [m].
-        u: horizontal unit direction of the push in W, shape (3,).
-        length: from the touched face to the far edge [m].
-    """
-    back = length + TIP_RADIUS
-    x, h = back - (tips - origin) @ u, tips[:, 2]  # behind the edge, above the table
-    up = np.sqrt(np.maximum(x * x + h * h - back * back, 0.0))
-    return np.asarray(np.arctan2(h, x) - np.arctan2(up, back))

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from objectmodels.identification import Onset, Trial, detect_onset
 from objectmodels.identification.onset import LEAST_SAMPLES
-from sim.hand import TIP_RADIUS
-from sim.probing import Recording, tilts
+from sim.arc import Arc
+from sim.recording import Recording
 from sim.rotations import Array, rot_z, wrap
 
 UNDER_WAY = 0.0015
@@ -86,12 +86,9 @@ def trials(recording: Recording, *, repetition: int = 0) -> tuple[Trial, ...]:
 
 def _tilts(recording: Recording, source: str) -> list[Trial]:
     """Balances at a small and at a large tilt."""
-    push, length = recording.experiment.push, recording.experiment.length
-    u, origin = np.array(push.direction_W), recording.tips[0]
-    tilt = tilts(recording.tips, origin, u, length)
-    ahead = length + TIP_RADIUS - (recording.tips - origin) @ u
-    back = length + TIP_RADIUS
-    height = np.sqrt(np.maximum(ahead**2 + recording.tips[:, 2] ** 2 - back**2, 0.0))
+    push = recording.experiment.push
+    arc = Arc(recording.tips[0], np.array(push.direction_W), recording.experiment.length)
+    tilt, height = arc.tilts(recording.tips), arc.heights(recording.tips)
     forces = recording.forces @ recording.before.R_WB
     top = float(tilt.max())
     ranges = [SMALL] if top < SMALL[1] + LARGE else [SMALL, np.array([top - LARGE, top])]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from nlcontrol.cli.fitting import ParameterNames
+from nlcontrol.cli.fitting import ParameterNames, keeping
 from nlcontrol.cli.output import Narrator, print_json, require_writable, written_whole
 from nlcontrol.errors import OK
 
@@ -50,15 +50,7 @@ _File = click.Path(dir_okay=False, path_type=Path)
     "--seed", default=0, show_default=True, type=click.IntRange(0), help="Of everything random."
 )
 @click.option("--picture", type=_File, help="Draw the force curves (PNG, SVG or PDF).")
-@click.option(
-    "--save",
-    "saved_as",
-    is_flag=False,
-    flag_value="",
-    metavar="[NAME]",
-    help="Keep the fitted model among your own, under its name or another: the robot goes by it.",
-)
-@click.option("--output", type=_File, help="Write the fitted model to a file (.yaml).")
+@keeping
 @click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
 def command(
     name: str,

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -14,6 +15,8 @@ from nlcontrol.keeping import kept, renamed
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel, Registry
+
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 _File = click.Path(dir_okay=False, path_type=Path)
 
@@ -46,6 +49,21 @@ class ParameterNames(click.ParamType[tuple[str, ...]]):
         return tuple(dict.fromkeys(names))
 
 
+def keeping(function: Function) -> Function:
+    """Options that keep a fitted model: `--save` and `--output`."""
+    output = click.option("--output", type=_File, help="Write the fitted model to a file (.yaml).")
+    save = click.option(
+        "--save",
+        "saved_as",
+        is_flag=False,
+        flag_value="",
+        metavar="[NAME]",
+        help="Keep the fitted model among your own, under its name or another: the robot goes by "
+        "it.",
+    )
+    return save(output(function))
+
+
 @click.command("fit")
 @click.argument("name", metavar="OBJECT")
 @click.argument("files", metavar="DATA.csv...", nargs=-1, required=True, type=_File)
@@ -56,15 +74,7 @@ class ParameterNames(click.ParamType[tuple[str, ...]]):
     help="What to find: mass, friction, finger_friction, friction_radius, centre_of_mass (or "
     "com_x, com_y, com_z). By default all that the data tell.",
 )
-@click.option(
-    "--save",
-    "saved_as",
-    is_flag=False,
-    flag_value="",
-    metavar="[NAME]",
-    help="Keep the fitted model among your own, under its name or another: the robot goes by it.",
-)
-@click.option("--output", type=_File, help="Write the fitted model to a file (.yaml).")
+@keeping
 @click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
 def command(
     name: str,

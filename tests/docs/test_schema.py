@@ -63,7 +63,7 @@ def test_what_is_found_by_touching() -> None:
     assert list(_definition("TouchMade")["properties"]) == [
         "experiment", "outcome", "as_meant", "force"
     ]  # fmt: skip
-    assert list(_definition("Repeated")["properties"]) == [
+    assert list(_definition("Statistics")["properties"]) == [
         "mean", "sd", "percent", "least", "most", "n"
     ]  # fmt: skip
     assert {"value", "sd", "percent", "low", "high", "believed", "believed_sd"} == set(

@@ -13,7 +13,7 @@ from nlcontrol import Controller
 from nlcontrol.errors import ControlError
 from nlcontrol.touching import EVERYTHING, unknown, wanted
 from objectmodels import BoxModel
-from sim.probing import Recording
+from sim.recording import Recording
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from planner.plan import FaceName
 from planner.state import PlanarPose, SeenObject, WorldState
 from sim import ArmReach, load_scene
 from sim.exploration import OPPOSITE, SPIRAL, Explorer, Touched
-from sim.probing import Recording
+from sim.recording import Recording
 from sim.trace import EndReason
 
 BOX = "ice tea box"

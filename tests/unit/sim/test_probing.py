@@ -12,7 +12,8 @@ from objectmodels import Registry
 from planner.experiments import Experiment, Kind, experiments
 from planner.state import PlanarPose, SeenObject, WorldState
 from sim import ArmReach, DrakeWorld, load_scene
-from sim.probing import Recording, probe
+from sim.probing import probe
+from sim.recording import Recording
 from sim.reduction import trials
 from sim.scene import Scene
 

@@ -12,8 +12,9 @@ from objectmodels import BoxModel
 from planner.experiments import Experiment, experiments
 from planner.state import PlanarPose, SeenObject
 from sim import ArmReach, load_scene
+from sim.arc import Arc
 from sim.hand import TIP_RADIUS
-from sim.probing import Recording, tilts
+from sim.recording import Recording
 from sim.reduction import curve, trials
 
 Array = NDArray[np.float64]
@@ -97,7 +98,7 @@ def test_the_tilt_follows_from_the_fingertip_wherever_it_slips_to() -> None:
         along = back - (back * np.cos(angle) - up * np.sin(angle))
         tip = start + along * u
         tip[2] = back * np.sin(angle) + up * np.cos(angle)
-        assert tilts(tip[None], start, u, tried.length)[0] == pytest.approx(angle, abs=1e-12)
+        assert Arc(start, u, tried.length).tilts(tip[None])[0] == pytest.approx(angle, abs=1e-12)
 
 
 def slide_recording(turned: float, aside: float = 0.0) -> Recording:
