@@ -55,6 +55,9 @@ MOST_DROPPED = 0.2
 DIFFERENT = 4.0
 """Difference of −2 log likelihood from which on one support surely predicts better than another."""
 
+TOLD_SPREAD = 0.005
+"""Spread of the friction from which on it is told."""
+
 _LEAST_ROWS = 5
 _TO_SD = 1.4826  # standard deviations of a normal distribution for each median distance
 _OFF_CENTRE = 0.1  # arm as a share of c̄
@@ -297,7 +300,7 @@ def _result(
             f"the residuals are {solution.noise:.1f} times as large as stated; "
             "the standard deviations are scaled by that"
         )
-    if solution.spread > 0.0:
+    if solution.spread >= TOLD_SPREAD:
         notes.append(f"the friction differs by {solution.spread:.1%} from slide to slide")
     return Fit(
         model=_fitted(balance, solution, covariance, found),
