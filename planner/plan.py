@@ -13,10 +13,31 @@ from pydantic import BaseModel, ConfigDict
 Vector3 = tuple[float, float, float]
 FaceName = Literal["front", "back", "left", "right"]
 Outcome = Literal["none", "slide", "topple", "slide+topple"]
+StopEvent = Literal[
+    "moves",  # the object has begun to move
+    "touching",  # it has met the object that `Push.meets` names
+    "tips",  # its base has begun to leave the table
+]
 
 
 class _Value(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class Limits(_Value):
+    """What stops a push before a constraint of the sentence breaks.
+
+    Attributes:
+        tilt: largest tilt of the object [rad]; None if only its staying on the base matters.
+        turn: largest turn of the object from where it stood at first [rad]; None for no limit.
+        duration: longest time from the touch to the end [s]; None for no limit.
+        clear_of: other objects and the distance that is kept from each of them [m].
+    """
+
+    tilt: float | None = None
+    turn: float | None = None
+    duration: float | None = None
+    clear_of: tuple[tuple[str, float], ...] = ()
 
 
 class Push(_Value):
@@ -33,8 +54,16 @@ class Push(_Value):
         stroke: travel of the fingertips after touching [m].
         fingers: how many fingertips push.
         spread: distance between the two outer fingertips along the face [m]; 0 for one finger.
-        ends_on: `stroke` (come to rest there) or `toppled` (push until the object falls by
-            itself, `stroke` being the most that may be travelled).
+        ends_on: `stroke` (come to rest there), `toppled` (push until the object falls by itself),
+            `turned` (push off the middle until it has turned by `turn`) or `tilted` (tilt it by
+            `tilt`, hold it a moment, let it back onto its base); where it is not `stroke`, the
+            stroke is the most that may be travelled.
+        turn: angle by which the object turns during the push [rad], counter-clockwise. With
+            `stroke` it is small: the fingers end square to the face as it should then look.
+        tilt: angle of a push that ends on `tilted` [rad].
+        until: event that ends the push earlier; None if there is none.
+        meets: name of the object that is to be touched, if that is the event.
+        limits: what stops it.
     """
 
     object: str
@@ -47,7 +76,12 @@ class Push(_Value):
     stroke: float
     fingers: Literal[1, 2]
     spread: float
-    ends_on: Literal["stroke", "toppled"]
+    ends_on: Literal["stroke", "toppled", "turned", "tilted"]
+    turn: float = 0.0
+    tilt: float = 0.0
+    until: StopEvent | None = None
+    meets: str | None = None
+    limits: Limits = Limits()
 
 
 class Prediction(_Value):
@@ -110,14 +144,47 @@ class DefaultUsed(_Value):
     reason: str
 
 
+class Aim(_Value):
+    """Where an object should stand at the end, in W.
+
+    Attributes:
+        x, y: position of B's origin [m].
+        yaw: heading of B's x axis [rad]; None if it does not matter.
+    """
+
+    x: float
+    y: float
+    yaw: float | None = None
+
+
+class Move(_Value):
+    """A push that is foreseen after others, from where they are predicted to leave the object.
+
+    Attributes:
+        push: the push; its contact is in the B of the object as it stands then.
+        prediction: what it will do.
+        margins: how safe that is.
+    """
+
+    push: Push
+    prediction: Prediction
+    margins: Margins
+
+
 class Plan(_Value):
-    """A push whose predicted outcome satisfies the frame.
+    """A push, and the pushes foreseen after it, whose predicted outcome satisfies the frame.
+
+    What is carried out is the first push; then the robot looks, and plans anew towards the same aim
+    until it is reached.
 
     Attributes:
         push: what is carried out.
         prediction: what it will do.
         margins: how safe that is.
-        displacement: asked displacement of the object in W [m], None for a topple.
+        displacement: of the object in W by this push, as predicted [m]; None for a topple or tilt.
+        aim: where the object should stand when everything is done; None for a topple or tilt.
+        later: the pushes that are foreseen after this one.
+        probability: least probability that all of them end as predicted.
         defaults: values that the sentence left open.
         considered: how many candidates were evaluated.
         satisfying: how many of them satisfied the frame.
@@ -129,10 +196,28 @@ class Plan(_Value):
     prediction: Prediction
     margins: Margins
     displacement: Vector3 | None
+    aim: Aim | None = None
+    later: tuple[Move, ...] = ()
+    probability: float = 1.0
     defaults: tuple[DefaultUsed, ...] = ()
     considered: int = 0
     satisfying: int = 0
     notes: tuple[str, ...] = ()
+
+
+class Reached(_Value):
+    """Nothing is left to be done: the object is seen where it should be.
+
+    Attributes:
+        aim: where it should be.
+        off: distance from there [m].
+        turned_off: angle from the wanted heading [rad]; 0 if none is wanted.
+    """
+
+    status: Literal["reached"] = "reached"
+    aim: Aim
+    off: float
+    turned_off: float
 
 
 RefusalReason = Literal[
@@ -140,6 +225,7 @@ RefusalReason = Literal[
     "out_of_reach",  # pushes exist, but the hand does not get there
     "blocked",  # pushes exist, but something stands in the way
     "too_uncertain",  # the model's uncertainty leaves the outcome open
+    "out_of_time",  # it would take longer than allowed
     "unsupported",  # this robot, or this version, lacks a named capability
 ]
 

@@ -17,11 +17,16 @@ Array = NDArray[np.float64]
 
 EndReason = Literal[
     "stroke",  # the stroke was travelled
+    "turned",  # the object was seen to have turned by the asked angle
+    "returned",  # it was tilted by the asked angle and stands on its base again
+    "event",  # what the push was to last until has happened
     "toppled",  # the object was seen to pass its angle of no return
     "force",  # the force limit was reached and nothing moved any more
     "speed",  # the object or the finger became faster than allowed
     "tilted",  # the object tilted where it was to slide
     "slid",  # it slid where it was to tilt
+    "turned_off",  # it turned where it was not to
+    "too_close",  # it came too close to another object
     "guard",  # another guard of the push stopped it (see `detail`)
     "no_touch",  # the guarded approach ended without contact
     "unreachable",  # the hand could not get to the contact
