@@ -38,10 +38,10 @@ from sim.vision import averaged
 
 if TYPE_CHECKING:
     from objectmodels.identification import Moved
-    from sim.reach import Way
     from sim.recorder import Recorder
     from sim.stance import Stance
     from sim.vision import Frame
+    from sim.way import Way
     from sim.world import DrakeWorld
 
 RUB_FORCE = 0.5

@@ -24,12 +24,12 @@ from planner.state import WorldState
 from sim.fingers import Touch
 from sim.guards import MOVED, RAMP, Guards, band
 from sim.hand import TIP_RADIUS
-from sim.reach import Way
 from sim.recorder import Recorder
 from sim.stance import Stance
 from sim.steering import LineKeeper, PushedBox
 from sim.touch import TouchControl
 from sim.trace import EndReason
+from sim.way import Way
 
 _ACCELERATION = 0.1  # [m/s²]
 _FORCE_RATE = 10.0  # of an object that stands [N/s]

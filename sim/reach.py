@@ -1,6 +1,7 @@
 """Can the hand get there? Stances of arm and hand for a push, checked against all that is near.
 
-Model: the hand keeps its posture and orientation during a push, square to the touched face. All
+Model: the hand keeps its posture during a push. It keeps its orientation too, square to the touched
+face, unless the push is to turn the object: then the palm turns as the face does. All
 postures, tilts along the push, sides and rolls are tried at once: first those whose spheres stay
 clear of the pushed box and the table, then, for these, the arm's eight closed-form solutions over
 a ring of elbow angles at the points of the way. What is continuous, away from the joint limits
@@ -37,9 +38,7 @@ from sim.hand import (
 from sim.rotations import Array, rot_x, rot_y, rot_z
 from sim.scene import Scene
 from sim.stance import Mount, Stance
-
-STANDOFF = 0.03
-"""Distance before the face at which the guarded approach begins [m]."""
+from sim.way import ENDS, Way
 
 FINGER_SPREAD = 0.04
 MAX_FORCE = 10.0
@@ -55,7 +54,6 @@ _TILTS = np.radians(np.arange(-60.0, 83.0, 7.5))
 _SIDES = {1: np.radians([0.0, -30.0, 30.0]), 2: np.radians([0.0])}
 _ELBOWS = np.radians(np.arange(-180.0, 180.0, 15.0))
 _LIFTS = np.array([0.36, 0.30, 0.24, 0.18])
-_STROKE_POINTS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 
 _LIMIT_MARGIN = 0.08  # least room to the joint limits on the way [rad]
 _ENOUGH_MARGIN = 0.35  # more room than this is no better [rad]
@@ -137,45 +135,6 @@ def _quality(posture: Posture, R_DP: Array) -> tuple[Array, Array]:
     return coarse, skew
 
 
-@dataclass(frozen=True)
-class Way:
-    """Where the midpoint of the fingertips goes in W.
-
-    Attributes:
-        inward: horizontal unit normal into the touched face.
-        start: before the face; `touch`: at the face; `end`: after the stroke.
-    """
-
-    inward: Array
-    start: Array
-    touch: Array
-    end: Array
-
-    @classmethod
-    def of(cls, push: Push, target: SeenObject) -> Way:
-        """The way of a push on an object that is seen somewhere."""
-        outward = np.array(push.normal_W)
-        contact = target.pose.R_WB @ np.array(push.p_BC) + target.pose.p_WB
-        touch = contact + TIP_RADIUS * outward
-        end = touch + push.stroke * np.array(push.direction_W)
-        return cls(-outward, touch + STANDOFF * outward, touch, end)
-
-    def raised(self, height: float) -> Way:
-        """The same so much higher [m]."""
-        up = np.array([0.0, 0.0, height])
-        return Way(self.inward, self.start + up, self.touch + up, self.end + up)
-
-    @property
-    def R_WD(self) -> Array:
-        """Orientation of the push's frame D, shape (3, 3)."""
-        return rot_z(np.arctan2(self.inward[1], self.inward[0]))
-
-    def points(self) -> Array:
-        """Start, touch and the stroke, shape (n, 3)."""
-        stroke = self.touch + _STROKE_POINTS[:, None] * (self.end - self.touch)
-        return np.vstack([self.start, stroke])
-
-
 class ArmReach:
     """The reach of a scene's robot; answers the planner's question.
 
@@ -224,11 +183,11 @@ class ArmReach:
         n = len(hands) * len(_ELBOWS)
         hand, elbow = np.divmod(np.arange(n), len(_ELBOWS))
         R_WP = (way.R_WD @ hands.R_DP)[hand]
-        tip = np.einsum("nij,nj->ni", R_WP, hands.tips()[hand])
+        tip = hands.tips()[hand]
 
         # Both ends of the stroke sort out most; what is left is solved along the whole way.
-        ends = np.array([way.touch, way.end])
-        q, valid = self._inverse(R_WP, ends - tip[:, None], _ELBOWS[elbow])
+        ends, turns = way.points(ENDS)[1:], way.turns(ENDS)[1:]
+        q, valid = self._inverse(R_WP, tip, ends, turns, _ELBOWS[elbow])
         score = np.where(valid.all(axis=1), self._score(q), -np.inf)
         best = np.argsort(-score, axis=None)[:_SOLVED]
         i, branch = np.unravel_index(best[score.ravel()[best] > -np.inf], score.shape)
@@ -237,7 +196,8 @@ class ArmReach:
         lifts = _LIFTS[way.start[2] + 0.03 < _LIFTS]
         above = np.column_stack([np.tile(way.start[:2], (len(lifts), 1)), lifts])
         points = np.vstack([way.points(), above])
-        q, valid = self._inverse(R_WP[i], points - tip[i][:, None], _ELBOWS[elbow[i]])
+        turns = np.append(way.turns(), np.zeros(len(lifts)))
+        q, valid = self._inverse(R_WP[i], tip[i], points, turns, _ELBOWS[elbow[i]])
         rows, w = np.arange(len(i)), len(points) - len(lifts)
         q, valid = q[rows, :, branch], valid[rows, :, branch]
         steady = np.abs(np.diff(q[:, :w], axis=1)).max(axis=(1, 2)) < _LARGEST_STEP
@@ -267,14 +227,25 @@ class ArmReach:
         far = np.abs(q[:, 0] - self.home).max(axis=-1)
         return np.asarray(np.minimum(room, _ENOUGH_MARGIN) - 0.2 * far)
 
-    def _inverse(self, R_WP: Array, p_WP: Array, elbow: Array) -> tuple[Array, Array]:
-        """Arm angles for n palm orientations and elbow angles at w points each.
+    def _inverse(
+        self, R_WP: Array, p_PT: Array, points: Array, turns: Array, elbow: Array
+    ) -> tuple[Array, Array]:
+        """Arm angles for n hands and elbow angles at w points each.
+
+        Args:
+            R_WP: orientations of the palm before it turns, shape (n, 3, 3).
+            p_PT: midpoints of the fingertips in P, shape (n, 3) [m].
+            points: where they go, shape (w, 3) [m].
+            turns: how far the palm has turned there, shape (w,) [rad].
+            elbow: shape (n,) [rad].
 
         Returns:
             Angles, shape (n, w, 8, 7), and which of them are to be used, shape (n, w, 8).
         """
-        n, w = p_WP.shape[:2]
-        R_AF, p_AF = self.mount.flange(np.broadcast_to(R_WP[:, None], (n, w, 3, 3)), p_WP)
+        n, w = len(R_WP), len(points)
+        turned = rot_z(turns) @ R_WP[:, None]
+        p_WP = points - np.einsum("nwij,nj->nwi", turned, p_PT)
+        R_AF, p_AF = self.mount.flange(turned, p_WP)
         q, valid = arm.inverse(R_AF.reshape(-1, 3, 3), p_AF.reshape(-1, 3), np.repeat(elbow, w))
         room = (arm.LIMITS - np.abs(q)).min(axis=-1)
         usable = valid & (room > _LIMIT_MARGIN) & (np.abs(q[..., 5]) > _WRIST_BEND)
@@ -286,7 +257,8 @@ class ArmReach:
         descent = above + np.linspace(0.0, 1.0, 6)[:, None] * (way.start - above)
         q_descent = np.array([stance.joints(p) for p in descent])
         # During the stroke the hand's own clearance is known; the arm and the pushed box are left.
-        q_push = np.array([stance.joints(p) for p in (way.touch, way.end)])
+        stroke = zip(way.points(way.checks)[1:], way.turns(way.checks)[1:], strict=True)
+        q_push = np.array([stance.joints(p, turned) for p, turned in stroke])
         if not self._is_clear(q_descent, stance.posture, state):
             return None
         if not _are_clear(self._arm(q_push), state):
@@ -353,14 +325,13 @@ def _clear_hands(
     R_WP = way.R_WD @ hands.R_DP
     for number, posture in enumerate(hands.postures):
         mine = hands.which == number
-        tip = R_WP[mine] @ posture.tips.mean(axis=0)
-        clear[mine], names = _clear(posture, R_WP[mine], tip, way, state, push)
+        clear[mine], names = _clear(posture, R_WP[mine], way, state, push)
         stopped |= names
     return hands[clear], frozenset(stopped)
 
 
 def _clear(
-    posture: Posture, R_WP: Array, tip: Array, way: Way, state: WorldState, push: Push
+    posture: Posture, R_WP: Array, way: Way, state: WorldState, push: Push
 ) -> tuple[NDArray[np.bool_], set[str]]:
     ok, stopped = np.ones(len(R_WP), dtype=bool), set()
 
@@ -369,13 +340,16 @@ def _clear(
             stopped.add(name)
         ok[~free] = False
 
-    for point in (way.start, way.touch, way.end):
-        placed = spheres.placed(spheres.hand_spheres(posture), R_WP, point - tip)
+    whole, p_PT = spheres.hand_spheres(posture), posture.tips.mean(axis=0)
+    points, turns = way.points(way.checks), way.turns(way.checks)
+    for number, (point, turned) in enumerate(zip(points, turns, strict=True)):
+        R = rot_z(turned) @ R_WP
+        placed = spheres.placed(whole, R, point - R @ p_PT)
         require(spheres.height_above_table(placed).min(axis=-1) > TABLE_CLEARANCE, "table")
         for name, seen in state.objects.items():
             pushed = name == push.object
-            if pushed and point is way.end:
-                continue  # the box moves ahead of the hand
+            if pushed and number > 1:
+                continue  # the object moves ahead of the hand
             room = _FACE_CLEARANCE if pushed else OBJECT_CLEARANCE
             require(_distance_to(placed, seen).min(axis=-1) > room, name)
     return ok, stopped

@@ -1,4 +1,6 @@
-"""How arm and hand stand while they push: one family of poses, one freedom left, the path.
+"""How arm and hand stand while they push: one family of poses along the path of the fingertips.
+
+The palm keeps its orientation, or turns about the vertical with an object that is turned.
 
 Frames: W is the world, A the arm's base, F its flange, P the palm, T the midpoint of the pushing
 fingertips' centres. D is the frame of a push: x into the touched face, z up.
@@ -62,7 +64,7 @@ class Stance:
     Attributes:
         mount: of the arm.
         posture: of the hand.
-        R_WP: orientation of the palm, shape (3, 3).
+        R_WP: orientation of the palm before it turns, shape (3, 3).
         elbow: angle of the elbow [rad].
         branch: which of the arm's eight solutions.
         lift: height of T from which the hand descends [m].
@@ -77,14 +79,19 @@ class Stance:
     lift: float
     via: tuple[Array, ...] = ()
 
-    def joints(self, p_WT: Array) -> Array:
+    def joints(self, p_WT: Array, turned: float = 0.0) -> Array:
         """Arm angles that bring T to a point in W, shape (7,) [rad].
+
+        Args:
+            p_WT: the point, shape (3,) [m].
+            turned: angle by which the palm is turned about the vertical there [rad].
 
         Raises:
             UnreachableError: the arm does not get there in this stance.
         """
-        p_WP = p_WT - self.R_WP @ self.posture.tips.mean(axis=0)
-        R_AF, p_AF = self.mount.flange(self.R_WP, p_WP)
+        R_WP = rot_z(turned) @ self.R_WP if turned else self.R_WP
+        p_WP = p_WT - R_WP @ self.posture.tips.mean(axis=0)
+        R_AF, p_AF = self.mount.flange(R_WP, p_WP)
         q, valid = arm.inverse(R_AF[None], p_AF[None], np.array([self.elbow]), [self.branch])
         if not valid[0, 0]:
             at = ", ".join(f"{1e3 * x:.0f}" for x in p_WT)

@@ -12,11 +12,11 @@ import numpy as np
 
 from planner.plan import Push
 from sim.fingers import Touch
-from sim.reach import STANDOFF, Way
 from sim.recorder import Recorder
 from sim.rotations import Array
 from sim.stance import Stance
 from sim.trace import EndReason
+from sim.way import STANDOFF, Way
 
 TOUCH_SPEED = 0.015
 """Of the guarded approach [m/s]."""

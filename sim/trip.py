@@ -16,11 +16,12 @@ from planner.reach import ReachAnswer
 from planner.state import SeenObject, WorldState
 from sim.attractor import attracted
 from sim.hand import RESTING
-from sim.reach import ArmReach, Way
+from sim.reach import ArmReach
 from sim.recorder import Recorder
 from sim.rotations import Array
 from sim.stance import Stance
 from sim.touch import EarlyEndError
+from sim.way import Way
 
 if TYPE_CHECKING:
     from objectmodels.model import ObjectModel

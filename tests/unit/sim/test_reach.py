@@ -14,10 +14,10 @@ from planner.reach import ReachAnswer
 from planner.state import PlanarPose, SeenObject, WorldState
 from sim import ArmReach, load_scene
 from sim.hand import FINGER_JOINTS, FINGERS
-from sim.reach import Way
 from sim.scene import Scene
 from sim.spheres import arm_spheres, distance_to_box, hand_spheres
 from sim.stance import Stance, UnreachableError
+from sim.way import Way
 
 FACES = {"front": (-1.0, 0.0), "back": (1.0, 0.0), "left": (0.0, 1.0), "right": (0.0, -1.0)}
 

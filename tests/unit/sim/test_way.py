@@ -1,0 +1,86 @@
+"""The way of the fingertips: straight, or along the arc of a push that turns the object."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from objectmodels import Registry
+from planner.plan import Push
+from planner.state import PlanarPose, SeenObject, WorldState
+from sim import load_scene
+from sim.hand import TIP_RADIUS
+from sim.reach import ArmReach
+from sim.rotations import rot_z
+from sim.stance import Mount, Stance
+from sim.way import Way
+
+SLANT = np.radians(30.0)
+
+
+def _push(ends_on: str, *, turn: float = 0.0, fingers: int = 1) -> Push:
+    return Push.model_validate(
+        {
+            "object": "ice tea box",
+            "face": "front",
+            "p_BC": (-0.045, 0.033, 0.03),
+            "normal_W": (-1.0, 0.0, 0.0),
+            "direction_W": (np.cos(SLANT), np.sin(SLANT), 0.0),
+            "force_limit": 5.0,
+            "speed": 0.03,
+            "stroke": 0.06,
+            "fingers": fingers,
+            "spread": 0.04 if fingers == 2 else 0.0,
+            "ends_on": ends_on,
+            "turn": turn,
+        }
+    )
+
+
+@pytest.fixture(scope="module")
+def target() -> SeenObject:
+    return SeenObject("ice tea box", PlanarPose(0.5, 0.1), Registry.default().get("ice tea box"))
+
+
+def test_a_turning_push_moves_its_contact_as_far_as_its_stroke(target: SeenObject) -> None:
+    push = _push("turned", turn=-0.6)
+    way = Way.of(push, target)
+    shares = np.linspace(0.0, 1.0, 2001)
+    points, turns = way.points(shares)[1:], way.turns(shares)[1:]
+    # The fingertip is fixed to the object: what it touches lies a radius ahead of its centre.
+    contact = points + TIP_RADIUS * rot_z(turns) @ way.inward
+    steps = np.diff(contact, axis=0)
+    length = np.linalg.norm(steps, axis=1)
+    # Chords of 2000 pieces of an arc are shorter than it by a few parts in 10^9.
+    assert length.sum() == pytest.approx(push.stroke, rel=1e-7)
+    heading = np.arctan2(steps[:, 1], steps[:, 0])
+    middles = 0.5 * (turns[1:] + turns[:-1])
+    np.testing.assert_allclose(heading, SLANT + middles, atol=1e-9)
+
+
+def test_a_turn_by_nothing_is_a_straight_push(target: SeenObject) -> None:
+    turned, straight = Way.of(_push("turned"), target), Way.of(_push("stroke"), target)
+    np.testing.assert_allclose(turned.points(), straight.points(), atol=1e-12)
+    assert not turned.turns().any()
+
+
+def test_two_fingers_are_square_to_the_face_as_it_should_look_at_the_end(
+    target: SeenObject,
+) -> None:
+    way = Way.of(_push("stroke", turn=0.1, fingers=2), target)
+    np.testing.assert_allclose(way.R_WD, rot_z(0.1), atol=1e-12)
+    np.testing.assert_allclose(way.inward, [1.0, 0.0, 0.0])
+    assert not way.turns().any()
+
+
+def test_a_turned_palm_leaves_the_fingertip_where_it_should_be(target: SeenObject) -> None:
+    scene = load_scene("kitchen")
+    push = _push("turned", turn=-0.3)
+    answer = ArmReach(scene).stance(push, WorldState({"ice tea box": target}))
+    assert isinstance(answer, tuple), answer
+    stance: Stance = answer[0]
+    way = Way.of(push, target)
+    for point, turned in zip(way.points(), way.turns(), strict=True):
+        R_WP, p_WP = Mount.of(scene.robot).palm(stance.joints(point, turned))
+        np.testing.assert_allclose(R_WP, rot_z(turned) @ stance.R_WP, atol=1e-9)
+        np.testing.assert_allclose(p_WP + R_WP @ stance.posture.tips[0], point, atol=1e-9)
