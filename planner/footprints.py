@@ -93,6 +93,21 @@ def travel_to_edge(corners: Array, table: TableState, direction: Array, margin: 
     return float((room[:, going] / np.abs(direction[going])).min())
 
 
+def gap(a: Array, b: Array) -> float:
+    """Distance between two convex polygons, shapes (n, 2), (k, 2) [m]; 0 if they overlap."""
+    if overlaps(a, b, 0.0):
+        return 0.0
+    return float(np.sqrt(min(_nearest_squared(a, b), _nearest_squared(b, a))))
+
+
+def _nearest_squared(points: Array, polygon: Array) -> float:
+    """Least squared distance from points to the edges of a polygon [m²]."""
+    edges = np.roll(polygon, -1, axis=0) - polygon
+    away = points[:, None, :] - polygon
+    share = np.clip(np.sum(away * edges, axis=2) / np.sum(edges * edges, axis=1), 0.0, 1.0)
+    return float(np.sum((away - share[..., None] * edges) ** 2, axis=2).min())
+
+
 def overlaps(a: Array, b: Array, clearance: float) -> bool:
     """Whether two convex polygons are closer than a clearance, shapes (n, 2), (k, 2) [m]."""
     axes = np.vstack([_normals(a), _normals(b)])
