@@ -8,6 +8,7 @@ centre of mass to the pivot.
 from __future__ import annotations
 
 from math import asin, atan2, cos, hypot, pi, sin, sqrt, tan
+from statistics import NormalDist
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,6 +29,28 @@ def angle_of_no_return(model: ObjectModel, direction: ArrayLike, sigmas: float) 
     c_z = model.com[2] + sigmas * model.com_sd[2]
     # A worst case may leave the object: it then falls at once, or only once it lies on its side.
     return atan2(max(b, 0.0), max(c_z, 0.0))
+
+
+def return_probability(model: ObjectModel, direction: ArrayLike, angle: float) -> float:
+    """Probability that the object falls back onto its base from a tilt of that angle [rad].
+
+    It does while b − c_z tan θ is positive, which is normal as b and c_z are.
+    """
+    b, b_sd, c_z, c_z_sd = _lever(model, direction)
+    t = tan(angle)
+    left, unsure = b - c_z * t, hypot(b_sd, c_z_sd * t)
+    return NormalDist().cdf(left / unsure) if unsure > 0.0 else float(left > 0.0)
+
+
+def largest_return(model: ObjectModel, direction: ArrayLike, probability: float) -> float:
+    """Largest tilt from which it falls back with at least a probability above a half [rad]."""
+    b, b_sd, c_z, c_z_sd = _lever(model, direction)
+    z = NormalDist().inv_cdf(probability)
+    if b <= z * b_sd:
+        return 0.0
+    # The smaller root of (b − c t)² = z² (σ_b² + t² σ_c²), in a form that c = z σ_c leaves whole.
+    root = sqrt((b * c_z_sd) ** 2 + (c_z * b_sd) ** 2 - (z * b_sd * c_z_sd) ** 2)
+    return atan2(b * b - (z * b_sd) ** 2, b * c_z + z * root)
 
 
 def topple_stroke(model: ObjectModel, direction: ArrayLike, height: float, angle: float) -> float:
@@ -83,6 +106,13 @@ def length_along(model: ObjectModel, direction: ArrayLike) -> float:
     """From the leading edge to the side behind, which may stand out beyond the base [m]."""
     n = _leading_edge(model, direction)
     return float(model.base.extent(n)) + float((model.outline @ -n).max())
+
+
+def _lever(model: ObjectModel, direction: ArrayLike) -> tuple[float, float, float, float]:
+    """Lengths b and c_z, each with its standard deviation [m]."""
+    n = _leading_edge(model, direction)
+    b = float(model.base.extent(n)) - float(n @ np.array(model.com[:2]))
+    return b, float(np.hypot(*(n * model.com_sd[:2]))), model.com[2], model.com_sd[2]
 
 
 def _leading_edge(model: ObjectModel, direction: ArrayLike) -> Array:

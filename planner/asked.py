@@ -14,7 +14,8 @@ import numpy as np
 
 from grammar import frames as g
 from planner.directions import FACE_OF_PUSH, HEADINGS, bisector, heading_of
-from planner.plan import DefaultUsed, FaceName, Refusal
+from planner.plan import DefaultUsed, FaceName, Refusal, StopEvent
+from planner.tilts import almost_tips, meant
 
 if TYPE_CHECKING:
     from planner.defaults import Defaults
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 _GOALS = {
     "place": "placing objects at places",
     "rotate": "turning objects",
-    "tilt": "tilting objects and letting them return",
     "upright": "standing objects up",
     "lift": "lifting objects",
     "open": "opening objects",
@@ -87,6 +87,8 @@ class Asked:
         speed: largest speed [m/s].
         reserve: share by which the force limit exceeds the force needed.
         fingers: how many fingertips may push.
+        tilt: angle by which it is tilted and then let back [rad]; None if it is not to come back.
+        until: event that ends it earlier.
         contact_spans: words that restrict the contact.
         force_spans: words that restrict the force.
         defaults: what the sentence left open.
@@ -103,6 +105,8 @@ class Asked:
     region: str | None = None
     max_force: float = np.inf
     fingers: tuple[Literal[1, 2], ...] = (2, 1)
+    tilt: float | None = None
+    until: StopEvent | None = None
     contact_spans: g.Spans = ()
     force_spans: g.Spans = ()
     defaults: tuple[DefaultUsed, ...] = ()
@@ -128,13 +132,18 @@ def read(frame: g.Frame, state: WorldState, defaults: Defaults) -> Asked:
 def _goal(frame: g.Frame, target: SeenObject, state: WorldState, defaults: Defaults) -> Asked:
     goal = frame.goal
     low, high = 0.0, target.model.top
-    if isinstance(goal, g.Topple):
+    if isinstance(goal, g.Topple | g.Tilt):
         heading = HEADINGS[goal.direction] if goal.direction else None
-        speed = DefaultUsed(name="speed", value=defaults.speed, unit="m/s", reason="no speed said")
-        return Asked(
-            "topple", heading, np.inf, low, high,
-            defaults.speed, defaults.force_reserve, defaults=(speed,),
+        used = [DefaultUsed(name="speed", value=defaults.speed, unit="m/s", reason="no speed said")]
+        asked = Asked(
+            "topple", heading, np.inf, low, high, defaults.speed, defaults.force_reserve,
         )  # fmt: skip
+        if isinstance(goal, g.Tilt):
+            angle, reason = meant(goal, target.model, defaults)
+            if reason:
+                used.insert(0, DefaultUsed(name="tilt", value=angle, unit="rad", reason=reason))
+            asked = replace(asked, tilt=angle)
+        return replace(asked, defaults=tuple(used))
     if not isinstance(goal, g.Displace) or frame.action == "pull":
         what = "pulling objects" if frame.action == "pull" else _GOALS.get(goal.kind, goal.kind)
         message = f"this version of the robot has no controller for {what}"
@@ -200,7 +209,11 @@ def _constrained(
     asked: Asked, clause: g.Constraint, target: SeenObject, defaults: Defaults
 ) -> Asked:
     match clause:
-        case g.NoTopple() | g.NoTilt() if asked.outcome == "topple":
+        case g.Until(event="tips" | "about_to_tip"):
+            return _tilted_until(asked, clause, target, defaults)
+        case g.NoTopple() | g.NoTilt() if asked.outcome == "topple" and (
+            asked.tilt is None or clause.kind == "no_tilt"
+        ):
             message = "it cannot topple and stay on its base"
             raise RefusedError(Refusal(reason="impossible", message=message, spans=clause.spans))
         case g.NoTouch(object=None):
@@ -218,10 +231,9 @@ def _constrained(
         case g.MaxForce():
             limit = min(asked.max_force, clause.value)
             return replace(asked, max_force=limit, force_spans=clause.spans)
-        case g.MaxSpeed():
-            return _slower(asked, clause.value)
-        case g.Slow():
-            return _slower(asked, defaults.speed_gentle)
+        case g.MaxSpeed() | g.Slow():
+            most = clause.value if isinstance(clause, g.MaxSpeed) else defaults.speed_gentle
+            return _slower(asked, most)
         case g.Gentle():
             asked = replace(asked, reserve=defaults.force_reserve_gentle)
             return _slower(asked, defaults.speed_gentle)
@@ -236,6 +248,15 @@ def _constrained(
             message = f"this version of the robot is not capable of {what}"
             raise unsupported(what, message, clause.spans)
     return asked
+
+
+def _tilted_until(asked: Asked, clause: g.Until, target: SeenObject, defaults: Defaults) -> Asked:
+    """A tilt that ends where the base leaves the table, or well before the object falls."""
+    used = tuple(d for d in asked.defaults if d.name != "distance")
+    asked = replace(asked, outcome="topple", distance=np.inf, defaults=used)
+    if clause.event == "tips":
+        return replace(asked, tilt=defaults.rest_tilt, until="tips")
+    return replace(asked, tilt=almost_tips(target.model, defaults))
 
 
 def _slower(asked: Asked, speed: float) -> Asked:

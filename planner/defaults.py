@@ -25,6 +25,10 @@ class Defaults:
         no_turn: `no_turn` holds while the object turns by less than this [rad].
         no_tilt: `no_tilt` holds while the object tilts by less than this [rad].
         toppled: an object that ends tilted by more than this has toppled [rad].
+        tilt: by which an object is tilted if no angle is said; less to stay below `tilt_lot` [rad].
+        tilt_little: of "a little", with the same bound [rad].
+        tilt_lot: of "a lot" and of "until it almost tips", as a share of the angle of no return.
+        tilt_tolerance: of the largest tilt [rad].
         speed: of a push [m/s].
         speed_gentle: of a gentle push [m/s].
         force_reserve: share by which the force limit exceeds the largest force needed.
@@ -81,6 +85,10 @@ class Defaults:
     no_turn: float = math.radians(10.0)
     no_tilt: float = math.radians(5.0)
     toppled: float = math.radians(60.0)
+    tilt: float = math.radians(10.0)
+    tilt_little: float = math.radians(5.0)
+    tilt_lot: float = 0.55
+    tilt_tolerance: float = math.radians(2.0)
     speed: float = 0.05
     speed_gentle: float = 0.02
     force_reserve: float = 0.5

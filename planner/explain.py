@@ -92,7 +92,10 @@ def _with_sd(value: float, sd: float, *, digits: int = 3) -> str:
 
 
 def _controller(plan: Plan) -> tuple[Value, ...]:
-    until = "its stroke is done" if plan.push.ends_on == "stroke" else "it falls by itself"
+    until = {
+        "tilted": f"it is tilted by {shown(plan.push.tilt, 'rad')}, then let it back",
+        "toppled": "it falls by itself",
+    }.get(plan.push.ends_on, "its stroke is done")
     return (Value("controller", f"push with {_fingers(plan)}, until {until}"),)
 
 
@@ -118,12 +121,23 @@ def _goal(goal: g.Goal, plan: Plan) -> Iterator[Value]:
     way = phrase(math.atan2(y, x))
     if "direction" in used:
         yield Value("direction", f"{way} (not said: by default)", default=True, said=False)
-    elif isinstance(goal, g.Topple) and goal.direction is None:
+    elif isinstance(goal, g.Topple | g.Tilt) and goal.direction is None:
         yield Value("direction", f"{way} (not said: chosen)", default=True, said=False)
     else:
         yield Value("direction", way)
     if push.ends_on == "stroke":
         yield _distance(goal, push.stroke, used.get("distance"))
+    if push.ends_on == "tilted":
+        yield _tilt(push.tilt, used.get("tilt"))
+
+
+def _tilt(angle: float, used: DefaultUsed | None) -> Value:
+    told = shown(angle, "rad")
+    if used is None:
+        return Value("tilt", told)
+    in_words = used.reason.startswith("“")
+    why = f"{used.reason}, from the table of defaults" if in_words else "not said: by default"
+    return Value("tilt", f"{told} ({why})", default=True, said=in_words)
 
 
 def _distance(goal: g.Goal, stroke: float, used: DefaultUsed | None) -> Value:
@@ -218,7 +232,7 @@ def _rest(frame: g.Frame, plan: Plan) -> Iterator[Value]:
         yield Value("contact", _contact(plan), default=True)
     if not said & {"max_force", "gentle"}:
         yield Value("force limit", _force(plan), default=True)
-    if push.ends_on == "toppled":
+    if push.ends_on in {"toppled", "tilted"}:
         yield Value("longest stroke", shown(push.stroke, "m"), default=True)
 
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner import refusals
+from planner import refusals, tilts
 from planner.asked import Asked, RefusedError, read
 from planner.candidates import Contacts, Side, grid, rated
 from planner.defaults import DEFAULTS, Defaults
@@ -68,7 +68,7 @@ def plan(
         if target.lies_on != "bottom":
             raise RefusedError(refusals.lies(target))
         sides = _sides(asked, target, defaults)
-        sides = _with_free_way(sides, asked, target, state)
+        sides = _with_free_way(sides, asked, target, state, defaults)
         return _best(sides, asked, target, state, reach, defaults)
     except RefusedError as refused:
         return refused.refusal
@@ -171,7 +171,7 @@ def _direction(asked: Asked, side: Side) -> np.ndarray:
 
 
 def _with_free_way(
-    sides: list[Side], asked: Asked, target: SeenObject, state: WorldState
+    sides: list[Side], asked: Asked, target: SeenObject, state: WorldState, defaults: Defaults
 ) -> list[Side]:
     """The faces from which the object moves or falls without hitting anything."""
     free, refusal = [], None
@@ -179,6 +179,8 @@ def _with_free_way(
         u = _direction(asked, side)
         if asked.outcome == "slide":
             refusal = _slide_blocked(asked, target, state, u)
+        elif asked.tilt is not None:
+            refusal = tilts.hindered(target, state, side.face.normal, u, asked.tilt, defaults)
         else:
             refusal = _fall_blocked(target, state, u)
         if refusal is None:
@@ -264,7 +266,7 @@ def _push(
         asked.max_force,
         contacts.fingers * reach.max_force,
     )
-    return Push(
+    push = Push(
         object=target.name,
         face=face_name(outward)[0],
         p_BC=_triple(contacts.points[i]),
@@ -277,6 +279,10 @@ def _push(
         spread=reach.finger_spread if contacts.fingers == 2 else 0.0,
         ends_on="stroke" if asked.outcome == "slide" else "toppled",
     )
+    if asked.tilt is None:
+        return push
+    inward = -np.array(contacts.side.face.normal)
+    return tilts.tilted(push, target.model, inward, asked.tilt, asked.until, defaults)
 
 
 def _stroke(contacts: Contacts, i: int, asked: Asked, target: SeenObject) -> float:

@@ -49,7 +49,6 @@ def test_every_sentence_comes_to_an_end_that_is_told(kitchen: Controller, seed: 
         ("hand me the coffee box", "handing objects over"),
         ("pull the coffee box towards me", "pulling objects"),
         ("turn the coffee box a quarter turn", "turning objects"),
-        ("tilt the coffee box by 5 degrees", "tilting objects and letting them return"),
         ("stand the coffee box upright", "standing objects up"),
         ("put the coffee box next to the cereal box", "placing objects at places"),
         ("find out how tall the coffee box is", "finding out the height of objects"),

@@ -193,7 +193,6 @@ def test_fingers_as_said(kitchen: WorldState, reach: RuledReach) -> None:
     [
         "lift the ice tea box",
         "turn the ice tea box by 45 degrees",
-        "tilt the ice tea box",
         "open the ice tea box",
         "pull the ice tea box towards me",
     ],
