@@ -1,36 +1,34 @@
-"""Frame after frame: plan, push, learn, check; and plan anew when the object is not as believed.
+"""Frame after frame: plan, push, look, learn, plan anew until it is there; then check.
 
-Each frame is planned from a look of its own, after the one before it was carried out. What the
-pushing fingers felt updates the model of the object. An outcome that contradicts the prediction
-(nothing moved where it should, it tilted where it should slide, it slid where it should tilt) stops
-the push; what it taught goes into the model and the rest of the frame is planned anew, a few times
-at most. Clauses are checked over everything that happened for the frame.
+Of each plan only the first push is made. Then the robot looks, and plans towards the same aim from
+what it sees, until the aim is reached or the budget of pushes is used up (`Defaults.most_pushes`).
+What the pushing fingers felt updates the model of the object: an outcome that contradicts the
+prediction (nothing moved where it should, it tilted where it should slide, it slid where it should
+tilt) stops the push, and the next plan knows better. Where a push fails otherwise (nothing was
+touched, the contact was lost), another contact is tried. Clauses are checked over everything that
+happened for the frame.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-import numpy as np
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 from grammar import frames as g
 from nlcontrol.checks import not_held
 from nlcontrol.errors import NOT_UNDERSTOOD, ControlError, ErrorInfo, refusal_error
-from nlcontrol.learning import Lesson, learned
+from nlcontrol.learning import learned
 from nlcontrol.result import Result, ResultStatus, Step, summary, with_
+from planner.directions import angle_between
 from planner.explain import Basis
-from planner.plan import Plan, Refusal
+from planner.plan import Plan, Push, Reached, Refusal
+from planner.reach import Reach, ReachAnswer
 from planner.state import WorldState
-from sim.trace import Trace, joined
+from sim.trace import EndReason, Trace, joined
 
 if TYPE_CHECKING:
     from nlcontrol.controller import Controller, Progress
-
-MOST_PLANS = 6
-"""Plans made for one frame before it is given up."""
-
-_DONE = 0.001  # way that counts as a part of what was asked [m]
-_REST = 0.005  # least way that is planned for what remains [m]
 
 
 def carry_out(
@@ -137,85 +135,141 @@ class _Carrying:
         self.progress = progress
         self.step = Step(frame=index, status="failed")
         self.traces: list[Trace] = []
+        self.reach = Untried(controller.reach)
+        self._yaw: float | None = None
 
     def out(self, result: Result, plan_only: bool) -> Result:
         """The result with what came of the frame."""
-        controller, rest = self.controller, self.frame
-        for attempt in range(MOST_PLANS):
-            state = controller.look()
-            if attempt == 0:
-                basis = Basis.of(self.frame, state, controller.defaults)
-                before = basis.target.pose if basis else None
-                self._note(before=before, basis=basis)
+        controller, aim = self.controller, None
+        for attempt in range(controller.defaults.most_pushes):
+            state = self._look()
             try:
-                made = controller.plan(rest, state)
+                made = controller.plan(self.frame, state, aim=aim, reach=self.reach)
             except ControlError as raised:
                 return _ended(result, self.step, "unsupported", raised.info)
             if isinstance(made, Refusal):
-                result = self._traced(result)
-                return _ended(result, self.step, made.status, refusal_error(made))
-            self._note(plan=made)
-            result = with_(result, planned=result.planned + (attempt == 0), plan=made)
+                if attempt == 0:
+                    return _ended(result, self.step, made.status, refusal_error(made))
+                self._note(stuck=made.message)
+                break
+            if isinstance(made, Reached):
+                if attempt == 0 and not plan_only:
+                    self.traces.append(controller.watch(self._name))
+                break
+            self._note(plan=self.step.plan or made, plans=(*self.step.plans, made))
+            result = with_(result, plan=self.step.plan)
             if attempt == 0:
-                result = with_(result, defaults=result.defaults + made.defaults)
+                result = with_(
+                    result, planned=result.planned + 1, defaults=result.defaults + made.defaults
+                )
             if plan_only:
                 return _ended(result, self.step, "planned")
-            trace = controller.execute(made, self.progress)
-            self.traces.append(trace)
-            lesson = self._learn(made, state, trace)
-            if lesson is None or not lesson.contradicts or attempt == MOST_PLANS - 1:
+            if self._carried_out(made, state):
                 break
-            rest = _remaining(rest, made, trace)
+            aim = made.aim
+        if plan_only:
+            return _ended(result, self.step, "planned")
         return self._checked(self._traced(result))
+
+    @property
+    def _name(self) -> str:
+        assert self.frame.object is not None
+        assert self.frame.object.id is not None, "what was planned has an object"
+        return self.frame.object.id
+
+    def _look(self) -> WorldState:
+        """What is believed now; the object's heading counts its turns since the first look."""
+        state = self.controller.look()
+        basis = Basis.of(self.frame, state, self.controller.defaults)
+        if basis is None:
+            return state
+        pose = basis.target.pose
+        if self._yaw is None:
+            self._note(before=pose, basis=basis)
+            self._yaw = pose.yaw
+        self._yaw += angle_between(pose.yaw, self._yaw)
+        here = replace(basis.target, pose=replace(pose, yaw=self._yaw))
+        return replace(state, objects={**state.objects, here.name: here})
+
+    def _carried_out(self, made: Plan, state: WorldState) -> bool:
+        """Makes the first push of a plan; whether nothing is left to be done after it."""
+        trace = self.controller.execute(made, self.progress)
+        self.traces.append(trace)
+        self._learn(made, state, trace)
+        if trace.end in FAILURES:
+            self.reach.failed(made.push, trace.detail)
+            return False
+        if trace.end == "event":
+            return True
+        # A push that topples or tilts is the whole of its frame.
+        return made.aim is None and trace.end in ("toppled", "returned")
 
     def _note(self, **changes: object) -> None:
         self.step = self.step.model_copy(update=changes)
 
-    def _learn(self, made: Plan, state: WorldState, trace: Trace) -> Lesson | None:
+    def _learn(self, made: Plan, state: WorldState, trace: Trace) -> None:
         """What a push taught; the controller believes it from now on."""
         name = made.push.object
         found = learned(made, state.objects[name], trace)
         if found is None:
-            return None
+            return
         model, lesson = found
         self.controller.models[name] = model
         self._note(lessons=(*self.step.lessons, lesson))
         if lesson.contradicts and self.progress is not None:
             self.progress("learn", float(trace.time[-1]), lesson.text)
-        return lesson
 
     def _traced(self, result: Result) -> Result:
         """The result with everything that happened for this frame."""
-        if not self.traces:
-            return result
-        trace = joined(self.traces)
-        execution = summary(trace)
+        execution = summary(joined(self.traces))
         self._note(execution=execution)
-        return with_(result, trace=trace, execution=execution)
+        before = [result.trace] if result.trace is not None else []
+        return with_(result, trace=joined([*before, *self.traces]), execution=execution)
 
     def _checked(self, result: Result) -> Result:
-        trace = result.trace
-        assert trace is not None, "there was a push"
+        trace = joined(self.traces)
         checks = self.controller.check(self.frame, trace)
         self._note(checks=checks)
         result = with_(result, checks=result.checks + checks)
         missed = tuple(c for c in checks if not c.ok)
         if missed:
-            return _ended(result, self.step, "failed", not_held(missed, trace))
+            return _ended(result, self.step, "failed", not_held(missed, trace, self.step.stuck))
         return _ended(result, self.step, "done")
 
 
-def _remaining(frame: g.Frame, made: Plan, trace: Trace) -> g.Frame:
-    """What is left of a frame after a push that ended early."""
-    if made.displacement is None or not isinstance(frame.goal, g.Displace):
-        return frame
-    asked = np.linalg.norm(made.displacement)
-    done = float(trace.seen_displacement(made.push.object) @ np.array(made.displacement) / asked)
-    if done < _DONE:
-        return frame
-    left = max(float(asked) - done, _REST)
-    goal = frame.goal.model_copy(update={"distance": left, "fraction": None, "amount": None})
-    return frame.model_copy(update={"goal": goal})
+FAILURES: frozenset[EndReason] = frozenset(
+    {"no_touch", "unreachable", "guard", "too_close", "turned_off", "speed"}
+)
+"""Ends of a push after which another contact is tried, where there is one."""
+
+_SAME_PLACE = 0.02  # contacts nearer than this count as the same [m]
+
+
+class Untried:
+    """The hand's reach, but for the contacts at which a push of this frame has failed.
+
+    Args:
+        reach: of the robot.
+    """
+
+    def __init__(self, reach: Reach) -> None:
+        self._reach = reach
+        self._failed: list[tuple[Push, str]] = []
+
+    def failed(self, push: Push, detail: str) -> None:
+        """Takes note that a push went wrong there."""
+        self._failed.append((push, detail))
+
+    def __call__(self, push: Push, state: WorldState) -> ReachAnswer:
+        """Answers for one push."""
+        for before, detail in self._failed:
+            near = math.dist(before.p_BC, push.p_BC) < _SAME_PLACE
+            if near and (before.fingers, before.ends_on) == (push.fingers, push.ends_on):
+                return ReachAnswer(ok=False, reason="failed", message=f"tried before: {detail}")
+        return self._reach(push, state)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._reach, name)
 
 
 def _ended(

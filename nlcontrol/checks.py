@@ -96,12 +96,14 @@ def check(
     return tuple(checks)
 
 
-def not_held(missed: Sequence[Check], trace: Trace) -> ErrorInfo:
+def not_held(missed: Sequence[Check], trace: Trace, stuck: str | None = None) -> ErrorInfo:
     """The error of an execution in which some checks failed."""
     clauses = ", ".join(dict.fromkeys(c.clause.replace("_", " ") for c in missed))
     message = f"executed, but this did not hold: {clauses}"
-    if trace.end not in {"stroke", "toppled"}:
+    if trace.end not in {"stroke", "toppled", "turned", "returned", "event", "reached"}:
         message += f" (the push ended early: {trace.detail})"
+    if stuck is not None:
+        message += f" (then no further push was found: {stuck})"
     spans = missed[0].spans
     return error("clause_not_held", message, span=spans[0] if spans else None).info
 

@@ -21,7 +21,7 @@ from nlcontrol.resolve import NOTHING_SAID, Context, resolve
 from nlcontrol.result import Result, with_
 from objectmodels import ModelError, ObjectModel, Registry
 from planner.defaults import DEFAULTS, Defaults
-from planner.plan import Plan, Refusal
+from planner.plan import Plan, Reached, Refusal
 from planner.state import PlanarPose, SeenObject, TableState, WorldState
 from sim.scene import Scene, SceneObject, load_scene
 from sim.vision import seen_colours
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from grammar.parser import Parser
     from nlcontrol.answers import Answer
     from planner.affordances import Affordance
+    from planner.plan import Aim
+    from planner.reach import Reach
     from sim import ArmReach, DrakeWorld
     from sim.trace import Trace
 
@@ -212,12 +214,21 @@ class Controller:
         name = frame.object.id if frame.object else None
         return self.look() if name is None else self.surroundings(name)[1]
 
-    def plan(self, frame: Frame, state: WorldState | None = None) -> Plan | Refusal:
-        """The push that satisfies a frame, or why there is none.
+    def plan(
+        self,
+        frame: Frame,
+        state: WorldState | None = None,
+        *,
+        aim: Aim | None = None,
+        reach: Reach | None = None,
+    ) -> Plan | Reached | Refusal:
+        """The pushes that satisfy a frame, or why there are none.
 
         Args:
             frame: what is asked, its objects resolved.
             state: what is believed; looked up now if not given.
+            aim: where the object should be at the end, if a plan before has settled it.
+            reach: of the hand; that of the scene's robot if not given.
 
         Raises:
             ControlError: `uncheckable` if a clause could not be checked afterwards.
@@ -225,8 +236,10 @@ class Controller:
         from planner import plan
 
         state = self.look() if state is None else state
-        made = plan(frame, state, self.reach, defaults=self.defaults)
-        if isinstance(made, Plan):
+        made = plan(
+            frame, state, self.reach if reach is None else reach, defaults=self.defaults, aim=aim
+        )
+        if not isinstance(made, Refusal):
             require_checkable(frame)
         return made
 
@@ -240,6 +253,16 @@ class Controller:
         from sim import execute
 
         return execute(plan, self.world, self.models, reach=self.reach, progress=progress)
+
+    def watch(self, name: str) -> Trace:
+        """A look at the table during which nothing is done.
+
+        Args:
+            name: of the object that it is about.
+        """
+        from sim import watch
+
+        return watch(self.world, name, self.reach, LOOK)
 
     def check(self, frame: Frame, trace: Trace) -> tuple[Check, ...]:
         """A verdict for each clause of a frame."""

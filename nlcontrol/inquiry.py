@@ -20,8 +20,9 @@ from nlcontrol.predictions import PushPrediction, predict_push
 from nlcontrol.text import quantity
 from planner import refusals
 from planner.affordances import pushed_face
-from planner.asked import Asked, RefusedError, read
+from planner.asked import Asked, read
 from planner.directions import FACE_HEADINGS, HEADINGS, heading_of, unit
+from planner.refusals import RefusedError
 
 if TYPE_CHECKING:
     from objectmodels import Face

@@ -25,7 +25,7 @@ from nlcontrol.text import quantity
 from planner import plan
 from planner.affordances import TURNING_ARM, affordances
 from planner.directions import HEADINGS, heading_of, phrase
-from planner.plan import Plan
+from planner.plan import Plan, Reached
 
 if TYPE_CHECKING:
     from planner.affordances import Affordance
@@ -171,6 +171,8 @@ def _possible(frame: g.Frame, state: WorldState, reach: Reach, defaults: Default
         except ControlError as raised:
             return _no(raised.info.code, raised.info.message, raised.info.suggestions, {})
         return _can(made)
+    if isinstance(made, Reached):
+        return Answer(query="possible", text="Yes: it is there already.", numbers={}, yes=True)
     return _no(made.reason, made.message, made.suggestions, made.numbers)
 
 

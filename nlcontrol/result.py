@@ -73,7 +73,9 @@ class Step(BaseModel):
         frame: its place in `Result.frames`, from 0.
         status: as in `Result`.
         before: where the robot saw the object before it planned.
-        plan: the push.
+        plan: the pushes as they were planned at first.
+        plans: every plan that was made; the first push of each was carried out.
+        stuck: why no further push was made before the aim was reached.
         execution: the trace in a few numbers.
         checks: a verdict per clause of this frame.
         lessons: what the pushes taught about the object, in their order.
@@ -89,6 +91,8 @@ class Step(BaseModel):
     status: ResultStatus
     before: PlanarPose | None = None
     plan: Plan | None = None
+    plans: tuple[Plan, ...] = ()
+    stuck: str | None = None
     execution: Execution | None = None
     checks: tuple[Check, ...] = ()
     lessons: tuple[Lesson, ...] = ()
@@ -111,7 +115,7 @@ class Result(BaseModel):
         paraphrase: what was understood, in words.
         frames: the same as data.
         planned: how many of the frames were planned.
-        plan: the push, its predicted outcome and its margins, of the last frame planned.
+        plan: the pushes, their predicted outcomes and margins, of the last frame planned.
         execution: the trace in a few numbers.
         checks: a verdict per clause.
         steps: what came of each frame, in the order in which they were carried out; those after

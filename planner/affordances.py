@@ -18,7 +18,7 @@ from grammar import frames as g
 from objectmodels.outcomemap import OutcomeMap, outcome_map
 from planner.defaults import DEFAULTS, Defaults
 from planner.directions import HEADINGS, angle_between, face_name, heading_of
-from planner.plan import Plan
+from planner.plan import Plan, Refusal
 from planner.planning import plan
 
 if TYPE_CHECKING:
@@ -198,6 +198,7 @@ def _answered(
             f"probability {made.prediction.probability:.2f}"
         )
         return Affordance(outcome, way, face, True, *on_it, True, None, message)
+    assert isinstance(made, Refusal), "a goal of its own is never reached beforehand"
     return Affordance(
         outcome, way, face, True, *on_it, False, made.reason, made.message, made.suggestions
     )

@@ -75,7 +75,8 @@ def grid(side: Side, fingers: int, asked: Asked, reach: Reach) -> tuple[Array, A
     high = min(asked.high, face.top - reach.fingertip_radius)
     room = face.width / 2 - reach.fingertip_radius
     room -= reach.finger_spread / 2 if fingers == 2 else 0.0
-    lateral = np.array([y for y in _SIDESTEPS[fingers] if abs(y) <= room + 1e-9])
+    beside = (asked.lateral,) if asked.swing else _SIDESTEPS[fingers]
+    lateral = np.array([y for y in beside if abs(y) <= room + 1e-9])
     if high < low - 1e-9 or not len(lateral):
         return np.empty((0, 3)), np.empty(0)
     heights = np.linspace(low, high, max(1, round((high - low) / _HEIGHT_STEP)) + 1)

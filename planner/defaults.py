@@ -25,10 +25,6 @@ class Defaults:
         no_turn: `no_turn` holds while the object turns by less than this [rad].
         no_tilt: `no_tilt` holds while the object tilts by less than this [rad].
         toppled: an object that ends tilted by more than this has toppled [rad].
-        tilt: by which an object is tilted if no angle is said; less to stay below `tilt_lot` [rad].
-        tilt_little: of "a little", with the same bound [rad].
-        tilt_lot: of "a lot" and of "until it almost tips", as a share of the angle of no return.
-        tilt_tolerance: of the largest tilt [rad].
         speed: of a push [m/s].
         speed_gentle: of a gentle push [m/s].
         force_reserve: share by which the force limit exceeds the largest force needed.
@@ -63,13 +59,20 @@ class Defaults:
         turn_drift: an object that is turned stays where it is within this [m].
         tilt: angle of a tilt, if none is said [rad].
         tilt_little: of "a little" [rad].
-        tilt_lot: of "a lot" [rad].
+        tilt_lot: of "a lot" and of "until it almost tips", as a share of the angle of no return.
         tilt_tolerance: of a bare angle [rad].
         tips: an object tilted by more than this has begun to tip [rad].
         moves: an object that went farther than this has moved [m].
         overrun: way that an object goes on after the event that it was to stop at [m].
         no_slide: `no_slide` holds while the base slides by less than this [m].
         no_lift: `no_lift` holds while the lowest point rises by less than this [m].
+        clearance: that objects keep from each other, and from the table's edge, on their way [m].
+        clearance_fragile: from what is fragile [m].
+        speed_most: fastest push with which an object keeps to the fingertips [m/s].
+        aim_position: an object this near to where it should be is there [m].
+        aim_drift: the same of one that is turned on the spot [m].
+        aim_angle: an object turned by less than this from how it should look is there [rad].
+        most_pushes: pushes made for one frame before it is given up.
         known_to: relative standard deviation up to which a property counts as known: a question
             about it is then answered without touching the object.
         found_to: relative standard deviation to which a property is found out by touching.
@@ -85,10 +88,6 @@ class Defaults:
     no_turn: float = math.radians(10.0)
     no_tilt: float = math.radians(5.0)
     toppled: float = math.radians(60.0)
-    tilt: float = math.radians(10.0)
-    tilt_little: float = math.radians(5.0)
-    tilt_lot: float = 0.55
-    tilt_tolerance: float = math.radians(2.0)
     speed: float = 0.05
     speed_gentle: float = 0.02
     force_reserve: float = 0.5
@@ -120,13 +119,20 @@ class Defaults:
     turn_drift: float = 0.02
     tilt: float = math.radians(10.0)
     tilt_little: float = math.radians(5.0)
-    tilt_lot: float = math.radians(15.0)
+    tilt_lot: float = 0.55
     tilt_tolerance: float = math.radians(2.0)
     tips: float = math.radians(2.0)
     moves: float = 0.002
     overrun: float = 0.01
     no_slide: float = 0.01
     no_lift: float = 0.005
+    clearance: float = 0.01
+    clearance_fragile: float = 0.03
+    speed_most: float = 0.12
+    aim_position: float = 0.002
+    aim_drift: float = 0.005
+    aim_angle: float = math.radians(1.0)
+    most_pushes: int = 12
     known_to: float = 0.10
     found_to: float = 0.03
 

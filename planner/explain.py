@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 
 from grammar import frames as g
 from planner.directions import phrase
-from planner.planning import CLEARANCE
 from planner.rows import Clause, Row, Value, clauses, named, read, row, shown
 
 if TYPE_CHECKING:
@@ -170,7 +169,9 @@ def _constraint(clause: Any, plan: Plan, basis: Basis) -> Iterator[Value]:
             yield Value("largest turn", shown(defaults.no_turn, "rad"))
         case g.NoTouch():
             other = named(clause.object) if clause.object else "everything"
-            yield Value("free way", f"{shown(CLEARANCE, 'm')} or more from the {other}")
+            yield Value(
+                "free way", f"{shown(basis.defaults.clearance, 'm')} or more from the {other}"
+            )
         case g.ContactRegion():
             yield Value("contact", _contact(plan))
             yield from _heights(clause, basis)

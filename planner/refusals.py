@@ -18,6 +18,29 @@ if TYPE_CHECKING:
     from planner.state import SeenObject
 
 
+class RefusedError(Exception):
+    """Planning ends with a refusal; it never leaves the planner."""
+
+    def __init__(self, refusal: Refusal) -> None:
+        super().__init__(refusal.message)
+        self.refusal = refusal
+
+
+def unsupported(
+    capability: str, message: str, spans: tuple[tuple[int, int], ...], *instead: str
+) -> RefusedError:
+    """A refusal because this robot, or this version, lacks a capability."""
+    return RefusedError(
+        Refusal(
+            reason="unsupported",
+            message=message,
+            capability=capability,
+            spans=spans,
+            suggestions=instead,
+        )
+    )
+
+
 def _mm(length: float) -> str:
     return f"{1e3 * length:.0f} mm"
 
@@ -64,20 +87,16 @@ def no_side(asked: Asked, target: SeenObject) -> Refusal:
     )
 
 
-def oblique(asked: Asked, target: SeenObject, side: Side, angle: float, largest: float) -> Refusal:
-    """No face, or not the one that is said, is square enough to the direction."""
+def askew(asked: Asked, target: SeenObject, side: Side, angle: float, largest: float) -> Refusal:
+    """The face that is said is not square enough to the direction."""
     assert asked.heading is not None
-    numbers = {"obliqueness": abs(angle), "largest_obliqueness": largest}
     face = f"its {asked.face} face" if asked.face else "its nearest face"
-    message = (
-        f"pushing the {target.name} {phrase(asked.heading)} would meet {face} at {_deg(angle)} "
-        f"from square, where fingertips slip off (up to {math.degrees(largest):.1f}° would do)"
-    )
     return Refusal(
-        reason="unsupported",
-        message=message,
-        numbers=numbers,
-        capability="turning an object first, or pushing it in several steps",
+        reason="impossible",
+        message=f"pushing the {target.name} {phrase(asked.heading)} would meet {face} at "
+        f"{_deg(angle)} from square, where fingertips slip off (up to "
+        f"{math.degrees(largest):.1f}° would do)",
+        numbers={"obliqueness": abs(angle), "largest_obliqueness": largest},
         spans=asked.contact_spans,
         suggestions=(
             f"push it {phrase(side.heading)}",
@@ -86,26 +105,65 @@ def oblique(asked: Asked, target: SeenObject, side: Side, angle: float, largest:
     )
 
 
-def off_the_table(asked: Asked, target: SeenObject, room: float) -> Refusal:
+def no_way(target: SeenObject) -> Refusal:
+    """It has no sides along which it could be pushed there."""
+    return Refusal(
+        reason="impossible",
+        message=f"the {target.name} has no sides, square to the way and wide enough for a "
+        "fingertip, along which it could be pushed there",
+    )
+
+
+def off_the_table(target: SeenObject, distance: float, room: float) -> Refusal:
     """The table ends before the distance does."""
     left = max(room, 0.0)
     return Refusal(
         reason="impossible",
-        message=f"the table ends after {_mm(left)} in that direction; {_mm(asked.distance)} would "
+        message=f"the table ends after {_mm(left)} in that direction; {_mm(distance)} would "
         f"push the {target.name} off it",
-        numbers={"room": left, "distance": asked.distance},
+        numbers={"room": left, "distance": distance},
         suggestions=(f"up to {100 * left:.0f} cm would do",) if left > 0.01 else (),
     )
 
 
-def in_the_way(asked: Asked, target: SeenObject, other: SeenObject, free: float) -> Refusal:
+def in_the_way(target: SeenObject, other: SeenObject, distance: float, free: float) -> Refusal:
     """Another object stands on the way."""
     return Refusal(
         reason="blocked",
         message=f"the {other.name} stands in the way of the {target.name} after {_mm(free)}; "
-        f"{_mm(asked.distance)} are asked",
-        numbers={"free": free, "distance": asked.distance},
+        f"{_mm(distance)} are asked",
+        numbers={"free": free, "distance": distance},
         suggestions=(f"up to {100 * free:.0f} cm would do",) if free > 0.01 else (),
+    )
+
+
+def unlikely(target: SeenObject, pushes: int, probability: float, defaults: Defaults) -> Refusal:
+    """Each push is likely enough, but not all of them together."""
+    return Refusal(
+        reason="too_uncertain",
+        message=f"{pushes} pushes are needed, and all of them succeed with a probability of "
+        f"{probability:.2f}; {defaults.probability:.2f} is asked",
+        numbers={"probability": probability, "asked_probability": defaults.probability},
+        suggestions=(f"find out the weight and the friction of the {target.name} first",),
+    )
+
+
+def turn_blocked(target: SeenObject, met: str) -> Refusal:
+    """It would hit something, or leave the table, as it turns."""
+    what = "over the table's edge" if met == "table" else f"into the {met}"
+    return Refusal(
+        reason="blocked",
+        message=f"turning here, the {target.name} would swing {what}",
+        suggestions=("move it away from there first",),
+    )
+
+
+def cannot_turn(target: SeenObject) -> Refusal:
+    """No finger on any of its sides turns it in this sense."""
+    return Refusal(
+        reason="impossible",
+        message=f"no push on a side of the {target.name} surely turns it: the finger would slip",
+        suggestions=(f"find out the friction of the {target.name} first",),
     )
 
 

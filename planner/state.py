@@ -64,6 +64,7 @@ class SeenObject:
         model: the registry's model of it (the belief, never the truth), as it lies.
         lies_on: name of the face that is below; `bottom` if it stands as its model does.
         colour: what the camera sees, red, green, blue in 0…1; None if it was not looked at.
+        fragile: whether it must be kept farther away from.
     """
 
     name: str
@@ -71,6 +72,7 @@ class SeenObject:
     model: ObjectModel
     lies_on: str = "bottom"
     colour: Colour | None = None
+    fragile: bool = False
 
     @classmethod
     def lying(

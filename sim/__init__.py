@@ -4,7 +4,7 @@ Drake is imported when a world is built, not with this package.
 """
 
 from sim.errors import PictureError, SceneError, SimError
-from sim.execution import execute
+from sim.execution import execute, watch
 from sim.picture import save_picture
 from sim.reach import ArmReach
 from sim.replay import save_replay
@@ -27,4 +27,5 @@ __all__ = [
     "save_picture",
     "save_replay",
     "seen_colours",
+    "watch",
 ]

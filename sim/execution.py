@@ -11,9 +11,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from planner.plan import Plan
 from sim.push import PushControl
 from sim.reach import ArmReach
+from sim.recorder import Recorder
 from sim.stance import UnreachableError
 from sim.touch import EarlyEndError
 from sim.trace import EndReason, Trace
@@ -56,7 +59,23 @@ def execute(
     except UnreachableError as error:
         end, detail = "unreachable", str(error)
     trip.come_home(SETTLE.get(end, SETTLE["stroke"]))
-    return trip.recorder.trace(plan.push, end=end, detail=detail)
+    push = plan.push
+    return trip.recorder.trace(push.object, np.array(push.direction_W), end=end, detail=detail)
+
+
+def watch(world: DrakeWorld, name: str, reach: ArmReach, seconds: float) -> Trace:
+    """A look at the table during which nothing is done.
+
+    Args:
+        world: where; it moves on.
+        name: of the object that it is about.
+        reach: of the world's robot.
+        seconds: how long to look [s].
+    """
+    ahead = np.array([1.0, 0.0, 0.0])
+    recorder = Recorder(world, reach.mount, -ahead)
+    recorder.look(seconds)
+    return recorder.trace(name, ahead, end="reached", detail="there was nothing to be done")
 
 
 def _push(plan: Plan, trip: Trip, tell: Progress) -> tuple[EndReason, str]:

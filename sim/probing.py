@@ -99,7 +99,12 @@ def probe(
     except UnreachableError as error:
         found = Recording.nothing(experiment, "unreachable", str(error), before)
     trip.come_home(SETTLE)
-    trace = trip.recorder.trace(experiment.push, end=found.end, detail=found.detail)
+    trace = trip.recorder.trace(
+        experiment.push.object,
+        np.array(experiment.push.direction_W),
+        end=found.end,
+        detail=found.detail,
+    )
     return replace(found, trace=trace)
 
 

@@ -11,7 +11,6 @@ from sim.trace import Trace
 from sim.vision import averaged
 
 if TYPE_CHECKING:
-    from planner.plan import Push
     from planner.state import PlanarPose
     from sim.rotations import Array
     from sim.stance import Mount
@@ -84,8 +83,15 @@ class Recorder:
             steps -= 1
         return averaged(frames)
 
-    def trace(self, push: Push, *, end: EndReason, detail: str) -> Trace:
-        """Everything since the start as a trace."""
+    def trace(self, pushed: str, direction_W: Array, *, end: EndReason, detail: str) -> Trace:
+        """Everything since the start as a trace.
+
+        Args:
+            pushed: name of the object that it is about.
+            direction_W: unit direction of the push in W, shape (3,).
+            end: why it ended.
+            detail: the same in words.
+        """
         samples = self.world.history[self._first :]
         n, k = len(samples), len(self.fingers)
         tips, forces = np.zeros((n, k, 3)), np.zeros((n, k, 3))
@@ -109,8 +115,8 @@ class Recorder:
             felt={finger: forces[:, i] for i, finger in enumerate(self.fingers)},
             force_limit=np.array(self._limits),
             contacts=tuple(self.world.contacts[self._contacts :]),
-            pushed=push.object,
-            direction=np.array(push.direction_W),
+            pushed=pushed,
+            direction=direction_W,
             end=end,
             detail=detail,
             seed=self.world.seed,

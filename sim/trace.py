@@ -20,6 +20,7 @@ EndReason = Literal[
     "turned",  # the object was seen to have turned by the asked angle
     "returned",  # it was tilted by the asked angle and stands on its base again
     "event",  # what the push was to last until has happened
+    "reached",  # nothing had to be done
     "toppled",  # the object was seen to pass its angle of no return
     "force",  # the force limit was reached and nothing moved any more
     "speed",  # the object or the finger became faster than allowed

@@ -14,7 +14,6 @@ import pytest
 
 import grammar
 from grammar import frames as g
-from nlcontrol.carrying import MOST_PLANS
 from nlcontrol.cli.exploring import command
 from nlcontrol.exploringreport import _COLUMNS
 from nlcontrol.fitting import NAMES
@@ -80,7 +79,7 @@ def test_the_stated_figures_are_those_of_the_code() -> None:
     ]
     assert [words for words in stated if words not in PLAIN] == []
     assert (probing.RUB_FORCE, "half of the force" in PLAIN) == (0.5, True)
-    assert (MOST_PLANS, "six plans" in PLAIN) == (6, True)
+    assert (DEFAULTS.most_pushes, "twelve pushes" in PLAIN) == (12, True)
     assert (SURPRISING, "three standard deviations off" in PLAIN) == (3.0, True)
     assert (OUTLIER, "more than four robust" in PLAIN) == (4.0, True)
     assert (MOST_DROPPED, "a fifth" in PLAIN) == (0.2, True)

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from objectmodels import BoxModel
 from planner import plan
-from planner.plan import Plan
+from planner.plan import Plan, Refusal
 from planner.state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import TABLE, RuledReach, frame_of
 
@@ -47,6 +47,7 @@ def _planned(text: str, box: BoxModel, yaw: float) -> Plan | None:
     made = plan(frame_of(text), state, RuledReach())
     if isinstance(made, Plan):
         return made
+    assert isinstance(made, Refusal)
     # A refusal always says why, with figures or with what is missing.
     assert made.message
     assert made.numbers or made.capability

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller
-from nlcontrol.carrying import MOST_PLANS
 from nlcontrol.result import Result
+from planner.defaults import DEFAULTS
 from planner.plan import Plan
 from sim.trace import Trace
 from tests.unit.nlcontrol.pushes import TraceMaker, seen, stuck
@@ -108,12 +108,12 @@ def test_given_up_after_so_many_plans(
     stage = Stage(monkeypatch, seen(stuck(make_trace(force=4.0))))
     result = controller.say(SENTENCE)
     assert (result.ok, result.status, result.exit_status) == (False, "failed", 5)
-    assert len(stage.executed) == MOST_PLANS
-    assert len(result.steps[0].lessons) == MOST_PLANS
+    assert len(stage.executed) == DEFAULTS.most_pushes
+    assert len(result.steps[0].lessons) == DEFAULTS.most_pushes
     assert result.error is not None
     assert result.error.code == "clause_not_held"
     assert result.trace is not None
-    assert len(result.trace.time) == MOST_PLANS * len(stage.traces[0].time)
+    assert len(result.trace.time) == DEFAULTS.most_pushes * len(stage.traces[0].time)
     limits = [plan.push.force_limit for plan in stage.executed]
     # It learns that 4 N are too little, and no more than that from the second time on.
     assert limits[1] > 1.05 * limits[0]

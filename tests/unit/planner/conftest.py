@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import pytest
+from pydantic import BaseModel
 
 import grammar
-from grammar.frames import Frame
+from grammar.frames import Frame, ObjectRef
 from objectmodels import Registry
 from planner.plan import Push
 from planner.reach import ReachAnswer
 from planner.state import PlanarPose, SeenObject, TableState, WorldState
+
+Part = TypeVar("Part", bound=BaseModel)
 
 TABLE = TableState(-0.2, 1.2, -0.8, 0.8)
 
@@ -49,13 +53,21 @@ def world(**poses: PlanarPose) -> WorldState:
 def frame_of(text: str) -> Frame:
     """The frame of a sentence, its objects named as in the scene."""
     (frame,) = grammar.parse(text).frames
-    assert frame.object is not None
-    found: dict[str, object] = {"object": frame.object.model_copy(update={"id": frame.object.text})}
-    goal = frame.goal
-    named = {key: getattr(goal, key, None) for key in ("toward", "away_from")}
-    bound = {k: ref.model_copy(update={"id": ref.text}) for k, ref in named.items() if ref}
-    found["goal"] = goal.model_copy(update=bound)
-    return frame.model_copy(update=found)
+    return _bound(frame)
+
+
+def _bound(part: Part) -> Part:
+    """A part of a frame with the id of every object."""
+    if isinstance(part, ObjectRef):
+        return part.model_copy(update={"id": part.text})
+    values = {key: getattr(part, key) for key in type(part).model_fields}
+    return part.model_copy(update={key: _value(value) for key, value in values.items()})
+
+
+def _value(value: object) -> object:
+    if isinstance(value, tuple):
+        return tuple(_value(item) for item in value)
+    return _bound(value) if isinstance(value, BaseModel) else value
 
 
 @pytest.fixture

@@ -19,7 +19,7 @@ STATE = world(ice_tea_box=PlanarPose(0.5, 0.0), mug=PlanarPose(0.5, 0.5))
 def _rows(text: str) -> tuple[Row, ...]:
     frame = frame_of(text)
     made = plan(frame, STATE, RuledReach())
-    assert isinstance(made, Plan), made.message
+    assert isinstance(made, Plan), made
     basis = Basis.of(frame, STATE, DEFAULTS)
     assert basis is not None
     return explain(frame, made, text, basis)

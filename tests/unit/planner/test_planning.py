@@ -192,9 +192,8 @@ def test_fingers_as_said(kitchen: WorldState, reach: RuledReach) -> None:
     "text",
     [
         "lift the ice tea box",
-        "turn the ice tea box by 45 degrees",
         "open the ice tea box",
-        "pull the ice tea box towards me",
+        "put the ice tea box on the cereal box",
     ],
 )
 def test_no_controller_yet(text: str, kitchen: WorldState, reach: RuledReach) -> None:
@@ -203,16 +202,7 @@ def test_no_controller_yet(text: str, kitchen: WorldState, reach: RuledReach) ->
     assert refusal.capability
 
 
-def test_two_directions_need_two_pushes(kitchen: WorldState, reach: RuledReach) -> None:
-    refusal = _refused("push the ice tea box away and to the left", kitchen, reach)
-    assert refusal.status == "unsupported"
-    assert refusal.numbers["obliqueness"] == pytest.approx(math.radians(45))
-
-
-def test_a_box_turned_by_thirty_degrees(reach: RuledReach) -> None:
-    turned = world(ice_tea_box=PlanarPose(0.45, 0.0, math.radians(30)))
-    refusal = _refused("push the ice tea box away", turned, reach)
-    assert refusal.numbers["obliqueness"] == pytest.approx(math.radians(30))
+def test_a_box_turned_by_a_little(reach: RuledReach) -> None:
     slightly = world(ice_tea_box=PlanarPose(0.45, 0.0, math.radians(-12)))
     push = _planned("push the ice tea box away", slightly, reach).push
     # It still moves straight away, from the face that is nearly square to that.

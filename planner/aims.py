@@ -1,0 +1,269 @@
+"""Where an object should be at the end: goals as aims on the table.
+
+A goal of moving, placing or turning is an aim, a pose of the object in W, or several of which one
+will do, the nearest first. Aims are fixed once, from where everything stands at first: later
+pushes correct what earlier ones missed, they do not shift the aim.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from grammar import frames as g
+from objectmodels.base import Disc
+from planner.directions import HEADINGS, bisector, heading_of, unit
+from planner.footprints import footprint, free_travel, travel_to_edge
+from planner.plan import Aim, DefaultUsed, Refusal, StopEvent
+from planner.refusals import RefusedError, unsupported
+from planner.relations import Beside, region, share_of_way, table_region
+
+if TYPE_CHECKING:
+    from planner.defaults import Defaults
+    from planner.state import SeenObject, WorldState
+
+_BEYOND = 0.015  # travel beyond the place where something should be met [m]
+
+
+_TIPPING = ("tips", "about_to_tip")  # events that end no way over the table
+
+
+@dataclass(frozen=True)
+class Aimed:
+    """What a goal aims at.
+
+    Attributes:
+        aims: poses of which one should be reached, the nearest first.
+        heading: direction in W in which the object is to move [rad]; None if it follows from the
+            aim.
+        distance: to be moved [m]; None if it follows from the aim.
+        until: event that ends the way earlier.
+        meets: name of the object that is to be touched then.
+        defaults: what the sentence left open.
+    """
+
+    aims: tuple[Aim, ...]
+    heading: float | None = None
+    distance: float | None = None
+    until: StopEvent | None = None
+    meets: str | None = None
+    defaults: tuple[DefaultUsed, ...] = ()
+
+
+def aimed(frame: g.Frame, target: SeenObject, state: WorldState, defaults: Defaults) -> Aimed:
+    """What a frame that moves or turns its object aims at.
+
+    Raises:
+        RefusedError: there is no such place, or it cannot be moved to.
+    """
+    goal = frame.goal
+    until = next((c for c in frame.constraints if isinstance(c, g.Until)), None)
+    match goal:
+        case g.Rotate():
+            return _rotated(goal, target, defaults)
+        case g.Place():
+            return _placed(goal, target, state, defaults)
+        case g.Displace() if until is not None and until.event not in _TIPPING:
+            return _until(goal, until, target, state, defaults)
+        case g.Displace():
+            return _displaced(goal, target, state, defaults)
+    raise AssertionError(f"{goal.kind} moves nothing")
+
+
+def here(target: SeenObject, x: float | None = None, y: float | None = None) -> Aim:
+    """The pose that an object has, or one moved elsewhere that looks the same way.
+
+    The heading of what is round does not matter unless it is to be turned.
+    """
+    pose = target.pose
+    yaw = None if isinstance(target.model.base, Disc) else pose.yaw
+    return Aim(x=pose.x if x is None else x, y=pose.y if y is None else y, yaw=yaw)
+
+
+# -- moving -----------------------------------------------------------------------------------
+
+
+def _displaced(
+    goal: g.Displace, target: SeenObject, state: WorldState, defaults: Defaults
+) -> Aimed:
+    heading, used = _heading(goal, target, state, defaults)
+    distance, reason = _distance(goal, heading, target, state, defaults)
+    if reason:
+        used += (DefaultUsed(name="distance", value=distance, unit="m", reason=reason),)
+    return _along(target, heading, distance, used)
+
+
+def _along(
+    target: SeenObject, heading: float, distance: float, used: tuple[DefaultUsed, ...] = ()
+) -> Aimed:
+    x, y, _ = (target.pose.p_WB + distance * unit(heading)).tolist()
+    return Aimed((here(target, x, y),), heading, distance, defaults=used)
+
+
+def _heading(
+    goal: g.Displace, target: SeenObject, state: WorldState, defaults: Defaults
+) -> tuple[float, tuple[DefaultUsed, ...]]:
+    """Direction of a displacement in W [rad], and that it was not said."""
+    if goal.heading is not None:
+        return goal.heading, ()
+    for other, sign in ((goal.toward, 1.0), (goal.away_from, -1.0)):
+        if other is None:
+            continue
+        way = "towards" if other is goal.toward else "away from"
+        there = _whereabouts(other, way, target, state, defaults)
+        return heading_of(sign * (np.array([*there, 0.0]) - target.pose.p_WB)), ()
+    if isinstance(goal.direction, tuple):
+        found = bisector(goal.direction)
+        assert found is not None, "the grammar lets no two opposite directions through"
+        return found, ()
+    if goal.direction:
+        return HEADINGS[goal.direction], ()
+    reason = "no direction said: away"
+    return HEADINGS["away"], (DefaultUsed(name="direction", value=0.0, unit="rad", reason=reason),)
+
+
+def _whereabouts(
+    other: g.ObjectRef | g.TableRegion,
+    way: str,
+    target: SeenObject,
+    state: WorldState,
+    defaults: Defaults,
+) -> tuple[float, float]:
+    """Position in W of an object, or of a part of the table, that the way leads to or from."""
+    if not isinstance(other, g.ObjectRef):
+        x, y = table_region(other, state.table, defaults).spots(target)[0].tolist()
+        return x, y
+    assert other.id is not None, "objects are resolved by now"
+    if other.id == target.name:
+        message = f"the {target.name} cannot move {way} itself"
+        raise RefusedError(Refusal(reason="impossible", message=message, spans=other.spans))
+    pose = state.objects[other.id].pose
+    return pose.x, pose.y
+
+
+def _distance(
+    goal: g.Displace, heading: float, target: SeenObject, state: WorldState, defaults: Defaults
+) -> tuple[float, str | None]:
+    """The distance to plan for [m], and why it is a default, if it is one."""
+    assert not isinstance(goal.distance, g.RelativeLength), "lengths are in metres by now"
+    if goal.fraction is not None:
+        return goal.fraction * _whole_way(goal, heading, target, state, defaults), None
+    if goal.distance is not None:
+        # A bound is kept with the tolerance to spare.
+        spare = {"exact": 0.0, "at_least": 1.0, "at_most": -1.0}[goal.bound]
+        spare *= min(defaults.distance_tolerance, 0.5 * goal.distance)
+        return goal.distance + spare, None
+    if goal.amount == "little":
+        return defaults.distance_little, "“a little”"
+    if goal.amount == "lot":
+        return defaults.distance_lot, "“a lot”"
+    if isinstance(goal.toward, g.ObjectRef):
+        way = _whole_way(goal, heading, target, state, defaults)
+        if way < defaults.distance + defaults.place_gap:
+            return max(way - defaults.place_gap, 0.0), "no distance said: up to it"
+    return defaults.distance, "no distance said"
+
+
+def _whole_way(
+    goal: g.Displace, heading: float, target: SeenObject, state: WorldState, defaults: Defaults
+) -> float:
+    """Distance to where the object would touch, or be at, what it moves towards [m]."""
+    if isinstance(goal.toward, g.ObjectRef):
+        assert goal.toward.id is not None
+        other = footprint(state.objects[goal.toward.id])
+        return free_travel(footprint(target), other, unit(heading)[:2], 0.0)
+    assert goal.toward is not None, "a share of a way has an end"
+    there = _whereabouts(goal.toward, "towards", target, state, defaults)
+    return math.dist(there, (target.pose.x, target.pose.y))
+
+
+# -- until something happens ------------------------------------------------------------------
+
+
+def _until(
+    goal: g.Displace, until: g.Until, target: SeenObject, state: WorldState, defaults: Defaults
+) -> Aimed:
+    """As far as it takes until an event."""
+    if until.event == "moves":
+        moved = _displaced(goal, target, state, defaults)
+        return replace(moved, until="moves")
+    other = None if until.object is None else state.objects.get(until.object.id or "")
+    if goal.direction is None and goal.heading is None and other is not None:
+        goal = goal.model_copy(update={"toward": until.object})
+    heading, used = _heading(goal, target, state, defaults)
+    u, own = unit(heading), footprint(target)
+    if until.event == "edge":
+        room = travel_to_edge(own, state.table, u[:2], defaults.edge_gap)
+        return _along(target, heading, max(room, 0.0), used)
+    if other is None:
+        raise unsupported(
+            f"stopping at the event '{until.event}'",
+            "the event needs an object that the way leads to",
+            until.spans,
+        )
+    way = free_travel(own, footprint(other), u[:2], 0.0)
+    if until.event == "touching":
+        if math.isinf(way):
+            raise RefusedError(_never_met(target, other, until.spans))
+        met = _along(target, heading, way + _BEYOND, used)
+        return replace(met, until="touching", meets=other.name)
+    # In line with it, or beside it: as far along the way as the other one stands.
+    along = float((other.pose.p_WB - target.pose.p_WB) @ u)
+    if until.event == "next_to" and math.isfinite(way):
+        along = min(along, way - defaults.place_gap)
+    if along <= 0.0:
+        raise RefusedError(_never_met(target, other, until.spans))
+    return _along(target, heading, along, used)
+
+
+def _never_met(target: SeenObject, other: SeenObject, spans: g.Spans) -> Refusal:
+    return Refusal(
+        reason="impossible",
+        message=f"the {target.name} does not come to the {other.name} in that direction",
+        spans=spans,
+        suggestions=(f"push it towards the {other.name}",),
+    )
+
+
+# -- placing and turning ----------------------------------------------------------------------
+
+
+def _placed(goal: g.Place, target: SeenObject, state: WorldState, defaults: Defaults) -> Aimed:
+    place = region(goal, state, defaults)
+    if place is None or (isinstance(goal.reference, tuple) and goal.relation == "on"):
+        raise unsupported(
+            "putting objects on others",
+            "this version of the robot moves objects over the table only",
+            goal.spans,
+        )
+    if goal.fraction is not None:
+        place = share_of_way(place, goal.fraction, target, defaults.place_tolerance)
+    spots = place.spots(target)
+    if not spots:
+        message = f"there is no room for the {target.name} there"
+        raise RefusedError(Refusal(reason="impossible", message=message, spans=goal.spans))
+    used: tuple[DefaultUsed, ...] = ()
+    if isinstance(place, Beside) and goal.distance is None and place.gap > 0.0:
+        reason = "no distance said"
+        used = (DefaultUsed(name="place_gap", value=place.gap, unit="m", reason=reason),)
+    return Aimed(tuple(here(target, float(x), float(y)) for x, y in spots), defaults=used)
+
+
+def _rotated(goal: g.Rotate, target: SeenObject, defaults: Defaults) -> Aimed:
+    angle, used = goal.angle, []
+    if angle is None:
+        angle, reason = {
+            "little": (defaults.turn_little, "“a little”"),
+            "lot": (defaults.turn_lot, "“a lot”"),
+            None: (defaults.turn, "no angle said"),
+        }[goal.amount]
+        used.append(DefaultUsed(name="turn", value=angle, unit="rad", reason=reason))
+    spare = {"exact": 0.0, "at_least": 1.0, "at_most": -1.0}[goal.bound]
+    angle += spare * min(defaults.turn_tolerance, 0.5 * angle)
+    signs = {"ccw": (1.0,), "cw": (-1.0,), None: (1.0, -1.0)}[goal.sense]
+    pose = target.pose
+    aims = tuple(Aim(x=pose.x, y=pose.y, yaw=pose.yaw + sign * angle) for sign in signs)
+    return Aimed(aims, defaults=tuple(used))

@@ -1,0 +1,205 @@
+"""The way of an object to an aim: turned first, then pushed along its faces.
+
+Every push is planned from where the one before it is predicted to leave the object. The first way
+on which all pushes are free, likely and within the hand's reach is taken; what stops the first of
+them is told if there is none.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import islice
+from typing import TYPE_CHECKING
+
+from planner import refusals, turns
+from planner.asked import Asked
+from planner.onepush import Found, best_push
+from planner.plan import Aim, Reached, Refusal
+from planner.turns import Swing
+from planner.ways import Leg, Stop, around, displaced, grip, stop, ways
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from planner.defaults import Defaults
+    from planner.reach import Reach
+    from planner.state import SeenObject, WorldState
+
+_WAYS = 6  # free ways for which the hand's reach is asked
+_SQUARED_UP = math.radians(6.0)  # a turn up to this is made while the object is pushed straight
+_SQUARE = math.radians(0.2)  # a turn below this is not
+
+
+class Journey:
+    """The way of an object to an aim.
+
+    Args:
+        asked: limits that every push keeps.
+        aim: where the object should be.
+        target: the object, as it stands now; its heading is not wrapped.
+        state: what is believed.
+        reach: whether the hand gets somewhere.
+        defaults: margins and tolerances.
+    """
+
+    def __init__(
+        self,
+        asked: Asked,
+        aim: Aim,
+        target: SeenObject,
+        state: WorldState,
+        reach: Reach,
+        defaults: Defaults,
+    ) -> None:
+        self._asked, self._aim, self._target, self._state = asked, aim, target, state
+        self._reach, self._defaults = reach, defaults
+        self._largest = grip(target, defaults.sigmas)
+        self._clearances = _clearances(asked, target, state, defaults)
+        # What is turned may be displaced a little more than what is brought somewhere.
+        self._within = defaults.aim_drift if asked.rotates else defaults.aim_position
+
+    def pushes(self) -> list[Found] | Reached | Refusal:
+        """The pushes, that it is there already, or why it does not get there."""
+        target = self._target
+        off, turn = self._off(target), self._turn(target)
+        if off <= self._within and abs(turn) <= self._defaults.aim_angle:
+            return Reached(aim=self._aim, off=off, turned_off=abs(turn))
+        if abs(turn) <= _SQUARED_UP and off > self._within:
+            return self._straight(target)
+        swung = self._swung(target, turn)
+        if isinstance(swung, Refusal):
+            return swung
+        found, there = swung
+        if self._off(there) <= self._within:
+            return found
+        then = self._straight(there)
+        # After turns nothing is as foreseen to the millimetre, so what follows is planned anew.
+        return found if isinstance(then, Refusal) else found + then
+
+    def _off(self, target: SeenObject) -> float:
+        """Distance of an object from the aim [m]."""
+        return math.dist((self._aim.x, self._aim.y), (target.pose.x, target.pose.y))
+
+    def _turn(self, target: SeenObject) -> float:
+        """Angle by which it has to turn [rad]."""
+        return 0.0 if self._aim.yaw is None else self._aim.yaw - target.pose.yaw
+
+    def _with(self, target: SeenObject) -> WorldState:
+        """What is believed once the object is somewhere else."""
+        return replace(self._state, objects={**self._state.objects, target.name: target})
+
+    # -- turning -------------------------------------------------------------------------------
+
+    def _swung(self, target: SeenObject, turn: float) -> tuple[list[Found], SeenObject] | Refusal:
+        """The pushes that turn an object, and the object after them."""
+        found: list[Found] = []
+        for angles in turns.pairs(turns.sizes(turn)):
+            pair = self._pair(target, angles)
+            if isinstance(pair, Refusal):
+                return pair
+            found += pair[0]
+            target = pair[1]
+        return found, target
+
+    def _pair(
+        self, target: SeenObject, angles: tuple[float, ...]
+    ) -> tuple[list[Found], SeenObject] | Refusal:
+        refusal: Refusal | None = None
+        for steps in turns.swings(target, angles, self._aim):
+            met = turns.free(target, steps, self._state, self._clearances, self._defaults.clearance)
+            if met is not None:
+                refusal = refusal or refusals.turn_blocked(target, met)
+                continue
+            made = self._swings(target, steps)
+            if not isinstance(made, Refusal):
+                return made
+            refusal = made
+        return refusal or refusals.cannot_turn(target)
+
+    def _swings(
+        self, target: SeenObject, steps: tuple[Swing, ...]
+    ) -> tuple[list[Found], SeenObject] | Refusal:
+        found = []
+        for step in steps:
+            asked = replace(
+                self._asked,
+                heading=None,
+                distance=0.0,
+                fingers=(1,),
+                swing=step.angle,
+                lateral=step.lateral(target),
+                until=None,
+                meets=None,
+            )
+            best = best_push(
+                asked, target, self._with(target), self._reach, self._defaults, step.side
+            )
+            if isinstance(best, Refusal):
+                return best
+            found.append(best)
+            target = step.left(target)
+        return found, target
+
+    # -- going straight ------------------------------------------------------------------------
+
+    def _straight(self, target: SeenObject) -> list[Found] | Refusal:
+        """The pushes of the first way that the hand can make."""
+        refusal: Refusal | None = None
+        free = (way for way in self._ways(target) if self._stop(target, way) is None)
+        for way in islice(free, _WAYS):
+            found = self._legs(target, way)
+            if not isinstance(found, Refusal):
+                return found
+            refusal = refusal or found
+        return refusal or self._blocked(target)
+
+    def _ways(self, target: SeenObject) -> Iterator[tuple[Leg, ...]]:
+        yield from ways(target, self._aim, self._within, self._largest)
+        yield from around(target, self._aim, self._within, self._largest)
+
+    def _stop(self, target: SeenObject, way: tuple[Leg, ...]) -> Stop | None:
+        return stop(target, way, self._state, self._clearances, self._defaults.clearance)
+
+    def _blocked(self, target: SeenObject) -> Refusal:
+        """What stands in all ways: told of the first, which is the shortest."""
+        way = next(self._ways(target), None)
+        if way is None:
+            return refusals.no_way(target)
+        met = self._stop(target, way)
+        assert met is not None, "a free way would have been taken"
+        distance = sum(leg.distance for leg in way)
+        if met.other is None:
+            return refusals.off_the_table(target, distance, met.free)
+        return refusals.in_the_way(target, self._state.objects[met.other], distance, met.free)
+
+    def _legs(self, target: SeenObject, way: tuple[Leg, ...]) -> list[Found] | Refusal:
+        found: list[Found] = []
+        for number, leg in enumerate(way):
+            last = number == len(way) - 1
+            turn = self._turn(target) if number == 0 else 0.0
+            asked = replace(
+                self._asked,
+                heading=leg.heading,
+                distance=leg.distance,
+                turn=turn if _SQUARE < abs(turn) <= _SQUARED_UP else 0.0,
+                until=self._asked.until if last else None,
+                meets=self._asked.meets if last else None,
+            )
+            best = best_push(asked, target, self._with(target), self._reach, self._defaults)
+            if isinstance(best, Refusal):
+                return best
+            found.append(best)
+            target = displaced(target, leg)
+        return found
+
+
+def _clearances(
+    asked: Asked, target: SeenObject, state: WorldState, defaults: Defaults
+) -> dict[str, float]:
+    """Distance kept from each other object on the way [m]."""
+    kept, said = {}, dict(asked.limits.clear_of)
+    for name, other in state.objects.items():
+        usual = defaults.clearance_fragile if other.fragile else defaults.clearance
+        kept[name] = max(usual, said.get(name, 0.0))
+    return {name: apart for name, apart in kept.items() if name not in (target.name, asked.meets)}

@@ -1,0 +1,332 @@
+"""One push: the contact whose predicted outcome satisfies what is asked with the largest margin.
+
+The way: the faces that a push in that direction touches, contacts whose outcome is as wanted
+whatever the finger transmits (`planner.candidates`), the force that they need, and last, in the
+order of their margins, whether the hand gets there. What a step leaves empty is the reason of the
+refusal.
+
+Frames: W is the world, B the object. Sources of the physics: `objectmodels`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from objectmodels.turning import best_turn
+from planner import refusals, tilts
+from planner.candidates import Contacts, Side, grid, rated
+from planner.directions import HEADINGS, angle_between, face_name, heading_of, unit
+from planner.footprints import footprint, landing_strip, overlaps, travel_to_edge
+from planner.forecast import confirmed, margins, needed_force, prediction, remarks
+from planner.plan import Move, Push, Refusal, Vector3
+from planner.refusals import RefusedError
+from planner.ways import grip
+
+if TYPE_CHECKING:
+    from objectmodels.faces import Face
+    from planner.asked import Asked
+    from planner.defaults import Defaults
+    from planner.reach import Reach, ReachAnswer
+    from planner.state import SeenObject, WorldState
+
+UNCLEAR_FACE = math.radians(40.0)
+"""A face turned by more from the direction of its name is within 5° of the next name."""
+
+_ASKED = 6  # contacts of one case that the reach is asked for
+_ASKED_IN_ALL = 18  # after so many with a number of fingers it counts as out of reach
+_FALLING = math.radians(11.0)  # beyond the angle of no return a toppling box is let go
+_FLAT = math.radians(85.0)  # a box that leans so far lies
+_SLACK = 0.03  # travel of a topple beyond what the model says, for what it does not know [m]
+
+
+@dataclass(frozen=True)
+class Found:
+    """A push and how it was found.
+
+    Attributes:
+        move: the push, its prediction and margins.
+        displacement: of the object in W, as predicted [m]; None for a topple or tilt.
+        considered: how many candidates were evaluated.
+        satisfying: how many of them satisfied what is asked.
+        notes: plain sentences on how it was chosen.
+    """
+
+    move: Move
+    displacement: Vector3 | None
+    considered: int
+    satisfying: int
+    notes: tuple[str, ...]
+
+
+def best_push(
+    asked: Asked,
+    target: SeenObject,
+    state: WorldState,
+    reach: Reach,
+    defaults: Defaults,
+    side: Side | None = None,
+) -> Found | Refusal:
+    """The push with the largest margin that the hand can make, or why there is none.
+
+    Args:
+        asked: heading, distance and limits of this push.
+        target: the object, where it stands when the push begins.
+        state: what is believed then.
+        reach: whether the hand gets somewhere.
+        defaults: margins, and what a clause means when nothing more is said.
+        side: that is to be touched, if that is settled.
+    """
+    try:
+        sides = _sides(asked, target, defaults) if side is None else [side]
+        if asked.outcome == "topple":
+            sides = _with_room(sides, asked, target, state, defaults)
+        return _best(sides, asked, target, state, reach, defaults)
+    except RefusedError as refused:
+        return refused.refusal
+
+
+def _best(
+    sides: list[Side],
+    asked: Asked,
+    target: SeenObject,
+    state: WorldState,
+    reach: Reach,
+    defaults: Defaults,
+) -> Found | Refusal:
+    """The contact with the largest margin that the hand reaches, or what stops it."""
+    if not any(len(grid(s, n, asked, reach)[0]) for s in sides for n in asked.fingers):
+        return refusals.no_place(asked, target, sides, reach)
+    answers: list[ReachAnswer] = []
+    tried = {1: 0, 2: 0}
+    least, doubted = math.inf, False
+    for found in rated(target.model, sides, asked, reach, defaults):
+        strong, needed = _strong_enough(found, asked, target, reach, defaults)
+        least = min(least, needed)
+        for contacts, k in _in_order(strong, asked):
+            if not confirmed(contacts, k, asked, target, reach):
+                doubted = True
+                continue
+            push = _push(contacts, k, asked, target, reach, defaults)
+            if tried[push.fingers] == _ASKED_IN_ALL:
+                break
+            answer = reach(push, state)
+            if answer.ok:
+                predicted = prediction(contacts, k, asked, target)
+                return Found(
+                    Move(
+                        push=push,
+                        prediction=predicted,
+                        margins=margins(contacts, k, asked, target, push, defaults),
+                    ),
+                    _displacement(contacts, k, asked, target, push),
+                    considered=sum(len(each.points) for each in found),
+                    satisfying=sum(len(each.chosen) for each in found),
+                    notes=remarks(contacts, push, predicted, asked, len(answers), defaults),
+                )
+            answers.append(answer)
+            tried[push.fingers] += 1
+    if answers:
+        return refusals.no_reach(target, answers)
+    if math.isfinite(least) and not doubted:
+        return refusals.too_weak(asked, target, least, reach)
+    return refusals.no_contact(asked, target, sides, reach, defaults)
+
+
+# -- where ------------------------------------------------------------------------------------
+
+
+def _sides(asked: Asked, target: SeenObject, defaults: Defaults) -> list[Side]:
+    """Faces that a push as asked may touch, the straightest first."""
+    sides, unclear = [], None
+    for face in target.model.faces(_pushed_along(asked) - target.pose.yaw):
+        outward = target.pose.R_WB @ np.array(face.normal)
+        name, off = face_name(outward)
+        if asked.face is not None:
+            if abs(off) > UNCLEAR_FACE:
+                unclear = off
+                continue
+            if name != asked.face:
+                continue
+        sides.append(Side(face, heading_of(-outward)))
+    if not sides and unclear is not None:
+        raise RefusedError(refusals.unclear_face(asked, target, unclear))
+    if not sides:
+        raise RefusedError(refusals.no_side(asked, target))
+    if asked.heading is None:
+        return sides
+    straightest = min(sides, key=lambda s: abs(angle_between(s.heading, asked.heading or 0.0)))
+    oblique = angle_between(asked.heading, straightest.heading)
+    # An object that slides straight presses back along the push: that must be in the friction cone.
+    largest = grip(target, defaults.sigmas)
+    if abs(oblique) > largest:
+        raise RefusedError(refusals.askew(asked, target, straightest, oblique, largest))
+    return [straightest]
+
+
+def _pushed_along(asked: Asked) -> np.ndarray:
+    """Headings in W along which a round object may be pushed: the one asked, else the robot's four.
+
+    Shape (k,) [rad].
+    """
+    if asked.heading is not None:
+        return np.array([asked.heading])
+    return np.array(list(HEADINGS.values()))
+
+
+def _direction(asked: Asked, side: Side) -> np.ndarray:
+    """Unit direction of the push in W; a topple is pushed square to the face."""
+    if asked.outcome == "slide" and asked.heading is not None:
+        return unit(asked.heading)
+    return unit(side.heading)
+
+
+def _with_room(
+    sides: list[Side], asked: Asked, target: SeenObject, state: WorldState, defaults: Defaults
+) -> list[Side]:
+    """The faces from which the object falls, or leans over, without hitting anything."""
+    free, refusal = [], None
+    for side in sides:
+        u = _direction(asked, side)
+        if asked.tilt is None:
+            refusal = _fall_blocked(target, state, u, defaults)
+        else:
+            refusal = tilts.hindered(target, state, side.face.normal, u, asked.tilt, defaults)
+        if refusal is None:
+            free.append(side)
+    if not free:
+        assert refusal is not None
+        raise RefusedError(refusal)
+    return free
+
+
+def _fall_blocked(
+    target: SeenObject, state: WorldState, u: np.ndarray, defaults: Defaults
+) -> Refusal | None:
+    strip = landing_strip(target, u)
+    if travel_to_edge(strip, state.table, u[:2], 0.0) < defaults.clearance:
+        return refusals.falls_off(target)
+    for name, other in state.objects.items():
+        apart = defaults.clearance_fragile if other.fragile else defaults.clearance
+        if name != target.name and overlaps(strip, footprint(other), apart):
+            return refusals.falls_on(target, other)
+    return None
+
+
+# -- how hard ---------------------------------------------------------------------------------
+
+
+def _strong_enough(
+    found: list[Contacts], asked: Asked, target: SeenObject, reach: Reach, d: Defaults
+) -> tuple[list[Contacts], float]:
+    """The contacts at which the allowed force suffices, and the least force needed at any [N]."""
+    strong, least = [], math.inf
+    for contacts in found:
+        needed = np.array([needed_force(contacts, i, asked, target, d) for i in contacts.chosen])
+        least = min(least, float(needed.min()))
+        enough = needed <= min(asked.max_force, contacts.fingers * reach.max_force)
+        if enough.any():
+            chosen, probability = contacts.chosen[enough], contacts.probability[enough]
+            strong.append(replace(contacts, chosen=chosen, probability=probability))
+    return strong, least
+
+
+# -- the push ---------------------------------------------------------------------------------
+
+
+def _in_order(found: list[Contacts], asked: Asked) -> list[tuple[Contacts, int]]:
+    """Contacts of all faces by rank, in turn over the faces, as many as the reach is asked for."""
+    order = []
+    for number, contacts in enumerate(found):
+        # A fall that may go anywhere goes away from the robot if it can.
+        aside = abs(contacts.side.heading) if asked.heading is None else 0.0
+        order += [(rank, aside, number) for rank in range(len(contacts.chosen))]
+    return [(found[number], rank) for rank, _, number in sorted(order)][:_ASKED]
+
+
+def _push(
+    contacts: Contacts,
+    k: int,
+    asked: Asked,
+    target: SeenObject,
+    reach: Reach,
+    defaults: Defaults,
+) -> Push:
+    i = int(contacts.chosen[k])
+    outward = target.pose.R_WB @ np.array(contacts.side.face.normal)
+    needed = needed_force(contacts, i, asked, target, defaults)
+    limit = min(
+        max(needed * (1.0 + asked.reserve), asked.least_limit),
+        asked.max_force,
+        contacts.fingers * reach.max_force,
+    )
+    push = Push(
+        object=target.name,
+        face=face_name(outward)[0],
+        p_BC=_triple(contacts.points[i]),
+        normal_W=_triple(outward),
+        direction_W=_triple(_direction(asked, contacts.side)),
+        force_limit=limit,
+        speed=asked.speed,
+        stroke=_stroke(contacts, i, asked, target),
+        fingers=contacts.fingers,
+        spread=reach.finger_spread if contacts.fingers == 2 else 0.0,
+        ends_on="stroke" if asked.outcome == "slide" else "toppled",
+        turn=asked.turn,
+        until=asked.until,
+        meets=asked.meets,
+        limits=asked.limits,
+    )
+    face = contacts.side.face
+    if asked.swing:
+        return _turning(push, face, asked.swing, target)
+    if asked.tilt is not None:
+        inward = -np.array(face.normal)
+        return tilts.tilted(push, target.model, inward, asked.tilt, asked.until, defaults)
+    return push
+
+
+def _turning(push: Push, face: Face, angle: float, target: SeenObject) -> Push:
+    """The push with a turn as its end."""
+    found = best_turn(target.model, face, angle, push.p_BC[2])
+    assert found is not None, "its side was chosen for that"
+    changes = {
+        "p_BC": found.point,
+        "direction_W": _triple(target.pose.R_WB @ np.array(found.direction)),
+        "stroke": found.stroke,
+        "ends_on": "turned",
+        "turn": angle,
+    }
+    return push.model_copy(update=changes)
+
+
+def _displacement(
+    contacts: Contacts, k: int, asked: Asked, target: SeenObject, push: Push
+) -> Vector3 | None:
+    """Where the push takes the object's origin in W [m]; None if it tips it."""
+    if push.ends_on == "stroke":
+        return _triple(push.stroke * np.array(push.direction_W))
+    if push.ends_on != "turned":
+        return None
+    height = float(contacts.points[contacts.chosen[k], 2])
+    found = best_turn(target.model, contacts.side.face, asked.swing, height)
+    assert found is not None, "its side was chosen for that"
+    return _triple(target.pose.R_WB @ np.array([*found.pose[:2], 0.0]))
+
+
+def _stroke(contacts: Contacts, i: int, asked: Asked, target: SeenObject) -> float:
+    if asked.outcome == "slide":
+        return 0.0 if asked.swing else asked.distance
+    inward = -np.array(contacts.side.face.normal)
+    angle = target.model.angle_of_no_return(inward, sigmas=-contacts.sigmas) + _FALLING
+    angle = min(angle, _FLAT)
+    height = float(contacts.points[i, 2])
+    return min(target.model.topple_stroke(inward, height, angle) + _SLACK, asked.distance)
+
+
+def _triple(v: np.ndarray) -> tuple[float, float, float]:
+    x, y, z = v.tolist()
+    return x, y, z

@@ -1,0 +1,332 @@
+"""Constraints of a sentence as limits on contact, force, speed and way of its pushes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from grammar import frames as g
+from planner.directions import FACE_OF_PUSH, HEADINGS
+from planner.plan import Refusal
+from planner.refusals import RefusedError, unsupported
+from planner.tilts import almost_tips
+
+if TYPE_CHECKING:
+    from planner.asked import Asked
+    from planner.defaults import Defaults
+    from planner.plan import Aim
+    from planner.state import SeenObject, WorldState
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What a constraint is read in.
+
+    Attributes:
+        target: the object of the frame.
+        state: what is believed.
+        defaults: what a clause means when the sentence does not say more.
+    """
+
+    target: SeenObject
+    state: WorldState
+    defaults: Defaults
+
+
+def restricted(asked: Asked, clause: g.Constraint, setting: Setting) -> Asked:
+    """What is asked, with one more constraint.
+
+    Raises:
+        RefusedError: it contradicts the goal, or this version cannot keep it.
+    """
+    handler = _HANDLERS.get(clause.kind)
+    if handler is None:
+        what = {"no_spill": "keeping an object from spilling"}.get(
+            clause.kind, clause.kind.replace("_", " ")
+        )
+        message = f"this version of the robot is not capable of {what}"
+        raise unsupported(what, message, clause.spans)
+    return handler(asked, clause, setting)
+
+
+def _against(message: str, spans: g.Spans) -> RefusedError:
+    return RefusedError(Refusal(reason="impossible", message=message, spans=spans))
+
+
+def _limited(asked: Asked, **limits: float) -> Asked:
+    """With narrower limits; the narrowest of each holds."""
+    before = asked.limits
+    least = {name: min(value, getattr(before, name) or math.inf) for name, value in limits.items()}
+    return replace(asked, limits=before.model_copy(update=least))
+
+
+# -- tilting, turning, sliding ----------------------------------------------------------------
+
+
+def _stays(asked: Asked, clause: g.NoTopple | g.NoTilt | g.MaxTilt, s: Setting) -> Asked:
+    """It stays on its base: what slides does, what is tilted comes back, what topples does not."""
+    most = {"no_topple": None, "no_tilt": s.defaults.no_tilt}.get(clause.kind)
+    if isinstance(clause, g.MaxTilt):
+        most = clause.value
+    if asked.outcome == "slide":
+        return asked if most is None else _limited(asked, tilt=most)
+    if asked.tilt is None or clause.kind == "no_tilt":
+        raise _against("it cannot topple and stay on its base", clause.spans)
+    if most is None:
+        return asked
+    if most < asked.tilt - s.defaults.tilt_tolerance:
+        asks = f"{math.degrees(asked.tilt):.0f}° are asked"
+        message = f"{asks}, but {math.degrees(most):.0f}° are the most that is allowed"
+        raise _against(message, clause.spans)
+    return _limited(asked, tilt=most)
+
+
+def _stays_there(asked: Asked, clause: g.NoSlide, _: Setting) -> Asked:
+    if asked.aims:
+        raise _against("it cannot move over the table and not slide", clause.spans)
+    return asked
+
+
+def _heading_kept(asked: Asked, clause: g.NoTurn | g.MaxTurn, s: Setting) -> Asked:
+    most = s.defaults.no_turn if isinstance(clause, g.NoTurn) else clause.value
+    yaw = s.target.pose.yaw
+    turned = [abs(yaw if aim.yaw is None else aim.yaw - yaw) for aim in asked.aims]
+    if asked.rotates and min(turned) > most:
+        raise _against("it cannot turn and keep its heading", clause.spans)
+    return _limited(asked, turn=most)
+
+
+def _kept(asked: Asked, clause: g.Constraint, s: Setting) -> Asked:
+    """Pushes on the table hold it anyhow."""
+    return asked
+
+
+def _until(asked: Asked, clause: g.Until, s: Setting) -> Asked:
+    """A tilt that ends where the base leaves the table, or well before the object falls."""
+    if clause.event not in ("tips", "about_to_tip"):
+        if not asked.aims:
+            what = f"toppling until '{clause.event}'"
+            raise unsupported(what, f"this version is not capable of {what}", clause.spans)
+        return asked  # the aim is where it happens
+    used = tuple(d for d in asked.defaults if d.name != "distance")
+    asked = replace(asked, outcome="topple", aims=(), distance=math.inf, defaults=used)
+    if clause.event == "tips":
+        return replace(asked, tilt=s.defaults.rest_tilt, until="tips")
+    return replace(asked, tilt=almost_tips(s.target.model, s.defaults))
+
+
+# -- others -----------------------------------------------------------------------------------
+
+
+def _clear(asked: Asked, clause: g.NoTouch, s: Setting) -> Asked:
+    """Objects from which a distance is kept, on the way and by a guard."""
+    others = [name for name in s.state.objects if name != s.target.name]
+    if clause.object is not None:
+        assert clause.object.id is not None, "objects are resolved by now"
+        others = [clause.object.id]
+    if asked.meets in others:
+        raise _against(f"it cannot touch the {asked.meets} and not touch it", clause.spans)
+    apart = s.defaults.clearance if clause.clearance is None else clause.clearance
+    before = dict(asked.limits.clear_of)
+    both = {name: max(apart, before.get(name, 0.0)) for name in others}
+    kept = tuple(sorted({**before, **both}.items()))
+    return replace(asked, limits=asked.limits.model_copy(update={"clear_of": kept}))
+
+
+# -- force and speed --------------------------------------------------------------------------
+
+
+def _force_below(asked: Asked, clause: g.MaxForce | g.Force, _: Setting) -> Asked:
+    limit = min(asked.max_force, clause.value)
+    return replace(asked, max_force=limit, force_spans=clause.spans)
+
+
+def _force_above(asked: Asked, clause: g.MinForce, _: Setting) -> Asked:
+    return replace(asked, min_force=clause.value, force_spans=clause.spans)
+
+
+def _hard(asked: Asked, clause: g.Hard, s: Setting) -> Asked:
+    return replace(asked, least_limit=s.defaults.force_hard)
+
+
+def _gentle(asked: Asked, clause: g.Gentle, s: Setting) -> Asked:
+    asked = replace(asked, reserve=s.defaults.force_reserve_gentle)
+    return _slower(asked, s.defaults.speed_gentle)
+
+
+def _speed(asked: Asked, clause: g.Constraint, s: Setting) -> Asked:
+    d = s.defaults
+    match clause:
+        case g.MaxSpeed():
+            return _slower(asked, clause.value)
+        case g.Slow():
+            return _slower(asked, d.speed_gentle)
+        case g.Fast():
+            return _at_speed(asked, d.speed_fast, clause.spans, d)
+        case g.Speed() | g.MinSpeed():
+            return _at_speed(asked, clause.value, clause.spans, d)
+    raise AssertionError(f"{clause.kind} is about no speed")
+
+
+def _duration(asked: Asked, clause: g.MaxDuration | g.Duration, _: Setting) -> Asked:
+    return _limited(replace(asked, time_spans=clause.spans), duration=clause.value)
+
+
+def _slower(asked: Asked, speed: float) -> Asked:
+    """A speed that the sentence gave is no default any more."""
+    used = tuple(d for d in asked.defaults if d.name != "speed")
+    return replace(asked, speed=min(asked.speed, speed), defaults=used)
+
+
+def _at_speed(asked: Asked, speed: float, spans: g.Spans, defaults: Defaults) -> Asked:
+    if speed > defaults.speed_most:
+        raise RefusedError(
+            Refusal(
+                reason="impossible",
+                message=f"{1e3 * speed:.0f} mm/s are asked; objects keep to the fingertips up to "
+                f"{1e3 * defaults.speed_most:.0f} mm/s",
+                numbers={"speed": speed, "most": defaults.speed_most},
+                spans=spans,
+                suggestions=(f"at {100 * defaults.speed_most:.0f} cm/s",),
+            )
+        )
+    return _slower(replace(asked, speed=speed), speed)
+
+
+# -- how far, and where to touch --------------------------------------------------------------
+
+
+def _nearer(asked: Asked, clause: g.MaxDistance, s: Setting) -> Asked:
+    """The limit is kept with the tolerance to spare, if that is still far enough."""
+    target, defaults = s.target, s.defaults
+    if not asked.aims:
+        raise unsupported(
+            "limiting how far a toppling object moves",
+            "this version does not limit how far an object moves while it topples",
+            clause.spans,
+        )
+    most = clause.value - min(defaults.distance_tolerance, 0.5 * clause.value)
+    start = target.pose.x, target.pose.y
+    way = {aim: math.dist((aim.x, aim.y), start) for aim in asked.aims}
+    aims = tuple(
+        _shortened(aim, start, min(1.0, most / max(way[aim], 1e-9)))
+        for aim in asked.aims
+        if way[aim] - defaults.distance_tolerance <= most
+    )
+    if not aims:
+        nearest = min(way.values())
+        message = (
+            f"{1e3 * nearest:.0f} mm are to be moved, but {1e3 * clause.value:.0f} mm "
+            "are the most that is allowed"
+        )
+        numbers = {"distance": nearest, "max_distance": clause.value}
+        raise RefusedError(
+            Refusal(reason="impossible", message=message, numbers=numbers, spans=clause.spans)
+        )
+    return replace(asked, aims=aims, distance=min(asked.distance, most))
+
+
+def _shortened(aim: Aim, start: tuple[float, float], share: float) -> Aim:
+    """An aim that lies only a share of the way from a start."""
+    x, y = (a + share * (b - a) for a, b in zip(start, (aim.x, aim.y), strict=True))
+    return aim.model_copy(update={"x": x, "y": y})
+
+
+def _contact(asked: Asked, clause: g.ContactRegion, s: Setting) -> Asked:
+    spans = asked.contact_spans + clause.spans
+    height = s.target.model.top
+    if clause.face == "top":
+        raise unsupported(
+            "pushing on the top face",
+            "this robot pushes objects on their side faces; the top face is not one",
+            clause.spans,
+            "say “at the top” for the upper third of a side face",
+        )
+    if clause.face is not None:
+        asked = replace(asked, face=clause.face)
+        if asked.outcome == "topple" and asked.heading is None:
+            push = next(d for d, face in FACE_OF_PUSH.items() if face == clause.face)
+            asked = replace(asked, heading=HEADINGS[push])
+    if clause.region is not None:
+        third = {"bottom": 0, "middle": 1, "top": 2}[clause.region]
+        asked = _between(
+            asked, third * height / 3.0, (third + 1) * height / 3.0, f"at the {clause.region}"
+        )
+    if clause.height is not None:
+        asked = _at_height(asked, clause.height, height, s.defaults)
+    return replace(asked, contact_spans=spans)
+
+
+def _at_height(asked: Asked, height: g.ContactHeight, top: float, defaults: Defaults) -> Asked:
+    assert isinstance(height.value, float), "lengths measured in objects are resolved by now"
+    upwards = height.origin == "table"
+    at = height.value if upwards else top - height.value
+    where = f"{1e3 * at:.0f} mm above the table"
+    if height.bound == "exact":
+        near = 0.5 * defaults.height_tolerance
+        return _between(asked, at - near, at + near, where)
+    if (height.bound == "at_least") == upwards:
+        return _between(asked, at, top, f"at least {where}")
+    return _between(asked, 0.0, at, f"at most {where}")
+
+
+def _between(asked: Asked, low: float, high: float, region: str) -> Asked:
+    """One more restriction of the heights; all of them hold."""
+    region = f"{asked.region} and {region}" if asked.region else region
+    return replace(asked, low=max(asked.low, low), high=min(asked.high, high), region=region)
+
+
+def _effector(asked: Asked, clause: g.Effector, _: Setting) -> Asked:
+    if clause.side == "left":
+        raise unsupported(
+            "a second (left) hand",
+            "this robot has one hand, a right one",
+            clause.spans,
+            "leave out which hand, or say the right one",
+        )
+    if clause.tool == "arm" or (clause.tool == "hand" and clause.side is None):
+        raise unsupported(
+            f"pushing with the {clause.tool}",
+            f"this robot pushes with its fingertips, not with the {clause.tool}",
+            clause.spans,
+            "say “with one finger” or “with two fingers”",
+        )
+    if clause.tool == "finger" and clause.count is not None:
+        if clause.count > 2:
+            raise unsupported(
+                f"pushing with {clause.count} fingers",
+                "this robot pushes with one or two fingertips",
+                clause.spans,
+            )
+        return replace(asked, fingers=(2,) if clause.count == 2 else (1,))
+    return asked
+
+
+_HANDLERS: dict[str, Callable[[Asked, Any, Setting], Asked]] = {
+    "no_topple": _stays,
+    "no_tilt": _stays,
+    "max_tilt": _stays,
+    "no_slide": _stays_there,
+    "no_turn": _heading_kept,
+    "max_turn": _heading_kept,
+    "no_lift": _kept,
+    "no_touch": _clear,
+    "max_force": _force_below,
+    "force": _force_below,
+    "min_force": _force_above,
+    "hard": _hard,
+    "gentle": _gentle,
+    "slow": _speed,
+    "fast": _speed,
+    "speed": _speed,
+    "min_speed": _speed,
+    "max_speed": _speed,
+    "duration": _duration,
+    "max_duration": _duration,
+    "max_distance": _nearer,
+    "contact": _contact,
+    "effector": _effector,
+    "until": _until,
+}

@@ -1,0 +1,202 @@
+"""Ways over the table to an aim: legs, detours, turns, and what stops them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from planner import plan
+from planner.defaults import DEFAULTS
+from planner.footprints import footprint, gap
+from planner.plan import Aim, Move, Plan, Reached, Refusal
+from planner.state import PlanarPose, SeenObject, WorldState
+from tests.unit.planner.conftest import RuledReach, frame_of, world
+
+LENGTHS = 1e-9  # sums of a few floats [m]
+
+
+def planned(text: str, state: WorldState, reach: RuledReach | None = None) -> Plan:
+    made = plan(frame_of(text), state, reach or RuledReach())
+    assert isinstance(made, Plan), made
+    return made
+
+
+def refused(text: str, state: WorldState, reach: RuledReach | None = None) -> Refusal:
+    made = plan(frame_of(text), state, reach or RuledReach())
+    assert isinstance(made, Refusal), made
+    return made
+
+
+def moves(made: Plan) -> list[Move]:
+    first = Move(push=made.push, prediction=made.prediction, margins=made.margins)
+    return [first, *made.later]
+
+
+def end(made: Plan, start: SeenObject) -> np.ndarray:
+    """Where straight pushes take an object."""
+    ways = [move.push.stroke * np.array(move.push.direction_W) for move in moves(made)]
+    return np.asarray(start.pose.p_WB + np.sum(ways, axis=0))
+
+
+def alone(x: float = 0.5, y: float = 0.0, degrees: float = 0.0) -> WorldState:
+    return world(ice_tea_box=PlanarPose(x, y, math.radians(degrees)))
+
+
+# -- legs -------------------------------------------------------------------------------------
+
+
+def test_two_directions_take_two_pushes() -> None:
+    state = alone()
+    made = planned("push the ice tea box 14 cm away and to the left", state)
+    assert made.aim is not None
+    assert [move.push.face for move in moves(made)] in (["front", "right"], ["right", "front"])
+    goal = np.array([0.5, 0.0, 0.0]) + 0.14 / math.sqrt(2) * np.array([1.0, 1.0, 0.0])
+    assert end(made, state.objects["ice tea box"]) == pytest.approx(goal, abs=LENGTHS)
+    assert (made.aim.x, made.aim.y) == pytest.approx(tuple(goal[:2]), abs=LENGTHS)
+
+
+def test_a_box_that_stands_askew_goes_along_its_faces() -> None:
+    state = alone(degrees=30.0)
+    made = planned("push the ice tea box away", state)
+    seen = state.objects["ice tea box"]
+    assert end(made, seen) == pytest.approx([0.6, 0.0, 0.0], abs=LENGTHS)
+    for move in moves(made):
+        inward = -seen.pose.R_WB.T @ np.array(move.push.normal_W)
+        assert inward @ seen.pose.R_WB.T @ np.array(move.push.direction_W) == pytest.approx(1.0)
+
+
+def test_a_pull_is_a_push_from_behind() -> None:
+    made = planned("pull the ice tea box 10 cm towards me", alone())
+    assert (made.push.face, made.push.direction_W[0]) == ("back", pytest.approx(-1.0))
+
+
+def test_a_round_thing_goes_straight_anywhere() -> None:
+    state = world(soup_can=PlanarPose(0.5, 0.0, 0.3))
+    made = planned("push the soup can 14 cm away and to the left", state)
+    assert made.later == ()
+    assert made.push.direction_W == pytest.approx((math.sqrt(0.5), math.sqrt(0.5), 0.0))
+
+
+def test_it_goes_around_what_stands_in_the_way() -> None:
+    state = world(ice_tea_box=PlanarPose(0.45, 0.0), mug=PlanarPose(0.60, 0.0))
+    made = planned("push the ice tea box 30 cm away", state)
+    assert len(moves(made)) == 3
+    here = state.objects["ice tea box"]
+    assert end(made, here) == pytest.approx([0.75, 0.0, 0.0], abs=LENGTHS)
+    for move in moves(made):
+        for share in np.linspace(0.0, 1.0, 11):
+            way = share * move.push.stroke * np.array(move.push.direction_W)
+            x, y, _ = (here.pose.p_WB + way).tolist()
+            on_it = replace(here, pose=PlanarPose(x, y))
+            apart = gap(footprint(on_it), footprint(state.objects["mug"]))
+            assert apart > DEFAULTS.clearance - 1e-6
+        here = on_it
+
+
+def test_fragile_things_are_given_a_wide_berth() -> None:
+    # 40 mm between the box's side and the mug's.
+    state = world(ice_tea_box=PlanarPose(0.45, 0.0), mug=PlanarPose(0.65, 0.109))
+    assert planned("push the ice tea box 30 cm away", state).later == ()
+    mug = replace(state.objects["mug"], fragile=True)
+    careful = replace(state, objects={**state.objects, "mug": mug})
+    close = world(ice_tea_box=PlanarPose(0.45, 0.0), mug=PlanarPose(0.65, 0.105))
+    mug = replace(close.objects["mug"], fragile=True)
+    close = replace(close, objects={**close.objects, "mug": mug})
+    assert len(moves(planned("push the ice tea box 30 cm away", close))) == 3
+    assert planned("push the ice tea box 10 cm away", careful).later == ()
+
+
+def test_without_touching_keeps_the_distance_that_is_said() -> None:
+    state = world(ice_tea_box=PlanarPose(0.45, 0.0), mug=PlanarPose(0.65, 0.12))
+    near = planned("push the ice tea box 30 cm away without touching the mug", state)
+    assert near.push.limits.clear_of == (("mug", DEFAULTS.clearance),)
+    assert near.later == ()
+
+
+def test_the_hand_decides_between_two_orders() -> None:
+    left_first = RuledReach(lambda push: push.face == "right" or push.p_BC[1] != 0.0)
+    made = planned("push the ice tea box 14 cm away and to the left", alone(), left_first)
+    assert moves(made)[0].push.face == "right" or made.push.face == "front"
+    never = RuledReach(lambda push: push.face != "front")
+    refusal = refused("push the ice tea box 10 cm away", alone(), never)
+    assert refusal.reason == "out_of_reach"
+
+
+# -- places -----------------------------------------------------------------------------------
+
+
+def test_next_to_something() -> None:
+    state = world(ice_tea_box=PlanarPose(0.45, 0.0), mug=PlanarPose(0.6, 0.3))
+    made = planned("put the ice tea box to the left of the mug", state)
+    assert made.aim is not None
+    here = state.objects["ice tea box"]
+    there = replace(here, pose=PlanarPose(made.aim.x, made.aim.y, made.aim.yaw or 0.0))
+    mug = state.objects["mug"]
+    assert gap(footprint(there), footprint(mug)) == pytest.approx(DEFAULTS.place_gap, abs=1e-5)
+    assert made.aim.y > mug.pose.y
+
+
+def test_a_share_of_the_way_towards_something() -> None:
+    state = world(ice_tea_box=PlanarPose(0.45, 0.0), mug=PlanarPose(0.75, 0.0))
+    whole = 0.30 - 0.045 - 0.04
+    made = planned("push the ice tea box halfway to the mug", state)
+    assert made.push.stroke == pytest.approx(whole / 2, abs=2e-3)  # the mug is a polygon
+
+
+def test_until_it_touches_goes_on_to_where_it_would() -> None:
+    state = world(ice_tea_box=PlanarPose(0.45, 0.0), mug=PlanarPose(0.65, 0.0))
+    made = planned("push the ice tea box until it touches the mug", state)
+    assert (made.push.until, made.push.meets) == ("touching", "mug")
+    assert made.push.stroke > 0.20 - 0.045 - 0.04
+    aside = refused("push the ice tea box to the left until it touches the mug", state)
+    assert aside.reason == "impossible"
+
+
+# -- turns ------------------------------------------------------------------------------------
+
+
+def test_a_turn_is_made_in_pairs_on_opposite_faces() -> None:
+    made = planned("turn the ice tea box by 90 degrees to the left", alone())
+    first, second = (move.push for move in moves(made)[:2])
+    assert (first.ends_on, second.ends_on) == ("turned", "turned")
+    assert first.turn == pytest.approx(math.radians(45.0))
+    assert {first.face, second.face} in ({"front", "back"}, {"left", "right"})
+    assert made.aim is not None
+    assert made.aim.yaw == pytest.approx(math.radians(90.0))
+
+
+def test_half_turns_keep_their_sense() -> None:
+    left = planned("turn the ice tea box 180 degrees to the left", alone())
+    right = planned("turn the ice tea box 180 degrees clockwise", alone())
+    assert all(move.push.turn > 0.0 for move in moves(left) if move.push.ends_on == "turned")
+    assert all(move.push.turn < 0.0 for move in moves(right) if move.push.ends_on == "turned")
+
+
+def test_a_turn_has_room() -> None:
+    state = world(cereal_box=PlanarPose(0.5, 0.0), mug=PlanarPose(0.59, 0.0))
+    refusal = refused("turn the cereal box a quarter turn to the left", state)
+    assert refusal.reason == "blocked"
+    assert "mug" in refusal.message
+
+
+# -- towards an aim again ---------------------------------------------------------------------
+
+
+def test_nothing_is_left_to_be_done_at_the_aim() -> None:
+    frame, aim = frame_of("push the ice tea box away"), Aim(x=0.5005, y=0.0, yaw=0.005)
+    made = plan(frame, alone(), RuledReach(), aim=aim)
+    assert isinstance(made, Reached)
+    assert made.off == pytest.approx(0.0005)
+
+
+def test_what_is_missed_is_corrected_towards_the_same_aim() -> None:
+    frame, aim = frame_of("push the ice tea box away"), Aim(x=0.49, y=0.004, yaw=0.0)
+    made = plan(frame, alone(degrees=2.0), RuledReach(), aim=aim)
+    assert isinstance(made, Plan)
+    assert made.aim == aim
+    assert moves(made)[0].push.direction_W[0] < -0.9
+    # The fingers square it up on the way.
+    assert moves(made)[0].push.turn == pytest.approx(math.radians(-2.0))
