@@ -56,7 +56,10 @@ def stroke(
 ) -> Stroke:
     """See `ObjectModel.stroke`."""
     p, n, d = _checked(points, normals, direction, travel)
-    pushes = _Pushes(model, p, n, d, _touched(model, p, n))
+    faces = touched_faces(model, p.mean(axis=1), n)
+    if p.shape[1] == 2 and faces[:, 2].any():
+        raise ModelError("bad_value", "strokes of two fingers on a round side are not modelled")
+    pushes = _Pushes(model, p, n, d, faces)
     pose, slipped = np.zeros((len(p), 3)), np.zeros(p.shape[:2])
     path, stable = [pose], np.ones(len(p), dtype=bool)
     mode = np.zeros(len(p), dtype=np.intp)
@@ -102,10 +105,19 @@ def _checked(
     return p[..., :2].copy(), level, d[:, :2].copy()
 
 
-def _touched(model: ObjectModel, p: Array, n: Array) -> Array:
-    """Of each touched face: where along it the contact is, half its width, curvature; (n, 3)."""
+def touched_faces(model: ObjectModel, places: Array, normals: Array) -> Array:
+    """Of each touched face: where along it the contact is, half its width, curvature; (n, 3).
+
+    Args:
+        model: of the object.
+        places: contacts in the table plane, shape (n, 2) [m].
+        normals: horizontal outward unit normals there, shape (n, 2).
+
+    Raises:
+        ModelError: `bad_array` if the object has no such face.
+    """
     rows = []
-    for place, normal in zip(p.mean(axis=1), n, strict=True):
+    for place, normal in zip(places, normals, strict=True):
         faces = model.faces(np.array([np.arctan2(-normal[1], -normal[0])]))
         level = [np.array(f.normal[:2]) / np.hypot(*f.normal[:2]) for f in faces]
         off = [
@@ -117,10 +129,7 @@ def _touched(model: ObjectModel, p: Array, n: Array) -> Array:
             raise ModelError("bad_array", f"the {model.name} has no face that looks along {normal}")
         at = (place - face.centre[:2]) @ np.array(face.tangent[:2])
         rows.append((at, face.width / 2.0, face.curvature))
-    found = np.array(rows).reshape(len(p), 3)
-    if p.shape[1] == 2 and found[:, 2].any():
-        raise ModelError("bad_value", "strokes of two fingers on a round side are not modelled")
-    return found
+    return np.array(rows).reshape(len(places), 3)
 
 
 class _Pushes:

@@ -140,7 +140,7 @@ def turning(
     for doubt in (-sigmas, sigmas) if sigmas else ():
         other, other_rate = contact.moved(d, _radius(model, doubt))
         turns, sticks = turns & (other_rate * phi > 0.0), sticks & contact.sticks(other, sigmas)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         travel = np.where(turns, phi / rate, np.inf)
         arm = (
             _left(force) / np.where(turns, rate, np.nan)[:, None]

@@ -21,6 +21,7 @@ from sim.stance import UnreachableError
 from sim.touch import EarlyEndError
 from sim.trace import EndReason, Trace
 from sim.trip import Progress, Trip, silent
+from sim.turn import TurnControl
 
 if TYPE_CHECKING:
     from objectmodels.model import ObjectModel
@@ -84,9 +85,10 @@ def _push(plan: Plan, trip: Trip, tell: Progress) -> tuple[EndReason, str]:
     stance, way = trip.stance(state)
     trip.approach(stance, way)
     tell("touch", trip.recorder.world.time, "feeling for the face")
-    control = PushControl(plan, trip.recorder, stance, way, state, tell)
+    kind = TurnControl if plan.push.ends_on == "turned" else PushControl
+    control = kind(plan, trip.recorder, stance, way, state, tell)
     try:
         control.touch()
         return control.push()
     finally:
-        trip.leave(stance, control.commanded, way)
+        trip.leave(stance, control.commanded, way, control.turned)

@@ -63,6 +63,7 @@ class TouchControl:
 
     Attributes:
         commanded: where T was last commanded to be, in W, shape (3,) [m].
+        turned: how far the palm was turned then [rad].
     """
 
     pause = PAUSE
@@ -82,6 +83,7 @@ class TouchControl:
         self.way = way
         self.tell = tell
         self.commanded = way.start
+        self.turned = 0.0
         self._object = push.object
         self._touch_force = min(TOUCH_FORCE, 0.5 * onset)
         self._period = recorder.world.period
@@ -139,7 +141,7 @@ class TouchControl:
     def _step(self, tip: Array, along: Array) -> None:
         """Commands T to a point and takes in what was felt along a direction, and seen."""
         self.commanded = tip
-        self.recorder.step(self.stance.joints(tip), self.stance.posture.joints)
+        self.recorder.step(self.stance.joints(tip, self.turned), self.stance.posture.joints)
         self._forces += self._share * (self._here.forces @ along - self._forces)
         for frame in self.recorder.frames:
             up = frame.poses[self._object].R_WB[:, 2]

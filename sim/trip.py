@@ -18,7 +18,7 @@ from sim.attractor import attracted
 from sim.hand import RESTING
 from sim.reach import ArmReach
 from sim.recorder import Recorder
-from sim.rotations import Array
+from sim.rotations import Array, rot_z
 from sim.stance import Stance
 from sim.touch import EarlyEndError
 from sim.way import Way
@@ -113,15 +113,25 @@ class Trip:
             self._go(stance, point)
             self._descent.append(self._world.commanded[0])
 
-    def leave(self, stance: Stance, tip: Array, way: Way) -> None:
-        """Off the face, and back along the way that was free."""
+    def leave(self, stance: Stance, tip: Array, way: Way, turned: float = 0.0) -> None:
+        """Off the face, and back along the way that was free.
+
+        Args:
+            stance: of arm and hand.
+            tip: where T is commanded to be, shape (3,) [m].
+            way: on which it came.
+            turned: how far the palm has turned [rad]; it turns back once it is off the face.
+        """
         self.recorder.phase = "retreat"
         self.recorder.force_limit = 0.0
         self._tell("retreat", self._world.time, "leaving the object")
-        off = tip - BACK * way.inward
-        for start, target in ((tip, off), (off, way.start)):
-            for point in self._line(start, target):
-                self._go(stance, point)
+        off = tip - BACK * rot_z(turned) @ way.inward
+        for point in self._line(tip, off):
+            self._go(stance, point, turned)
+        far = max(float(np.linalg.norm(off - way.start)), 1e-9)
+        for point in self._line(off, way.start):
+            left = float(np.linalg.norm(point - way.start)) / far
+            self._go(stance, point, left * turned)
 
     def come_home(self, settle: float) -> None:
         """Back home, and some time for everything to come to rest [s]."""
@@ -147,8 +157,8 @@ class Trip:
             )
         )
 
-    def _go(self, stance: Stance, tip: Array) -> None:
-        self.recorder.step(stance.joints(tip), stance.posture.joints)
+    def _go(self, stance: Stance, tip: Array, turned: float = 0.0) -> None:
+        self.recorder.step(stance.joints(tip, turned), stance.posture.joints)
 
     def _move_joints(self, q_arm: Array, q_hand: Array) -> None:
         """Free motion of the arm, the hand opening or closing on the way."""

@@ -1,0 +1,168 @@
+"""A push that turns an object: one finger off the middle of a face, the palm turning along.
+
+Law: as in `sim.push`, the contact advances while less than the force limit is felt; its direction
+is fixed relative to the face, which turns. The turn is estimated by `sim.turnkeeper`; the speed
+falls with what remains of it, and the push ends when the estimate reaches it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from objectmodels.motion import touched_faces
+from objectmodels.turning import turning
+from planner.plan import Plan
+from planner.state import WorldState
+from sim.fingers import Touch
+from sim.guards import MOVED, RAMP, Guards, band
+from sim.hand import TIP_RADIUS
+from sim.recorder import Recorder
+from sim.rotations import rot_z
+from sim.stance import Stance
+from sim.touch import TouchControl
+from sim.trace import EndReason
+from sim.turnkeeper import TurnedObject, TurnKeeper
+from sim.way import Way
+
+_ACCELERATION = 0.1  # [m/s²]
+_FORCE_RATE = 10.0  # of an object that stands [N/s]
+_FASTEST_START = 0.012  # before the object moves [m/s]
+_BRAKING = 2.0  # turning rate per remaining turn near the end [1/s]
+_SLOWEST = np.radians(1.5)  # turning rate at the end [rad/s]
+_FOLLOWS = 0.1  # share of its error that the palm's heading loses in a control step
+_FACE_END = 0.002  # distance from the end of a face at which the push stops [m]
+
+
+class TurnControl(TouchControl):
+    """One push that turns an object, from before the face to its end.
+
+    Args:
+        plan: what to do.
+        recorder: through which the world is stepped.
+        stance: of arm and hand.
+        way: of the fingertip.
+        state: what is believed.
+        tell: progress.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        recorder: Recorder,
+        stance: Stance,
+        way: Way,
+        state: WorldState,
+        tell: Callable[[str, float, str], None],
+    ) -> None:
+        super().__init__(plan.push, plan.prediction.onset, recorder, stance, way, tell)
+        self.plan = plan
+        self._target = state.objects[plan.push.object]
+        self._direction = self._u
+        # In B: where the face is touched, and where along it, half its width, its curvature.
+        R_BW = self._target.pose.R_WB.T
+        self._point, self._normal = np.array([plan.push.p_BC]), (R_BW @ -way.inward)[None]
+        (self._face,) = touched_faces(self._target.model, self._point[:, :2], self._normal[:, :2])
+
+    def push(self) -> tuple[EndReason, str]:
+        """Pushes until an end or a guard; returns which and why."""
+        push = self.plan.push
+        asked = f"turning it by {np.degrees(push.turn):.0f}° with at most {push.force_limit:.1f} N"
+        self.tell("push", self.recorder.world.time, asked)
+        self.recorder.phase = "push"
+        started = self.recorder.world.time
+        here, command = self._here, self.commanded
+        keeper, guards = self._keeper(here), Guards(self.plan, self._period)
+        start = min(_FASTEST_START, push.speed, _FORCE_RATE / self.stance.stiffness(self._u))
+        speed, felt_first = start, float(self._forces.sum())
+        while True:
+            elapsed = self.recorder.world.time - started
+            here, felt = self._here, float(self._forces.sum())
+            self._inform(keeper, here)
+            end = self._turned(keeper) or self._at_an_end_of_the_face(keeper)
+            end = end or guards.end(elapsed, keeper.travel, felt, self._tilt)
+            if end is not None:
+                return end
+            limit = min(1.0, elapsed / RAMP) * (push.force_limit - felt_first) + felt_first
+            self.recorder.force_limit = max(limit, felt_first)
+            speed = self._speed(speed, start, keeper)
+            room = float(np.clip((limit - felt) / band(push), -1.0, 1.0))
+            advance = speed * room * self._period
+            self._follow(keeper, advance)
+            # The finger's spring, bent in the direction of the force, turns along.
+            bent = command - here.midpoint
+            swung = rot_z(keeper.rate * advance) @ bent - bent
+            command = command + advance * self._u + swung
+            self._step(command, self._u)
+
+    def _turned(self, keeper: TurnKeeper) -> tuple[EndReason, str] | None:
+        if abs(keeper.turned) < abs(self.plan.push.turn) or keeper.turned * self.plan.push.turn < 0:
+            return None
+        return "turned", f"it was seen to turn by {np.degrees(keeper.turned):.1f}°"
+
+    def _at_an_end_of_the_face(self, keeper: TurnKeeper) -> tuple[EndReason, str] | None:
+        at, half, curvature = self._face
+        # Along ẑ × inward, which is against the face's tangent.
+        if curvature == 0.0 and abs(at - keeper.slip) > half - _FACE_END:
+            return "guard", f"the fingertip slid {1e3 * abs(keeper.slip):.0f} mm, off the face"
+        return None
+
+    def _speed(self, before: float, start: float, keeper: TurnKeeper) -> float:
+        """Largest speed of the contact now [m/s]: slow until it moves, and as the end is near."""
+        if abs(keeper.travel) < MOVED:
+            return start
+        remaining = abs(self.plan.push.turn - keeper.turned)
+        at_end = float(max(_SLOWEST, _BRAKING * remaining) / abs(keeper.rate))
+        return min(at_end, self.plan.push.speed, before + _ACCELERATION * self._period)
+
+    def _follow(self, keeper: TurnKeeper, advance: float) -> None:
+        """Turns palm and direction with the object."""
+        self.turned += keeper.rate * advance
+        self.turned += _FOLLOWS * (keeper.turned - self.turned)
+        R = rot_z(self.turned)
+        self._u = R @ self._direction
+        self.recorder.inward = R @ self.way.inward
+
+    # -- what is known -------------------------------------------------------------------------
+
+    def _keeper(self, here: Touch) -> TurnKeeper:
+        """The estimate of the turn, from what is believed at the touch."""
+        pose, inward = self._target.pose, self.way.inward[:2]
+        vision = self.recorder.world.scene.vision
+        frames = max(1.0, vision.rate_hz)  # of the look before, which lasted a second
+        angle = np.radians(vision.angle_noise_deg)
+        centre = self.way.touch[:2]
+        along = np.array([-inward[1], inward[0]])
+        body = TurnedObject(
+            yaw=pose.yaw,
+            inward=inward,
+            middle=pose.p_WB[:2] - centre,
+            direction=self._direction[:2],
+            radius=TIP_RADIUS,
+            rate=self._rate(),
+        )
+        return TurnKeeper(
+            body,
+            here.midpoint[:2],
+            float((here.midpoint[:2] - centre) @ along),
+            deviations=(
+                angle / np.sqrt(frames) + 0.003,
+                vision.position_noise_m / np.sqrt(frames) + 0.0005,
+            ),
+            camera=(vision.position_noise_m, angle),
+        )
+
+    def _rate(self) -> float:
+        """How far it turns per travel of the contact, as the object's model has it [rad/m]."""
+        inward, u = self.way.inward, self._direction
+        slant = float(np.arctan2(inward[0] * u[1] - inward[1] * u[0], inward @ u))
+        turn = self.plan.push.turn
+        predicted = turning(self._target.model, self._point, self._normal, slant, turn)
+        travel = float(predicted.travel[0])
+        return turn / (travel if np.isfinite(travel) else self.plan.push.stroke)
+
+    def _inform(self, keeper: TurnKeeper, here: Touch) -> None:
+        keeper.moved(self.recorder.world.time, here.midpoint[:2])
+        for frame in self.recorder.frames:
+            keeper.seen(frame.time, frame.poses[self.plan.push.object])
