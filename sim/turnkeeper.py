@@ -117,7 +117,7 @@ class TurnKeeper:
         """Takes the fingertip's centre in W, shape (2,) [m], at a time [s]."""
         body, step = self._body, tip - self._tip
         # The contact moves as the tip's centre does, and around it.
-        around = self.rate * body.radius * (body.along @ body.direction)
+        around = self.rate * body.radius * float(body.along @ body.direction)
         way = float(step @ (_rotation(self.turned) @ body.direction)) / (1.0 - around)
         self._tip = tip
         self.travel += way
