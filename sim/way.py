@@ -32,11 +32,11 @@ class Way:
     """Where the midpoint of the fingertips goes in W, and how the palm turns on it.
 
     Attributes:
-        inward: horizontal unit normal into the touched face.
+        inward: horizontal unit vector to which the hand is square: into the touched face, as that
+            should look at the end of a straight push.
         start: before the face; `touch`: at the face; `end`: after the stroke.
         turn: angle by which the palm turns about the vertical during the stroke, evenly [rad]; the
             stroke is then an arc.
-        askew: heading of the hand relative to the face when it touches [rad].
     """
 
     inward: Array
@@ -44,7 +44,6 @@ class Way:
     touch: Array
     end: Array
     turn: float = 0.0
-    askew: float = 0.0
 
     @classmethod
     def of(cls, push: Push, target: SeenObject) -> Way:
@@ -56,15 +55,14 @@ class Way:
         outward = np.array(push.normal_W)
         contact = target.pose.R_WB @ np.array(push.p_BC) + target.pose.p_WB
         touch = contact + TIP_RADIUS * outward
-        start, along = touch + STANDOFF * outward, push.stroke * np.array(push.direction_W)
+        along = push.stroke * np.array(push.direction_W)
         if push.ends_on == "turned":
             half = 0.5 * push.turn
             chord = np.sinc(half / np.pi) * rot_z(half) @ along
             end = contact + chord + TIP_RADIUS * rot_z(push.turn) @ outward
-            return cls(-outward, start, touch, end, turn=push.turn)
-        # Two fingers bring the face to where they are square to it.
-        askew = push.turn if push.fingers == 2 else 0.0
-        return cls(-outward, start, touch, touch + along, askew=askew)
+            return cls(-outward, touch + STANDOFF * outward, touch, end, turn=push.turn)
+        inward = -(rot_z(push.turn) @ outward if push.ends_on == "stroke" else outward)
+        return cls(inward, touch - STANDOFF * inward, touch, touch + along)
 
     def raised(self, height: float) -> Way:
         """The same so much higher [m]."""
@@ -74,7 +72,7 @@ class Way:
     @property
     def R_WD(self) -> Array:
         """Orientation of the push's frame D when the hand touches, shape (3, 3)."""
-        return rot_z(np.arctan2(self.inward[1], self.inward[0]) + self.askew)
+        return rot_z(np.arctan2(self.inward[1], self.inward[0]))
 
     def points(self, shares: Array = STROKE_POINTS) -> Array:
         """Start, and the stroke at shares of it, shape (1 + n, 3)."""

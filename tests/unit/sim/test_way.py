@@ -18,7 +18,7 @@ from sim.way import Way
 SLANT = np.radians(30.0)
 
 
-def _push(ends_on: str, *, turn: float = 0.0, fingers: int = 1) -> Push:
+def _push(ends_on: str, *, turn: float = 0.0) -> Push:
     return Push.model_validate(
         {
             "object": "ice tea box",
@@ -29,8 +29,8 @@ def _push(ends_on: str, *, turn: float = 0.0, fingers: int = 1) -> Push:
             "force_limit": 5.0,
             "speed": 0.03,
             "stroke": 0.06,
-            "fingers": fingers,
-            "spread": 0.04 if fingers == 2 else 0.0,
+            "fingers": 1,
+            "spread": 0.0,
             "ends_on": ends_on,
             "turn": turn,
         }
@@ -62,15 +62,6 @@ def test_a_turn_by_nothing_is_a_straight_push(target: SeenObject) -> None:
     turned, straight = Way.of(_push("turned"), target), Way.of(_push("stroke"), target)
     np.testing.assert_allclose(turned.points(), straight.points(), atol=1e-12)
     assert not turned.turns().any()
-
-
-def test_two_fingers_are_square_to_the_face_as_it_should_look_at_the_end(
-    target: SeenObject,
-) -> None:
-    way = Way.of(_push("stroke", turn=0.1, fingers=2), target)
-    np.testing.assert_allclose(way.R_WD, rot_z(0.1), atol=1e-12)
-    np.testing.assert_allclose(way.inward, [1.0, 0.0, 0.0])
-    assert not way.turns().any()
 
 
 def test_a_turned_palm_leaves_the_fingertip_where_it_should_be(target: SeenObject) -> None:
