@@ -18,6 +18,7 @@ from sim.push import PushControl
 from sim.reach import ArmReach
 from sim.recorder import Recorder
 from sim.stance import UnreachableError
+from sim.tilt import TiltControl
 from sim.touch import EarlyEndError
 from sim.trace import EndReason, Trace
 from sim.trip import Progress, Trip, silent
@@ -26,6 +27,8 @@ from sim.turn import TurnControl
 if TYPE_CHECKING:
     from objectmodels.model import ObjectModel
     from sim.world import DrakeWorld
+
+_CONTROLS: dict[str, type[PushControl | TiltControl]] = {"tilted": TiltControl, "turned": TurnControl}
 
 SETTLE = {"stroke": 0.5, "toppled": 1.5}
 """Time that an object gets to come to rest [s]."""
@@ -85,8 +88,8 @@ def _push(plan: Plan, trip: Trip, tell: Progress) -> tuple[EndReason, str]:
     stance, way = trip.stance(state)
     trip.approach(stance, way)
     tell("touch", trip.recorder.world.time, "feeling for the face")
-    kind = TurnControl if plan.push.ends_on == "turned" else PushControl
-    control = kind(plan, trip.recorder, stance, way, state, tell)
+    make = _CONTROLS.get(plan.push.ends_on, PushControl)
+    control = make(plan, trip.recorder, stance, way, state, tell)
     try:
         control.touch()
         return control.push()

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from planner.plan import Plan, Push
+from sim.tiltview import TiltView
 from sim.trace import EndReason
 
 RAMP = 2.0
@@ -22,6 +23,8 @@ _TILT_SHARE = 0.35  # a push that must not tilt stops at this share of the angle
 _FALLING = np.radians(11.0)  # tilt beyond the angle of no return at which it is left to fall
 _SLIDES_AFTER = 0.03  # travel after which a topple must show some tilt [m]
 _SLIDES_SHARE = 0.35  # of the tilt that turning about the far edge would show by then
+_SAFE_SHARE = 0.9  # a tilt stops at this share of the angle of no return
+_SURELY = 4.0  # standard deviations by which less must be seen than the fingers show
 _STUCK_SPEED = 0.001  # [m/s]
 _STUCK_TIME = 0.8  # [s]
 _LOST_TIME = 0.6  # [s]
@@ -65,8 +68,7 @@ class Guards:
             felt: force along the vector, filtered [N].
             tilt: seen tilt along the vector, filtered [rad].
         """
-        self.speed += 0.2 * ((travel - self._before) / self._period - self.speed)
-        self._before = travel
+        self._measure(travel)
         topple = self._push.ends_on == "toppled"
         return (
             (self._toppled(travel, tilt) if topple else self._stroke(travel, tilt))
@@ -75,6 +77,10 @@ class Guards:
             or (None if topple else self._contact_lost(travel, felt))
             or self._too_long(elapsed)
         )
+
+    def _measure(self, travel: float) -> None:
+        self.speed += 0.2 * ((travel - self._before) / self._period - self.speed)
+        self._before = travel
 
     def _stroke(self, travel: float, tilt: float) -> tuple[EndReason, str] | None:
         if travel >= self._push.stroke:
@@ -116,4 +122,46 @@ class Guards:
     def _too_long(self, elapsed: float) -> tuple[EndReason, str] | None:
         if elapsed > self._longest:
             return "guard", f"the push took longer than {self._longest:.0f} s"
+        return None
+
+
+class TiltGuards(Guards):
+    """Guards of an object that is tilted and let back: any end of theirs lets it back at once.
+
+    Args:
+        plan: what was to happen.
+        period: of a control step [s].
+    """
+
+    def __init__(self, plan: Plan, period: float) -> None:
+        super().__init__(plan, period)
+        safe = _SAFE_SHARE * plan.prediction.stay_on_base_angle
+        self._farthest = min(safe, plan.push.limits.tilt or np.inf)
+
+    def tilt_end(
+        self, elapsed: float, travel: float, felt: float, view: TiltView
+    ) -> tuple[EndReason, str] | None:
+        """Why the tilt ends before the asked angle; None if it goes on.
+
+        Args:
+            elapsed: since its start [s].
+            travel: of the fingertips along the vector [m].
+            felt: force along the vector, filtered [N].
+            view: of the tilt.
+        """
+        self._measure(travel)
+        return (
+            self._leans(view, travel)
+            or self._force(elapsed, felt)
+            or self._too_fast()
+            or self._contact_lost(travel, felt)
+            or self._too_long(elapsed)
+        )
+
+    def _leans(self, view: TiltView, travel: float) -> tuple[EndReason, str] | None:
+        if view.tilt > self._farthest:
+            return "tilted", f"it leans by {np.degrees(view.tilt):.1f}°, more than it may"
+        short = max((1.0 - _SLIDES_SHARE) * view.own, _SURELY * view.unsure)
+        if -view.correction > short or travel > self._push.stroke:
+            return "slid", f"it slides instead of tilting, {1e3 * travel:.0f} mm so far"
         return None
