@@ -38,6 +38,7 @@ class SceneObject(Part):
         name: what it is called in this scene; unique.
         model: the registry model that the robot believes it to be.
         synonyms: further names in this scene.
+        fragile: whether it must be kept farther away from.
         pose: where it really stands at the start.
         truth: how it really is.
     """
@@ -45,6 +46,7 @@ class SceneObject(Part):
     name: str
     model: str
     synonyms: tuple[str, ...] = ()
+    fragile: bool = False
     pose: Pose
     truth: Truth
 
