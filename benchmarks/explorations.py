@@ -23,14 +23,14 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from collections.abc import Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor
 from pathlib import Path
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
 
+from benchmarks.record import Kept, carried_out
 from nlcontrol import Controller
 from nlcontrol.exploring import CENTRE_OF_MASS, ExplorationReport, explore
 from nlcontrol.exploringreport import with_truth
@@ -84,19 +84,15 @@ class Job(NamedTuple):
     repetitions: int
 
 
-class Done(BaseModel):
+class Done(Kept[Job]):
     """What came of a job.
 
     Attributes:
-        job: which.
         found, truth: the parameters, by name.
         report: of the exploration, if it was a whole one.
         frictions: that the slides met.
     """
 
-    model_config = ConfigDict(frozen=True)
-
-    job: Job
     found: dict[str, float]
     truth: dict[str, float]
     report: ExplorationReport | None = None
@@ -245,34 +241,6 @@ def two_table(results: Sequence[Done]) -> str:
 TABLES = {"even": even_table, "varying": varying_table, "two": two_table}
 
 
-def recorded(path: Path | None) -> dict[Job, Done]:
-    """What a record holds, nothing if there is none; half a last line does not count."""
-    if path is None or not path.exists():
-        return {}
-    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
-    known = (Done.model_validate_json(line) for line in lines if line.endswith("\n"))
-    return {done.job: done for done in known}
-
-
-def carried_out(jobs: Iterable[Job], pool: Executor, record: Path | None = None) -> dict[Job, Done]:
-    """All jobs' results; those that the record lacks are run and added to it.
-
-    Args:
-        jobs: which.
-        pool: where.
-        record: file of JSON lines.
-    """
-    known = recorded(record)
-    jobs = list(jobs)
-    for future in as_completed([pool.submit(run, job) for job in jobs if job not in known]):
-        done = future.result()
-        known[done.job] = done
-        if record is not None:
-            with record.open("a", encoding="utf-8") as file:
-                file.write(done.model_dump_json() + "\n")
-    return {job: known[job] for job in jobs}
-
-
 def main(executor: Executor | None = None) -> int:
     """Answers a question and prints its table."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
@@ -291,7 +259,7 @@ def main(executor: Executor | None = None) -> int:
         for seed in range(options.seeds)
     ]
     with executor or ProcessPoolExecutor(options.workers) as pool:
-        results = carried_out(jobs, pool, options.record)
+        results = carried_out(run, jobs, pool, Done, record=options.record)
     print(TABLES[question](list(results.values())))
     return 0
 

@@ -1,0 +1,187 @@
+"""Strokes in Drake: the objects of a scene as in the simulated world, and fingertips on springs.
+
+Table, objects, contact approximation and step are those of `sim.plant`. Each fingertip is a sphere
+on three sliding joints, so that two of them keep their distance without a hand.
+"""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from benchmarks.strokes import (
+    DAMPING,
+    PERIOD,
+    STIFFNESS,
+    STRONGEST,
+    TIP_MASS,
+    Array,
+    Rolled,
+    Stroke,
+    offsets,
+)
+from sim.contacts import ContactWatch
+from sim.hand import TIP_RADIUS
+from sim.plant import (
+    ROUGH,
+    add_object,
+    add_table,
+    filter_collisions,
+    initial_pose,
+    surface,
+)
+from sim.scene import Scene
+
+if TYPE_CHECKING:
+    from pydrake.multibody.plant import MultibodyPlant
+    from pydrake.multibody.tree import ModelInstanceIndex
+
+_STICTION = 1e-4  # as in the simulated world [m/s]
+_SETTLING = 0.1  # in which feet sink in [s]
+_RESTING = 0.3  # after a stroke [s]
+_AWAY = np.array([0.0, 0.0, 2.0])  # where fingertips wait [m]
+
+
+class DrakeBench:
+    """The objects of a scene and one or two fingertips; a `benchmarks.strokes.Bench`.
+
+    Args:
+        scene: what is true.
+        fingers: how many fingertips.
+    """
+
+    def __init__(self, scene: Scene, fingers: int = 1) -> None:
+        from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlantConfig
+        from pydrake.systems.analysis import Simulator
+        from pydrake.systems.framework import DiagramBuilder
+
+        builder = DiagramBuilder()
+        config = MultibodyPlantConfig(
+            time_step=scene.time_step_s,
+            contact_model="point",
+            discrete_contact_approximation="lagged",
+            stiction_tolerance=_STICTION,
+            use_sampled_output_ports=False,
+        )
+        self._plant, scene_graph = AddMultibodyPlant(config, builder)
+        plant = self._plant
+        table = add_table(plant, scene)
+        added = {item.name: add_object(plant, item) for item in scene.objects}
+        self._tips = {f"tip {k}": _add_tip(plant, f"tip {k}") for k in range(fingers)}
+        plant.Finalize()
+        for item in scene.objects:
+            plant.SetDefaultFloatingBaseBodyPose(added[item.name][0], initial_pose(item))
+        spheres = [
+            geometry
+            for name in self._tips
+            for geometry in plant.GetCollisionGeometriesForBody(plant.GetBodyByName(name))
+        ]
+        filter_collisions(
+            scene_graph,
+            robot=spheres,
+            table=table,
+            solids=[solid for _, solid, _ in added.values()],
+            feet=[foot for *_, feet in added.values() for foot in feet.geometries],
+        )
+        self._bodies = {name: body for name, (body, *_) in added.items()}
+        self._simulator = Simulator(builder.Build())
+        self._root = self._simulator.get_mutable_context()
+        self._context = plant.GetMyMutableContextFromRoot(self._root)
+        self._put(np.tile(_AWAY, (fingers, 1)) + offsets(fingers, 0.0))
+        self._wait(_SETTLING)
+
+    def keep(self) -> object:
+        """See `benchmarks.strokes.Bench`."""
+        return self._root.Clone()
+
+    def back(self, state: object) -> None:
+        """See `benchmarks.strokes.Bench`."""
+        self._root.SetTimeStateAndParametersFrom(state)
+        self._simulator.Initialize()
+
+    def roll(self, stroke: Stroke, speed: float) -> Rolled:
+        """See `benchmarks.strokes.Bench`."""
+        beside = offsets(len(self._tips), stroke.heading)
+        path, there = stroke.path(speed)
+        watch = ContactWatch(self._plant, self._bodies)
+        self._put(path[0] + beside)
+        samples = []
+        for before, now in itertools.pairwise(path):
+            self._command(now + beside, (now - before) / PERIOD)
+            samples.append(self._sampled(watch))
+        self._put(np.tile(_AWAY, (len(beside), 1)) + beside)
+        samples += [self._sampled(watch) for _ in range(round(_RESTING / PERIOD))]
+        poses, tips, felt = (np.array(column) for column in zip(*samples, strict=True))
+        return Rolled(
+            poses={name: poses[:, k] for k, name in enumerate(self._bodies)},
+            tips={name: tips[:, k] for k, name in enumerate(self._tips)},
+            felt={name: felt[:, k] for k, name in enumerate(self._tips)},
+            pushing=np.arange(len(poses)) < there.sum(),
+            touched=frozenset(frozenset((e.body_a, e.body_b)) for e in watch.events),
+        )
+
+    def poses(self) -> dict[str, Array]:
+        """See `benchmarks.strokes.Bench`."""
+        return {name: self._pose(name) for name in self._bodies}
+
+    def _sampled(self, watch: ContactWatch) -> tuple[Array, Array, Array]:
+        self._wait(PERIOD)
+        results = self._plant.get_contact_results_output_port().Eval(self._context)
+        watch.note(self._root.get_time(), results)
+        poses = np.array([self._pose(name) for name in self._bodies])
+        tips = np.array([self._plant.GetPositions(self._context, i) for i in self._tips.values()])
+        ports = (self._plant.get_net_actuation_output_port(i) for i in self._tips.values())
+        return poses, tips, np.array([port.Eval(self._context) for port in ports])
+
+    def _pose(self, name: str) -> Array:
+        X_WB = self._plant.EvalBodyPoseInWorld(self._context, self._bodies[name])
+        return np.array([*X_WB.rotation().ToQuaternion().wxyz(), *X_WB.translation()])
+
+    def _put(self, places: Array) -> None:
+        """Fingertips at places, at rest."""
+        for instance, place in zip(self._tips.values(), places, strict=True):
+            self._plant.SetPositions(self._context, instance, place)
+            self._plant.SetVelocities(self._context, instance, np.zeros(3))
+        self._command(places, np.zeros(3))
+        self._simulator.Initialize()
+
+    def _command(self, places: Array, velocity: Array) -> None:
+        for instance, place in zip(self._tips.values(), places, strict=True):
+            port = self._plant.get_desired_state_input_port(instance)
+            port.FixValue(self._context, np.concatenate([place, velocity]))
+
+    def _wait(self, seconds: float) -> None:
+        self._simulator.AdvanceTo(self._root.get_time() + seconds)
+
+
+def _add_tip(plant: MultibodyPlant, name: str) -> ModelInstanceIndex:
+    """A fingertip that slides along the axes of W."""
+    from pydrake.geometry import Sphere
+    from pydrake.math import RigidTransform
+    from pydrake.multibody.tree import (
+        PdControllerGains,
+        PrismaticJoint,
+        SpatialInertia,
+        UnitInertia,
+    )
+
+    instance = plant.AddModelInstance(name)
+    solid = UnitInertia.SolidSphere(TIP_RADIUS)
+    share = TIP_MASS / 3.0
+    frame = plant.world_frame()
+    for axis, label in zip(np.eye(3), ("x", "y", "z"), strict=True):
+        last = label == "z"
+        body = plant.AddRigidBody(
+            name if last else f"{name} {label}", instance, SpatialInertia(share, np.zeros(3), solid)
+        )
+        joint = plant.AddJoint(PrismaticJoint(f"{name} {label}", frame, body.body_frame(), axis))
+        actuator = plant.AddJointActuator(f"{name} {label}", joint, STRONGEST)
+        actuator.set_controller_gains(PdControllerGains(p=STIFFNESS, d=DAMPING))
+        frame = body.body_frame()
+    plant.RegisterCollisionGeometry(
+        body, RigidTransform(), Sphere(TIP_RADIUS), "tip", surface(ROUGH)
+    )
+    plant.set_gravity_enabled(instance, False)
+    return instance

@@ -1,0 +1,6 @@
+"""Goals of all kinds in worlds drawn by seed: what is accepted, what is kept, what is refused.
+
+`worlds` draws a world and its sentence, `cases` carries one out in a process of its own, `final`
+measures how far off it ended, `tables` counts. `confirm` looks by brute force for what was refused.
+Run it as `python -m benchmarks.goals`; `docs/benchmarks.md` says how to read it.
+"""

@@ -1,0 +1,108 @@
+"""Draws cases, runs them in worker processes, and prints what came of them.
+
+    python -m benchmarks.goals --cases 200 --record goals.jsonl
+    python -m benchmarks.goals --cases 200 --record goals.jsonl --confirm 30
+    python -m benchmarks.goals --cases 20 --kinds rotate,tilt --no-run
+
+A case depends on its seed and number alone: the options choose among them. With `--record` results
+are kept as they come, and a broken run goes on where it was.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import sys
+from collections.abc import Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
+from pathlib import Path
+
+from benchmarks.goals.cases import Done, run
+from benchmarks.goals.confirm import confirmed
+from benchmarks.goals.sentences import KINDS, kind_of, said
+from benchmarks.goals.tables import report
+from benchmarks.goals.worlds import Job, pushable
+from benchmarks.record import carried_out
+
+_MOST = 100_000  # numbers that are looked through for cases that are chosen
+
+
+def chosen(options: argparse.Namespace) -> list[Job]:
+    """The first cases of each seed that the options choose."""
+    seeds = range(options.seed, options.seed + options.seeds)
+    return [job for s in seeds for job in itertools.islice(_fitting(s, options), options.cases)]
+
+
+def _fitting(seed: int, options: argparse.Namespace) -> Iterator[Job]:
+    for number in range(options.first, _MOST):
+        job = Job(seed, number, options.bias, options.oblique)
+        if kind_of(job) in options.kinds and (
+            options.objects is None or said(job)[1].target in options.objects
+        ):
+            yield job
+
+
+def _listed(text: str) -> list[str]:
+    return [part.strip() for part in text.split(",")]
+
+
+def _kinds(text: str) -> list[str]:
+    unknown = set(_listed(text)) - set(KINDS)
+    if unknown:
+        raise argparse.ArgumentTypeError(f"kinds are {', '.join(KINDS)}")
+    return _listed(text)
+
+
+def _objects(text: str) -> list[str]:
+    names = [model.name for model in pushable()]
+    if set(_listed(text)) - set(names):
+        raise argparse.ArgumentTypeError(f"objects are {', '.join(names)}")
+    return _listed(text)
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--seed", type=int, default=0, help="the first one")
+    parser.add_argument("--seeds", type=int, default=1, help="how many")
+    parser.add_argument("--cases", type=int, default=len(KINDS), help="of each seed")
+    parser.add_argument("--first", type=int, default=0, help="number of the first case")
+    parser.add_argument("--kinds", type=_kinds, default=KINDS, help="of goals, with commas")
+    parser.add_argument("--objects", type=_objects, help="that are spoken of, with commas")
+    parser.add_argument("--bias", action="store_true", help="a camera with constant errors too")
+    parser.add_argument(
+        "--oblique", type=float, default=45.0, help="largest angle of faces to the directions"
+    )
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--record", type=Path, help="file of JSON lines")
+    parser.add_argument("--no-run", action="store_true", help="list the sentences only")
+    parser.add_argument(
+        "--confirm", type=int, default=0, metavar="N", help="look for N of the refused"
+    )
+    parser.add_argument("--tries", type=int, default=40, help="roll-outs of a round of that search")
+    return parser.parse_args()
+
+
+def main(executor: Executor | None = None) -> int:
+    """Runs what the options choose and prints the tables."""
+    options = _options()
+    jobs = chosen(options)
+    if options.no_run:
+        for job in jobs:
+            scene, sentence = said(job)
+            print(f"{job.seed}-{job.number} ({len(scene.objects)} objects): {sentence.text}")
+        return 0
+    with executor or ProcessPoolExecutor(options.workers) as pool:
+        done = carried_out(run, jobs, pool, Done, record=options.record, told=_told)
+        results = list(done.values())
+        print(report(results), flush=True)
+        if options.confirm:
+            print("\n" + confirmed(results, options.confirm, pool, options.record, options.tries))
+    return 0
+
+
+def _told(done: Done) -> None:
+    print(f"{done.job.seed}-{done.job.number} {done.status}: {done.text}", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

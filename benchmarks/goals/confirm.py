@@ -1,0 +1,252 @@
+"""Were refusals right? A search by brute force for what was refused, by the class of the refusal.
+
+| refused as | confirmed if |
+|---|---|
+| `impossible`, `out_of_time` | no strokes do it in the world as it truly is, whoever pushes |
+| `too_uncertain` | the best strokes for the object as it is believed succeed, over objects drawn from the belief, less often than was asked |
+| `out_of_reach`, `blocked` | no strokes do it that touch nothing else and that some posture of hand and arm can make |
+
+The search is that of `benchmarks.goals.search`, postures are those of `benchmarks.goals.postures`.
+It may miss what there is: a confirmed refusal is one for which nothing was found.
+"""  # noqa: E501
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from functools import partial
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from benchmarks.goals.cases import Done, Watched
+from benchmarks.goals.postures import reachable
+from benchmarks.goals.search import Asked, Found, repeated, search
+from benchmarks.goals.sentences import said
+from benchmarks.goals.worlds import Generator, Job, as_believed
+from benchmarks.record import Kept, carried_out
+from benchmarks.strokes import Array, heading_of, upright
+from nlcontrol import Registry
+from nlcontrol.checks import require_checkable
+from nlcontrol.errors import ControlError
+from objectmodels import ObjectModel
+from planner.state import PlanarPose, SeenObject, WorldState
+from sim.scene import Pose, Scene
+
+Verdict = Literal["confirmed", "unconfirmed", "not looked for"]
+
+DRAWN = 20
+"""Objects drawn from a belief."""
+BEST = 3
+"""Ways of doing it that are tried on all of them."""
+POSTURED = 4
+"""Ways of doing it for which postures are looked for."""
+
+_LEAST = 0.05  # of what is believed; parameters are drawn no smaller
+
+
+class Doubt(NamedTuple):
+    """A refusal to be looked into.
+
+    Attributes:
+        case: which case was refused.
+        reason: its class.
+        tries: roll-outs in each round of the search.
+    """
+
+    case: Job
+    reason: str
+    tries: int
+
+
+class Confirmation(Kept[Doubt]):
+    """What brute force found.
+
+    Attributes:
+        verdict: on the refusal.
+        text: the sentence.
+        refusal: what the robot said.
+        found: what was found, or not.
+    """
+
+    verdict: Verdict
+    text: str
+    refusal: str
+    found: str
+
+
+def confirmed(
+    results: Sequence[Done], most: int, pool: Executor, record: Path | None, tries: int
+) -> str:
+    """Looks into refusals, spread over the classes, and tells about them.
+
+    Args:
+        results: among which there are refusals.
+        most: how many of them.
+        pool: where.
+        record: of the results; what is found is kept beside it.
+        tries: roll-outs in each round of a search.
+    """
+    doubts = [Doubt(done.job, reason, tries) for done, reason in _sample(results, most)]
+    beside = record and record.with_name(f"{record.stem}.confirmed{record.suffix}")
+    found = carried_out(confirm, doubts, pool, Confirmation, record=beside)
+    return table(list(found.values()))
+
+
+def _sample(results: Sequence[Done], most: int) -> list[tuple[Done, str]]:
+    """The first of each class, then the second of each, and so on."""
+    refused = [(done, done.refused) for done in results if done.refused is not None]
+    met: Counter[str] = Counter()
+    ranks = []
+    for _, reason in refused:
+        ranks.append(met[reason])
+        met[reason] += 1
+    order = sorted(range(len(refused)), key=lambda k: (ranks[k], k))
+    return [refused[k] for k in order[:most]]
+
+
+def table(found: Sequence[Confirmation]) -> str:
+    """A line per class, and all about those that were not confirmed."""
+    lines = [f"{'refused as':14} {'confirmed':>10} {'not':>5} {'not looked for':>15}  numbers"]
+    for reason in dict.fromkeys(each.job.reason for each in found):
+        some = [each for each in found if each.job.reason == reason]
+        counts = Counter(each.verdict for each in some)
+        numbers = ", ".join(str(each.job.case.number) for each in some)
+        lines.append(
+            f"{reason:14} {counts['confirmed']:>10} {counts['unconfirmed']:>5}"
+            f" {counts['not looked for']:>15}  {numbers}"
+        )
+    for each in found:
+        if each.verdict != "confirmed":
+            case = each.job.case
+            lines.append(
+                f"{case.seed}-{case.number} {each.verdict}: “{each.text}”: {each.refusal}"
+                f"\n  found: {each.found}"
+            )
+    return "\n".join(lines)
+
+
+def confirm(doubt: Doubt) -> Confirmation:
+    """Looks into one refusal."""
+    scene, sentence = said(doubt.case)
+    robot = Watched(scene, registry=Registry.built_in(), seed=doubt.case.seed)
+    result = robot.say(sentence.text)
+    made = partial(
+        Confirmation,
+        job=doubt,
+        text=sentence.text,
+        refusal=result.error.message if result.error else "",
+    )
+    rng = np.random.default_rng((doubt.case.seed, doubt.case.number, doubt.tries))
+    frame = robot.watches[-1].frame
+    asked = Asked(frame, sentence.target, robot.models[sentence.target])
+    poses = robot.world.history[-1].poses
+    try:
+        require_checkable(frame)
+    except ControlError as error:
+        return made(verdict="not looked for", found=error.info.message)
+    if not upright(poses[asked.name]):
+        return made(verdict="not looked for", found=f"the {asked.name} does not stand any more")
+    now = _as_it_stands(robot.world.scene, poses)
+    if doubt.reason == "too_uncertain":
+        verdict, found = _uncertain(now, asked, robot.defaults.probability, doubt.tries, rng)
+    elif doubt.reason in ("out_of_reach", "blocked"):
+        verdict, found = _unreachable(now, asked, robot.models, doubt.tries, rng)
+    else:
+        verdict, found = _impossible(now, asked, doubt.tries, rng)
+    return made(verdict=verdict, found=found)
+
+
+def _as_it_stands(scene: Scene, poses: Mapping[str, Array]) -> Scene:
+    """The scene with everything where it is now; what has fallen over is left out."""
+    objects = []
+    for item in scene.objects:
+        x, y = poses[item.name][4:6].tolist()
+        pose = Pose(x_m=x, y_m=y, yaw_deg=math.degrees(heading_of(poses[item.name])))
+        if upright(poses[item.name]):
+            objects.append(item.model_copy(update={"pose": pose}))
+    return scene.model_copy(update={"objects": tuple(objects)})
+
+
+def _impossible(scene: Scene, asked: Asked, tries: int, rng: Generator) -> tuple[Verdict, str]:
+    found, rolled = search(scene, asked, tries, rng)
+    if found:
+        return "unconfirmed", f"{_told(found[0])} do it, found after {rolled} roll-outs"
+    return "confirmed", f"nothing in {rolled} roll-outs"
+
+
+def _uncertain(
+    scene: Scene, asked: Asked, level: float, tries: int, rng: Generator
+) -> tuple[Verdict, str]:
+    found, rolled = search(
+        _with(scene, asked.name, asked.model, np.zeros(7)), asked, tries, rng, enough=BEST
+    )
+    drawn = [_with(scene, asked.name, asked.model, _drawn(asked.model, rng)) for _ in range(DRAWN)]
+    shares = [np.mean([repeated(world, asked, each) for world in drawn]) for each in found]
+    best = float(max(shares, default=0.0))
+    text = f"the best of {len(found)} ways found in {rolled} roll-outs succeeds in {best:.0%}"
+    return ("confirmed" if best < level else "unconfirmed"), text
+
+
+def _drawn(model: ObjectModel, rng: Generator) -> Array:
+    """How parameters differ from what is believed, in the order of `UNCERTAIN`, shape (7,)."""
+    return np.asarray(rng.multivariate_normal(np.zeros(7), model.covariance))
+
+
+def _with(scene: Scene, name: str, model: ObjectModel, off: Array) -> Scene:
+    """The scene with an object that differs by so much from what is believed."""
+    mass, friction, finger = np.maximum(1.0 + off[:3] / model.means[:3], _LEAST).tolist()
+    truth = as_believed(model)
+    changed = truth.model_copy(
+        update={
+            "mass_kg": truth.mass_kg * mass,
+            "friction_table": truth.friction_table * friction,
+            "friction_finger": truth.friction_finger * finger,
+        }
+    ).shifted(off[4:])
+    objects = tuple(
+        item.model_copy(update={"truth": changed}) if item.name == name else item
+        for item in scene.objects
+    )
+    return scene.model_copy(update={"objects": objects})
+
+
+def _unreachable(
+    scene: Scene, asked: Asked, models: dict[str, ObjectModel], tries: int, rng: Generator
+) -> tuple[Verdict, str]:
+    found, rolled = search(scene, asked, tries, rng, enough=POSTURED, alone=True)
+    for each in found:
+        if _postured(scene, each, models, rng):
+            return "unconfirmed", f"{_told(each)} do it, and a hand can make them"
+    return "confirmed", f"{len(found)} ways in {rolled} roll-outs, none of which a hand can make"
+
+
+def _postured(scene: Scene, found: Found, models: dict[str, ObjectModel], rng: Generator) -> bool:
+    """Whether hand and arm can make all strokes."""
+    return all(
+        reachable(stroke, found.fingers, scene.robot, _seen(before, models), rng)
+        for stroke, before in zip(found.strokes, found.before, strict=True)
+    )
+
+
+def _seen(poses: Mapping[str, Array], models: dict[str, ObjectModel]) -> WorldState:
+    """Everything where it truly stands."""
+    return WorldState(
+        {
+            name: SeenObject(name, PlanarPose(pose[4], pose[5], heading_of(pose)), models[name])
+            for name, pose in poses.items()
+        }
+    )
+
+
+def _told(found: Found) -> str:
+    """Strokes in words."""
+    ways = "; ".join(
+        f"from ({1e3 * s.start[0]:.0f}, {1e3 * s.start[1]:.0f}, {1e3 * s.start[2]:.0f}) mm"
+        f" to ({1e3 * s.end[0]:.0f}, {1e3 * s.end[1]:.0f}) mm"
+        for s in found.strokes
+    )
+    return f"strokes of {found.fingers} fingertips {ways}"

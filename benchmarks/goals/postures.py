@@ -1,0 +1,131 @@
+"""Is there any hand at all that stands behind a fingertip, clear of everything?
+
+Finer than the robot's own search, and less strict: finger angles and orientations of the palm are
+drawn anywhere within their limits, elbows lie 5° apart, and the hand only has to be clear, by no
+distance, at the beginning, in the middle and at the end of a stroke. How it gets there, how well it
+feels the push and how much room the joints have is not asked.
+
+Frames: see `sim.stance`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.strokes import Array, Generator, Stroke
+from planner.state import WorldState
+from sim import arm, spheres
+from sim.hand import FINGER_LIMITS, RESTING, Posture, two_finger_postures
+from sim.reach import FINGER_SPREAD
+from sim.rotations import rot_x, rot_y, rot_z
+from sim.scene import Robot
+from sim.stance import Mount
+
+POSTURES, ORIENTATIONS = 80, 250
+"""Random finger angles, and orientations for each of them."""
+
+_ELBOWS = np.radians(np.arange(-180.0, 180.0, 5.0))
+_SHARES = (0.0, 0.5, 1.0)  # of the stroke, where the hand must be clear
+_AT_ONCE = 40  # hands whose arms are solved together
+
+
+def reachable(
+    stroke: Stroke, fingers: int, robot: Robot, state: WorldState, rng: Generator
+) -> bool:
+    """Whether some hand and arm could make a stroke.
+
+    Args:
+        stroke: of the fingertips.
+        fingers: how many.
+        robot: and its mount.
+        state: where everything stands; the object that is pushed moves ahead of the hand.
+        rng: to draw from.
+    """
+    mount = Mount.of(robot)
+    points = [stroke.start + share * (stroke.end - stroke.start) for share in _SHARES]
+    R_WD = rot_z(stroke.heading)
+    for posture in _postures(fingers, rng):
+        R_WP = R_WD @ _orientations(rng)
+        free = _clear_hands(posture, R_WP, points, stroke.object, state)
+        for some in np.array_split(R_WP[free], max(1, -(-int(free.sum()) // _AT_ONCE))):
+            if len(some) and _arm_reaches(mount, posture, some, points, stroke.object, state):
+                return True
+    return False
+
+
+def _postures(fingers: int, rng: Generator) -> Iterator[Posture]:
+    if fingers == 2:
+        yield from two_finger_postures(FINGER_SPREAD)
+        return
+    low, high = FINGER_LIMITS.T
+    for _ in range(POSTURES):
+        finger = ("index", "middle", "ring")[int(rng.integers(3))]
+        abduction, proximal, middle = rng.uniform(low, high).tolist()
+        angles = {**RESTING.angles, finger: (abduction, proximal, middle)}
+        yield Posture("drawn", angles, (finger,))
+
+
+def _orientations(rng: Generator) -> Array:
+    """Palms in the push's frame: fingers down, leaned any way but away from the push."""
+    tilt, side = rng.uniform(-np.pi / 2, np.pi / 2, (2, ORIENTATIONS))
+    roll = rng.uniform(-np.pi, np.pi, ORIENTATIONS)
+    return np.asarray(rot_x(side) @ rot_y(-tilt) @ np.diag([1.0, -1.0, -1.0]) @ rot_z(roll))
+
+
+def _clear_hands(
+    posture: Posture, R_WP: Array, points: list[Array], pushed: str, state: WorldState
+) -> NDArray[np.bool_]:
+    """Which orientations keep the hand clear at all points of the stroke."""
+    free = np.ones(len(R_WP), dtype=bool)
+    parts = spheres.hand_spheres(posture)
+    middle = posture.tips.mean(axis=0)
+    for k, point in enumerate(points):
+        placed = spheres.placed(parts, R_WP, point - R_WP @ middle)
+        free &= spheres.height_above_table(placed).min(axis=-1) > 0.0
+        for name in _in_the_way(state, pushed, k):
+            free &= _distance(placed, state, name).min(axis=-1) > 0.0
+    return free
+
+
+def _arm_reaches(
+    mount: Mount,
+    posture: Posture,
+    R_WP: Array,
+    points: list[Array],
+    pushed: str,
+    state: WorldState,
+) -> bool:
+    """Whether one arm solution stays within its limits and clear, at all points."""
+    n = len(R_WP)
+    elbow = np.tile(_ELBOWS, n)
+    R = np.repeat(R_WP, len(_ELBOWS), axis=0)
+    tip = R @ posture.tips.mean(axis=0)
+    ok = np.ones((len(R), 8), dtype=bool)
+    for k, point in enumerate(points):
+        q, valid = arm.inverse(*mount.flange(R, point - tip), elbow)
+        ok &= valid
+        if not ok.any():
+            return False
+        rows = np.nonzero(ok)
+        links = spheres.placed(spheres.arm_spheres(q[rows]), mount.R_WA, mount.p_WA)
+        clear = spheres.height_above_table(links).min(axis=-1) > 0.0
+        for name in _in_the_way(state, pushed, k):
+            clear &= _distance(links, state, name).min(axis=-1) > 0.0
+        ok[rows] = clear
+    return bool(ok.any())
+
+
+def _in_the_way(state: WorldState, pushed: str, point: int) -> list[str]:
+    """The objects; the one that is pushed has moved on after the first point."""
+    return [name for name in state.objects if name != pushed or point == 0]
+
+
+def _distance(placed: Array, state: WorldState, name: str) -> Array:
+    """Of spheres in W from an object [m]."""
+    seen = state.objects[name]
+    R_BW = seen.pose.R_WB.T
+    inside = spheres.placed(placed, R_BW, -R_BW @ seen.pose.p_WB)
+    return spheres.distance_to_prism(inside, seen.model.outline, seen.model.top)

@@ -1,0 +1,225 @@
+"""Brute force: random strokes of a fingertip until every clause of a sentence holds.
+
+Model: `benchmarks.strokes`, in Drake. A sentence is searched for by rounds, each of which goes on
+from the best stroke of the round before. Of the strokes of a round the first are drawn at random,
+the others are variations of the best so far. What counts are the checks of the sentence alone, by
+how far they are missed in all, so that a search knows no goal and no constraint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchmarks.drake_strokes import DrakeBench
+from benchmarks.strokes import (
+    PERIOD,
+    Array,
+    Bench,
+    Generator,
+    Rolled,
+    Stroke,
+    heading_of,
+    random_stroke,
+    towards,
+    upright,
+)
+from grammar import frames as g
+from nlcontrol.checks import Check, check
+from objectmodels import ObjectModel
+from planner.defaults import DEFAULTS
+from sim.scene import Scene
+from sim.trace import ContactEvent, Trace
+
+QUICK = 0.10
+"""Speed of strokes where the sentence sets none, slow enough not to matter [m/s]."""
+ROUNDS = 3
+"""Strokes one after another."""
+
+_SCALES = {"m": 0.01, "rad": 0.1, "N": 0.5, "m/s": 0.01, "s": 1.0, "": 1.0}
+_BETWEEN = 2.0  # time that a trace gives the hand to go elsewhere [s]
+_RANDOM = 0.4  # share of a round that is drawn at random
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is searched for.
+
+    Attributes:
+        frame: its objects resolved.
+        name: of the object that is pushed.
+        model: its shape, and what the checks need of it.
+    """
+
+    frame: g.Frame
+    name: str
+    model: ObjectModel
+
+    @property
+    def fingers(self) -> tuple[int, ...]:
+        """Numbers of fingertips that may push."""
+        counts = [c.count for c in self.frame.constraints if isinstance(c, g.Effector) and c.count]
+        return tuple(n for n in (1, 2) if all(n == count for count in counts))
+
+    @property
+    def speed(self) -> float:
+        """Largest speed that the sentence allows [m/s]."""
+        speeds = [QUICK]
+        for clause in self.frame.constraints:
+            if isinstance(clause, g.Slow | g.Gentle):
+                speeds.append(DEFAULTS.speed_gentle)
+            elif isinstance(clause, g.MaxSpeed | g.Speed):
+                speeds.append(clause.value)
+        return min(speeds)
+
+
+@dataclass(frozen=True)
+class Found:
+    """Strokes after which every clause holds.
+
+    Attributes:
+        strokes: in their order.
+        before: where everything stood before each of them.
+        fingers: how many fingertips push.
+    """
+
+    strokes: tuple[Stroke, ...]
+    before: tuple[Mapping[str, Array], ...]
+    fingers: int
+
+
+def search(
+    scene: Scene,
+    asked: Asked,
+    tries: int,
+    rng: Generator,
+    *,
+    enough: int = 1,
+    alone: bool = False,
+) -> tuple[list[Found], int]:
+    """Looks for strokes that do what is asked.
+
+    Args:
+        scene: how everything is and stands.
+        asked: what is asked.
+        tries: roll-outs in each round and for each number of fingertips.
+        rng: to draw from.
+        enough: the search ends with so many.
+        alone: whether nothing but the fingertips and the pushed object may touch.
+
+    Returns:
+        What was found, and how many strokes were rolled out.
+    """
+    found: list[Found] = []
+    rolled = 0
+    for fingers in asked.fingers:
+        bench = DrakeBench(scene, fingers)
+        for each, cost in _rounds(bench, asked, fingers, tries, rng, alone):
+            rolled += 1
+            if cost == 0.0:
+                found.append(each)
+            if len(found) >= enough:
+                return found, rolled
+    return found, rolled
+
+
+def _rounds(
+    bench: Bench, asked: Asked, fingers: int, tries: int, rng: Generator, alone: bool
+) -> Iterator[tuple[Found, float]]:
+    """Every attempt, and by how much it misses."""
+    so_far = Found((), (), fingers)
+    done: list[tuple[Stroke, Rolled]] = []
+    for _ in range(ROUNDS):
+        state, here = bench.keep(), bench.poses()
+        if not upright(here[asked.name]):
+            return
+        best: tuple[float, Stroke, Rolled, object] | None = None
+        for k in range(tries):
+            if best is None or k < _RANDOM * tries:
+                stroke = _drawn(asked, here[asked.name], rng)
+            else:
+                stroke = best[1].varied(rng)
+            bench.back(state)
+            rolled = bench.roll(stroke, asked.speed)
+            cost = missed(_checked(asked, [*done, (stroke, rolled)]))
+            cost += alone and _met(asked.name, rolled)
+            attempt = Found((*so_far.strokes, stroke), (*so_far.before, here), fingers)
+            yield attempt, cost
+            if best is None or cost < best[0]:
+                best, farther = (cost, stroke, rolled, bench.keep()), attempt
+        assert best is not None
+        so_far, done = farther, [*done, best[1:3]]
+        bench.back(best[3])
+
+
+def _met(name: str, rolled: Rolled) -> bool:
+    """Whether anything else touched than fingertips and the pushed object."""
+    others = rolled.poses.keys() - {name}
+    return any(others & pair for pair in rolled.touched)
+
+
+def _drawn(asked: Asked, pose: Array, rng: Generator) -> Stroke:
+    if rng.random() < 0.5:
+        return random_stroke(asked.name, asked.model, pose, rng)
+    # Faces and the robot's directions are what sentences are about.
+    heading = 0.5 * np.pi * int(rng.integers(4)) + float(rng.choice([0.0, heading_of(pose)]))
+    return towards(asked.name, asked.model, pose, heading, float(rng.uniform(0.01, 0.3)), rng)
+
+
+def repeated(scene: Scene, asked: Asked, found: Found) -> bool:
+    """Whether strokes do what is asked in another world too."""
+    bench = DrakeBench(scene, found.fingers)
+    done = [(stroke, bench.roll(stroke, asked.speed)) for stroke in found.strokes]
+    return missed(_checked(asked, done)) == 0.0
+
+
+def _checked(asked: Asked, done: Sequence[tuple[Stroke, Rolled]]) -> tuple[Check, ...]:
+    return check(asked.frame, trace_of(asked.name, done), asked.model)
+
+
+def missed(checks: Sequence[Check]) -> float:
+    """By how much clauses are missed in all; 0 if and only if all hold."""
+    return sum(_miss(each) for each in checks if not each.ok)
+
+
+def _miss(each: Check) -> float:
+    if isinstance(each.expected, str) or isinstance(each.measured, str):
+        return 1.0
+    off = abs(each.measured - each.expected) - (each.tolerance or 0.0)
+    return max(off / _SCALES[each.unit], 1e-3)
+
+
+def trace_of(name: str, done: Sequence[tuple[Stroke, Rolled]]) -> Trace:
+    """Strokes one after another as the trace of an execution."""
+    rolled = [each for _, each in done]
+    times, contacts, begun = [], [], 0.0
+    for each in rolled:
+        times.append(begun + PERIOD * np.arange(len(each.pushing)))
+        contacts += [ContactEvent(begun, *sorted(pair)) for pair in each.touched]
+        begun = float(times[-1][-1]) + _BETWEEN
+    pushing = np.concatenate([each.pushing for each in rolled])
+    first = rolled[0]
+
+    def joined(kind: str, key: str) -> Array:
+        return np.concatenate([getattr(each, kind)[key] for each in rolled])
+
+    poses = {key: joined("poses", key) for key in first.poses}
+    return Trace(
+        time=np.concatenate(times),
+        phase=np.where(pushing, "push", "settle"),
+        poses=poses,
+        seen=poses,
+        joints=np.zeros((len(pushing), 0)),
+        joint_names=(),
+        tips={key: joined("tips", key) for key in first.tips},
+        felt={key: joined("felt", key) for key in first.felt},
+        force_limit=np.zeros(len(pushing)),
+        contacts=tuple(contacts),
+        pushed=name,
+        direction=done[-1][0].direction,
+        end="stroke",
+        detail="",
+        seed=0,
+    )

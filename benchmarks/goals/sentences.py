@@ -1,0 +1,226 @@
+"""Sentences over all kinds of goals, with constraints, about the objects of a world.
+
+A sentence speaks of one object, the target, and where it can of others. What kind it is follows
+from the case's number, so that each kind comes equally often; everything else is drawn. What is
+turned has corners, and what is tilted or toppled is higher than wide, if there is such a thing in
+the world. The words are those of `docs/language.md`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from benchmarks.goals.worlds import Generator, Job, drawn, pushable
+from objectmodels import CylinderModel, ObjectModel
+from sim.scene import Scene
+
+Kind = Literal["displace", "place", "rotate", "tilt", "topple", "until", "steps"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
+
+SIDES = ("away", "toward me", "to the left", "to the right")
+SENSES = ("clockwise", "counterclockwise", "to the left", "to the right")
+REGIONS = ("middle of the table", "left edge", "right edge", "far edge")
+
+_PLAIN = 0.35  # share of goals without any constraint
+_SECOND = 0.3  # share of the others with a second one
+_UPRIGHT = 0.4  # share of constraints that are "without toppling it"
+
+
+@dataclass(frozen=True)
+class Sentence:
+    """What is said in a world.
+
+    Attributes:
+        kind: of its goal.
+        target: the object that it is about.
+        text: the words.
+    """
+
+    kind: Kind
+    target: str
+    text: str
+
+
+def kind_of(job: Job) -> Kind:
+    """Kind of the goal of a case."""
+    return KINDS[job.number % len(KINDS)]
+
+
+def said(job: Job) -> tuple[Scene, Sentence]:
+    """The world of a case, and what is said in it."""
+    scene, rng = drawn(job)
+    kind = kind_of(job)
+    models = {model.name: model for model in pushable()}
+    here = [models[item.model] for item in scene.objects]
+    target = _target(kind, here, rng)
+    words = _Words(target, [model.name for model in here if model is not target], rng)
+    return scene, Sentence(kind, target.name, _GOALS[kind](words))
+
+
+def _target(kind: Kind, here: Sequence[ObjectModel], rng: Generator) -> ObjectModel:
+    fitting = [model for model in here if _fits(kind, model)] or list(here)
+    return fitting[int(rng.integers(len(fitting)))]
+
+
+def _fits(kind: Kind, model: ObjectModel) -> bool:
+    if kind in ("rotate", "steps"):
+        return not isinstance(model, CylinderModel)
+    return kind not in ("tilt", "topple") or model.top > min(model.extents[:2])
+
+
+class _Words:
+    """Draws words about a target among others."""
+
+    def __init__(self, target: ObjectModel, others: Sequence[str], rng: Generator) -> None:
+        self.target, self.others, self.rng = target, others, rng
+        self.it = f"the {target.name}"
+
+    def one(self, choices: Sequence[str]) -> str:
+        return choices[int(self.rng.integers(len(choices)))]
+
+    def whole(self, low: int, high: int, step: int = 1) -> int:
+        """One of low, low + step, … up to high."""
+        return low + step * int(self.rng.integers((high - low) // step + 1))
+
+    def other(self) -> str:
+        return f"the {self.one(self.others)}"
+
+    def fingers(self) -> str:
+        return self.one(("with one finger", "with two fingers"))
+
+    def with_(self, goal: str, constraints: Sequence[str]) -> str:
+        """The goal with up to two constraints."""
+        if self.rng.random() < _PLAIN:
+            return goal
+        upright = ["without toppling it"] if "without toppling it" in constraints else []
+        chosen = upright if self.rng.random() < _UPRIGHT else []
+        left = [c for c in constraints if c not in upright]
+        while left and len(chosen) < 1 + (self.rng.random() < _SECOND):
+            chosen.append(left.pop(int(self.rng.integers(len(left)))))
+        return " ".join([goal, *chosen])
+
+    def sliding(self) -> list[str]:
+        """What may be asked of the way over the table."""
+        model = self.target
+        needed = model.friction * model.weight
+        force = max(0.5, round(2.0 * needed * float(self.rng.uniform(0.8, 3.0))) / 2.0)
+        asked = [
+            "without toppling it", "without tilting it", "without turning it", "slowly", "gently",
+            f"with at most {force:g} N", f"no faster than {self.whole(2, 6)} cm/s",
+            "at the bottom", "in the middle", "near the top", "3 cm above the table",
+            self.fingers(), f"within {self.whole(4, 20)} s",
+            f"without tilting it more than {self.whole(3, 8)} degrees", "without touching anything",
+        ]  # fmt: skip
+        if self.others:
+            asked += [f"without touching {self.other()}"] * 2
+            asked.append(f"and stay {self.whole(2, 5)} cm away from {self.other()}")
+        return asked
+
+
+def _displace(words: _Words) -> str:
+    it, side, d = words.it, words.one(SIDES), words.whole(5, 30)
+    goals = [f"push {it} {d} cm {side}"] * 3
+    goals += [
+        f"push {it} {d} cm {words.one(('away', 'toward me'))} and {words.one(SIDES[2:])}",
+        f"push {it} {d} cm heading {words.whole(0, 350, 10)} degrees",
+        f"push {it} a {words.one(('little', 'lot'))} {side}",
+        f"push {it} at {words.one(('least', 'most'))} {d} cm {side}",
+        f"slide {it} {d} cm {side}",
+        f"pull {it} {d} cm toward me",
+        f"push {it} {words.one(('half', 'twice'))} its {words.one(('width', 'height'))} {side}",
+    ]
+    if words.others:
+        goals += [
+            f"push {it} {words.whole(5, 12)} cm toward {words.other()}",
+            f"push {it} {words.whole(5, 20)} cm away from {words.other()}",
+            f"push {it} {words.one(('halfway', 'a third of the way'))} to {words.other()}",
+        ]
+    return words.with_(words.one(goals), words.sliding())
+
+
+def _place(words: _Words) -> str:
+    it = words.it
+    x, y = words.whole(42, 68) / 100, words.whole(-30, 30) / 100
+    goals = [f"push {it} to x {x:g} y {y:g}"] * 2
+    goals.append(f"push {it} to the {words.one(REGIONS)}")
+    if words.others:
+        other, gap = words.other(), words.whole(3, 10)
+        goals += [
+            f"push {it} next to {other}", f"push {it} behind {other}",
+            f"push {it} in front of {other}", f"push {it} left of {other}",
+            f"push {it} right of {other}", f"push {it} {gap} cm behind {other}",
+            f"push {it} {gap} cm left of {other}", f"push {it} {gap} cm from {other}",
+            f"push {it} against {other}",
+        ]  # fmt: skip
+    if len(words.others) > 1:
+        i = words.whole(0, len(words.others) - 2)
+        goals.append(f"push {it} between the {words.others[i]} and the {words.others[i + 1]}")
+    return words.with_(words.one(goals), words.sliding())
+
+
+def _rotate(words: _Words) -> str:
+    goals = [f"turn {words.it} {words.whole(10, 180, 5)} degrees {words.one(SENSES)}"] * 3
+    goals += [
+        f"turn {words.it} a quarter turn {words.one(SENSES)}",
+        f"turn {words.it} half a turn",
+    ]
+    asked = ["without toppling it", "slowly", "gently", "with one finger", "at the bottom"]
+    if words.others:
+        asked.append(f"without touching {words.other()}")
+    return words.with_(words.one(goals), asked)
+
+
+def _tilt(words: _Words) -> str:
+    goal = f"tilt {words.it} by {words.whole(5, 15)} degrees"
+    if words.rng.random() < 0.7:
+        goal += f" {words.one(SIDES)}"
+    return words.with_(goal, ["without toppling it", "slowly", "gently", "with one finger"])
+
+
+def _topple(words: _Words) -> str:
+    goal = f"topple {words.it}"
+    if words.rng.random() < 0.8:
+        goal += f" {words.one(SIDES)}"
+    asked = ["at the top", "slowly", words.fingers()]
+    asked.append(f"with at most {words.whole(1, 6)} N")
+    if words.others:
+        asked.append(f"without touching {words.other()}")
+    return words.with_(goal, asked)
+
+
+def _until(words: _Words) -> str:
+    it, side = words.it, words.one(SIDES)
+    goals = [
+        f"push {it} {side} until it moves",
+        f"push {it} {side} until it is about to tip",
+        f"push {it} {side} until it tips",
+    ]
+    if words.others:
+        other = words.other()
+        goals += [f"push {it} toward {other} until it touches {other}"] * 2
+        goals.append(f"push {it} {side} until it is in line with {other}")
+    asked = ["without toppling it"] if "tip" not in (goal := words.one(goals)) else []
+    return words.with_(goal, [*asked, "slowly", "gently", "with one finger"])
+
+
+def _steps(words: _Words) -> str:
+    first = f"push {words.it} {words.whole(5, 20)} cm {words.one(SIDES)}"
+    turn = f"turn it {words.whole(15, 90, 15)} degrees {words.one(SENSES)}"
+    push = f"push it {words.whole(5, 15)} cm {words.one(SIDES)}"
+    topple = f"topple it {words.one(SIDES)}"
+    first = words.with_(first, ["without toppling it", "slowly", "with two fingers"])
+    then = [[turn], [push], [topple], [turn, push], [turn, topple], [push, topple]]
+    return ", then ".join([first, *then[words.whole(0, len(then) - 1)]])
+
+
+_GOALS: dict[Kind, Callable[[_Words], str]] = {
+    "displace": _displace,
+    "place": _place,
+    "rotate": _rotate,
+    "tilt": _tilt,
+    "topple": _topple,
+    "until": _until,
+    "steps": _steps,
+}

@@ -1,0 +1,179 @@
+"""What came of many cases, as tables."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from benchmarks.goals.cases import Done, Stage
+from benchmarks.goals.sentences import KINDS
+
+LEVELS = ((0.95, 0.97), (0.97, 0.99), (0.99, 1.0))
+"""Stated probabilities that are looked at together."""
+
+BOUNDS = {
+    "displace": {"along": (3.0, "mm"), "across": (3.0, "mm"), "yaw": (2.0, "°")},
+    "place": {"off": (5.0, "mm"), "yaw": (2.0, "°")},
+    "rotate": {"turn": (1.5, "°"), "drift": (8.0, "mm")},
+    "topple": {"side": (45.0, "°")},
+    "tilt": {"angle": (2.0, "°"), "drift": (8.0, "mm")},
+}
+"""Errors of each goal in the order of the table: what is hoped for, and its unit."""
+
+_UNITS = {"mm": 1e3, "°": math.degrees(1.0)}
+_SURE = 1.96  # standard deviations of an interval
+
+
+def report(results: Sequence[Done]) -> str:
+    """All tables."""
+    parts = (counts, clauses, refusals, errors, reliability, times, failures)
+    return "\n\n".join(filter(None, (part(results) for part in parts)))
+
+
+def counts(results: Sequence[Done]) -> str:
+    """How many of each kind were accepted and satisfied."""
+    lines = [f"{'kind':10} {'cases':>6} {'lacking':>8} {'accepted':>18} {'satisfied':>18}"]
+    kinds = [kind for kind in KINDS if any(done.kind == kind for done in results)]
+    lines += [_count(kind, [done for done in results if done.kind == kind]) for kind in kinds]
+    return "\n".join([*lines, _count("all", results)])
+
+
+def _count(name: str, results: Sequence[Done]) -> str:
+    able = [done for done in results if not done.lacking]
+    accepted = [done for done in able if done.accepted]
+    satisfied = sum(done.status == "done" for done in accepted)
+    lacking = len(results) - len(able)
+    return (
+        f"{name:10} {len(results):>6} {lacking:>8} {_of(len(accepted), len(able)):>18}"
+        f" {_of(satisfied, len(accepted)):>18}"
+    )
+
+
+def _of(part: int, whole: int) -> str:
+    return f"{part} of {whole} {part / whole:6.1%}" if whole else "-"
+
+
+def clauses(results: Sequence[Done]) -> str:
+    """Of what was carried out: how often each clause held."""
+    held: defaultdict[str, list[bool]] = defaultdict(list)
+    for stage in _stages(results):
+        by_clause: defaultdict[str, bool] = defaultdict(lambda: True)
+        for clause, ok in stage.clauses:
+            by_clause[clause] &= ok
+        for clause, ok in by_clause.items():
+            held[clause].append(ok)
+    if not held:
+        return ""
+    lines = [f"{'clause':14} {'violated':>18}"]
+    for clause, oks in sorted(held.items()):
+        lines.append(f"{clause:14} {_of(oks.count(False), len(oks)):>18}")
+    upright = held.get("no_topple", [])
+    return "\n".join([*lines, f"without toppling held: {_of(upright.count(True), len(upright))}"])
+
+
+def refusals(results: Sequence[Done]) -> str:
+    """Why sentences were refused, and for which of them brute force can look."""
+    by_reason: defaultdict[str, list[int]] = defaultdict(list)
+    for done in results:
+        if done.refused is not None:
+            by_reason[done.refused].append(done.job.number)
+    lines = [f"{'refused':14} {'cases':>6}  numbers"]
+    for reason, numbers in sorted(by_reason.items()):
+        lines.append(f"{reason:14} {len(numbers):>6}  {_some(numbers)}")
+    lacking = Counter(done.capability or done.message for done in results if done.lacking)
+    lines += [f"lacking {count:>3} ×: {message}" for message, count in lacking.most_common()]
+    return "\n".join(lines) if len(lines) > 1 else ""
+
+
+def errors(results: Sequence[Done]) -> str:
+    """Final errors of each kind of goal: median and 95th percentile of their sizes."""
+    rows: defaultdict[tuple[str, str], list[float]] = defaultdict(list)
+    for stage in _stages(results):
+        for name, value in stage.errors.items():
+            rows[stage.goal, name].append(value)
+    if not rows:
+        return ""
+    lines = [f"{'goal':9} {'error':8} {'n':>4} {'median':>10} {'95 %':>10} {'within':>22}"]
+    for goal, bounds in BOUNDS.items():
+        for name, (bound, unit) in bounds.items():
+            if not (values := rows.get((goal, name))):
+                continue
+            sizes = _UNITS[unit] * np.abs(values)
+            middle, high = np.percentile(sizes, [50, 95])
+            inside = _of(int((sizes <= bound).sum()), len(sizes))
+            lines.append(
+                f"{goal:9} {name:8} {len(sizes):>4} {f'{middle:.2f} {unit}':>10}"
+                f" {f'{high:.2f} {unit}':>10} {f'{bound:g} {unit}: {inside}':>22}"
+            )
+    return "\n".join(lines)
+
+
+def reliability(results: Sequence[Done]) -> str:
+    """How often plans succeeded, by the probability that they stated."""
+    lines = [f"{'stated':>12} {'plans':>6} {'mean':>7} {'observed':>9} {'95 % interval':>16}"]
+    for low, high in LEVELS:
+        last = high == 1.0
+        stages = [
+            stage
+            for stage in _stages(results)
+            if stage.probability is not None
+            and low <= stage.probability
+            and (last or stage.probability < high)
+        ]
+        if not stages:
+            continue
+        good = sum(stage.status == "done" for stage in stages)
+        mean = float(np.mean([stage.probability for stage in stages]))
+        a, b = wilson(good, len(stages))
+        lines.append(
+            f"{f'{low:.2f}–{high:.2f}':>12} {len(stages):>6} {mean:>7.3f}"
+            f" {good / len(stages):>9.3f} {f'{a:.3f}–{b:.3f}':>16}"
+        )
+    return "\n".join(lines) if len(lines) > 1 else ""
+
+
+def wilson(good: int, count: int) -> tuple[float, float]:
+    """Wilson's interval of a probability, of which `good` of `count` trials are known, at 95 %."""
+    z2 = _SURE**2
+    middle = (good + z2 / 2.0) / (count + z2)
+    half = _SURE * math.sqrt(good * (count - good) / count + z2 / 4.0) / (count + z2)
+    return middle - half, middle + half
+
+
+def times(results: Sequence[Done]) -> str:
+    """Of planning with the arm's kinematics, and of executions."""
+    planning = [1e3 * stage.planning for stage in _stages(results) if stage.planned]
+    refusing = [1e3 * s.planning for s in _stages(results) if s.reason and not s.planned]
+    ratios = [done.wall / done.simulated for done in results if done.simulated]
+    rows = (
+        ("first plan", planning, "ms"),
+        ("refusal", refusing, "ms"),
+        ("execution", ratios, "wall s per simulated s"),
+    )
+    lines = [f"{'time':12} {'n':>5} {'median':>9} {'95 %':>9}"]
+    for name, values, unit in rows:
+        if values:
+            middle, high = np.percentile(values, [50, 95])
+            lines.append(f"{name:12} {len(values):>5} {middle:>9.3g} {high:>9.3g} {unit}")
+    return "\n".join(lines) if len(lines) > 1 else ""
+
+
+def failures(results: Sequence[Done]) -> str:
+    """The accepted cases that were not satisfied, and those that crashed."""
+    return "\n".join(
+        f"case {done.job.number} {done.status}: “{done.text}”: {done.message.strip()}"
+        for done in results
+        if done.status == "crashed" or (done.accepted and done.status not in ("done", "planned"))
+    )
+
+
+def _stages(results: Iterable[Done]) -> list[Stage]:
+    return [stage for done in results for stage in done.stages]
+
+
+def _some(numbers: Sequence[int], most: int = 12) -> str:
+    shown = ", ".join(map(str, sorted(numbers)[:most]))
+    return shown if len(numbers) <= most else f"{shown}, …"

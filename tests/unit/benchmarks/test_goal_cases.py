@@ -1,0 +1,96 @@
+"""Worlds and sentences are drawn from seed and number alone, within the stated bounds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchmarks.goals.sentences import KINDS, kind_of, said
+from benchmarks.goals.worlds import (
+    CENTRE_OF_MASS,
+    FINGER_FRICTION,
+    FRICTION,
+    GAP,
+    MASS,
+    Job,
+    pushable,
+)
+from nlcontrol import Controller, Registry
+from planner.footprints import footprint, overlaps
+from planner.state import PlanarPose, SeenObject
+from sim.scene import Scene
+
+CASES = 3 * len(KINDS)
+
+
+def test_seed_and_number_say_everything() -> None:
+    alone = said(Job(3, 11))
+    _ = [said(Job(3, number)) for number in range(5)]
+    assert said(Job(3, 11)) == alone
+    assert said(Job(3, 11 + len(KINDS)))[0] != alone[0]
+    assert said(Job(4, 11))[0] != alone[0]
+
+
+def test_the_camera_is_all_that_a_bias_changes() -> None:
+    (plain, sentence), (biased, same) = said(Job(0, 5)), said(Job(0, 5, bias=True))
+    assert sentence == same
+    assert plain.objects == biased.objects
+    assert (plain.vision.position_bias_m, biased.vision.position_bias_m) == (0.0, 0.003)
+
+
+@pytest.mark.parametrize("number", range(CASES))
+def test_truths_lie_within_their_bounds(number: int) -> None:
+    scene, _ = said(Job(1, number))
+    registry = Registry.built_in()
+    for item in scene.objects:
+        believed, truth = registry.get(item.model), item.truth
+        assert 0.0 < abs(truth.mass_kg / believed.mass - 1.0) <= MASS
+        assert 0.0 < abs(truth.friction_table / believed.friction - 1.0) <= FRICTION
+        off = truth.friction_finger / believed.finger_friction - 1.0
+        assert 0.0 < abs(off) <= FINGER_FRICTION
+        shift = np.abs(np.subtract(truth.centre_of_mass, believed.com))
+        assert shift.max() <= CENTRE_OF_MASS + 1e-12  # rounding
+
+
+@pytest.mark.parametrize("number", range(CASES))
+def test_nothing_stands_in_anything_else(number: int) -> None:
+    seen = [footprint(each) for each in _standing(said(Job(2, number))[0])]
+    for k, one in enumerate(seen):
+        assert not any(overlaps(one, other, 0.99 * GAP) for other in seen[k + 1 :])
+
+
+def _standing(scene: Scene) -> list[SeenObject]:
+    models = {model.name: model for model in pushable()}
+    return [
+        SeenObject(
+            item.name,
+            PlanarPose(item.pose.x_m, item.pose.y_m, float(np.radians(item.pose.yaw_deg))),
+            models[item.model],
+        )
+        for item in scene.objects
+    ]
+
+
+@pytest.mark.parametrize("number", range(2 * CASES))
+def test_every_sentence_is_understood_as_its_kind(number: int) -> None:
+    scene, sentence = said(Job(0, number))
+    controller = Controller(scene, registry=Registry.built_in())
+    frames = controller.resolve(controller.parse(sentence.text)).frames
+    first = frames[0]
+    assert first.object is not None
+    assert first.object.id == sentence.target
+    until = any(clause.kind == "until" for clause in first.constraints)
+    match kind_of(Job(0, number)):
+        case "until":
+            assert until
+        case "steps":
+            assert len(frames) in (2, 3)
+        case kind:
+            assert [frame.goal.kind for frame in frames] == [kind]
+            assert not until
+
+
+def test_what_is_too_flat_is_left_out() -> None:
+    names = [model.name for model in pushable()]
+    assert "book" not in names
+    assert len(names) == len(list(Registry.built_in())) - 1
