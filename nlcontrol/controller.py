@@ -266,7 +266,7 @@ class Controller:
 
     def check(self, frame: Frame, trace: Trace) -> tuple[Check, ...]:
         """A verdict for each clause of a frame."""
-        return check(frame, trace, self.models[trace.pushed], defaults=self.defaults)
+        return check(frame, trace, self.models, table=_table(self.scene), defaults=self.defaults)
 
     def say(
         self, text: str, *, plan_only: bool = False, progress: Progress | None = None

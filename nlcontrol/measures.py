@@ -25,6 +25,12 @@ FORCE_WINDOW = 0.15
 SPEED_WINDOW = 0.10
 """Time over which a travelled distance is taken as a speed [s]."""
 
+LEAST_WAY = 0.005
+"""A push whose fingertips went less far than this has no direction of its own [m]."""
+
+ON_TABLE = 0.001
+"""Corners of a base that are no higher than this above its lowest one stand on the table [m]."""
+
 REST_WINDOW = 0.2
 """Time at the end during which an object must be at rest [s]."""
 
@@ -51,12 +57,27 @@ def during(trace: Trace, phases: Sequence[str]) -> NDArray[np.bool_]:
     return np.isin(trace.phase, list(phases))
 
 
+def stretches(trace: Trace, phases: Sequence[str]) -> list[NDArray[np.intp]]:
+    """Samples of each stretch of time that belongs to the phases, in order of time."""
+    samples = np.flatnonzero(during(trace, phases))
+    breaks = np.flatnonzero(np.diff(samples) > 1) + 1
+    return [part for part in np.split(samples, breaks) if len(part)]
+
+
 def largest_push_force(trace: Trace) -> float:
-    """Largest felt force of all fingers along the push while in contact, averaged [N]."""
-    i = during(trace, ("touch", "push"))
-    if not i.any():
-        return 0.0
-    return float(windowed_mean(trace.time[i], trace.push_force()[i], FORCE_WINDOW).max())
+    """Largest felt force of all fingers along the push while in contact, averaged [N].
+
+    Each push has the direction in which the fingertips went; one that went nowhere that of the
+    trace.
+    """
+    largest = 0.0
+    for i in stretches(trace, ("touch", "push")):
+        way = midpoint(trace)[i[-1]] - midpoint(trace)[i[0]]
+        length = float(np.linalg.norm(way))
+        along = way / length if length > LEAST_WAY else trace.direction
+        felt = np.sum([force[i] @ along for force in trace.felt.values()], axis=0)
+        largest = max(largest, float(windowed_mean(trace.time[i], felt, FORCE_WINDOW).max()))
+    return largest
 
 
 def midpoint(trace: Trace) -> Array:
@@ -67,20 +88,27 @@ def midpoint(trace: Trace) -> Array:
 
 def largest_push_speed(trace: Trace) -> float:
     """Largest speed of the fingertips' midpoint while pushing [m/s]."""
-    i = during(trace, ("push",))
-    if np.count_nonzero(i) < 2:
-        return 0.0
-    time, p_WT = trace.time[i], midpoint(trace)[i]
-    a = np.maximum(time - SPEED_WINDOW / 2, time[0])
-    b = np.minimum(time + SPEED_WINDOW / 2, time[-1])
-    travel = [np.interp(b, time, x) - np.interp(a, time, x) for x in p_WT.T]
-    return float((np.linalg.norm(travel, axis=0) / (b - a)).max())
+    largest = 0.0
+    for i in stretches(trace, ("push",)):
+        if len(i) < 2:
+            continue
+        time, p_WT = trace.time[i], midpoint(trace)[i]
+        a = np.maximum(time - SPEED_WINDOW / 2, time[0])
+        b = np.minimum(time + SPEED_WINDOW / 2, time[-1])
+        travel = [np.interp(b, time, x) - np.interp(a, time, x) for x in p_WT.T]
+        largest = max(largest, float((np.linalg.norm(travel, axis=0) / (b - a)).max()))
+    return largest
 
 
-def push_start(trace: Trace) -> int | None:
-    """Index of the first sample of the push; None if nothing was pushed."""
-    found = np.flatnonzero(during(trace, ("push",)))
-    return int(found[0]) if len(found) else None
+def push_duration(trace: Trace) -> float:
+    """Time from the start of the first push to the end of the last [s]."""
+    pushing = np.flatnonzero(during(trace, ("push",)))
+    return float(trace.time[pushing[-1]] - trace.time[pushing[0]]) if len(pushing) else 0.0
+
+
+def largest_force_limit(trace: Trace) -> float:
+    """The largest force that a push was ready to press with [N]."""
+    return float(trace.force_limit[during(trace, ("push",))].max(initial=0.0))
 
 
 def rotation(pose: Array) -> Array:
@@ -95,18 +123,29 @@ def rotation(pose: Array) -> Array:
     )
 
 
-def first_contact(trace: Trace, name: str) -> tuple[Array, Array] | None:
-    """Where the fingertips are, seen from the object, when the push begins.
+def contacts(trace: Trace, name: str) -> list[tuple[Array, Array]]:
+    """Where the fingertips are, seen from the object, when each push begins.
 
     Returns:
-        Their midpoint p_BT in B [m] and the rotation R_WB; None if nothing was pushed.
+        Their midpoint p_BT in B [m] and the rotation R_WB, for each push.
     """
-    start = push_start(trace)
-    if start is None:
-        return None
-    pose = trace.poses[name][start]
-    R_WB = rotation(pose)
-    return R_WB.T @ (midpoint(trace)[start] - pose[4:]), R_WB
+    found = []
+    for i in stretches(trace, ("push",)):
+        pose = trace.poses[name][i[0]]
+        R_WB = rotation(pose)
+        found.append((R_WB.T @ (midpoint(trace)[i[0]] - pose[4:]), R_WB))
+    return found
+
+
+def turn(trace: Trace, name: str) -> Array:
+    """Angle by which an object has turned about the vertical over time, shape (n,) [rad].
+
+    It is the twist about the vertical, which a tilt about whatever horizontal axis leaves alone, so
+    that what falls over does not turn; counter-clockwise, from 0 at the start.
+    """
+    w, _, _, z = trace.poses[name][:, :4].T
+    twist = np.unwrap(2.0 * np.arctan2(z, w))
+    return np.asarray(twist - twist[0])
 
 
 def tilt_at_end(trace: Trace, name: str) -> tuple[float, float]:
@@ -116,7 +155,41 @@ def tilt_at_end(trace: Trace, name: str) -> tuple[float, float]:
     return float(tilt.min()), float(tilt.max())
 
 
-def fall_heading(trace: Trace, name: str) -> float:
-    """Heading of the object's axis B_z in W at the end [rad]; where a toppled one fell."""
-    axis = rotation(trace.poses[name][-1])[:, 2]
+def tilt_heading(trace: Trace, name: str, sample: int = -1) -> float:
+    """Heading of the object's axis B_z in W [rad]: where it leans, or where it fell."""
+    axis = rotation(trace.poses[name][sample])[:, 2]
     return float(np.arctan2(axis[1], axis[0]))
+
+
+def base_corners(trace: Trace, name: str, outline: Array) -> Array:
+    """Places of the corners of an object's base in W over time, shape (n, k, 3) [m].
+
+    Args:
+        trace: what happened.
+        name: of the object.
+        outline: the corners in B, shape (k, 2) [m].
+    """
+    poses = trace.poses[name]
+    corners = np.column_stack([outline, np.zeros(len(outline))])
+    R_WB = np.array([rotation(pose) for pose in poses])
+    return np.asarray(poses[:, None, 4:] + np.einsum("nij,kj->nki", R_WB, corners))
+
+
+def slip(trace: Trace, name: str, outline: Array) -> float:
+    """Largest way of what an object stood on, along the table [m].
+
+    What it stands on are the lowest corners of its base: all of them, or the edge over which it
+    tips, which stays where it is as long as nothing slides. A turn on the spot is no slide either.
+    """
+    corners = base_corners(trace, name, outline)
+    moved = (corners - corners[0])[..., :2]
+    height = corners[..., 2]
+    lowest = height < height.min(axis=1, keepdims=True) + ON_TABLE
+    middle = np.einsum("nk,nki->ni", lowest, moved) / lowest.sum(axis=1, keepdims=True)
+    return float(np.linalg.norm(middle, axis=1).max())
+
+
+def rise(trace: Trace, name: str, outline: Array) -> float:
+    """How far the lowest corner of an object's base came off the table [m]."""
+    height = base_corners(trace, name, outline)[..., 2]
+    return float((height.min(axis=1) - height[0].min()).max())

@@ -124,7 +124,7 @@ def region(goal: g.Place, state: WorldState, d: Defaults) -> Region | None:
         return Spot(reference.x, reference.y, d.place_tolerance)
     if isinstance(reference, str):
         return table_region(reference, state.table, d)
-    objects = tuple(state.objects[ref.id] for ref in reference if ref.id is not None)
+    objects = tuple(state.objects[ref.id or ""] for ref in reference)
     match goal.relation, objects:
         case "between", (one, other):
             return Between(one, other, d.between_tolerance)

@@ -4,24 +4,36 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, get_args
 
 import pytest
 
 from grammar import frames as g
-from nlcontrol.checks import Check, check, require_checkable
+from nlcontrol import checks as clause_checks
+from nlcontrol.checks import Check, not_held, require_checkable
 from nlcontrol.errors import ControlError
-from objectmodels import BoxModel
+from objectmodels import BoxModel, CylinderModel
 from planner.defaults import DEFAULTS
-from sim.trace import Trace
+from planner.state import TableState
+from sim.trace import ContactEvent, Trace, joined
+from tests.unit.nlcontrol.pushes import seen
 
 TraceMaker = Callable[..., Trace]
 BOX = g.ObjectRef(text="ice tea box", id="ice tea box")
+MUG = g.ObjectRef(text="mug", id="mug")
+TABLE = TableState(-0.2, 1.2, -0.8, 0.8)
+ROUND = CylinderModel(name="mug", radius=0.04, height=0.1, mass=0.3, friction=0.4)
 AWAY = g.Displace(direction="away", spans=((21, 25),))
 
 
 def _frame(goal: Any = AWAY, *constraints: Any, action: g.Action = "push") -> g.Frame:
     return g.Frame(action=action, object=BOX, goal=goal, constraints=constraints)
+
+
+def check(frame: g.Frame, trace: Trace, box: BoxModel) -> tuple[Check, ...]:
+    """The checks of a box that a mug, 80 mm wide, stands 200 mm to the left of."""
+    return clause_checks.check(frame, trace, {"ice tea box": box, "mug": ROUND}, TABLE)
 
 
 def _one(checks: tuple[Check, ...], quantity: str) -> Check:
@@ -33,7 +45,7 @@ def test_a_good_push_holds_every_clause(make_trace: TraceMaker, box: BoxModel) -
     checks = check(_frame(AWAY, g.NoTopple(), g.NoTurn()), make_trace(), box)
     assert all(c.ok for c in checks)
     assert [c.clause for c in checks] == [
-        "displace", "displace", "no_topple", "no_topple", "no_turn",
+        "displace", "displace", "no_topple", "no_topple", "no_turn", "others",
     ]  # fmt: skip
     assert checks[0].spans == AWAY.spans
 
@@ -86,8 +98,8 @@ def test_distances_as_bounds(
         (g.Displace(direction="toward"), (-0.1, 0.0)),
         (g.Displace(direction=("away", "left")), (0.0707, 0.0707)),
         (g.Displace(heading=math.radians(30)), (0.0866, 0.05)),
-        (g.Displace(toward=g.ObjectRef(text="mug", id="mug")), (0.0, 0.1)),
-        (g.Displace(away_from=g.ObjectRef(text="mug", id="mug")), (0.0, -0.1)),
+        (g.Displace(toward=MUG), (0.0, 0.085)),
+        (g.Displace(away_from=MUG), (0.0, -0.1)),
     ],
 )
 def test_every_way_to_name_a_direction(
@@ -268,7 +280,7 @@ def test_effector(make_trace: TraceMaker, box: BoxModel, clause: g.Effector, ok:
 
 
 def test_no_touch_looks_at_the_contacts(make_trace: TraceMaker, box: BoxModel) -> None:
-    clause = g.NoTouch(object=g.ObjectRef(text="mug", id="mug"))
+    clause = g.NoTouch(object=MUG)
     for touches, ok in (((), True), (("mug",), False)):
         checks = check(_frame(AWAY, clause), make_trace(touches=touches), box)
         assert _one(checks, "contact with").ok is ok
@@ -287,15 +299,354 @@ def test_max_distance(make_trace: TraceMaker, box: BoxModel) -> None:
     assert not _one(check(_frame(AWAY, clause), far, box), "moved in all").ok
 
 
+# --- places ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("goal", "travel", "ok"),
+    [
+        # The box is 90 mm wide, the mug 80 mm, 200 mm to its left: 115 mm lie between them.
+        (g.Place(relation="next_to", reference=(MUG,)), (0.0, 0.085), True),
+        (g.Place(relation="next_to", reference=(MUG,)), (0.0, 0.06), False),
+        (g.Place(relation="next_to", reference=(MUG,), distance=0.05), (0.0, 0.065), True),
+        (g.Place(relation="next_to", reference=(MUG,), distance=0.05), (0.0, 0.080), False),
+        (g.Place(relation="right_of", reference=(MUG,)), (0.0, 0.085), True),
+        (g.Place(relation="left_of", reference=(MUG,)), (0.0, 0.085), False),
+        (g.Place(relation="left_of", reference=(MUG,)), (0.0, 0.315), True),
+        (g.Place(relation="behind", reference=(MUG,)), (0.115, 0.2), True),
+        (g.Place(relation="in_front_of", reference=(MUG,)), (0.115, 0.2), False),
+        (g.Place(relation="touching", reference=(MUG,)), (0.0, 0.1135), True),
+        (g.Place(relation="touching", reference=(MUG,)), (0.0, 0.1), False),
+        (g.Place(relation="at", reference=g.Point(x=0.6, y=0.0)), (0.095, 0.0), True),
+        (g.Place(relation="at", reference=g.Point(x=0.6, y=0.0)), (0.085, 0.0), False),
+        (g.Place(relation="at", reference="center"), (0.04, 0.0), True),
+        (g.Place(relation="at", reference="left_edge"), (0.0, 0.70), True),
+        (g.Place(relation="at", reference="right_edge"), (0.0, 0.70), False),
+        # From y = 0 to y = 0.705, and half of that.
+        (g.Place(relation="at", reference="left_edge", fraction=0.5), (0.0, 0.3525), True),
+        (g.Place(relation="at", reference="left_edge", fraction=0.5), (0.0, 0.30), False),
+    ],
+)
+def test_places(
+    make_trace: TraceMaker, box: BoxModel, goal: g.Place, travel: tuple[float, float], ok: bool
+) -> None:
+    checks = check(_frame(goal), make_trace(travel=travel), box)
+    assert all(c.ok for c in checks if c.clause == "place") is ok
+    assert [c.clause for c in checks][-2:] == ["place", "others"]
+    assert _one(checks, "tilt at the end").ok
+
+
+def test_between_two_objects(make_trace: TraceMaker, box: BoxModel) -> None:
+    other = g.ObjectRef(text="can", id="can")
+    goal = g.Place(relation="between", reference=(MUG, other))
+    for travel, ok in (((0.1, 0.0), True), ((0.1, 0.04), False)):
+        trace = make_trace(travel=travel)
+        # Mugs at (0.6, 0.2) and (0.6, -0.2).
+        trace.poses["mug"][:, 4] = 0.6
+        trace.poses["can"] = trace.poses["mug"] * [1, 1, 1, 1, 1, -1, 1]
+        models = {"ice tea box": box, "mug": ROUND, "can": ROUND}
+        checks = clause_checks.check(_frame(goal), trace, models, TABLE)
+        assert _one(checks, "middle").ok is ok
+
+
+def test_a_fallen_object_is_in_no_place(make_trace: TraceMaker, box: BoxModel) -> None:
+    goal = g.Place(relation="at", reference=g.Point(x=0.6, y=0.0))
+    checks = check(_frame(goal), make_trace(tilt=math.radians(90)), box)
+    assert not _one(checks, "tilt at the end").ok
+
+
+def test_a_place_is_relative_to_where_the_other_is_at_the_end(
+    make_trace: TraceMaker, box: BoxModel
+) -> None:
+    trace = make_trace(travel=(0.0, 0.085))
+    trace.poses["mug"][-50:, 5] += 0.1
+    goal = g.Place(relation="next_to", reference=(MUG,))
+    assert not _one(check(_frame(goal), trace, box), "gap").ok
+
+
+@pytest.mark.parametrize(
+    ("goal", "travelled"),
+    [
+        # 115 mm are free, 30 mm are left: next to the mug after 85 mm.
+        (g.Displace(toward=MUG, fraction=1.0), 0.085),
+        (g.Displace(toward=MUG, fraction=0.5), 0.0425),
+        (g.Displace(toward=MUG), 0.085),
+        (g.Displace(toward=MUG, distance=0.03), 0.03),
+        (g.Displace(toward="left_edge", distance=0.2), 0.2),
+    ],
+)
+def test_ways_towards_something(
+    make_trace: TraceMaker, box: BoxModel, goal: g.Displace, travelled: float
+) -> None:
+    found = _one(check(_frame(goal), make_trace(travel=(0.0, travelled)), box), "moved")
+    # A round mug is a polygon of equal area, whose corners stand out by less than half a millimetre.
+    assert found.expected == pytest.approx(travelled, abs=5e-4)
+    assert found.ok
+
+
+# --- turning and tilting ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("goal", "degrees", "ok"),
+    [
+        (g.Rotate(angle=0.5), 28.6, True),
+        (g.Rotate(angle=0.5), -28.6, True),
+        (g.Rotate(angle=0.5), 32.0, False),
+        (g.Rotate(angle=0.5, sense="ccw"), 28.6, True),
+        (g.Rotate(angle=0.5, sense="cw"), 28.6, False),
+        (g.Rotate(angle=0.5, sense="cw"), -28.6, True),
+        (g.Rotate(), 92.0, True),
+        (g.Rotate(amount="little"), 15.0, True),
+        (g.Rotate(amount="lot"), 180.0, True),
+        (g.Rotate(angle=math.tau), 359.0, True),
+        (g.Rotate(angle=0.5, bound="at_least"), 60.0, True),
+        (g.Rotate(angle=0.5, bound="at_most"), 60.0, False),
+    ],
+)
+def test_turns(
+    make_trace: TraceMaker, box: BoxModel, goal: g.Rotate, degrees: float, ok: bool
+) -> None:
+    trace = make_trace(travel=(0.0, 0.0), turned=math.radians(degrees))
+    checks = check(_frame(goal, action="turn"), trace, box)
+    assert all(c.ok for c in checks) is ok
+    assert _one(checks, "moved while turning").ok
+
+
+def test_what_is_turned_stays_where_it_is(make_trace: TraceMaker, box: BoxModel) -> None:
+    trace = make_trace(travel=(0.03, 0.0), turned=math.radians(90))
+    assert not _one(check(_frame(g.Rotate()), trace, box), "moved while turning").ok
+
+
+@pytest.mark.parametrize(
+    ("goal", "degrees", "heading", "ok"),
+    [
+        (g.Tilt(), 10.0, 0.0, True),
+        (g.Tilt(), 13.0, 0.0, False),
+        (g.Tilt(amount="little"), 5.0, 0.0, True),
+        (g.Tilt(amount="lot"), 15.0, 0.0, True),
+        (g.Tilt(angle=math.radians(8), direction="left"), 8.0, math.pi / 2, True),
+        (g.Tilt(angle=math.radians(8), direction="left"), 8.0, 0.0, False),
+        (g.Tilt(angle=math.radians(8), bound="at_least"), 12.0, 0.0, True),
+    ],
+)
+def test_tilts(
+    make_trace: TraceMaker, box: BoxModel, goal: g.Tilt, degrees: float, heading: float, ok: bool
+) -> None:
+    trace = make_trace(
+        travel=(0.0, 0.0), tilt=math.radians(degrees), tilt_at_end=0.0, tilt_heading=heading
+    )
+    checks = check(_frame(goal, g.NoTopple(), action="tilt"), trace, box)
+    assert all(c.ok for c in checks) is ok
+
+
+def test_a_tilt_ends_on_the_base(make_trace: TraceMaker, box: BoxModel) -> None:
+    fallen = make_trace(tilt=math.radians(10))
+    assert not _one(check(_frame(g.Tilt(), action="tilt"), fallen, box), "tilt at the end").ok
+
+
+def test_a_fallen_box_is_pushed_on_the_face_that_it_lies_on(
+    make_trace: TraceMaker, box: BoxModel
+) -> None:
+    trace = make_trace()
+    poses = trace.poses["ice tea box"]
+    # Lying on its back since the start: tilted by 90 degrees, its origin 45 mm up.
+    poses[:, :4] = [math.sqrt(0.5), 0.0, math.sqrt(0.5), 0.0]
+    poses[:, 6] = 0.045
+    checks = check(_frame(AWAY, g.NoTopple(), g.NoTilt(), g.NoLift()), trace, box)
+    assert all(c.ok for c in checks)
+
+
+# --- what else must hold ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("clause", "changes", "ok"),
+    [
+        (g.MaxTilt(value=math.radians(6)), {"tilt": math.radians(5), "tilt_at_end": 0.0}, True),
+        (g.MaxTilt(value=math.radians(6)), {"tilt": math.radians(7), "tilt_at_end": 0.0}, False),
+        (g.MaxTurn(value=math.radians(20)), {"turned": math.radians(-19)}, True),
+        (g.MaxTurn(value=math.radians(20)), {"turned": math.radians(-21)}, False),
+        (g.NoSlide(), {"travel": (0.005, 0.0)}, True),
+        (g.NoSlide(), {"travel": (0.02, 0.0)}, False),
+        (g.NoLift(), {}, True),
+        (g.MinForce(value=4.0), {"force": 3.8}, True),
+        (g.MinForce(value=4.0), {"force": 3.6}, False),
+        (g.Force(value=4.0), {"force": 4.2}, True),
+        (g.Force(value=4.0), {"force": 4.4}, False),
+        (g.MinSpeed(value=0.05), {"speed": 0.05}, True),
+        (g.MinSpeed(value=0.05), {"speed": 0.04}, False),
+        (g.Speed(value=0.05), {"speed": 0.05}, True),
+        (g.Speed(value=0.05), {"speed": 0.06}, False),
+        (g.Fast(), {"speed": 0.10}, True),
+        (g.Fast(), {"speed": 0.05}, False),
+        # 100 mm at 50 mm/s take 2 s.
+        (g.MaxDuration(value=2.0), {}, True),
+        (g.MaxDuration(value=1.9), {}, False),
+        (g.Duration(value=2.0), {}, True),
+        (g.Duration(value=2.5), {}, False),
+        (g.NoTouch(object=None), {}, True),
+        (g.NoTouch(object=None), {"touches": ("mug",)}, False),
+        # The mug is 115 mm to the left of the box.
+        (g.NoTouch(object=MUG, clearance=0.11), {}, True),
+        (g.NoTouch(object=MUG, clearance=0.12), {}, False),
+        (g.NoTouch(object=MUG, clearance=0.05), {"travel": (0.0, 0.06)}, True),
+        (g.NoTouch(object=MUG, clearance=0.05), {"travel": (0.0, 0.07)}, False),
+        # A box 230 mm high that falls to the left comes close; it need not land on the mug.
+        (
+            g.NoTouch(object=MUG, clearance=0.05),
+            {"travel": (0.0, 0.0), "tilt": 1.2, "tilt_heading": math.pi / 2},
+            False,
+        ),
+    ],
+)  # fmt: skip
+def test_constraints(
+    make_trace: TraceMaker, box: BoxModel, clause: Any, changes: dict[str, Any], ok: bool
+) -> None:
+    checks = check(_frame(AWAY, clause), make_trace(**changes), box)
+    found = [c for c in checks if c.clause == clause.kind]
+    assert found
+    assert all(c.ok for c in found) is ok
+
+
+def test_no_lift(make_trace: TraceMaker, box: BoxModel) -> None:
+    trace = make_trace()
+    trace.poses["ice tea box"][50:90, 6] = 0.01
+    assert not _one(check(_frame(AWAY, g.NoLift()), trace, box), "rose").ok
+
+
+def test_a_hard_push_is_ready_to_press(make_trace: TraceMaker, box: BoxModel) -> None:
+    trace = make_trace()
+    assert not _one(check(_frame(AWAY, g.Hard()), trace, box), "ready").ok
+    trace.force_limit[:] = DEFAULTS.force_hard
+    assert _one(check(_frame(AWAY, g.Hard()), trace, box), "ready").ok
+
+
+def test_every_push_touches_it_where_it_was_said(make_trace: TraceMaker, box: BoxModel) -> None:
+    low, high = seen(make_trace(height=0.03)), seen(make_trace(height=0.2))
+    later = replace(high, time=high.time + low.time[-1] + 0.01)
+    both = joined([low, later])
+    found = _one(check(_frame(AWAY, g.ContactRegion(region="bottom")), both, box), "height")
+    assert not found.ok
+    assert found.measured == pytest.approx(0.2)
+
+
+# --- events ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("event", "changes", "ok"),
+    [
+        ("touching", {"travel": (0.0, 0.115), "touches": ("mug",)}, True),
+        ("touching", {"travel": (0.0, 0.1135)}, True),
+        ("touching", {"travel": (0.0, 0.1)}, False),
+        ("next_to", {"travel": (0.0, 0.085)}, True),
+        ("next_to", {"travel": (0.0, 0.04)}, False),
+        ("in_line", {"travel": (0.0, 0.195)}, True),
+        ("in_line", {"travel": (0.0, 0.185)}, False),
+        ("edge", {"travel": (0.0, 0.705)}, True),
+        ("edge", {"travel": (0.0, 0.6)}, False),
+        ("moves", {"travel": (0.0, 0.006)}, True),
+        ("moves", {"travel": (0.0, 0.001)}, False),
+        ("moves", {"travel": (0.0, 0.02)}, False),
+        ("about_to_tip", {"tilt": math.radians(4), "tilt_at_end": 0.0}, True),
+        ("about_to_tip", {"tilt": math.radians(1), "tilt_at_end": 0.0}, False),
+        ("about_to_tip", {"tilt": math.radians(90)}, False),
+        ("tips", {"tilt": math.radians(90)}, True),
+        ("tips", {"tilt": math.radians(10), "tilt_at_end": 0.0}, False),
+    ],
+)
+def test_stops_at_an_event(
+    make_trace: TraceMaker, box: BoxModel, event: Any, changes: dict[str, Any], ok: bool
+) -> None:
+    goal, until = g.Displace(), g.Until(event=event, object=MUG)
+    checks = check(_frame(goal, until), make_trace(**changes), box)
+    found = [c for c in checks if c.clause == "until"]
+    assert found
+    assert all(c.ok for c in found) is ok
+    # How far is said by the event, and what is to fall need not stand.
+    assert not any("direction" in c.quantity for c in checks)
+    if ok:
+        assert all(c.ok for c in checks)
+
+
+def test_what_is_met_is_not_shoved_along(make_trace: TraceMaker, box: BoxModel) -> None:
+    trace = make_trace(travel=(0.0, 0.14), touches=("mug",))
+    trace.poses["mug"][-60:, 5] += 0.025
+    checks = check(_frame(g.Displace(), g.Until(event="touching", object=MUG)), trace, box)
+    assert not _one(checks, "moved along").ok
+
+
+def test_a_distance_that_is_said_counts_beside_an_event(
+    make_trace: TraceMaker, box: BoxModel
+) -> None:
+    goal = g.Displace(direction="away", distance=0.2, bound="at_most")
+    checks = check(_frame(goal, g.Until(event="moves")), make_trace(), box)
+    assert _one(checks, "moved in the asked direction").ok
+
+
+# --- what is implied -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("pair", "time", "found"),
+    [
+        (("ice tea box", "mug"), 1.0, "mug"),
+        (("index_tip", "mug"), 1.0, "mug"),
+        (("index_tip", "mug"), 0.1, "mug"),  # on the way to the box
+        (("index_tip", "ice tea box"), 1.0, "none"),
+        (("ice tea box", "mug"), 0.1, "none"),  # they stood against each other
+        (("arm_link_3", "table"), 1.0, "none"),
+    ],
+)
+def test_nothing_else_is_touched(
+    make_trace: TraceMaker, box: BoxModel, pair: tuple[str, str], time: float, found: str
+) -> None:
+    trace = replace(make_trace(), contacts=(ContactEvent(time, *pair),))
+    verdict = _one(check(_frame(), trace, box), "touched on the way")
+    assert (verdict.clause, verdict.measured, verdict.ok) == ("others", found, found == "none")
+
+
 @pytest.mark.parametrize(
     "frame",
     [
-        _frame(g.Rotate(angle=0.5)),
-        _frame(g.Displace(fraction=0.5)),
-        _frame(g.Displace(distance=g.RelativeLength(value=2.0, of=BOX))),
-        _frame(AWAY, g.Until(event="tips", spans=((3, 9),))),
+        _frame(g.Place(relation="touching", reference=(MUG,))),
+        _frame(g.Displace(), g.Until(event="touching", object=MUG)),
+    ],
+)
+def test_what_is_to_be_touched_may_be(
+    make_trace: TraceMaker, box: BoxModel, frame: g.Frame
+) -> None:
+    assert _one(check(frame, make_trace(touches=("mug",)), box), "on the way").ok
+    by_hand = replace(make_trace(), contacts=(ContactEvent(1.0, "index_tip", "mug"),))
+    assert not _one(check(frame, by_hand, box), "on the way").ok
+
+
+def test_a_touch_of_nothing_in_particular(make_trace: TraceMaker, box: BoxModel) -> None:
+    touched = check(_frame(g.NoGoal()), make_trace(travel=(0.0, 0.0)), box)
+    assert all(c.ok for c in touched)
+    trace = make_trace()
+    trace.phase[:] = "look"
+    assert not check(_frame(g.NoGoal()), trace, box)[0].ok
+
+
+@pytest.mark.parametrize("end", ["stroke", "turned", "returned", "event", "toppled"])
+def test_ends_that_were_meant_are_not_early(
+    make_trace: TraceMaker, box: BoxModel, end: Any
+) -> None:
+    trace = make_trace(travel=(0.02, 0.0), end=end)
+    missed = [c for c in check(_frame(), trace, box) if not c.ok]
+    assert "early" not in not_held(missed, trace).message
+    early = not_held(missed, replace(trace, end="too_close", detail="the mug is near"))
+    assert "the push ended early: the mug is near" in early.message
+
+
+@pytest.mark.parametrize(
+    "frame",
+    [
+        _frame(g.Lift(height=0.1)),
+        _frame(g.Place(relation="on", reference=(MUG,))),
         _frame(AWAY, g.NoSpill()),
-        _frame(AWAY, g.NoTouch(object=BOX, clearance=0.1)),
     ],
 )
 def test_what_cannot_be_checked_is_an_error(frame: g.Frame) -> None:
@@ -306,14 +657,14 @@ def test_what_cannot_be_checked_is_an_error(frame: g.Frame) -> None:
 
 def test_the_words_of_an_uncheckable_clause_are_named() -> None:
     with pytest.raises(ControlError) as raised:
-        require_checkable(_frame(AWAY, g.Until(event="tips", spans=((3, 9),))))
+        require_checkable(_frame(AWAY, g.NoSpill(spans=((3, 9),))))
     assert raised.value.info.span == (3, 9)
 
 
 def test_no_clause_of_the_contract_is_passed_over(make_trace: TraceMaker, box: BoxModel) -> None:
     """Each kind of constraint either has a check that yields something, or is refused."""
     kinds = get_args(get_args(g.Constraint)[0])
-    values = {"value": 1.0, "object": BOX, "tool": "finger", "event": "tips", "region": "bottom"}
+    values = {"value": 1.0, "object": MUG, "tool": "finger", "event": "tips", "region": "bottom"}
     for kind in kinds:
         clause = kind(**{k: v for k, v in values.items() if k in kind.model_fields})
         frame = _frame(AWAY, clause)

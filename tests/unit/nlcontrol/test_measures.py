@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from nlcontrol import measures
-from sim.trace import Trace
+from objectmodels import BoxModel
+from sim.trace import Trace, joined
+from tests.unit.nlcontrol.pushes import seen
 
 TraceMaker = Callable[..., Trace]
 
@@ -63,12 +66,13 @@ def test_nothing_pushed_measures_zero(make_trace: TraceMaker) -> None:
     trace.phase[:] = "look"
     assert measures.largest_push_force(trace) == 0.0
     assert measures.largest_push_speed(trace) == 0.0
-    assert measures.first_contact(trace, "ice tea box") is None
+    assert measures.contacts(trace, "ice tea box") == []
+    assert measures.push_duration(trace) == 0.0
+    assert measures.largest_force_limit(trace) == 0.0
 
 
 def test_first_contact_is_seen_from_the_object(make_trace: TraceMaker) -> None:
-    contact = measures.first_contact(make_trace(height=0.04), "ice tea box")
-    assert contact is not None
+    (contact,) = measures.contacts(make_trace(height=0.04), "ice tea box")
     # Half the box and the fingertip's radius, in front of it.
     np.testing.assert_allclose(contact[0], [-0.055, 0.0, 0.04], atol=1e-12)
     np.testing.assert_allclose(contact[1], np.eye(3), atol=1e-12)
@@ -77,16 +81,76 @@ def test_first_contact_is_seen_from_the_object(make_trace: TraceMaker) -> None:
 def test_first_contact_of_a_turned_object(make_trace: TraceMaker) -> None:
     trace = make_trace()
     trace.poses["ice tea box"][:, :4] = [math.cos(math.pi / 4), 0, 0, math.sin(math.pi / 4)]
-    contact = measures.first_contact(trace, "ice tea box")
-    assert contact is not None
+    (contact,) = measures.contacts(trace, "ice tea box")
     # Turned a quarter to the left, it is touched on the face that B's +y points at.
     np.testing.assert_allclose(contact[0], [0.0, 0.055, 0.03], atol=1e-12)
+
+
+def test_each_push_is_measured_by_itself(make_trace: TraceMaker) -> None:
+    """Between two pushes on two sides the hand is somewhere else; that is no speed of a push."""
+    first = seen(make_trace(travel=(0.1, 0.0), speed=0.02, force=3.0))
+    second = seen(make_trace(travel=(0.0, -0.1), side=(0.0, 1.0), speed=0.03, force=4.0))
+    both = joined([first, replace(second, time=second.time + first.time[-1] + 0.01)])
+    assert len(measures.contacts(both, "ice tea box")) == 2
+    # Windows at the ends of a push are shorter, so that a sample more or less counts for 2 %.
+    assert measures.largest_push_speed(both) == pytest.approx(0.03, rel=0.02)
+    assert measures.largest_push_force(both) == pytest.approx(4.0, rel=1e-9)
+    stronger = seen(make_trace(travel=(0.1, 0.0), force=5.0))
+    both = joined([stronger, replace(second, time=second.time + stronger.time[-1] + 0.01)])
+    # The trace's direction is that of its last push; the first one went another way.
+    assert measures.largest_push_force(both) == pytest.approx(5.0, rel=1e-9)
+
+
+def test_duration_and_readiness_of_a_push(make_trace: TraceMaker) -> None:
+    trace = make_trace(travel=(0.1, 0.0), speed=0.05)
+    # 200 samples at 100 Hz.
+    assert measures.push_duration(trace) == pytest.approx(1.99)
+    assert measures.largest_force_limit(trace) == 6.0
+
+
+def test_a_turn_counts_on_beyond_half_a_turn(make_trace: TraceMaker) -> None:
+    turned = measures.turn(make_trace(turned=math.radians(-330)), "ice tea box")
+    assert math.degrees(turned[-1]) == pytest.approx(-330)
+
+
+@pytest.mark.parametrize("heading", [0.3, 1.0, 2.5])
+def test_what_falls_over_does_not_turn(make_trace: TraceMaker, heading: float) -> None:
+    fallen = make_trace(tilt=math.radians(90), tilt_heading=heading)
+    assert np.abs(measures.turn(fallen, "ice tea box")).max() == pytest.approx(0.0, abs=1e-9)
+    # The heading of B_x, which a fall to the side takes along, is another matter.
+    assert abs(fallen.yaw("ice tea box")[-1]) > 0.1
+
+
+def test_slip_and_rise_of_a_box_that_tips_over_its_edge(
+    make_trace: TraceMaker, box: BoxModel
+) -> None:
+    trace = make_trace(travel=(0.0, 0.0))
+    poses = trace.poses["ice tea box"]
+    tilt = np.linspace(0.0, math.pi / 2, len(poses))
+    # Over its front edge, 45 mm from the middle, which stays where it is.
+    poses[:, 0], poses[:, 2] = np.cos(tilt / 2), np.sin(tilt / 2)
+    poses[:, 4] = 0.5 + 0.045 * (1.0 - np.cos(tilt))
+    poses[:, 6] = 0.045 * np.sin(tilt)
+    corners = box.footprint.corners
+    # While the other edge is less than 1 mm up it counts as well; then it has moved by micrometres.
+    assert measures.slip(trace, "ice tea box", corners) == pytest.approx(0.0, abs=1e-5)
+    assert measures.rise(trace, "ice tea box", corners) == pytest.approx(0.0, abs=1e-9)
+    poses[:, 4] += np.linspace(0.0, 0.02, len(poses))
+    assert measures.slip(trace, "ice tea box", corners) == pytest.approx(0.02, abs=1e-5)
+    poses[:, 6] += np.linspace(0.0, 0.03, len(poses))
+    assert measures.rise(trace, "ice tea box", corners) == pytest.approx(0.03)
+
+
+def test_a_turn_on_the_spot_is_no_slip(make_trace: TraceMaker, box: BoxModel) -> None:
+    trace = make_trace(travel=(0.0, 0.0), turned=1.0)
+    slip = measures.slip(trace, "ice tea box", box.footprint.corners)
+    assert slip == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize("heading", [0.0, 1.0, math.pi / 2, -2.0, math.pi])
 def test_heading_of_a_fall(make_trace: TraceMaker, heading: float) -> None:
     trace = make_trace(tilt=math.radians(88), tilt_heading=heading, turned=0.3)
-    fell = measures.fall_heading(trace, "ice tea box")
+    fell = measures.tilt_heading(trace, "ice tea box")
     assert math.cos(fell - heading) == pytest.approx(1.0, abs=1e-12)
 
 

@@ -1,0 +1,111 @@
+"""Did it happen as it was said? One check per clause, from the frame and the trace alone.
+
+The checker knows nothing of the plan. Besides frame and trace it takes the believed shapes of the
+objects where a clause is about them (the upper third of a height, a gap between surfaces), the
+extent of the table, and the table of defaults for what a clause means when the sentence says no
+more. What a place or a displacement means it shares with the planner (`planner.relations`,
+`planner.displacements`): a word has one meaning.
+
+A clause without a check is an error, raised before anything is executed: no sentence is called
+satisfied because a part of it was skipped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from grammar import frames as g
+from nlcontrol.checks.constraints import CONSTRAINTS
+from nlcontrol.checks.evidence import Evidence
+from nlcontrol.checks.goals import GOALS
+from nlcontrol.checks.others import others
+from nlcontrol.checks.verdicts import Check
+from nlcontrol.errors import error
+from planner.defaults import DEFAULTS, Defaults
+
+if TYPE_CHECKING:
+    from nlcontrol.errors import ErrorInfo
+    from objectmodels import ObjectModel
+    from planner.state import TableState
+    from sim.trace import Trace
+
+__all__ = ["Check", "check", "not_held", "require_checkable"]
+
+PLANNED_ENDS = frozenset({"stroke", "turned", "returned", "event", "toppled", "reached"})
+"""Ends of a push that are as they were meant."""
+
+
+def check(
+    frame: g.Frame,
+    trace: Trace,
+    models: Mapping[str, ObjectModel],
+    table: TableState,
+    *,
+    defaults: Defaults = DEFAULTS,
+) -> tuple[Check, ...]:
+    """Checks every clause of a frame, and that nothing else was touched.
+
+    Args:
+        frame: what was asked, its objects resolved.
+        trace: what happened.
+        models: the believed models of the objects by name, for their shapes; that of the frame's
+            object and of those that it speaks of must be there.
+        table: extent of the table top.
+        defaults: what a clause means when the sentence does not say more.
+
+    Raises:
+        ControlError: `uncheckable` if a clause has no check.
+    """
+    require_checkable(frame)
+    e = Evidence.of(frame, trace, models, table, defaults)
+    checks = list(GOALS[frame.goal.kind](frame.goal, e))
+    for clause in frame.constraints:
+        checks += CONSTRAINTS[clause.kind](clause, e)
+    return (*checks, *others(e))
+
+
+def not_held(missed: Sequence[Check], trace: Trace, stuck: str | None = None) -> ErrorInfo:
+    """The error of an execution in which some checks failed.
+
+    Args:
+        missed: the checks that failed.
+        trace: what happened.
+        stuck: why it went no further, if no plan was found after some pushes.
+    """
+    told = {"others": "touching nothing else"}
+    clauses = ", ".join(
+        dict.fromkeys(told.get(c.clause, c.clause.replace("_", " ")) for c in missed)
+    )
+    message = f"executed, but this did not hold: {clauses}"
+    if trace.end not in PLANNED_ENDS:
+        message += f" (the push ended early: {trace.detail})"
+    if stuck is not None:
+        message += f" (no further push was found: {stuck})"
+    spans = missed[0].spans
+    return error("clause_not_held", message, span=spans[0] if spans else None).info
+
+
+def require_checkable(frame: g.Frame) -> None:
+    """Refuses a frame with a clause that could not be checked afterwards.
+
+    Raises:
+        ControlError: `uncheckable`, with the words of the clause.
+    """
+    goal = frame.goal
+    if goal.kind not in GOALS:
+        raise _uncheckable(goal.kind, goal.spans)
+    if isinstance(goal, g.Place) and goal.relation == "on":
+        raise _uncheckable("place on an object", goal.spans)
+    for clause in frame.constraints:
+        if clause.kind not in CONSTRAINTS:
+            raise _uncheckable(clause.kind, clause.spans)
+
+
+def _uncheckable(what: str, spans: g.Spans) -> Exception:
+    return error(
+        "uncheckable",
+        f"this version cannot check '{what.replace('_', ' ')}' after the execution, "
+        "so it does not execute it",
+        span=(spans[0][0], spans[-1][1]) if spans else None,
+    )

@@ -1,0 +1,142 @@
+"""What the checks of one frame look at: the trace, and what is believed of the objects' shapes.
+
+An object that lies on another face than its model stands on is seen as it lies: its frame B is that
+of the face which was below at the start, so that its tilt counts from there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from nlcontrol import measures
+from objectmodels.errors import ModelError
+from planner.state import PlanarPose, SeenObject, WorldState
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from grammar.frames import Frame
+    from nlcontrol.measures import Array
+    from objectmodels import ObjectModel
+    from planner.defaults import Defaults
+    from planner.state import TableState
+    from sim.trace import Trace
+
+LEVEL = np.radians(15.0)
+"""What is tilted by less than this stands on its base, or leans; more may lie on another face."""
+
+EVERY = 5
+"""Of so many samples one is looked at where footprints are compared."""
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What the checks of one frame look at.
+
+    Attributes:
+        trace: what happened, each object in the frame of the face on which it lay at the start.
+        name: of the object that the frame is about.
+        start, end: what stood where; objects without a model are left out.
+        frame: what was asked.
+        defaults: what a clause means when the sentence does not say more.
+    """
+
+    trace: Trace
+    name: str
+    start: WorldState
+    end: WorldState
+    frame: Frame
+    defaults: Defaults
+
+    @classmethod
+    def of(
+        cls,
+        frame: Frame,
+        trace: Trace,
+        models: Mapping[str, ObjectModel],
+        table: TableState,
+        defaults: Defaults,
+    ) -> Evidence:
+        """The evidence of a trace, with what is believed of the objects' shapes."""
+        name = frame.object.id if frame.object and frame.object.id else trace.pushed
+        trace, models = _as_they_lay(trace, models)
+        start, end = (
+            WorldState({n: _standing(n, trace.poses[n][i], models[n]) for n in models}, table)
+            for i in (0, -1)
+        )
+        return cls(trace, name, start, end, frame, defaults)
+
+    @property
+    def model(self) -> ObjectModel:
+        """What is believed of the object, as it lay at the start."""
+        return self.start.objects[self.name].model
+
+    @property
+    def largest_tilt(self) -> float:
+        """Of the object [rad]."""
+        return float(self.trace.tilt(self.name).max())
+
+    def has(self, *kinds: str) -> bool:
+        """Whether the frame has a constraint of one of the kinds."""
+        return any(clause.kind in kinds for clause in self.frame.constraints)
+
+    def covered(self, name: str) -> list[Array]:
+        """What an object covered of the table over time, corners in W of every so many samples."""
+        poses, model = self.trace.poses[name], self.start.objects[name].model
+        tilts = self.trace.tilt(name)
+        chosen = {*range(0, len(poses), EVERY), len(poses) - 1}
+        upright = self.defaults.rest_tilt
+        return [_shadow(poses[i], model, tilts[i] < upright) for i in sorted(chosen)]
+
+
+def _as_they_lay(
+    trace: Trace, models: Mapping[str, ObjectModel]
+) -> tuple[Trace, dict[str, ObjectModel]]:
+    """A trace in the frames of the faces that were below at the start, and the models for them."""
+    poses, lay = dict(trace.poses), {n: m for n, m in models.items() if n in trace.poses}
+    for name, model in list(lay.items()):
+        R_WB = measures.rotation(poses[name][0])
+        if R_WB[2, 2] > np.cos(LEVEL):
+            continue
+        try:
+            rest = model.lying(R_WB)
+        except ModelError:
+            continue  # it leans on something: its own frame is as good as any
+        poses[name] = _reframed(poses[name], rest.R_BN, rest.p_BN)
+        lay[name] = rest.model
+    return replace(trace, poses=poses), lay
+
+
+def _reframed(poses: Array, R_BN: Array, p_BN: Array) -> Array:
+    """Poses of frame N, which is fixed in B, from those of B; shape (n, 7)."""
+    from scipy.spatial.transform import Rotation
+
+    turns = Rotation.from_quat(poses[:, [1, 2, 3, 0]])
+    xyzw = (turns * Rotation.from_matrix(R_BN)).as_quat()
+    return np.column_stack([xyzw[:, 3], xyzw[:, :3], poses[:, 4:] + turns.apply(p_BN)])
+
+
+def _standing(name: str, pose: Array, model: ObjectModel) -> SeenObject:
+    """An object where an observer saw it, on the face that is below."""
+    R_WB = measures.rotation(pose)
+    x, y, yaw = float(pose[4]), float(pose[5]), float(np.arctan2(R_WB[1, 0], R_WB[0, 0]))
+    if R_WB[2, 2] > np.cos(LEVEL):
+        return SeenObject.lying(name, PlanarPose(x, y, yaw), model)
+    attitude = PlanarPose(x, y, yaw).R_WB.T @ R_WB
+    here = PlanarPose(x, y, yaw, tuple(attitude.ravel().tolist()))
+    return SeenObject.lying(name, here, model)
+
+
+def _shadow(pose: Array, model: ObjectModel, upright: bool) -> Array:
+    """What an object covers of the table, corners in W, shape (k, 2) [m]."""
+    R_WB, outline = measures.rotation(pose), model.outline
+    if upright:
+        return np.asarray(outline @ R_WB[:2, :2].T + pose[4:6])
+    from scipy.spatial import ConvexHull
+
+    low, high = (np.column_stack([outline, np.full(len(outline), z)]) for z in (0.0, model.top))
+    corners = np.vstack([low, high]) @ R_WB[:2].T + pose[4:6]
+    return np.asarray(corners[ConvexHull(corners).vertices])

@@ -1,0 +1,102 @@
+"""A verdict on one quantity of one clause."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal, Protocol
+
+from pydantic import BaseModel, ConfigDict
+
+from grammar.frames import Spans
+
+if TYPE_CHECKING:
+    from planner.relations import Measure
+
+Relation = Literal["about", "at_most", "at_least", "is"]
+Unit = Literal["m", "rad", "N", "m/s", "s", ""]
+
+
+class Clause(Protocol):
+    """A goal or a constraint: a kind, and the words it comes from."""
+
+    @property
+    def kind(self) -> str:
+        """Its kind in the frame contract."""
+
+    @property
+    def spans(self) -> Spans:
+        """The words it comes from."""
+
+
+class Check(BaseModel):
+    """What one clause asked and what was measured, in SI units.
+
+    Attributes:
+        clause: kind of the goal or constraint; `others` for what is implied, that nothing else is
+            touched.
+        spans: the words it comes from, `[start, end)` in the sentence.
+        quantity: what was measured, in words.
+        relation: how `measured` must stand to `expected`.
+        expected: asked value, or a name.
+        measured: what the trace says.
+        tolerance: by how much it may miss; None for names.
+        unit: of the three values.
+        ok: whether it holds.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    clause: str
+    spans: Spans = ()
+    quantity: str
+    relation: Relation
+    expected: float | str
+    measured: float | str
+    tolerance: float | None = None
+    unit: Unit = ""
+    ok: bool
+
+
+def compare(
+    clause: Clause,
+    relation: Relation,
+    quantity: str,
+    expected: float,
+    measured: float,
+    tolerance: float,
+    unit: Unit,
+) -> Check:
+    """A verdict on a number."""
+    excess = measured - expected
+    miss = {"about": abs(excess), "at_most": excess, "at_least": -excess}[relation]
+    return Check(
+        clause=clause.kind,
+        spans=clause.spans,
+        quantity=quantity,
+        relation=relation,
+        expected=float(expected),
+        measured=float(measured),
+        tolerance=tolerance,
+        unit=unit,
+        ok=bool(miss <= tolerance),
+    )
+
+
+def named(clause: Clause, quantity: str, expected: str, measured: str) -> Check:
+    """A verdict on a name."""
+    return Check(
+        clause=clause.kind,
+        spans=clause.spans,
+        quantity=quantity,
+        relation="is",
+        expected=expected,
+        measured=measured,
+        ok=expected == measured,
+    )
+
+
+def placed(clause: Clause, measure: Measure) -> Check:
+    """A verdict on a place."""
+    return compare(
+        clause, measure.relation, measure.quantity,
+        measure.expected, measure.measured, measure.tolerance, "m",
+    )  # fmt: skip
