@@ -20,7 +20,6 @@ from nlcontrol.names import Candidate
 from nlcontrol.resolve import NOTHING_SAID, Context, resolve
 from nlcontrol.result import Result, with_
 from objectmodels import ModelError, ObjectModel, Registry
-from planner.defaults import DEFAULTS, Defaults
 from planner.plan import Plan, Reached, Refusal
 from planner.state import PlanarPose, SeenObject, TableState, WorldState
 from sim.scene import Scene, SceneObject, load_scene
@@ -30,6 +29,7 @@ if TYPE_CHECKING:
     from grammar.parser import Parser
     from nlcontrol.answers import Answer
     from planner.affordances import Affordance
+    from planner.defaults import Defaults
     from planner.plan import Aim
     from planner.reach import Reach
     from sim import ArmReach, DrakeWorld
@@ -50,7 +50,7 @@ class Controller:
         scene: name of a built-in scene, path of a scene file, or a scene.
         registry: object models; the default ones if not given. Those of the scene come on top.
         seed: of everything random; the same seed gives the same trace.
-        defaults: what a clause means when a sentence does not say more.
+        defaults: what a clause means when a sentence does not say more; the scene's if not given.
 
     Raises:
         ControlError: the scene cannot be read, or names a model that the registry lacks.
@@ -62,7 +62,7 @@ class Controller:
         *,
         registry: Registry | None = None,
         seed: int = 0,
-        defaults: Defaults = DEFAULTS,
+        defaults: Defaults | None = None,
     ) -> None:
         with translated():
             self.scene = scene if isinstance(scene, Scene) else load_scene(scene)
@@ -73,7 +73,7 @@ class Controller:
             item.name: _believed(item, self.registry) for item in self.scene.objects
         }
         self.seed = seed
-        self.defaults = defaults
+        self.defaults = self.scene.defaults if defaults is None else defaults
         self._world: DrakeWorld | None = None
         self._reach: ArmReach | None = None
 

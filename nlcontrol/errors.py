@@ -55,6 +55,7 @@ CODES: dict[str, Status] = {
     "usage": _CALLER,
     "unknown_scene": _CALLER,
     "bad_scene": _CALLER,
+    "bad_default": _CALLER,
     "cannot_write": _CALLER,
     "unknown_face": _CALLER,
     "bad_push": _CALLER,
@@ -147,6 +148,7 @@ def known_error(raised: Exception) -> ControlError | None:
     # Late: a failing command must not load stages that it never reached.
     from grammar import ParseError
     from objectmodels import ModelError
+    from planner.defaults import DefaultsError
     from sim.errors import SimError
 
     if isinstance(raised, ParseError):
@@ -173,6 +175,8 @@ def known_error(raised: Exception) -> ControlError | None:
             suggestions=raised.suggestions,
             family="scene",
         )
+    elif isinstance(raised, DefaultsError):
+        info = ErrorInfo(code="bad_default", message=str(raised), suggestions=raised.suggestions)
     else:
         return None
     return ControlError(info)

@@ -13,6 +13,7 @@ from nlcontrol.fitting import FitReport
 from nlcontrol.learning import Lesson
 from nlcontrol.predictions import PushPrediction
 from nlcontrol.result import Result
+from planner.settings import settings
 
 _ANSWERS = (Result, Command, PushPrediction, FitReport, ExplorationReport)
 _SCHEMA = "https://json-schema.org/draft/2020-12/schema"
@@ -25,17 +26,34 @@ def schema() -> dict[str, object]:
     question, its steps carry a `Lesson` for what each push taught), `PushPrediction` what `predict`
     does, `FitReport` what `fit` does, `ExplorationReport` what `explore` does. Numbers are in SI
     units, angles in radians, spans are `[start, end)` in code points of the sentence as given.
+    `Defaults` is what a scene file's `defaults` and `--set` take, in the units that its names bear.
     """
     _, definitions = models_json_schema(
         [(model, "serialization") for model in (*_ANSWERS, Lesson, ErrorInfo)],
         title="nlcontrol",
         description=" ".join((schema.__doc__ or "").split()),
     )
+    definitions["$defs"]["Defaults"] = _defaults()
     return {
         "$schema": _SCHEMA,
         **definitions,
         "anyOf": [{"$ref": f"#/$defs/{model.__name__}"} for model in _ANSWERS],
     }
+
+
+def _defaults() -> dict[str, object]:
+    """JSON schema of what words mean when a sentence says no more."""
+    properties = {
+        setting.name: {
+            "type": "number",
+            "minimum" if setting.zero else "exclusiveMinimum": 0,
+            "maximum": setting.most,
+            "default": setting.value,
+            "description": setting.meaning,
+        }
+        for setting in settings()
+    }
+    return {"type": "object", "properties": properties, "additionalProperties": False}
 
 
 def schema_json() -> str:

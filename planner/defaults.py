@@ -1,17 +1,70 @@
 """What a clause means when the sentence does not say more: the one table of defaults.
 
-Results name each default that they used. All values are SI.
+Results name each default that they used. All values are SI. A scene file, the command line and the
+API may set them; `planner.settings` has the names and units in which people do that.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import cache
+from typing import Annotated, get_type_hints
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What a default is measured in, and between which values it lies.
+
+    Attributes:
+        unit: SI unit; "" for a plain number.
+        suffix: of its name where people set it.
+        scale: SI units in one unit of theirs.
+        most: the largest value.
+        zero: whether it may be 0.
+        whole: whether it counts something.
+    """
+
+    unit: str
+    suffix: str
+    scale: float
+    most: float
+    zero: bool = False
+    whole: bool = False
+
+
+DEGREE = math.radians(1.0)
+
+Length = Annotated[float, Kind("m", "_m", 1.0, 10.0)]
+Gap = Annotated[float, Kind("m", "_m", 1.0, 10.0, zero=True)]
+Angle = Annotated[float, Kind("rad", "_deg", DEGREE, math.tau)]
+Force = Annotated[float, Kind("N", "_n", 1.0, 1000.0)]
+Speed = Annotated[float, Kind("m/s", "_m_s", 1.0, 10.0)]
+Time = Annotated[float, Kind("s", "_s", 1.0, 1000.0)]
+Share = Annotated[float, Kind("", "", 1.0, 1.0)]
+Probability = Annotated[float, Kind("", "", 1.0, 0.9999)]
+Count = Annotated[int, Kind("", "", 1.0, 1000.0, whole=True)]
+Factor = Annotated[float, Kind("", "", 1.0, 10.0)]
+
+
+class DefaultsError(ValueError):
+    """A default that is none, or that has no sensible value.
+
+    Attributes:
+        suggestions: what would be right.
+    """
+
+    def __init__(self, message: str, suggestions: tuple[str, ...] = ()) -> None:
+        super().__init__(message)
+        self.suggestions = suggestions
 
 
 @dataclass(frozen=True)
 class Defaults:
     """Distances, speeds, margins and tolerances.
+
+    Raises:
+        DefaultsError: a value is out of its range.
 
     Attributes:
         distance: of "away" and the other directions, if none is said [m].
@@ -78,63 +131,84 @@ class Defaults:
         found_to: relative standard deviation to which a property is found out by touching.
     """
 
-    distance: float = 0.10
-    distance_little: float = 0.05
-    distance_lot: float = 0.20
-    distance_tolerance: float = 0.01
-    direction_tolerance: float = math.radians(10.0)
-    rest_tilt: float = math.radians(2.0)
-    no_topple_share: float = 0.5
-    no_turn: float = math.radians(10.0)
-    no_tilt: float = math.radians(5.0)
-    toppled: float = math.radians(60.0)
-    speed: float = 0.05
-    speed_gentle: float = 0.02
-    force_reserve: float = 0.5
-    force_reserve_gentle: float = 0.25
-    sigmas: float = 2.0
-    probability: float = 0.95
-    speed_fast: float = 0.10
-    force_hard: float = 8.0
-    force_tolerance: float = 0.3
-    speed_tolerance: float = 0.005
-    duration_tolerance: float = 0.25
-    height_tolerance: float = 0.005
-    side_tolerance: float = math.radians(45.0)
-    place_gap: float = 0.03
-    place_gap_tolerance: float = 0.02
-    place_tolerance: float = 0.01
-    place_aside: float = 0.5
-    between_tolerance: float = 0.03
-    touching_gap: float = 0.003
-    edge_gap: float = 0.05
-    edge_tolerance: float = 0.02
-    centre_tolerance: float = 0.05
-    clear_tolerance: float = 0.002
-    in_line_tolerance: float = 0.01
-    turn: float = math.radians(90.0)
-    turn_little: float = math.radians(15.0)
-    turn_lot: float = math.radians(180.0)
-    turn_tolerance: float = math.radians(3.0)
-    turn_drift: float = 0.02
-    tilt: float = math.radians(10.0)
-    tilt_little: float = math.radians(5.0)
-    tilt_lot: float = 0.55
-    tilt_tolerance: float = math.radians(2.0)
-    tips: float = math.radians(2.0)
-    moves: float = 0.002
-    overrun: float = 0.01
-    no_slide: float = 0.01
-    no_lift: float = 0.005
-    clearance: float = 0.01
-    clearance_fragile: float = 0.03
-    speed_most: float = 0.12
-    aim_position: float = 0.002
-    aim_drift: float = 0.005
-    aim_angle: float = math.radians(1.0)
-    most_pushes: int = 12
-    known_to: float = 0.10
-    found_to: float = 0.03
+    distance: Length = 0.10
+    distance_little: Length = 0.05
+    distance_lot: Length = 0.20
+    distance_tolerance: Length = 0.01
+    direction_tolerance: Angle = 10.0 * DEGREE
+    rest_tilt: Angle = 2.0 * DEGREE
+    no_topple_share: Share = 0.5
+    no_turn: Angle = 10.0 * DEGREE
+    no_tilt: Angle = 5.0 * DEGREE
+    toppled: Angle = 60.0 * DEGREE
+    speed: Speed = 0.05
+    speed_gentle: Speed = 0.02
+    force_reserve: Factor = 0.5
+    force_reserve_gentle: Factor = 0.25
+    sigmas: Factor = 2.0
+    probability: Probability = 0.95
+    speed_fast: Speed = 0.10
+    force_hard: Force = 8.0
+    force_tolerance: Force = 0.3
+    speed_tolerance: Speed = 0.005
+    duration_tolerance: Time = 0.25
+    height_tolerance: Length = 0.005
+    side_tolerance: Angle = 45.0 * DEGREE
+    place_gap: Gap = 0.03
+    place_gap_tolerance: Length = 0.02
+    place_tolerance: Length = 0.01
+    place_aside: Share = 0.5
+    between_tolerance: Length = 0.03
+    touching_gap: Gap = 0.003
+    edge_gap: Gap = 0.05
+    edge_tolerance: Length = 0.02
+    centre_tolerance: Length = 0.05
+    clear_tolerance: Gap = 0.002
+    in_line_tolerance: Length = 0.01
+    turn: Angle = 90.0 * DEGREE
+    turn_little: Angle = 15.0 * DEGREE
+    turn_lot: Angle = 180.0 * DEGREE
+    turn_tolerance: Angle = 3.0 * DEGREE
+    turn_drift: Length = 0.02
+    tilt: Angle = 10.0 * DEGREE
+    tilt_little: Angle = 5.0 * DEGREE
+    tilt_lot: Share = 0.55
+    tilt_tolerance: Angle = 2.0 * DEGREE
+    tips: Angle = 2.0 * DEGREE
+    moves: Length = 0.002
+    overrun: Length = 0.01
+    no_slide: Length = 0.01
+    no_lift: Length = 0.005
+    clearance: Gap = 0.01
+    clearance_fragile: Gap = 0.03
+    speed_most: Speed = 0.12
+    aim_position: Length = 0.002
+    aim_drift: Length = 0.005
+    aim_angle: Angle = 1.0 * DEGREE
+    most_pushes: Count = 12
+    known_to: Share = 0.10
+    found_to: Share = 0.03
+
+    def __post_init__(self) -> None:
+        for name, kind in kinds().items():
+            value = getattr(self, name)
+            if not (0.0 < value <= kind.most or (kind.zero and value == 0.0)):
+                raise out_of_range(name + kind.suffix, value / kind.scale, kind)
+
+
+def out_of_range(name: str, value: float, kind: Kind) -> DefaultsError:
+    """The error of a value, in the unit in which people give it."""
+    least = "at least 0" if kind.zero else "more than 0"
+    return DefaultsError(
+        f"{name} must be {least} and at most {kind.most / kind.scale:g}, found {value:g}"
+    )
+
+
+@cache
+def kinds() -> dict[str, Kind]:
+    """What each default is measured in, by its name."""
+    hints = get_type_hints(Defaults, include_extras=True)
+    return {field.name: hints[field.name].__metadata__[0] for field in fields(Defaults)}
 
 
 DEFAULTS = Defaults()

@@ -2,7 +2,8 @@
 
 A scene is a YAML file read into strict, frozen models. It holds where things stand and how they
 *really* behave (mass, friction, centre of mass), how imperfect the sensors are, and the name of
-the registry model that the robot *believes* each object to be. Units stand in the names.
+the registry model that the robot *believes* each object to be; besides, what people at this table
+mean when they say no more ("a little"). Units stand in the names.
 
 Frames: W is the world, z up, table plane z = 0; B is an object's frame at the centre of its base.
 """
@@ -15,9 +16,11 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import yaml
-from pydantic import Field, ValidationError, model_validator
+from pydantic import BeforeValidator, Field, InstanceOf, ValidationError, model_validator
 
 from objectmodels.yamlfile import parse_yaml
+from planner.defaults import DEFAULTS, Defaults, DefaultsError
+from planner.settings import changed
 from sim.errors import SceneError
 from sim.parts import Fraction, NonNegative, Part, Point2, Point3, Positive, Spread
 from sim.truth import Truth
@@ -167,6 +170,15 @@ class Hidden(Part):
     centre_of_mass_m: NonNegative = 0.0
 
 
+def _defaults(value: object) -> object:
+    """The table of defaults with what a scene file sets in it."""
+    if isinstance(value, Defaults):
+        return value
+    if not isinstance(value, dict):
+        raise DefaultsError("defaults are names and numbers, like {distance_m: 0.15}")
+    return changed(DEFAULTS, value)
+
+
 class Scene(Part):
     """A simulated world.
 
@@ -176,6 +188,8 @@ class Scene(Part):
         time_step_s: of the simulation.
         control_rate_hz: of the robot's control loop.
         hidden: how worlds of this scene differ from it and from each other.
+        defaults: what a clause means when a sentence does not say more; in the file by the names of
+            `planner.settings`.
         models: model files, or folders of them, that belong to the scene; relative to its file.
     """
 
@@ -190,6 +204,7 @@ class Scene(Part):
     control_rate_hz: Annotated[float, Field(ge=20, le=1000)] = 100.0
     models: tuple[str, ...] = ()
     hidden: Hidden = Hidden()
+    defaults: Annotated[InstanceOf[Defaults], BeforeValidator(_defaults)] = DEFAULTS
     objects: tuple[SceneObject, ...]
 
     @model_validator(mode="after")
@@ -270,7 +285,9 @@ def parse_scene(text: str, *, source: str = "scene") -> Scene:
             f" (found {_short(fault['input'])})"
             for fault in error.errors()
         )
-        raise SceneError("bad_scene", f"{source}: {faults}") from error
+        raised = (fault.get("ctx", {}).get("error") for fault in error.errors())
+        hints = tuple(h for e in raised if isinstance(e, DefaultsError) for h in e.suggestions)
+        raise SceneError("bad_scene", f"{source}: {faults}", hints) from error
 
 
 def _tuples(data: object) -> object:

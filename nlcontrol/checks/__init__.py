@@ -20,7 +20,7 @@ from nlcontrol.checks.constraints import CONSTRAINTS
 from nlcontrol.checks.evidence import Evidence
 from nlcontrol.checks.goals import GOALS
 from nlcontrol.checks.others import others
-from nlcontrol.checks.verdicts import Check
+from nlcontrol.checks.verdicts import Check, named
 from nlcontrol.errors import error
 from planner.defaults import DEFAULTS, Defaults
 
@@ -32,8 +32,13 @@ if TYPE_CHECKING:
 
 __all__ = ["Check", "check", "not_held", "require_checkable"]
 
-PLANNED_ENDS = frozenset({"stroke", "turned", "returned", "event", "toppled", "reached"})
+PLANNED_ENDS = frozenset({"stroke", "turned", "returned", "event", "reached", "toppled"})
 """Ends of a push that are as they were meant."""
+
+_OF_PUSHES = frozenset(
+    {"contact", "effector", "hard", "fast", "force", "min_force", "speed", "min_speed", "duration"}
+)
+"""Constraints on pushes, which say nothing where no push is needed."""
 
 
 def check(
@@ -61,7 +66,10 @@ def check(
     e = Evidence.of(frame, trace, models, table, defaults)
     checks = list(GOALS[frame.goal.kind](frame.goal, e))
     for clause in frame.constraints:
-        checks += CONSTRAINTS[clause.kind](clause, e)
+        if trace.end == "reached" and clause.kind in _OF_PUSHES:
+            checks.append(named(clause, "push", "none needed", "none needed"))
+        else:
+            checks += CONSTRAINTS[clause.kind](clause, e)
     return (*checks, *others(e))
 
 
@@ -69,9 +77,9 @@ def not_held(missed: Sequence[Check], trace: Trace, stuck: str | None = None) ->
     """The error of an execution in which some checks failed.
 
     Args:
-        missed: the checks that failed.
+        missed: checks that do not hold.
         trace: what happened.
-        stuck: why it went no further, if no plan was found after some pushes.
+        stuck: why no further push was made, if that is the matter.
     """
     told = {"others": "touching nothing else"}
     clauses = ", ".join(
@@ -81,7 +89,7 @@ def not_held(missed: Sequence[Check], trace: Trace, stuck: str | None = None) ->
     if trace.end not in PLANNED_ENDS:
         message += f" (the push ended early: {trace.detail})"
     if stuck is not None:
-        message += f" (no further push was found: {stuck})"
+        message += f" (then no further push was found: {stuck})"
     spans = missed[0].spans
     return error("clause_not_held", message, span=spans[0] if spans else None).info
 

@@ -26,7 +26,8 @@ HAND_SIDE = "right"
 
 def _no_topple(clause: g.NoTopple, e: Evidence) -> Iterator[Check]:
     # Half the way to falling is too far for what is to slide, not for what is to tilt.
-    if e.frame.goal.kind != "tilt":
+    tilts = any(isinstance(c, g.Until) and c.event == "about_to_tip" for c in e.frame.constraints)
+    if e.frame.goal.kind != "tilt" and not tilts:
         no_return = min(e.model.angle_of_no_return(face.normal) for face in e.model.faces())
         limit = e.defaults.no_topple_share * no_return
         yield compare(clause, "at_most", "largest tilt", limit, e.largest_tilt, 0.0, "rad")

@@ -13,6 +13,7 @@ from nlcontrol.checks.verdicts import Check, Clause, Relation, compare, named, p
 from planner.directions import HEADINGS, angle_between, heading_of
 from planner.displacements import asked_distance, asked_heading
 from planner.relations import region, share_of_way
+from planner.tilts import meant
 
 if TYPE_CHECKING:
     from nlcontrol.checks.evidence import Evidence
@@ -86,7 +87,8 @@ def _rotate(goal: g.Rotate, e: Evidence) -> Iterator[Check]:
     d = e.defaults
     turned = float(measures.turn(e.trace, e.name)[-1])
     measured = {"ccw": turned, "cw": -turned, None: abs(turned)}[goal.sense]
-    asked = goal.angle or _by_amount(goal.amount, d.turn, d.turn_little, d.turn_lot)
+    by_default = {None: d.turn, "little": d.turn_little, "lot": d.turn_lot}
+    asked = goal.angle or by_default[goal.amount]
     tolerance = d.turn_tolerance if goal.bound == "exact" else 0.0
     sense = {"ccw": " to the left", "cw": " to the right", None: ""}[goal.sense]
     yield compare(goal, _relation(goal.bound), f"turned{sense}", asked, measured, tolerance, "rad")
@@ -97,7 +99,7 @@ def _rotate(goal: g.Rotate, e: Evidence) -> Iterator[Check]:
 
 def _tilt(goal: g.Tilt, e: Evidence) -> Iterator[Check]:
     d = e.defaults
-    asked = goal.angle or _by_amount(goal.amount, d.tilt, d.tilt_little, d.tilt_lot)
+    asked = goal.angle or meant(goal, e.model, d)[0]
     tolerance = d.tilt_tolerance if goal.bound == "exact" else 0.0
     tilts = e.trace.tilt(e.name)
     most = int(np.argmax(tilts))
@@ -125,10 +127,6 @@ def _none(goal: g.NoGoal, e: Evidence) -> Iterator[Check]:
 def _towards(clause: Clause, quantity: str, heading: float, asked: float, d: Defaults) -> Check:
     off = abs(angle_between(heading, asked))
     return compare(clause, "at_most", quantity, 0.0, off, d.side_tolerance, "rad")
-
-
-def _by_amount(amount: g.Amount | None, usual: float, little: float, lot: float) -> float:
-    return {None: usual, "little": little, "lot": lot}[amount]
 
 
 def _relation(bound: g.Bound) -> Relation:

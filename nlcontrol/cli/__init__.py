@@ -17,7 +17,17 @@ from collections.abc import Sequence
 import click
 
 from nlcontrol import __version__
-from nlcontrol.cli import doctor, exploring, fitting, maps, objects, predictions, sentences, shell
+from nlcontrol.cli import (
+    defaults,
+    doctor,
+    exploring,
+    fitting,
+    maps,
+    objects,
+    predictions,
+    sentences,
+    shell,
+)
 from nlcontrol.cli.output import print_error
 from nlcontrol.errors import INTERNAL, OK, USAGE, ErrorInfo, described
 
@@ -61,6 +71,7 @@ for command in (
     fitting.command,
     objects.group,
     shell.command,
+    defaults.command,
     doctor.command,
 ):
     cli.add_command(command)

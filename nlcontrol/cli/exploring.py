@@ -10,6 +10,7 @@ import click
 
 from nlcontrol.cli.fitting import ParameterNames, keeping
 from nlcontrol.cli.output import Narrator, print_json, require_writable, written_whole
+from nlcontrol.cli.world import Settings, controller_of, world_options
 from nlcontrol.errors import OK
 
 if TYPE_CHECKING:
@@ -45,10 +46,7 @@ _File = click.Path(dir_okay=False, path_type=Path)
     metavar="FACTOR",
     help="Take what is believed of mass and friction as a guess that may be off by this factor.",
 )
-@click.option("--scene", default="kitchen", show_default=True, help="A built-in scene, or a file.")
-@click.option(
-    "--seed", default=0, show_default=True, type=click.IntRange(0), help="Of everything random."
-)
+@world_options
 @click.option("--picture", type=_File, help="Draw the force curves (PNG, SVG or PDF).")
 @keeping
 @click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
@@ -60,6 +58,7 @@ def command(
     guess: float | None,
     scene: str,
     seed: int,
+    settings: Settings,
     picture: Path | None,
     saved_as: str | None,
     output: Path | None,
@@ -70,7 +69,6 @@ def command(
     The finger tilts, slides and rubs it again and again; at the end stand the figures of every
     repetition by itself, those of all together, and how the object really is in the scene.
     """
-    from nlcontrol.controller import Controller
     from nlcontrol.exploring import explore
     from nlcontrol.exploringreport import report_lines, with_truth
     from nlcontrol.faceexperiment import standing
@@ -82,7 +80,7 @@ def command(
         raise click.UsageError("--precision: nan is no number")
     _require_file(output, ".yaml", ".yml")
     _require_file(picture, ".png", ".svg", ".pdf")
-    controller = Controller(scene, seed=seed)
+    controller = controller_of(scene, seed, settings)
     item = standing(controller, name)
     if saved_as is not None:
         believed = controller.models[item.name]

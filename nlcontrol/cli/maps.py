@@ -17,9 +17,8 @@ from nlcontrol.cli.predictions import (
     json_option,
     looked_up,
     lying_option,
-    scene_option,
-    seed_option,
 )
+from nlcontrol.cli.world import scene_option, seed_option
 from nlcontrol.errors import OK
 
 if TYPE_CHECKING:

@@ -9,6 +9,7 @@ import click
 
 from nlcontrol.cli.objects import registry_told
 from nlcontrol.cli.output import print_json
+from nlcontrol.cli.world import Settings, controller_of, world_options
 from nlcontrol.errors import OK
 
 if TYPE_CHECKING:
@@ -23,12 +24,6 @@ face_option = click.option(
 )
 lying_option = click.option(
     "--lying-on", default="bottom", help="The face that the object lies on, e.g. left for a box."
-)
-scene_option = click.option(
-    "--scene", default="kitchen", show_default=True, help="A built-in scene, or a scene file."
-)
-seed_option = click.option(
-    "--seed", default=0, show_default=True, type=click.IntRange(0), help="Of everything random."
 )
 
 
@@ -135,10 +130,9 @@ def predict(
 
 @click.command()
 @click.argument("name", metavar="OBJECT")
-@scene_option
-@seed_option
+@world_options
 @json_option
-def affordances(name: str, scene: str, seed: int, as_json: bool) -> int:
+def affordances(name: str, scene: str, seed: int, settings: Settings, as_json: bool) -> int:
     """Tell what this robot can do with OBJECT, and if not, why not.
 
     An object that is not in the scene is taken as standing alone in the middle of the table.
@@ -146,9 +140,8 @@ def affordances(name: str, scene: str, seed: int, as_json: bool) -> int:
     from dataclasses import asdict
 
     from nlcontrol.answers import affordance_lines
-    from nlcontrol.controller import Controller
 
-    found = Controller(scene, seed=seed).affordances(name)
+    found = controller_of(scene, seed, settings).affordances(name)
     if as_json:
         print_json({"object": name, "scene": scene, "affordances": [asdict(a) for a in found]})
         return OK

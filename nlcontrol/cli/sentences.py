@@ -15,6 +15,7 @@ from nlcontrol.cli.output import (
     require_writable,
     written_whole,
 )
+from nlcontrol.cli.world import Settings, controller_of, world_options
 from nlcontrol.errors import OK, known_error
 
 if TYPE_CHECKING:
@@ -25,12 +26,6 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 File = click.Path(dir_okay=False, path_type=Path)
 
 _json = click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
-_scene = click.option(
-    "--scene", default="kitchen", show_default=True, help="A built-in scene, or a scene file."
-)
-_seed = click.option(
-    "--seed", default=0, show_default=True, type=click.IntRange(0), help="Of everything random."
-)
 _explain = click.option("--explain", is_flag=True, help="Show which words became which parameters.")
 _picture = click.option(
     "--picture",
@@ -41,7 +36,7 @@ _picture = click.option(
 
 
 def _sentence_options(command: Command) -> Command:
-    for option in (_picture, _explain, _seed, _scene, _json):
+    for option in (_picture, _explain, world_options, _json):
         command = option(command)
     return click.argument("sentence")(command)
 
@@ -55,6 +50,7 @@ def say(
     as_json: bool,
     scene: str,
     seed: int,
+    settings: Settings,
     explain: bool,
     picture: Path | None,
     plan_only: bool,
@@ -65,17 +61,25 @@ def say(
         raise click.UsageError("--replay needs a run; leave out --plan-only")
     require_writable(replay)
     require_writable(picture)
-    return _answer(sentence, as_json, scene, seed, explain, picture, plan_only, replay)
+    controller = controller_of(scene, seed, settings)
+    return _answer(controller, sentence, as_json, explain, picture, plan_only, replay)
 
 
 @click.command()
 @_sentence_options
 def plan(
-    sentence: str, as_json: bool, scene: str, seed: int, explain: bool, picture: Path | None
+    sentence: str,
+    as_json: bool,
+    scene: str,
+    seed: int,
+    settings: Settings,
+    explain: bool,
+    picture: Path | None,
 ) -> int:
     """Plan what SENTENCE says: where and how hard to push, and what that will do."""
     require_writable(picture)
-    return _answer(sentence, as_json, scene, seed, explain, picture, True, None)
+    controller = controller_of(scene, seed, settings)
+    return _answer(controller, sentence, as_json, explain, picture, True, None)
 
 
 @click.command()
@@ -145,18 +149,14 @@ def _tell_problems(problems: Iterable[object]) -> None:
 
 
 def _answer(
+    controller: Controller,
     sentence: str,
     as_json: bool,
-    scene: str,
-    seed: int,
     explain: bool,
     picture: Path | None,
     plan_only: bool,
     replay: Path | None,
 ) -> int:
-    from nlcontrol.controller import Controller
-
-    controller = Controller(scene, seed=seed)
     _tell_problems(controller.registry.problems)
     with Narrator() as narrate:
         result = controller.say(sentence, plan_only=plan_only, progress=narrate)

@@ -18,6 +18,7 @@ import click
 
 from nlcontrol.cli.lines import prompted
 from nlcontrol.cli.output import Narrator
+from nlcontrol.cli.world import Settings, controller_of, world_options
 from nlcontrol.errors import OK, described
 
 if TYPE_CHECKING:
@@ -33,19 +34,13 @@ WORDS = ("help", *sorted(LEAVING), "again", "a bit more", "undo that", "why")
 
 @click.command(name="shell")
 @click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document per line.")
-@click.option(
-    "--scene", default="kitchen", show_default=True, help="A built-in scene, or a scene file."
-)
-@click.option(
-    "--seed", default=0, show_default=True, type=click.IntRange(0), help="Of everything random."
-)
+@world_options
 @click.option("--plan-only", is_flag=True, help="Stop before anything is executed.")
-def command(as_json: bool, scene: str, seed: int, plan_only: bool) -> int:
+def command(as_json: bool, scene: str, seed: int, settings: Settings, plan_only: bool) -> int:
     """Do one sentence after another: "push it away", "again", "undo that", "why?"."""
-    from nlcontrol.controller import Controller
     from nlcontrol.dialogue import Conversation
 
-    controller = Controller(scene, seed=seed)
+    controller = controller_of(scene, seed, settings)
     from grammar.plugins import installed
 
     _, broken = installed()

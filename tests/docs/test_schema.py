@@ -7,6 +7,7 @@ from typing import Any, get_args
 
 from grammar import frames as g
 from nlcontrol.schema import schema, schema_json
+from planner.settings import settings
 
 
 def _definition(name: str) -> dict[str, Any]:
@@ -111,6 +112,16 @@ def test_the_names_of_the_frames() -> None:
         "push", "pull", "move", "slide", "turn", "tilt", "topple", "lift", "place", "open",
         "close", "pour", "explore", "hand_over",
     }  # fmt: skip
+
+
+def test_what_can_be_set() -> None:
+    properties = _definition("Defaults")["properties"]
+    assert set(properties) == {setting.name for setting in settings()}
+    assert properties["turn_deg"] == {
+        "type": "number", "exclusiveMinimum": 0, "maximum": 360.0, "default": 90.0,
+        "description": "angle of a turn, if none is said",
+    }  # fmt: skip
+    assert properties["place_gap_m"]["minimum"] == 0
 
 
 def test_it_is_one_json_document_without_the_trace() -> None:

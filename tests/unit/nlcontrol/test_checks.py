@@ -379,7 +379,7 @@ def test_ways_towards_something(
     make_trace: TraceMaker, box: BoxModel, goal: g.Displace, travelled: float
 ) -> None:
     found = _one(check(_frame(goal), make_trace(travel=(0.0, travelled)), box), "moved")
-    # A round mug is a polygon of equal area, whose corners stand out by less than half a millimetre.
+    # A round mug is a polygon of equal area, whose corners stand out by less than 0.5 mm.
     assert found.expected == pytest.approx(travelled, abs=5e-4)
     assert found.ok
 
@@ -424,7 +424,8 @@ def test_what_is_turned_stays_where_it_is(make_trace: TraceMaker, box: BoxModel)
         (g.Tilt(), 10.0, 0.0, True),
         (g.Tilt(), 13.0, 0.0, False),
         (g.Tilt(amount="little"), 5.0, 0.0, True),
-        (g.Tilt(amount="lot"), 15.0, 0.0, True),
+        # 55 % of the angle of no return, 21.4 degrees.
+        (g.Tilt(amount="lot"), 11.8, 0.0, True),
         (g.Tilt(angle=math.radians(8), direction="left"), 8.0, math.pi / 2, True),
         (g.Tilt(angle=math.radians(8), direction="left"), 8.0, 0.0, False),
         (g.Tilt(angle=math.radians(8), bound="at_least"), 12.0, 0.0, True),
@@ -630,7 +631,17 @@ def test_a_touch_of_nothing_in_particular(make_trace: TraceMaker, box: BoxModel)
     assert not check(_frame(g.NoGoal()), trace, box)[0].ok
 
 
-@pytest.mark.parametrize("end", ["stroke", "turned", "returned", "event", "toppled"])
+def test_what_is_there_already_needs_no_push(make_trace: TraceMaker, box: BoxModel) -> None:
+    trace = replace(make_trace(travel=(0.0, 0.0)), end="reached", tips={}, felt={})
+    trace.phase[:] = "look"
+    goal = g.Place(relation="at", reference=g.Point(x=0.5, y=0.0))
+    manner = (g.Effector(tool="finger", count=2), g.ContactRegion(face="front"), g.Hard())
+    checks = check(_frame(goal, *manner, g.Gentle(), g.NoTurn()), trace, box)
+    assert all(c.ok for c in checks)
+    assert {c.clause for c in checks} >= {"effector", "contact", "hard", "gentle", "no_turn"}
+
+
+@pytest.mark.parametrize("end", ["stroke", "turned", "returned", "event", "reached", "toppled"])
 def test_ends_that_were_meant_are_not_early(
     make_trace: TraceMaker, box: BoxModel, end: Any
 ) -> None:

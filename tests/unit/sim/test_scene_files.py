@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
 
+from planner.defaults import DEFAULTS
 from sim import SceneError, load_scene
 from sim.scene import built_in_scenes, parse_scene
 
@@ -99,3 +101,29 @@ def test_a_file_of_ones_own(tmp_path: Path) -> None:
     path = tmp_path / "mine.yaml"
     path.write_text(SCENE, encoding="utf-8")
     assert load_scene(path) == parse_scene(SCENE)
+
+
+def test_what_words_mean_at_a_table() -> None:
+    scene = parse_scene(SCENE + "defaults: {distance_m: 0.2, turn_deg: 45}\n")
+    assert (scene.defaults.distance, scene.defaults.turn) == (0.2, math.radians(45))
+    assert parse_scene(SCENE).defaults == DEFAULTS
+    assert hash(scene) != hash(parse_scene(SCENE))
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "suggestion"),
+    [
+        ("{distanc_m: 0.2}", "there is no default 'distanc_m'", "did you mean 'distance_m'?"),
+        ("{turn: 45}", "there is no default 'turn'", "did you mean 'turn_deg'?"),
+        ("{turn_deg: 400}", "at most 360, found 400", None),
+        ("{turn_deg: no}", "must be a number", None),
+        ("[0.2]", "defaults are names and numbers", None),
+    ],
+)
+def test_a_default_that_is_none_is_named(text: str, message: str, suggestion: str | None) -> None:
+    with pytest.raises(SceneError) as raised:
+        parse_scene(SCENE + f"defaults: {text}\n")
+    assert raised.value.code == "bad_scene"
+    assert message in raised.value.message
+    if suggestion:
+        assert suggestion in raised.value.suggestions

@@ -1,0 +1,63 @@
+"""The guide to defaults: its table is that of the code, its examples run."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+import shlex
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+
+from nlcontrol.cli import run
+from planner.defaults import DEFAULTS, Defaults, kinds
+from planner.settings import changed, settings, table
+from tests.unit.sim.test_scene_files import SCENE
+
+GUIDE = (Path(__file__).parents[2] / "docs" / "defaults.md").read_text(encoding="utf-8")
+
+
+def _block(language: str) -> str:
+    (block,) = re.findall(rf"^```{language}\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)
+    return str(block)
+
+
+def test_the_table_is_that_of_the_code() -> None:
+    assert [line for line in GUIDE.splitlines() if line.startswith("|")] == list(table())
+
+
+def test_every_default_is_explained_in_its_unit() -> None:
+    """The one docstring says what each field means, and in which unit; the annotation agrees."""
+    assert [s.name for s in settings()] == [
+        field.name + kinds()[field.name].suffix for field in fields(Defaults)
+    ]
+    assert all(setting.meaning for setting in settings())
+    told = re.findall(r"^ {8}(\w+): (.*(?:\n {12}.*)*)", Defaults.__doc__ or "", re.MULTILINE)
+    units = {
+        name: re.findall(r"\[(m/s|m|rad|N|s)\]", text) for name, text in told if name in kinds()
+    }
+    assert units == {name: [kind.unit] if kind.unit else [] for name, kind in kinds().items()}
+
+
+def test_the_scene_of_the_guide() -> None:
+    from sim.scene import parse_scene
+
+    set_there = {"distance_m": 0.15, "turn_deg": 45, "speed_m_s": 0.03}
+    assert parse_scene(SCENE + _block("yaml")).defaults == changed(DEFAULTS, set_there)
+
+
+def test_the_commands_of_the_guide(capsys: pytest.CaptureFixture[str]) -> None:
+    for line in _block("console").splitlines():
+        assert run(shlex.split(line.removeprefix("$ "))[1:]) == 0
+    told = capsys.readouterr().out
+    assert "distance 120 mm (no distance said)" in told
+    assert "| `turn_deg` | 45 |" in told
+
+
+def test_the_python_of_the_guide() -> None:
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out):
+        exec(compile(_block("python"), "defaults.md", "exec"), {})
+    assert "value=0.12" in out.getvalue()
