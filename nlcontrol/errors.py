@@ -48,6 +48,7 @@ CODES: dict[str, Status] = {
     "out_of_reach": _NO_PLAN,
     "blocked": _NO_PLAN,
     "too_uncertain": _NO_PLAN,
+    "out_of_time": _NO_PLAN,
     "not_explorable": _NO_PLAN,
     "unsupported": _LACKS,
     "uncheckable": _LACKS,

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from nlcontrol.answers import Answer
+from nlcontrol.checks import PLANNED_ENDS
 from nlcontrol.text import quantity
 from planner.directions import phrase
 
@@ -51,7 +52,7 @@ def _missed(check: Check) -> str:
 
 def _ended(result: Result) -> str:
     execution = result.execution
-    if execution is None or execution.end in {"stroke", "toppled"}:
+    if execution is None or execution.end in PLANNED_ENDS:
         return ""
     return f"The push ended early: {execution.detail}."
 
@@ -63,7 +64,12 @@ def _measured(missed: list[Check]) -> dict[str, float]:
 def _chosen(plan: Plan) -> str:
     push = plan.push
     x, y, _ = push.direction_W
-    way = f"moves {phrase(math.atan2(y, x))}" if push.ends_on == "stroke" else "falls over"
+    way = {
+        "stroke": f"moves {phrase(math.atan2(y, x))}",
+        "turned": "turns",
+        "tilted": "tilts and stands again",
+        "toppled": "falls over",
+    }[push.ends_on]
     notes = f" Besides: {'; '.join(plan.notes)}." if plan.notes else ""
     return (
         f"Pushed on its {push.face} face, {quantity(push.p_BC[2], 'm')} above the table, the "

@@ -6,16 +6,16 @@ Values are SI inside; people read millimetres, degrees and newtons.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from nlcontrol import maps
 from nlcontrol.answers import Answer
 from nlcontrol.checks import Check
-from nlcontrol.learning import Lesson
-from nlcontrol.result import Result
+from nlcontrol.names import listed
+from nlcontrol.result import Result, Step
 from nlcontrol.text import error_lines, quantity, words
 from planner.directions import phrase
-from planner.plan import DefaultUsed, Plan
+from planner.plan import Aim, DefaultUsed, Limits, Plan, Push
 
 
 def report(result: Result) -> str:
@@ -32,10 +32,9 @@ def _lines(result: Result) -> Iterator[str]:
         for step in result.steps:
             yield ""
             yield f"Step {step.frame + 1} of {len(result.frames)}: {step.status}"
-            yield from _step_lines(result.text, step.plan, step.checks, step.answer, step.lessons)
+            yield from _step_lines(result.text, step)
     else:
-        lessons = result.steps[0].lessons if result.steps else ()
-        yield from _step_lines(result.text, result.plan, result.checks, result.answer, lessons)
+        yield from _step_lines(result.text, *(result.steps or (result,)))
     if result.error:
         if result.paraphrase:
             yield ""
@@ -44,28 +43,34 @@ def _lines(result: Result) -> Iterator[str]:
         yield "Done: every clause held."
 
 
-def _step_lines(
-    text: str,
-    plan: Plan | None,
-    checks: Sequence[Check],
-    answer: Answer | None,
-    lessons: Sequence[Lesson],
-) -> Iterator[str]:
-    """One push: its plan, what happened and what that taught; or one answer."""
-    if plan:
+def _step_lines(text: str, step: Step | Result) -> Iterator[str]:
+    """The pushes for one frame: their plan, what happened and what that taught; or one answer."""
+    if step.plan:
         yield ""
-        yield from plan_lines(plan)
-    if checks:
+        yield from plan_lines(step.plan)
+    elif _is_there(step):
         yield ""
-        yield "What happened:"
-        yield from (check_line(text, check) for check in checks)
-    if lessons:
+        yield "It is there already: nothing is to be done."
+    if step.checks:
+        pushes = len(step.plans) if isinstance(step, Step) else 1
+        yield ""
+        yield "What happened:" if pushes < 2 else f"What happened, in {pushes} pushes:"
+        yield from (check_line(text, check) for check in step.checks)
+    if isinstance(step, Step) and step.lessons:
         yield ""
         yield "What the pushes taught:"
-        yield from (f"  {lesson.text}" for lesson in lessons)
-    if answer:
+        yield from (f"  {lesson.text}" for lesson in step.lessons)
+    if step.answer:
         yield ""
-        yield from answer_lines(answer)
+        yield from answer_lines(step.answer)
+
+
+def _is_there(step: Step | Result) -> bool:
+    """Whether nothing had to be done, or nothing would have to be."""
+    if step.execution is not None:
+        return step.execution.end == "reached"
+    told = step.answer or step.error or (isinstance(step, Result) and step.notes)
+    return step.status == "planned" and not told
 
 
 def answer_lines(answer: Answer) -> Iterator[str]:
@@ -84,24 +89,79 @@ def default_line(used: DefaultUsed) -> str:
 
 
 def plan_lines(plan: Plan) -> Iterator[str]:
-    """Where and how hard it will push, and why that does what was asked."""
-    push = plan.push
-    fingers = "one finger" if push.fingers == 1 else "two fingers"
-    apart = f" {quantity(push.spread, 'm')} apart" if push.fingers == 2 else ""
-    yield (
-        f"Plan: push the {push.object} with {fingers}{apart} on its {push.face} face, "
-        f"{quantity(push.p_BC[2], 'm')} above the table, {_heading(plan)}, "
-        f"with at most {quantity(push.force_limit, 'N')} at {quantity(push.speed, 'm/s')} "
-        f"over {quantity(push.stroke, 'm')}."
-    )
+    """Where and how hard it will push, why that does what was asked, and what comes after it."""
+    yield f"Plan: {push_line(plan.push)}."
     yield f"  Predicted: {_prediction(plan)}"
     yield f"  Why that is safe: {_safety(plan)}"
+    if guards := _guards(plan.push.limits):
+        yield f"  It is stopped before it {guards}."
+    for number, move in enumerate(plan.later, start=2):
+        yield f"  {number}. Then, as foreseen: {push_line(move.push)}."
+    if plan.aim is not None:
+        yield f"  {_end(plan, plan.aim)}"
     yield from (f"  {note}" for note in plan.notes)
 
 
-def _heading(plan: Plan) -> str:
-    x, y, _ = plan.push.direction_W
-    return phrase(math.atan2(y, x))
+def push_line(push: Push) -> str:
+    """One push in words: with what, where, which way, how hard, and until when."""
+    fingers = "one finger" if push.fingers == 1 else "two fingers"
+    apart = f" {quantity(push.spread, 'm')} apart" if push.fingers == 2 else ""
+    x, y, _ = push.direction_W
+    return (
+        f"push the {push.object} with {fingers}{apart} on its {push.face} face, "
+        f"{quantity(push.p_BC[2], 'm')} above the table, {phrase(math.atan2(y, x))}, "
+        f"with at most {quantity(push.force_limit, 'N')} at {quantity(push.speed, 'm/s')} "
+        f"{_extent(push)}"
+    )
+
+
+def _extent(push: Push) -> str:
+    """How far, or until when, a push goes."""
+    way = quantity(push.stroke, "m")
+    event = {
+        "moves": "until it moves",
+        "touching": f"until it touches the {push.meets}",
+        "tips": "until it begins to tip",
+    }.get(push.until or "")
+    angle = quantity(abs(push.turn), "rad")
+    turned = f"{angle} to the {'left' if push.turn > 0.0 else 'right'}"
+    if push.ends_on == "tilted":
+        return f"{event or 'until it is tilted by ' + quantity(push.tilt, 'rad')}, then let it back"
+    if event:
+        return f"{event}, at most over {way}"
+    if push.ends_on == "turned":
+        return f"until it has turned by {turned}"
+    if push.ends_on == "toppled":
+        return f"until it falls, at most over {way}"
+    return f"over {way}" + (f", turning it by {turned}" if round(push.turn, 3) else "")
+
+
+def _guards(limits: Limits) -> str:
+    """What stops a push."""
+    told = [
+        f"comes closer than {quantity(clear, 'm')} to the {name}" for name, clear in limits.clear_of
+    ]
+    if limits.tilt is not None:
+        told.append(f"tilts by more than {quantity(limits.tilt, 'rad')}")
+    if limits.turn is not None:
+        told.append(f"turns by more than {quantity(limits.turn, 'rad')}")
+    if limits.duration is not None:
+        told.append(f"has been pushed for {quantity(limits.duration, 's')}")
+    return listed(told, "or")
+
+
+def _end(plan: Plan, aim: Aim) -> str:
+    """Where everything leads, and how sure that is."""
+    heading = "" if aim.yaw is None else f", heading {quantity(aim.yaw, 'rad')}"
+    pushes = 1 + len(plan.later)
+    sure = f" (probability of all {pushes} pushes {_probability(plan.probability)})"
+    return (
+        f"It should end at x {quantity(aim.x, 'm')}, y {quantity(aim.y, 'm')}{heading}"
+        f"{sure if pushes > 1 else ''}."
+    )
+
+
+_VERBS = {"slide": "slides", "topple": "topples", "none": "stays"}
 
 
 def _prediction(plan: Plan) -> str:
@@ -111,7 +171,11 @@ def _prediction(plan: Plan) -> str:
         for verb, force in (("sliding", p.slide_force), ("toppling", p.topple_force))
         if force is not None
     ]
-    verb = {"slide": "slides", "topple": "topples", "none": "stays"}.get(p.outcome, p.outcome)
+    verb = {
+        "turned": "turns",
+        "tilted": "tilts and stands again",
+        "toppled": "topples",
+    }.get(plan.push.ends_on) or _VERBS.get(p.outcome, p.outcome)
     text = f"it {verb} (probability {_probability(p.probability)}); {', '.join(starts)}."
     if p.critical_height is not None and p.critical_height_worst is not None:
         text += (

@@ -25,6 +25,10 @@ _SCALES: dict[str, tuple[float, str, int]] = {
 }
 
 
+REFUSALS = frozenset({"impossible", "out_of_reach", "blocked", "too_uncertain", "out_of_time"})
+"""Codes of errors that are refusals of the planner."""
+
+
 def quantity(value: float, unit: str) -> str:
     """An SI value as people read it: 0.119 m becomes "119 mm"."""
     scale, sign, digits = _SCALES.get(unit, (1.0, f" {unit}", 3))
@@ -94,7 +98,7 @@ def _quoted(text: str, spans: Sequence[tuple[int, int]]) -> str:
 def error_lines(error: ErrorInfo, text: str | None = None) -> Iterator[str]:
     """An error: its message, the words it is about, and what would be possible."""
     titles = {"clause_not_held": "Not held", "unsupported": "Unsupported", "internal": "Internal"}
-    refused = error.code in {"impossible", "out_of_reach", "blocked", "too_uncertain"}
+    refused = error.code in REFUSALS
     title = titles.get(error.code, "Refused" if refused else "Error")
     path = f"{error.path}: " if error.path else ""
     code = "" if title.casefold() == error.code else f" ({error.code})"
