@@ -11,15 +11,14 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from grammar import frames as g
 from objectmodels.base import Disc
-from planner.directions import HEADINGS, bisector, heading_of, unit
+from planner.directions import HEADINGS, unit
+from planner.displacements import asked_distance, asked_heading
 from planner.footprints import footprint, free_travel, travel_to_edge
 from planner.plan import Aim, DefaultUsed, Refusal, StopEvent
 from planner.refusals import RefusedError, unsupported
-from planner.relations import Beside, region, share_of_way, table_region
+from planner.relations import Beside, region, share_of_way
 
 if TYPE_CHECKING:
     from planner.defaults import Defaults
@@ -67,9 +66,9 @@ def aimed(frame: g.Frame, target: SeenObject, state: WorldState, defaults: Defau
         case g.Place():
             return _placed(goal, target, state, defaults)
         case g.Displace() if until is not None and until.event not in _TIPPING:
-            return _until(goal, until, target, state, defaults)
+            return _until(frame, goal, until, target, state, defaults)
         case g.Displace():
-            return _displaced(goal, target, state, defaults)
+            return _displaced(frame, goal, target, state, defaults)
     raise AssertionError(f"{goal.kind} moves nothing")
 
 
@@ -87,12 +86,16 @@ def here(target: SeenObject, x: float | None = None, y: float | None = None) -> 
 
 
 def _displaced(
-    goal: g.Displace, target: SeenObject, state: WorldState, defaults: Defaults
+    frame: g.Frame, goal: g.Displace, target: SeenObject, state: WorldState, defaults: Defaults
 ) -> Aimed:
     heading, used = _heading(goal, target, state, defaults)
-    distance, reason = _distance(goal, heading, target, state, defaults)
+    distance, reason = asked_distance(goal, target, state, defaults, frame.constraints)
     if reason:
         used += (DefaultUsed(name="distance", value=distance, unit="m", reason=reason),)
+    elif goal.distance is not None:
+        # A bound is kept with the tolerance to spare.
+        spare = {"exact": 0.0, "at_least": 1.0, "at_most": -1.0}[goal.bound]
+        distance += spare * min(defaults.distance_tolerance, 0.5 * distance)
     return _along(target, heading, distance, used)
 
 
@@ -107,88 +110,31 @@ def _heading(
     goal: g.Displace, target: SeenObject, state: WorldState, defaults: Defaults
 ) -> tuple[float, tuple[DefaultUsed, ...]]:
     """Direction of a displacement in W [rad], and that it was not said."""
-    if goal.heading is not None:
-        return goal.heading, ()
-    for other, sign in ((goal.toward, 1.0), (goal.away_from, -1.0)):
-        if other is None:
-            continue
-        way = "towards" if other is goal.toward else "away from"
-        there = _whereabouts(other, way, target, state, defaults)
-        return heading_of(sign * (np.array([*there, 0.0]) - target.pose.p_WB)), ()
-    if isinstance(goal.direction, tuple):
-        found = bisector(goal.direction)
-        assert found is not None, "the grammar lets no two opposite directions through"
-        return found, ()
-    if goal.direction:
-        return HEADINGS[goal.direction], ()
+    for other, way in ((goal.toward, "towards"), (goal.away_from, "away from")):
+        if isinstance(other, g.ObjectRef) and other.id == target.name:
+            message = f"the {target.name} cannot move {way} itself"
+            raise RefusedError(Refusal(reason="impossible", message=message, spans=other.spans))
+    heading = asked_heading(goal, target, state, defaults)
+    if heading is not None:
+        return heading, ()
     reason = "no direction said: away"
     return HEADINGS["away"], (DefaultUsed(name="direction", value=0.0, unit="rad", reason=reason),)
-
-
-def _whereabouts(
-    other: g.ObjectRef | g.TableRegion,
-    way: str,
-    target: SeenObject,
-    state: WorldState,
-    defaults: Defaults,
-) -> tuple[float, float]:
-    """Position in W of an object, or of a part of the table, that the way leads to or from."""
-    if not isinstance(other, g.ObjectRef):
-        x, y = table_region(other, state.table, defaults).spots(target)[0].tolist()
-        return x, y
-    assert other.id is not None, "objects are resolved by now"
-    if other.id == target.name:
-        message = f"the {target.name} cannot move {way} itself"
-        raise RefusedError(Refusal(reason="impossible", message=message, spans=other.spans))
-    pose = state.objects[other.id].pose
-    return pose.x, pose.y
-
-
-def _distance(
-    goal: g.Displace, heading: float, target: SeenObject, state: WorldState, defaults: Defaults
-) -> tuple[float, str | None]:
-    """The distance to plan for [m], and why it is a default, if it is one."""
-    assert not isinstance(goal.distance, g.RelativeLength), "lengths are in metres by now"
-    if goal.fraction is not None:
-        return goal.fraction * _whole_way(goal, heading, target, state, defaults), None
-    if goal.distance is not None:
-        # A bound is kept with the tolerance to spare.
-        spare = {"exact": 0.0, "at_least": 1.0, "at_most": -1.0}[goal.bound]
-        spare *= min(defaults.distance_tolerance, 0.5 * goal.distance)
-        return goal.distance + spare, None
-    if goal.amount == "little":
-        return defaults.distance_little, "“a little”"
-    if goal.amount == "lot":
-        return defaults.distance_lot, "“a lot”"
-    if isinstance(goal.toward, g.ObjectRef):
-        way = _whole_way(goal, heading, target, state, defaults)
-        if way < defaults.distance + defaults.place_gap:
-            return max(way - defaults.place_gap, 0.0), "no distance said: up to it"
-    return defaults.distance, "no distance said"
-
-
-def _whole_way(
-    goal: g.Displace, heading: float, target: SeenObject, state: WorldState, defaults: Defaults
-) -> float:
-    """Distance to where the object would touch, or be at, what it moves towards [m]."""
-    if isinstance(goal.toward, g.ObjectRef):
-        assert goal.toward.id is not None
-        other = footprint(state.objects[goal.toward.id])
-        return free_travel(footprint(target), other, unit(heading)[:2], 0.0)
-    assert goal.toward is not None, "a share of a way has an end"
-    there = _whereabouts(goal.toward, "towards", target, state, defaults)
-    return math.dist(there, (target.pose.x, target.pose.y))
 
 
 # -- until something happens ------------------------------------------------------------------
 
 
 def _until(
-    goal: g.Displace, until: g.Until, target: SeenObject, state: WorldState, defaults: Defaults
+    frame: g.Frame,
+    goal: g.Displace,
+    until: g.Until,
+    target: SeenObject,
+    state: WorldState,
+    defaults: Defaults,
 ) -> Aimed:
     """As far as it takes until an event."""
     if until.event == "moves":
-        moved = _displaced(goal, target, state, defaults)
+        moved = _displaced(frame, goal, target, state, defaults)
         return replace(moved, until="moves")
     other = None if until.object is None else state.objects.get(until.object.id or "")
     if goal.direction is None and goal.heading is None and other is not None:

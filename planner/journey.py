@@ -94,19 +94,21 @@ class Journey:
     def _swung(self, target: SeenObject, turn: float) -> tuple[list[Found], SeenObject] | Refusal:
         """The pushes that turn an object, and the object after them."""
         found: list[Found] = []
-        for angles in turns.pairs(turns.sizes(turn)):
-            pair = self._pair(target, angles)
-            if isinstance(pair, Refusal):
-                return pair
-            found += pair[0]
-            target = pair[1]
+        while abs(turn) > _SQUARE:
+            chunk = self._chunk(target, turn)
+            if isinstance(chunk, Refusal):
+                return chunk
+            pushes, there = chunk
+            found += pushes
+            turn -= there.pose.yaw - target.pose.yaw
+            target = there
         return found, target
 
-    def _pair(
-        self, target: SeenObject, angles: tuple[float, ...]
-    ) -> tuple[list[Found], SeenObject] | Refusal:
+    def _chunk(self, target: SeenObject, turn: float) -> tuple[list[Found], SeenObject] | Refusal:
+        """The first push or pair of a turn, and the object after it."""
         refusal: Refusal | None = None
-        for steps in turns.swings(target, angles, self._aim):
+        tried = 0
+        for steps in turns.swings(target, turn, self._aim):
             met = turns.free(target, steps, self._state, self._clearances, self._defaults.clearance)
             if met is not None:
                 refusal = refusal or refusals.turn_blocked(target, met)
@@ -115,6 +117,9 @@ class Journey:
             if not isinstance(made, Refusal):
                 return made
             refusal = made
+            tried += 1
+            if tried == _WAYS:
+                break
         return refusal or refusals.cannot_turn(target)
 
     def _swings(

@@ -161,7 +161,10 @@ def _sides(asked: Asked, target: SeenObject, defaults: Defaults) -> list[Side]:
     straightest = min(sides, key=lambda s: abs(angle_between(s.heading, asked.heading or 0.0)))
     oblique = angle_between(asked.heading, straightest.heading)
     # An object that slides straight presses back along the push: that must be in the friction cone.
+    # What topples or tilts is pushed square to its face, and goes about where it was meant to.
     largest = grip(target, defaults.sigmas)
+    if asked.outcome == "topple":
+        largest = 0.5 * defaults.side_tolerance
     if abs(oblique) > largest:
         raise RefusedError(refusals.askew(asked, target, straightest, oblique, largest))
     return [straightest]

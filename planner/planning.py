@@ -9,6 +9,7 @@ Frames: W is the world, B the object.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from planner import refusals
@@ -18,6 +19,7 @@ from planner.journey import Journey
 from planner.onepush import Found, best_push
 from planner.plan import Aim, Plan, Reached, Refusal
 from planner.refusals import RefusedError
+from planner.ways import obliqueness
 
 if TYPE_CHECKING:
     from grammar.frames import Frame
@@ -55,11 +57,32 @@ def plan(
     except RefusedError as refused:
         return refused.refusal
     if not asked.aims:
-        found = best_push(asked, target, state, reach, defaults)
+        found = _over(asked, target, state, reach, defaults)
         if isinstance(found, Refusal):
             return found
-        return _together([found], asked, None, target, defaults)
+        return _together(found, asked, None, target, defaults)
     return _to_an_aim(asked, asked.aims if aim is None else (aim,), target, state, reach, defaults)
+
+
+def _over(
+    asked: Asked, target: SeenObject, state: WorldState, reach: Reach, defaults: Defaults
+) -> list[Found] | Refusal:
+    """The push that topples or tilts an object; turned first if none of its faces looks there."""
+    askew = 0.0 if asked.heading is None else obliqueness(target, asked.heading)
+    if abs(askew) <= 0.5 * defaults.side_tolerance or asked.face is not None:
+        found = best_push(asked, target, state, reach, defaults)
+        return found if isinstance(found, Refusal) else [found]
+    square = target.pose.yaw + askew
+    aim = Aim(x=target.pose.x, y=target.pose.y, yaw=square)
+    on_its_base = replace(asked, outcome="slide", rotates=True, aims=(aim,), tilt=None)
+    pushes = Journey(on_its_base, aim, target, state, reach, defaults).pushes()
+    assert not isinstance(pushes, Reached), "it stands askew"
+    if isinstance(pushes, Refusal):
+        return pushes
+    there = replace(target, pose=replace(target.pose, yaw=square))
+    after = replace(state, objects={**state.objects, target.name: there})
+    then = best_push(asked, there, after, reach, defaults)
+    return then if isinstance(then, Refusal) else [*pushes, then]
 
 
 def _to_an_aim(

@@ -2,8 +2,8 @@
 
 Model: each push turns the object about a pivot off its middle (`objectmodels.turning`), so that it
 is displaced as well. A second push by the same angle on the opposite side takes most of that back.
-So a turn is made in pairs, each from the sides that leave the object nearest to where it should be;
-a turn too small for two pushes is made by one.
+So a turn is made in pairs, each on the sides that leave the object nearest to where it should be; a
+turn so small that little is to be taken back is made by one.
 
 Frames: W, its table plane.
 """
@@ -29,12 +29,10 @@ if TYPE_CHECKING:
     from planner.plan import Aim
     from planner.state import PlanarPose, SeenObject, WorldState
 
-MOST = math.radians(45.0)
+MOST = math.radians(50.0)
 """Largest turn by one push: the palm turns with the object, and the arm must follow."""
 
-SINGLE = math.radians(5.0)
-"""A turn up to this is made by one push."""
-
+_EFFORT = 0.008  # displacement that is worth another push [m]
 _ROUND_HEADINGS = np.radians(np.arange(-180.0, 180.0, 30.0))
 _LOOKED_AT = 4  # poses of one push that must be free
 
@@ -66,38 +64,40 @@ class Swing:
         return replace(target, pose=replace(target.pose, x=float(p[0]), y=float(p[1]), yaw=yaw))
 
 
-def sizes(angle: float) -> tuple[float, ...]:
-    """The angles of the pushes that make up a turn [rad]."""
-    number = 1 if abs(angle) <= SINGLE else 2 * math.ceil(abs(angle) / (2.0 * MOST))
-    return (angle / number,) * number
-
-
-def swings(target: SeenObject, angles: tuple[float, ...], aim: Aim) -> Iterator[tuple[Swing, ...]]:
-    """One push, or a pair on opposite sides, for the first of the angles.
+def swings(target: SeenObject, turn: float, aim: Aim) -> Iterator[tuple[Swing, ...]]:
+    """One push, or a pair on opposite sides, with which a turn may begin.
 
     Args:
         target: the object.
-        angles: of all pushes that are left.
-        aim: where it should be; what leaves it nearest to that comes first.
+        turn: angle by which it has to turn [rad].
+        aim: where it should be; what leaves it near to that with few pushes comes first.
     """
-    angle, number = angles[0], min(len(angles), 2)
+    least = max(math.ceil(abs(turn) / MOST), 1)
     found = []
-    for side in _sides(target):
-        first = Swing(side, angle)
-        if first.push(target) is None:
-            continue
-        steps: tuple[Swing, ...] = (first,)
-        there = first.left(target)
-        if number == 2:
-            opposite = _opposite(side, there)
-            second = Swing(opposite, angle)
-            if second.push(there) is None:
-                continue
-            steps, there = (first, second), second.left(there)
-        off = math.dist((aim.x, aim.y), (there.pose.x, there.pose.y))
-        found.append((round(off, 4), abs(side.heading), steps))
+    for number in (least, least + 1):
+        for side in _sides(target):
+            # Pairs stay where they are; an odd one first takes back what one before it did.
+            steps, there = _steps(target, side, turn / number, 2 - number % 2)
+            if steps:
+                off = math.dist((aim.x, aim.y), (there.pose.x, there.pose.y))
+                cost = round(off + _EFFORT * number, 4)
+                found.append((cost, abs(side.heading), steps))
     for _, _, steps in sorted(found, key=lambda each: each[:2]):
         yield steps
+
+
+def _steps(
+    target: SeenObject, side: Side, angle: float, number: int
+) -> tuple[tuple[Swing, ...], SeenObject]:
+    """Pushes on a side and the one opposite to it in turn, and the object after them."""
+    steps: tuple[Swing, ...] = ()
+    for _ in range(number):
+        step = Swing(side, angle)
+        if step.push(target) is None:
+            return (), target
+        steps, target = (*steps, step), step.left(target)
+        side = _opposite(side, target)
+    return steps, target
 
 
 def free(
@@ -151,8 +151,3 @@ def _opposite(side: Side, target: SeenObject) -> Side:
         headings = np.array([math.atan2(normal[1], normal[0])])
     faces = target.model.faces(headings)
     return _side(min(faces, key=lambda face: float(np.array(face.normal) @ normal)), target.pose)
-
-
-def pairs(angles: tuple[float, ...]) -> list[tuple[float, ...]]:
-    """The angles two by two."""
-    return [angles[i : i + 2] for i in range(0, len(angles), 2)] if angles else []

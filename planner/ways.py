@@ -78,6 +78,14 @@ def grip(target: SeenObject, sigmas: float) -> float:
     return min(OBLIQUE, math.atan(max(least, 0.0)))
 
 
+def obliqueness(target: SeenObject, heading: float) -> float:
+    """Angle by which an object would have to turn for a face to be square to a push [rad]."""
+    inward = _inward(target)
+    if isinstance(target.model.base, Disc) or not inward:
+        return 0.0
+    return min((angle_between(heading, h) for h in inward), key=abs)
+
+
 def ways(target: SeenObject, aim: Aim, within: float, largest: float) -> Iterator[tuple[Leg, ...]]:
     """Ways of one or two legs from where an object is to an aim, the shortest first.
 

@@ -28,7 +28,11 @@ if TYPE_CHECKING:
     from objectmodels.model import ObjectModel
     from sim.world import DrakeWorld
 
-_CONTROLS: dict[str, type[PushControl | TiltControl]] = {"tilted": TiltControl, "turned": TurnControl}
+_CONTROLS: dict[str, type[PushControl | TiltControl | TurnControl]] = {
+    "tilted": TiltControl,
+    "turned": TurnControl,
+}
+"""What controls a push, by what it ends on."""
 
 SETTLE = {"stroke": 0.5, "toppled": 1.5}
 """Time that an object gets to come to rest [s]."""

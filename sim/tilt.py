@@ -19,13 +19,13 @@ from planner.plan import Plan
 from planner.state import WorldState
 from sim.arc import Arc
 from sim.guards import MOVED, RAMP, TiltGuards, band
-from sim.reach import Way
 from sim.recorder import Recorder
 from sim.stance import Stance
 from sim.tiltview import TiltView
 from sim.touch import TouchControl
 from sim.trace import EndReason
 from sim.trip import Progress
+from sim.way import Way
 
 HOLD = 0.5
 """Time for which the tilt is held [s]."""
