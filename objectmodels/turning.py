@@ -210,6 +210,39 @@ def best_turn(
     )
 
 
+def learned_radius(
+    model: ObjectModel, point: ArrayLike, direction: ArrayLike, pose: ArrayLike
+) -> float:
+    """The friction radius that a push has shown which turned the object [m].
+
+    The contact moves at right angles to its arm from the pivot, which B's displacement gives away.
+
+    Args:
+        model: of the object, as believed before.
+        point: contact point p_BC, shape (3,) [m].
+        direction: horizontal unit vector in which the contact moved at first, in B, shape (3,).
+        pose: x, y [m], θ [rad] of B after the push, in B before it; θ is not 0.
+
+    Returns:
+        At least a share of what was believed, at most that of an object on its corners.
+
+    Raises:
+        ModelError: `bad_value`.
+    """
+    x, y, angle = np.asarray(pose, float)
+    if not np.isfinite([x, y, angle]).all() or angle == 0.0:
+        raise ModelError("bad_value", "nothing is learned from a push that did not turn the object")
+    # p − R p is the displacement.
+    d, moved = np.asarray(direction, float)[:2], np.array([x, y])
+    pivot = 0.5 * (moved + _left(moved) / np.tan(0.5 * angle))
+    r = np.asarray(point, float)[:2] - np.array(model.com[:2])
+    # With arm ρ = 1 / ω: from ω = (ẑ × r) · d / (c̄² + r²).
+    arm = float(_left(d) @ (pivot - np.array(model.com[:2]) - r))
+    squared = arm * float(_left(r) @ d) - float(r @ r)
+    least, most = _radius(model, -np.inf), _radius(model, np.inf)
+    return float(np.sqrt(np.clip(squared, least**2, most**2)))
+
+
 class _Contacts:
     """Contacts of n pushes, each in a frame with x along the inward normal, y = ẑ × x.
 

@@ -7,7 +7,8 @@ import pytest
 
 from objectmodels import BoxModel, CylinderModel, ModelError, ObjectModel, Registry
 from objectmodels.base import Array
-from objectmodels.turning import EDGE, STROKE_SLACK, best_turn, turning
+from objectmodels.turning import EDGE, STROKE_SLACK, best_turn, learned_radius, turning
+from objectmodels.turnsequence import LARGEST_TURN, PAIRED_TURN, turn_parts
 
 BOX = BoxModel(
     name="b",
@@ -151,3 +152,38 @@ def test_what_makes_no_sense_is_refused() -> None:
             turning(BOX, *contact, slant, angle, sigmas=sigmas)
     with pytest.raises(ModelError, match="side faces"):
         turning(BOX, [[0.0, 0.0, 0.2]], [[0.0, 0.0, 1.0]], 0.1, 0.1)
+
+
+@pytest.mark.parametrize("true_radius", [0.03, 0.05, 0.07])
+@pytest.mark.parametrize("angle", [-0.3, 0.6])
+def test_a_turn_shows_the_friction_radius(true_radius: float, angle: float) -> None:
+    believed = BOX.model_copy(update={"friction_radius": 0.04})
+    true = BOX.model_copy(update={"friction_radius": true_radius})
+    best = best_turn(believed, BOX.faces()[2], angle, 0.05)
+    assert best is not None
+    n, d = np.array(best.normal), np.array(best.direction)
+    slant = np.arctan2(-n[0] * d[1] + n[1] * d[0], -n @ d)
+    shown = turning(true, [best.point], [n], slant, angle).pose[0]
+    assert learned_radius(believed, best.point, d, shown) == pytest.approx(true_radius, rel=1e-9)
+    # Never more than an object on its corners has, nor nothing.
+    assert learned_radius(believed, best.point, d, [10.0, 10.0, angle]) <= np.hypot(0.04, 0.06)
+    assert learned_radius(believed, best.point, d, [0.0, 0.0, angle]) > 0.01
+    with pytest.raises(ModelError, match="did not turn"):
+        learned_radius(believed, best.point, d, [0.01, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("degrees", [5.0, -14.0, 20.0, 45.0, -90.0, 120.0, -180.0])
+@pytest.mark.parametrize("radius", [0.03, 0.07])
+def test_pushes_on_opposite_faces_leave_it_where_it_was(degrees: float, radius: float) -> None:
+    crate = BOX.model_copy(update={"friction_radius": radius, "com": (0.0, 0.0, 0.09)})
+    parts = turn_parts(np.radians(degrees))
+    assert sum(parts) == pytest.approx(np.radians(degrees))
+    assert len(parts) % 2 == (abs(degrees) > np.degrees(PAIRED_TURN))
+    place, heading = np.zeros(2), 0.0
+    for number, part in enumerate(parts):
+        best = best_turn(crate, crate.faces()[2 * (number % 2)], part, 0.03)
+        assert best is not None
+        place = place + rotated(heading) @ np.array(best.pose[:2])
+        heading += part
+    assert abs(parts[0]) <= 0.5 * LARGEST_TURN
+    assert np.linalg.norm(place) < (1e-12 if len(parts) > 2 else 0.002)
