@@ -93,24 +93,31 @@ def travel_to_edge(corners: Array, table: TableState, direction: Array, margin: 
     return float((room[:, going] / np.abs(direction[going])).min())
 
 
-def gap(a: Array, b: Array) -> float:
-    """Distance between two convex polygons, shapes (n, 2), (k, 2) [m]; 0 if they overlap."""
-    if overlaps(a, b, 0.0):
-        return 0.0
-    return float(np.sqrt(min(_nearest_squared(a, b), _nearest_squared(b, a))))
-
-
-def _nearest_squared(points: Array, polygon: Array) -> float:
-    """Least squared distance from points to the edges of a polygon [m²]."""
-    edges = np.roll(polygon, -1, axis=0) - polygon
-    away = points[:, None, :] - polygon
-    share = np.clip(np.sum(away * edges, axis=2) / np.sum(edges * edges, axis=1), 0.0, 1.0)
-    return float(np.sum((away - share[..., None] * edges) ** 2, axis=2).min())
-
-
 def overlaps(a: Array, b: Array, clearance: float) -> bool:
     """Whether two convex polygons are closer than a clearance, shapes (n, 2), (k, 2) [m]."""
+    return _apart(a, b) < clearance
+
+
+def gap(a: Array, b: Array) -> float:
+    """Distance between two convex polygons of shapes (n, 2) and (k, 2) [m].
+
+    Returns:
+        Where they overlap, less than 0: the least translation that would part them.
+    """
+    apart = _apart(a, b)
+    return apart if apart <= 0.0 else min(_to_edges(a, b), _to_edges(b, a))
+
+
+def _apart(a: Array, b: Array) -> float:
+    """The widest gap along the normal of an edge; between two corners it is wider still."""
     axes = np.vstack([_normals(a), _normals(b)])
     pa, pb = a @ axes.T, b @ axes.T
-    gap = np.maximum(pa.min(axis=0) - pb.max(axis=0), pb.min(axis=0) - pa.max(axis=0))
-    return bool(gap.max() < clearance)
+    return float(np.maximum(pa.min(axis=0) - pb.max(axis=0), pb.min(axis=0) - pa.max(axis=0)).max())
+
+
+def _to_edges(points: Array, polygon: Array) -> float:
+    """Least distance of points from the edges of a polygon [m]."""
+    edges = np.roll(polygon, -1, axis=0) - polygon
+    from_corner = points[:, None] - polygon
+    share = np.clip((from_corner * edges).sum(axis=2) / (edges**2).sum(axis=1), 0.0, 1.0)
+    return float(np.linalg.norm(from_corner - share[..., None] * edges, axis=2).min())

@@ -23,10 +23,11 @@ from planner.plan import Plan
 from planner.state import WorldState
 from sim.fingers import Touch
 from sim.guards import MOVED, RAMP, Guards, band
-from sim.hand import TIP_RADIUS
+from sim.limits import Follower, LimitGuards
 from sim.recorder import Recorder
+from sim.rotations import Array
 from sim.stance import Stance
-from sim.steering import LineKeeper, PushedBox
+from sim.steering import LineKeeper, Pushed
 from sim.touch import TouchControl
 from sim.trace import EndReason
 from sim.way import Way
@@ -39,6 +40,10 @@ _BRAKING = 1.5  # speed per remaining distance near the end of the stroke [1/s]
 _SLOWEST = 0.008  # [m/s]
 _HOLD = 4.0  # rate at which deviations across the vector are corrected [1/s]
 _HOLD_MOST = 0.010  # largest such correction [m]
+_SHORTEST = 0.01  # remaining way over which two fingers lead an object back to its line [m]
+_LARGEST_SLOPE = 0.2  # of their path then: inside the friction cone
+_STIFFER = 0.5  # deviations of the friction radius: too large a one is corrected on the way
+_CENTRE_SD = 0.002  # of the centre of friction along the face, from friction that varies [m]
 
 
 class PushControl(TouchControl):
@@ -64,7 +69,9 @@ class PushControl(TouchControl):
     ) -> None:
         super().__init__(plan.push, plan.prediction.onset, recorder, stance, way, tell)
         self.plan = plan
+        self._state = state
         self._target = state.objects[plan.push.object]
+        self._left = np.array([-self._u[1], self._u[0]])
 
     def push(self) -> tuple[EndReason, str]:
         """Pushes until an end or a guard; returns which and why."""
@@ -77,25 +84,33 @@ class PushControl(TouchControl):
         here = self._here
         origin, command = here.midpoint, self.commanded
         steering = self._steering(here) if push.fingers == 1 and push.ends_on == "stroke" else None
+        limits = self._limits(origin)
         correction, across, slope = np.zeros(3), np.zeros(3), 0.0
-        sideways = np.array([-self._u[1], self._u[0], 0.0])
+        turns = push.ends_on == "stroke" and push.turn != 0.0
+        sideways = np.array([*self._left, 0.0])
         start = min(_FASTEST_START, push.speed, _FORCE_RATE / self.stance.stiffness(self._u))
         speed, felt_first = start, float(self._forces.sum())
         guards = Guards(self.plan, self._period)
         while True:
             elapsed = self.recorder.world.time - started
             here = self._here
-            travel = float((here.midpoint - origin) @ self._u)
-            end = guards.end(elapsed, travel, float(self._forces.sum()), self._tilt)
-            if end is not None:
-                return end
+            travel, felt = float((here.midpoint - origin) @ self._u), float(self._forces.sum())
+            stopped = limits.end(
+                elapsed, self.recorder.world.time, here.midpoint, felt, self.recorder.frames
+            )
+            come = travel
             if steering is not None:
                 self._inform(steering, here)
-                slope = steering.slope(push.stroke - travel)
+                come, slope = steering.come, steering.slope(push.stroke - steering.come)
+            elif turns:
+                come, slope = self._led(limits.follower)
+            end = guards.end(elapsed, come, felt, self._tilt) or stopped
+            if end is not None:
+                return end
             limit = min(1.0, elapsed / RAMP) * (push.force_limit - felt_first) + felt_first
             self.recorder.force_limit = max(limit, felt_first)
-            speed = self._speed(speed, start, travel, guards.speed)
-            room = (limit - self._forces.sum()) / band(push)
+            speed = self._speed(speed, start, come, guards.speed)
+            room = (limit - felt) / band(push)
             advance = speed * float(np.clip(room, -1.0, 1.0))
             step = advance * self._period * (self._u + slope * sideways) / np.hypot(1.0, slope)
             command = command + step
@@ -124,22 +139,47 @@ class PushControl(TouchControl):
 
     # -- steering ------------------------------------------------------------------------------
 
+    def _limits(self, origin: Array) -> LimitGuards:
+        vision = self.recorder.world.scene.vision
+        return LimitGuards(self.plan.push, self._state, vision, origin, self._period)
+
+    def _led(self, follower: Follower) -> tuple[float, float]:
+        """How far an object has come that two fingers square up [m], and their path's slope.
+
+        Its middle swings aside while it does.
+        """
+        come, aside = follower.displacement @ self._u[:2], follower.displacement @ self._left
+        remaining = max(self.plan.push.stroke - float(come), _SHORTEST)
+        return float(come), float(np.clip(-aside / remaining, -_LARGEST_SLOPE, _LARGEST_SLOPE))
+
     def _steering(self, here: Touch) -> LineKeeper:
         """Steering from what is believed at the touch."""
-        pose, model = self._target.pose, self._target.model
+        push, pose, model = self.plan.push, self._target.pose, self._target.model
         vision = self.recorder.world.scene.vision
         frames = max(1.0, vision.rate_hz)  # of the look before, which lasted a second
-        depth = (model.outline @ (pose.R_WB.T @ -self.way.inward)[:2]).max()
-        inward = float(np.arctan2(self.way.inward[1], self.way.inward[0]))
         angle = np.radians(vision.angle_noise_deg)
+        inward = float(np.arctan2(-push.normal_W[1], -push.normal_W[0]))
+        facing = inward - pose.yaw
+        into = np.array([np.cos(facing), np.sin(facing)])
+        face = max(model.faces([facing]), key=lambda face: -into @ face.normal[:2])
+        left = np.array([-into[1], into[0]])
         return LineKeeper(
-            PushedBox(float(depth) + TIP_RADIUS, model.friction_radius, inward - pose.yaw),
+            Pushed(
+                depth=float(-into @ push.p_BC[:2]),
+                friction_radius=model.friction_radius + _STIFFER * model.friction_radius_sd,
+                facing=facing,
+                curvature=face.curvature,
+                centre=float(left @ model.com[:2]),
+            ),
             float(np.arctan2(self._u[1], self._u[0])),
             here.midpoint[:2],
             (pose.x, pose.y, inward),
+            turn=push.turn,
             deviations=(
                 angle / np.sqrt(frames) + 0.003,
                 vision.position_noise_m / np.sqrt(frames) + 0.0005,
+                float(np.hypot(_CENTRE_SD, np.abs(left) @ model.com_sd[:2])),
+                model.friction_radius_sd,
             ),
             camera=(vision.position_noise_m, angle),
         )
