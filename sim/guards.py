@@ -137,6 +137,7 @@ class TiltGuards(Guards):
         super().__init__(plan, period)
         safe = _SAFE_SHARE * plan.prediction.stay_on_base_angle
         self._farthest = min(safe, plan.push.limits.tilt or np.inf)
+        self._longest = min(self._longest, plan.push.limits.duration or np.inf)
 
     def tilt_end(
         self, elapsed: float, travel: float, felt: float, view: TiltView
