@@ -32,9 +32,9 @@ def _lines(result: Result) -> Iterator[str]:
         for step in result.steps:
             yield ""
             yield f"Step {step.frame + 1} of {len(result.frames)}: {step.status}"
-            yield from _step_lines(result.text, step)
+            yield from _step_lines(result, step)
     else:
-        yield from _step_lines(result.text, *(result.steps or (result,)))
+        yield from _step_lines(result, *(result.steps or (result,)))
     if result.error:
         if result.paraphrase:
             yield ""
@@ -43,19 +43,19 @@ def _lines(result: Result) -> Iterator[str]:
         yield "Done: every clause held."
 
 
-def _step_lines(text: str, step: Step | Result) -> Iterator[str]:
+def _step_lines(result: Result, step: Step | Result) -> Iterator[str]:
     """The pushes for one frame: their plan, what happened and what that taught; or one answer."""
     if step.plan:
         yield ""
         yield from plan_lines(step.plan)
-    elif _is_there(step):
+    elif _is_there(result, step):
         yield ""
         yield "It is there already: nothing is to be done."
     if step.checks:
         pushes = len(step.plans) if isinstance(step, Step) else 1
         yield ""
         yield "What happened:" if pushes < 2 else f"What happened, in {pushes} pushes:"
-        yield from (check_line(text, check) for check in step.checks)
+        yield from (check_line(result.text, check) for check in step.checks)
     if isinstance(step, Step) and step.lessons:
         yield ""
         yield "What the pushes taught:"
@@ -65,12 +65,12 @@ def _step_lines(text: str, step: Step | Result) -> Iterator[str]:
         yield from answer_lines(step.answer)
 
 
-def _is_there(step: Step | Result) -> bool:
+def _is_there(result: Result, step: Step | Result) -> bool:
     """Whether nothing had to be done, or nothing would have to be."""
     if step.execution is not None:
         return step.execution.end == "reached"
-    told = step.answer or step.error or (isinstance(step, Result) and step.notes)
-    return step.status == "planned" and not told
+    explored = isinstance(step, Step) and result.frames[step.frame].action == "explore"
+    return step.status == "planned" and not explored
 
 
 def answer_lines(answer: Answer) -> Iterator[str]:

@@ -3,17 +3,28 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 
+from grammar import frames as g
 from nlcontrol.answers import Answer
 from nlcontrol.checks import Check
-from nlcontrol.errors import ErrorInfo
+from nlcontrol.errors import CODES, NO_PLAN, ErrorInfo
 from nlcontrol.report import check_line, plan_lines, report
-from nlcontrol.result import Result, Step
+from nlcontrol.result import Execution, Result, Step
 from nlcontrol.text import error_lines, quantity, words
-from planner.plan import DefaultUsed, Margins, Plan, Prediction, Push
+from planner.plan import (
+    Aim,
+    DefaultUsed,
+    Limits,
+    Margins,
+    Move,
+    Plan,
+    Prediction,
+    Push,
+    RefusalReason,
+)
 
 SENTENCE = "push the ice tea box away without toppling it"
 
@@ -75,6 +86,111 @@ def test_a_topple_is_safe_the_other_way_round() -> None:
 def test_a_box_that_never_topples() -> None:
     never = _plan(critical_height=None, critical_height_worst=None, topple_force=None)
     assert "no push on this face topples it" in "\n".join(plan_lines(never))
+
+
+def _pushed(**changes: Any) -> str:
+    made = _plan()
+    return "\n".join(plan_lines(made.model_copy(update={"push": _push(made, **changes)})))
+
+
+def _push(made: Plan, **changes: Any) -> Push:
+    return made.push.model_copy(update=changes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"turn": 0.05}, "over 100 mm, turning it by 2.9° to the left"),
+        ({"ends_on": "turned", "turn": -math.pi / 4}, "until it has turned by 45.0° to the right"),
+        ({"ends_on": "toppled"}, "until it falls, at most over 100 mm"),
+        (
+            {"ends_on": "tilted", "tilt": math.radians(8)},
+            "until it is tilted by 8.0°, then let it back",
+        ),
+        ({"ends_on": "tilted", "until": "tips"}, "until it begins to tip, then let it back"),
+        ({"until": "moves"}, "until it moves, at most over 100 mm"),
+        ({"until": "touching", "meets": "mug"}, "until it touches the mug, at most over 100 mm"),
+        (
+            {"limits": Limits(tilt=0.1, duration=4.0, clear_of=(("mug", 0.03),))},
+            "stopped before it comes closer than 30 mm to the mug, tilts by more than 5.7° or "
+            "has been pushed for 4.0 s.",
+        ),
+        ({"limits": Limits(turn=math.radians(10))}, "stopped before it turns by more than 10.0°."),
+    ],
+)
+def test_how_far_a_push_goes_and_what_stops_it(changes: dict[str, Any], told: str) -> None:
+    assert told in _pushed(**changes)
+
+
+def test_a_push_without_limits_tells_none() -> None:
+    assert "stopped" not in _pushed()
+
+
+@pytest.mark.parametrize(
+    ("end", "verb"), [("turned", "it turns"), ("tilted", "it tilts and stands again")]
+)
+def test_what_is_predicted_of_each_kind_of_push(end: str, verb: str) -> None:
+    assert f"Predicted: {verb} (probability over 0.999)" in _pushed(ends_on=end)
+
+
+def test_pushes_that_are_foreseen_and_where_they_lead() -> None:
+    first = _plan()
+    later = Move(
+        push=_push(first, face="left", direction_W=(0, -1, 0), stroke=0.05),
+        prediction=first.prediction,
+        margins=first.margins,
+    )
+    aim = Aim(x=0.55, y=-0.05, yaw=math.pi / 2)
+    made = first.model_copy(update={"later": (later, later), "aim": aim, "probability": 0.962})
+    lines = list(plan_lines(made))
+    assert sum("Then, as foreseen: push the ice tea box" in line for line in lines) == 2
+    assert any(line.startswith("  3. ") and "left face" in line for line in lines)
+    told = "It should end at x 550 mm, y -50 mm, heading 90.0° (probability of all 3 pushes 0.962)."
+    assert f"  {told}" in lines
+    alone = "\n".join(plan_lines(first.model_copy(update={"aim": Aim(x=0.55, y=0.0)})))
+    assert "It should end at x 550 mm, y 0 mm." in alone
+
+
+def _result(**changes: Any) -> Result:
+    given = {"ok": True, "text": SENTENCE, "paraphrase": "…", "scene": "kitchen", "seed": 0}
+    return Result(**(given | changes))
+
+
+def test_what_is_there_already() -> None:
+    rest = Execution(
+        end="reached", detail="", duration=1.0, displacement=(0, 0, 0), turned=0.0,
+        largest_tilt=0.0, largest_force=0.0,
+    )  # fmt: skip
+    told = "It is there already: nothing is to be done."
+    done = Step(frame=0, status="done", execution=rest)
+    planned = Step(frame=0, status="planned")
+    assert told in report(_result(status="done", steps=(done,), frames=(g.Frame(action="push"),)))
+    for action, there in (("push", True), ("explore", False)):
+        frame = g.Frame.model_validate({"action": action})
+        text = report(_result(status="planned", steps=(planned,), frames=(frame,)))
+        assert (told in text) is there
+    assert told not in report(_result(status="planned", plan=_plan()))
+
+
+def test_the_number_of_pushes_is_told() -> None:
+    check = Check(
+        clause="others", quantity="touched on the way", relation="is", expected="none",
+        measured="none", ok=True,
+    )  # fmt: skip
+    step = Step(frame=0, status="done", plan=_plan(), plans=(_plan(),) * 3, checks=(check,))
+    text = report(_result(status="done", steps=(step,)))
+    assert "What happened, in 3 pushes:" in text
+    assert "  ✓ touched on the way: none (asked: none)" in text
+    once = step.model_copy(update={"plans": (_plan(),)})
+    assert "What happened:" in report(_result(status="done", steps=(once,)))
+
+
+@pytest.mark.parametrize("reason", get_args(RefusalReason))
+def test_every_refusal_has_a_code_and_a_title(reason: str) -> None:
+    assert CODES[reason].exit == NO_PLAN
+    (line,) = error_lines(ErrorInfo(code=reason, message="no"))
+    title = "Unsupported: no" if reason == "unsupported" else f"Refused ({reason}): no"
+    assert line == title
 
 
 @pytest.mark.parametrize(
