@@ -13,6 +13,7 @@ It may miss what there is: a confirmed refusal is one for which nothing was foun
 from __future__ import annotations
 
 import math
+import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
@@ -45,6 +46,7 @@ BEST = 3
 POSTURED = 4
 """Ways of doing it for which postures are looked for."""
 
+_NEAR = 0.45  # what is farther away from the object meets neither it nor the hand [m]
 _LEAST = 0.05  # of what is believed; parameters are drawn no smaller
 
 
@@ -92,8 +94,13 @@ def confirmed(
     """
     doubts = [Doubt(done.job, reason, tries) for done, reason in _sample(results, most)]
     beside = record and record.with_name(f"{record.stem}.confirmed{record.suffix}")
-    found = carried_out(confirm, doubts, pool, Confirmation, record=beside)
+    found = carried_out(confirm, doubts, pool, Confirmation, record=beside, told=_tell)
     return table(list(found.values()))
+
+
+def _tell(found: Confirmation) -> None:
+    case = found.job.case
+    print(f"{case.seed}-{case.number} {found.job.reason} {found.verdict}", file=sys.stderr)
 
 
 def _sample(results: Sequence[Done], most: int) -> list[tuple[Done, str]]:
@@ -150,7 +157,7 @@ def confirm(doubt: Doubt) -> Confirmation:
         return made(verdict="not looked for", found=error.info.message)
     if not upright(poses[asked.name]):
         return made(verdict="not looked for", found=f"the {asked.name} does not stand any more")
-    now = _as_it_stands(robot.world.scene, poses)
+    now = _as_it_stands(robot.world.scene, asked.name, poses)
     if doubt.reason == "too_uncertain":
         verdict, found = _uncertain(now, asked, robot.defaults.probability, doubt.tries, rng)
     elif doubt.reason in ("out_of_reach", "blocked"):
@@ -160,13 +167,14 @@ def confirm(doubt: Doubt) -> Confirmation:
     return made(verdict=verdict, found=found)
 
 
-def _as_it_stands(scene: Scene, poses: Mapping[str, Array]) -> Scene:
-    """The scene with everything where it is now; what has fallen over is left out."""
+def _as_it_stands(scene: Scene, name: str, poses: Mapping[str, Array]) -> Scene:
+    """The scene as it is now, without what has fallen over or is too far away to matter."""
     objects = []
     for item in scene.objects:
         x, y = poses[item.name][4:6].tolist()
         pose = Pose(x_m=x, y_m=y, yaw_deg=math.degrees(heading_of(poses[item.name])))
-        if upright(poses[item.name]):
+        near = math.dist((x, y), poses[name][4:6]) < _NEAR
+        if upright(poses[item.name]) and near:
             objects.append(item.model_copy(update={"pose": pose}))
     return scene.model_copy(update={"objects": tuple(objects)})
 
