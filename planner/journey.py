@@ -12,8 +12,11 @@ from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from planner import refusals, turns
 from planner.asked import Asked
+from planner.directions import heading_of
 from planner.onepush import Found, best_push
 from planner.plan import Aim, Reached, Refusal
 from planner.turns import Swing
@@ -93,19 +96,6 @@ class Journey:
 
     def _swung(self, target: SeenObject, turn: float) -> tuple[list[Found], SeenObject] | Refusal:
         """The pushes that turn an object, and the object after them."""
-        found: list[Found] = []
-        while abs(turn) > _SQUARE:
-            chunk = self._chunk(target, turn)
-            if isinstance(chunk, Refusal):
-                return chunk
-            pushes, there = chunk
-            found += pushes
-            turn -= there.pose.yaw - target.pose.yaw
-            target = there
-        return found, target
-
-    def _chunk(self, target: SeenObject, turn: float) -> tuple[list[Found], SeenObject] | Refusal:
-        """The first push or pair of a turn, and the object after it."""
         refusal: Refusal | None = None
         tried = 0
         for steps in turns.swings(target, turn, self._aim):
@@ -137,9 +127,10 @@ class Journey:
                 until=None,
                 meets=None,
             )
-            best = best_push(
-                asked, target, self._with(target), self._reach, self._defaults, step.side
-            )
+            # The side is where it was on the object, which has turned since.
+            normal = target.pose.R_WB @ np.array(step.side.face.normal)
+            side = replace(step.side, heading=heading_of(-normal))
+            best = best_push(asked, target, self._with(target), self._reach, self._defaults, side)
             if isinstance(best, Refusal):
                 return best
             found.append(best)

@@ -1,15 +1,17 @@
-"""Turning an object about the vertical: pushes off the middle of its sides, in pairs.
+"""Turning an object about the vertical: pushes off the middle of opposite sides by turns.
 
 Model: each push turns the object about a pivot off its middle (`objectmodels.turning`), so that it
-is displaced as well. A second push by the same angle on the opposite side takes most of that back.
-So a turn is made in pairs, each on the sides that leave the object nearest to where it should be; a
-turn so small that little is to be taken back is made by one.
+is displaced as well; the next push, on the opposite side, takes most of that back. Of some ways to
+part a turn (equal parts, or those of `objectmodels.turnsequence`, whose displacements cancel) and
+of all sides to begin on, the one is taken that ends nearest to where the object should be with few
+pushes. It is parted anew after each push, from where the object is seen then.
 
-Frames: W, its table plane.
+Frames: W, its table plane; pivots in B.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -19,6 +21,7 @@ import numpy as np
 
 from objectmodels.base import Disc
 from objectmodels.turning import best_turn
+from objectmodels.turnsequence import turn_parts
 from planner.candidates import Side
 from planner.directions import heading_of
 from planner.footprints import footprint, gap, travel_to_edge
@@ -29,75 +32,103 @@ if TYPE_CHECKING:
     from planner.plan import Aim
     from planner.state import PlanarPose, SeenObject, WorldState
 
-MOST = math.radians(50.0)
+MOST = math.radians(52.0)
 """Largest turn by one push: the palm turns with the object, and the arm must follow."""
 
-_EFFORT = 0.008  # displacement that is worth another push [m]
+_SMALL = math.radians(20.0)  # turn whose pivot stands for all
+_AT_PLACE = 0.004  # an object so near to its place needs no further push [m]
+_CORRECTION = 2.2, 0.1  # pushes that a correction takes, and one more for each so much way [m]
 _ROUND_HEADINGS = np.radians(np.arange(-180.0, 180.0, 30.0))
 _LOOKED_AT = 4  # poses of one push that must be free
 
 
 @dataclass(frozen=True)
 class Swing:
-    """A push that turns the object: on which side, and by what angle [rad]."""
+    """A push that turns the object.
+
+    Attributes:
+        side: on which side.
+        angle: by what angle, counter-clockwise [rad].
+        pivot: about which point of B, (x, y) [m].
+    """
 
     side: Side
     angle: float
+    pivot: tuple[float, float]
 
-    def push(self, target: SeenObject, height: float = 0.0) -> TurningPush | None:
-        """The push that does it best at a height; None if none does."""
-        return best_turn(target.model, self.side.face, self.angle, height)
+    def push(self, target: SeenObject, height: float = 0.0) -> TurningPush:
+        """The push that does it best at a height."""
+        found = best_turn(target.model, self.side.face, self.angle, height)
+        assert found is not None, "its side was chosen for that"
+        return found
 
     def lateral(self, target: SeenObject) -> float:
         """Where along the face it is touched, from its middle [m]."""
-        pushed, face = self.push(target), self.side.face
-        assert pushed is not None, "it turns"
-        return float((np.array(pushed.point) - face.centre) @ np.array(face.tangent))
+        face = self.side.face
+        return float((np.array(self.push(target).point) - face.centre) @ np.array(face.tangent))
 
     def left(self, target: SeenObject, share: float = 1.0) -> SeenObject:
         """The object after a share of the turn, as predicted."""
-        pushed = best_turn(target.model, self.side.face, share * self.angle, 0.0)
-        assert pushed is not None, "it turns by the whole angle"
-        x, y, turned = pushed.pose
-        p = target.pose.R_WB @ np.array([x, y, 0.0]) + target.pose.p_WB
-        yaw = target.pose.yaw + turned
-        return replace(target, pose=replace(target.pose, x=float(p[0]), y=float(p[1]), yaw=yaw))
+        pose, angle = target.pose, share * self.angle
+        pivot, after = np.array(self.pivot), replace(pose, yaw=pose.yaw + angle)
+        # The pivot stays where it is.
+        x, y = (pose.p_WB + (pose.R_WB - after.R_WB) @ np.append(pivot, 0.0))[:2].tolist()
+        return replace(target, pose=replace(after, x=x, y=y))
 
 
 def swings(target: SeenObject, turn: float, aim: Aim) -> Iterator[tuple[Swing, ...]]:
-    """One push, or a pair on opposite sides, with which a turn may begin.
+    """Ways to turn an object, the best first.
 
     Args:
         target: the object.
         turn: angle by which it has to turn [rad].
-        aim: where it should be; what leaves it near to that with few pushes comes first.
+        aim: where it should be.
     """
-    least = max(math.ceil(abs(turn) / MOST), 1)
+    sides = _turnable(target, math.copysign(_SMALL, turn))
     found = []
-    for number in (least, least + 1):
-        for side in _sides(target):
-            # Pairs stay where they are; an odd one first takes back what one before it did.
-            steps, there = _steps(target, side, turn / number, 2 - number % 2)
-            if steps:
-                off = math.dist((aim.x, aim.y), (there.pose.x, there.pose.y))
-                cost = round(off + _EFFORT * number, 4)
-                found.append((cost, abs(side.heading), steps))
-    for _, _, steps in sorted(found, key=lambda each: each[:2]):
+    for parts, (number, side) in itertools.product(_partings(turn), enumerate(sides)):
+        steps = tuple(
+            replace(each, angle=angle) for each, angle in zip(itertools.cycle(side), parts)
+        )
+        there = target
+        for step in steps:
+            there = step.left(there)
+        off = math.dist((aim.x, aim.y), (there.pose.x, there.pose.y))
+        rest = 0.0 if off < _AT_PLACE else _CORRECTION[0] + off / _CORRECTION[1]
+        found.append((len(steps) + round(rest, 3), abs(side[0].side.heading), number, steps))
+    for *_, steps in sorted(found, key=lambda each: each[:3]):
         yield steps
 
 
-def _steps(
-    target: SeenObject, side: Side, angle: float, number: int
-) -> tuple[tuple[Swing, ...], SeenObject]:
-    """Pushes on a side and the one opposite to it in turn, and the object after them."""
-    steps: tuple[Swing, ...] = ()
-    for _ in range(number):
-        step = Swing(side, angle)
-        if step.push(target) is None:
-            return (), target
-        steps, target = (*steps, step), step.left(target)
-        side = _opposite(side, target)
-    return steps, target
+def _partings(turn: float) -> list[tuple[float, ...]]:
+    """Ways to part a turn, none of whose parts is too large."""
+    least = max(math.ceil(abs(turn) / MOST), 1)
+    parted = [(turn / n,) * n for n in (least, least + 1)]
+    cancelling = turn_parts(turn)
+    parted.append(cancelling)
+    # What is left of one after its first push.
+    rest = sum(cancelling[1:])
+    parted.append(tuple(part * turn / rest for part in cancelling[1:]))
+    return [parts for parts in dict.fromkeys(parted) if max(map(abs, parts)) <= MOST]
+
+
+def _turnable(target: SeenObject, angle: float) -> list[tuple[Swing, Swing]]:
+    """Opposite sides on which a finger turns the object in a sense, each as the first once."""
+    found = []
+    for side in _sides(target):
+        pair = [_swing(each, target, angle) for each in (side, _opposite(side, target))]
+        if pair[0] is not None and pair[1] is not None:
+            found.append((pair[0], pair[1]))
+    return found
+
+
+def _swing(side: Side, target: SeenObject, angle: float) -> Swing | None:
+    pushed = best_turn(target.model, side.face, angle, 0.0)
+    if pushed is None:
+        return None
+    x, y, turned = pushed.pose
+    across = 1.0 / math.tan(0.5 * turned)
+    return Swing(side, angle, (0.5 * (x - across * y), 0.5 * (y + across * x)))
 
 
 def free(
@@ -144,7 +175,7 @@ def _side(face: Face, pose: PlanarPose) -> Side:
 
 
 def _opposite(side: Side, target: SeenObject) -> Side:
-    """The side that looks the other way in B, where the object is now."""
+    """The side that looks the other way in B."""
     normal = np.array(side.face.normal)
     headings = None
     if isinstance(target.model.base, Disc):
