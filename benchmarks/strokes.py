@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from objectmodels import ObjectModel
 from sim.hand import TIP_RADIUS
-from sim.reach import FINGER_SPREAD, MAX_FORCE
+from sim.hands import strongest
+from sim.reach import FINGER_SPREAD
 
 Array = NDArray[np.float64]
 Generator = np.random.Generator
@@ -29,7 +30,7 @@ BEFORE = 0.01
 STIFFNESS, DAMPING = 2000.0, 40.0
 """Of the springs that hold the fingertips [N/m, N·s/m]."""
 TIP_MASS = 0.05
-STRONGEST = MAX_FORCE
+STRONGEST = strongest(1, 0.0)
 """Of a fingertip along each axis [N]."""
 
 _LOWEST = 0.012  # of the fingertip's centre; lower it would touch the table [m]

@@ -144,8 +144,11 @@ class Controller:
         else:
             poses = self._world.look(LOOK)
         colours = seen_colours(self.scene)
+        fragile = {item.name: item.fragile for item in self.scene.objects}
         objects = {
-            name: SeenObject.lying(name, pose, self.models[name], colours[name])
+            name: SeenObject.lying(
+                name, pose, self.models[name], colours[name], fragile=fragile[name]
+            )
             for name, pose in poses.items()
         }
         return WorldState(objects, _table(self.scene))

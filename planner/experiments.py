@@ -38,6 +38,9 @@ from planner.state import SeenObject
 
 Kind = Literal["tilt", "slide", "off-centre slide", "rub", "press"]
 
+MOST_FORCE = 10.0
+"""Largest force with which an object is touched, if the finger has as much [N]."""
+
 BELOW_TOP = 0.010
 """Distance of a tilt's contact from the top [m]."""
 
@@ -207,7 +210,7 @@ def _touch(
 ) -> Experiment:
     return Experiment(
         kind,
-        _push(seen, point, normal, stroke, reach.max_force, SPEED[kind]),
+        _push(seen, point, normal, stroke, min(MOST_FORCE, reach.max_force), SPEED[kind]),
         onset=float(seen.model.thresholds([point], [-normal]).onset[0]),
         length=tilting.length_along(seen.model, -normal),
         R_WB=seen.pose.R_WB,

@@ -24,8 +24,7 @@ Array = NDArray[np.float64]
 
 def footprint(seen: SeenObject) -> Array:
     """Corners of what an object covers of the table in W, counter-clockwise, shape (k, 2) [m]."""
-    corners = seen.model.outline
-    return np.asarray(corners @ seen.pose.R_WB[:2, :2].T + seen.pose.p_WB[:2])
+    return seen.bulk()[0]
 
 
 def landing_strip(seen: SeenObject, direction_W: Array) -> Array:

@@ -20,7 +20,7 @@ class ReachAnswer:
     Attributes:
         ok: the whole way (approach, touch, stroke, retreat) is free and within joint limits.
         reason: if not ok, what stops it: `kinematics`, `table`, `object` (the pushed one),
-            `obstacle` (another one), `approach`.
+            `obstacle` (another one), `approach`, `torque` (it gets there, but is too weak there).
         message: the same in words.
         blocker: name of the obstacle, if one is in the way.
         margin: if ok, smallest distance to a joint limit on the way [rad].

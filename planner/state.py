@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from objectmodels.errors import ModelError
+from objectmodels.support import hull
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -64,7 +65,8 @@ class SeenObject:
         model: the registry's model of it (the belief, never the truth), as it lies.
         lies_on: name of the face that is below; `bottom` if it stands as its model does.
         colour: what the camera sees, red, green, blue in 0…1; None if it was not looked at.
-        fragile: whether it must be kept farther away from.
+        fragile: whether hand and other objects are to keep well away from it.
+        attitude: rotation of B in W, row by row, of one that lies on nothing flat.
     """
 
     name: str
@@ -73,26 +75,43 @@ class SeenObject:
     lies_on: str = "bottom"
     colour: Colour | None = None
     fragile: bool = False
+    attitude: tuple[float, ...] | None = None
 
     @classmethod
     def lying(
-        cls, name: str, pose: PlanarPose, model: ObjectModel, colour: Colour | None = None
+        cls,
+        name: str,
+        pose: PlanarPose,
+        model: ObjectModel,
+        colour: Colour | None = None,
+        *,
+        fragile: bool = False,
     ) -> SeenObject:
         """An object as it is seen: its pose picks the base that it lies on.
 
         One that leans on something keeps the model that stands upright.
         """
         if pose.attitude is None:
-            return cls(name, pose, model, colour=colour)
+            return cls(name, pose, model, colour=colour, fragile=fragile)
         try:
             rest = model.lying(pose.R_WB)
         except ModelError:
             here = PlanarPose(pose.x, pose.y, pose.yaw)
-            return cls(name, here, model, "nothing flat", colour)
+            attitude = tuple(pose.R_WB.ravel().tolist())
+            return cls(name, here, model, "nothing flat", colour, fragile, attitude)
         R_WN, p_WN = pose.R_WB @ rest.R_BN, pose.p_WB + pose.R_WB @ rest.p_BN
         yaw = float(np.arctan2(R_WN[1, 0], R_WN[0, 0]))
         here = PlanarPose(float(p_WN[0]), float(p_WN[1]), yaw)
-        return cls(name, here, rest.model, rest.face, colour)
+        return cls(name, here, rest.model, rest.face, colour, fragile)
+
+    def bulk(self) -> tuple[NDArray[np.float64], float]:
+        """An upright prism around it as it lies: corners in W, shape (k, 2), and height [m]."""
+        outline, top = self.model.outline, self.model.top
+        if self.attitude is None:
+            return outline @ self.pose.R_WB[:2, :2].T + self.pose.p_WB[:2], top
+        corners = np.array([[x, y, z] for z in (0.0, top) for x, y in outline])
+        turned = corners @ np.reshape(self.attitude, (3, 3)).T
+        return hull(turned[:, :2] + self.pose.p_WB[:2]).vertices, float(np.ptp(turned[:, 2]))
 
 
 @dataclass(frozen=True)

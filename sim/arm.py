@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from sim.rotations import Array, axis_rotation, cross, rot_y, rot_z
+from sim.rotations import Array, cross, rot_x, rot_y, rot_z
 
 SHOULDER, UPPER_ARM, FOREARM, FLANGE = 0.31, 0.40, 0.39, 0.078
 """Heights of the shoulder above the base and lengths of the links [m]."""
@@ -25,6 +25,9 @@ JOINT_OFFSETS = (0.11, 0.20, 0.20, 0.20, 0.20, 0.19, 0.078)
 
 LIMITS = np.radians([170.0, 120.0, 170.0, 120.0, 170.0, 120.0, 170.0])
 """Largest magnitude of each joint angle [rad]."""
+
+EFFORTS = np.array([176.0, 176.0, 100.0, 100.0, 100.0, 38.0, 38.0])
+"""Largest torque of each joint [N·m]."""
 
 JOINT_NAMES = tuple(f"arm_joint_{i}" for i in range(1, 8))
 
@@ -36,6 +39,8 @@ def _elbow_turn(angle: Array) -> Array:
     """Joint 4 turns about −y."""
     return rot_y(-angle)
 
+
+_AXES = np.array([[0, 0, 1], [0, 1, 0], [0, 0, 1], [0, -1, 0], [0, 0, 1], [0, 1, 0], [0, 0, 1.0]])
 
 _JOINT_TURNS: tuple[Callable[[Array], Array], ...] = (
     rot_z,
@@ -66,6 +71,32 @@ def forward(q: Array) -> tuple[Array, Array, Array]:
         origins.append(p)
         R = R @ turn(q[..., joint])
     return R, p, np.stack(origins, axis=-2)
+
+
+def holding(q: Array, p_AC: Array, f_A: Array) -> Array:
+    """Torques with which the joints exert a force at a point, Jᵀf.
+
+    Args:
+        q: joint angles, shape (..., 7) [rad].
+        p_AC: the point in A, shape (..., 3) [m].
+        f_A: the force on what is touched, in A, shape (..., 3) [N].
+
+    Returns:
+        Shape (..., 7) [N·m].
+    """
+    R = np.broadcast_to(np.eye(3), (*q.shape[:-1], 3, 3))
+    p = np.zeros((*q.shape[:-1], 3))
+    torques = []
+    for joint, (turn, offset) in enumerate(zip(_JOINT_TURNS, JOINT_OFFSETS, strict=True)):
+        p = p + R[..., :, 2] * offset
+        torques.append(np.sum(R @ _AXES[joint] * cross(p_AC - p, f_A), axis=-1))
+        R = R @ turn(q[..., joint])
+    return np.stack(torques, axis=-1)
+
+
+def stretched(q4: float) -> float:
+    """Distance between shoulder and wrist at an angle of joint 4 [m]."""
+    return float(np.sqrt(UPPER_ARM**2 + FOREARM**2 + 2.0 * UPPER_ARM * FOREARM * np.cos(q4)))
 
 
 def _perpendicular(v: Array, unit: Array) -> Array:
@@ -105,10 +136,10 @@ def inverse(
     reachable = np.abs(cos_q4) < 1.0 - 1e-4
     bend = np.arccos(np.clip(cos_q4, -1.0, 1.0))
     up = np.broadcast_to([0.0, 0.0, 1.0], along.shape)
-    R_arm = axis_rotation(along, elbow) @ _frame(along, _perpendicular(up, along))
+    R_arm = _frame(along, _perpendicular(up, along)) @ rot_x(elbow)
 
-    solutions, valid = [], []
-    for sign_4, sign_2, sign_6 in (BRANCHES[k] for k in branches):
+    q = np.empty((len(p_AF), len(branches), 7))
+    for sign_4 in {BRANCHES[k][0] for k in branches}:
         q4 = sign_4 * bend
         # The same line from shoulder to wrist, seen from joint 3 at zero angles of joints 1 to 3.
         line = np.stack(
@@ -117,22 +148,27 @@ def inverse(
         line /= np.maximum(np.linalg.norm(line, axis=1, keepdims=True), 1e-9)
         R_03 = R_arm @ np.swapaxes(_frame(line, _perpendicular(up, line)), -1, -2)
         R_47 = np.swapaxes(R_03 @ rot_y(-q4), -1, -2) @ R_AF
-        q1, q2, q3 = _zyz(R_03, sign_2)
-        q5, q6, q7 = _zyz(R_47, sign_6)
-        q = np.stack([q1, q2, q3, q4, q5, q6, q7], axis=-1)
-        solutions.append(q)
-        valid.append(
-            reachable
-            & (np.abs(q) < LIMITS).all(axis=1)
-            & (np.abs(q2) > _SHOULDER_SINGULARITY)
-            & (np.abs(q6) > _WRIST_SINGULARITY)
-        )
-    return np.stack(solutions, axis=1), np.stack(valid, axis=1)
+        shoulder, wrist = _zyz(R_03), _zyz(R_47)
+        for column, (sign, sign_2, sign_6) in enumerate(BRANCHES[k] for k in branches):
+            if sign == sign_4:
+                q[:, column, :3] = shoulder[0 if sign_2 > 0.0 else 1]
+                q[:, column, 3] = q4
+                q[:, column, 4:] = wrist[0 if sign_6 > 0.0 else 1]
+    valid = (
+        reachable[:, None]
+        & (np.abs(q) < LIMITS).all(axis=-1)
+        & (np.abs(q[..., 1]) > _SHOULDER_SINGULARITY)
+        & (np.abs(q[..., 5]) > _WRIST_SINGULARITY)
+    )
+    return q, valid
 
 
-def _zyz(R: Array, sign: float) -> tuple[Array, Array, Array]:
-    """Angles of R = rot_z(a) rot_y(b) rot_z(c) with b of the given sign."""
-    b = sign * np.arccos(np.clip(R[:, 2, 2], -1.0, 1.0))
-    a = np.arctan2(sign * R[:, 1, 2], sign * R[:, 0, 2])
-    c = np.arctan2(sign * R[:, 2, 1], -sign * R[:, 2, 0])
-    return a, b, c
+def _zyz(R: Array) -> tuple[Array, Array]:
+    """Angles of R = rot_z(a) rot_y(b) rot_z(c), once with b ≥ 0 and once with b ≤ 0."""
+    b = np.arccos(np.clip(R[:, 2, 2], -1.0, 1.0))
+    a = np.arctan2(R[:, 1, 2], R[:, 0, 2])
+    c = np.arctan2(R[:, 2, 1], -R[:, 2, 0])
+    bent = np.stack([a, b, c], axis=-1)
+    turned = bent - np.copysign(np.pi, bent)
+    turned[:, 1] = -b
+    return bent, turned

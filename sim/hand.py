@@ -25,6 +25,15 @@ LINK_RADIUS = 0.010
 JOINT_STIFFNESS = 8.0
 """Of the impedance control of each finger joint [N·m/rad]."""
 
+EFFORT = 2.0
+"""Largest torque of each finger joint [N·m]."""
+
+EFFORT_SHARE = 0.8
+"""Share of it that a push may take; the rest is for the impedance control."""
+
+STOP_ROOM = 0.02
+"""Room that a loaded joint keeps to its stops, which would bear what no sensor shows [rad]."""
+
 FINGER_LIMITS = np.radians([[-20.0, 20.0], [-40.0, 85.0], [0.0, 100.0]])
 """Stops of abduction, proximal and middle joint, shape (3, 2) [rad]."""
 
@@ -130,6 +139,28 @@ def coarseness(finger: str, angles: Angles, p_PC: Array, along_P: Array) -> Arra
     return np.asarray(np.linalg.norm(np.linalg.solve(J, along_P[..., None])[..., 0], axis=-1))
 
 
+def strength(finger: str, angles: Angles, p_PC: Array, load_P: Array) -> Array:
+    """Largest multiple of a load that a finger exerts without overloading or stopping a joint.
+
+    The joints are springs: exerting the torque Jᵀf, a joint gives way by Jᵀf/k towards a stop.
+
+    Args:
+        finger: one of `FINGERS`.
+        angles: to which its joints are commanded [rad].
+        p_PC: where it touches, in P, shape (..., 3) [m].
+        load_P: force on what it touches, in P, shape (..., 3) [N].
+
+    Returns:
+        Shape (...).
+    """
+    J = finger_jacobian(finger, angles, p_PC)
+    torque = np.einsum("...ij,...i->...j", J, load_P)
+    low, high = FINGER_LIMITS.T
+    room = np.where(torque > 0.0, angles - low, high - angles) - STOP_ROOM
+    most = np.minimum(EFFORT_SHARE * EFFORT, JOINT_STIFFNESS * np.maximum(room, 0.0))
+    return np.asarray((most / np.maximum(np.abs(torque), 1e-12)).min(axis=-1))
+
+
 def at_stop(angles: Angles) -> bool:
     """Whether a joint of a finger is at its stop, which then bears what no torque sensor shows."""
     low, high = FINGER_LIMITS.T
@@ -166,14 +197,18 @@ RESTING = Posture("resting", dict.fromkeys(FINGERS, CURLED) | {"thumb": THUMB_AW
 """The hand while it waits."""
 
 # Proximal and middle flexion [rad]: fingers stretched back at the base and bent towards the tip
-# press clear of the palm, and hooked ones are about as stiff across as along.
+# press clear of the palm, and hooked ones are about as stiff across as along. Those stretched back
+# as far as they go reach lowest, but bear little before they come to their stops.
 _FLEXIONS: Mapping[str, tuple[float, float]] = {
     "arched": (-0.40, 0.50),
-    "arched back": (-0.65, 0.50),
-    "bent back": (-0.65, 0.70),
+    "arched back": (-0.57, 0.50),
+    "arched far back": (-0.65, 0.50),
+    "bent back": (-0.57, 0.70),
+    "bent far back": (-0.65, 0.70),
     "bent": (-0.40, 0.70),
     "straight": (0.0, 0.50),
-    "hooked back": (-0.65, 1.10),
+    "hooked back": (-0.57, 1.10),
+    "hooked far back": (-0.65, 1.10),
     "hooked": (-0.20, 0.90),
     "closed": (-0.40, 1.30),
 }

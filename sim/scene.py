@@ -41,7 +41,7 @@ class SceneObject(Part):
         name: what it is called in this scene; unique.
         model: the registry model that the robot believes it to be.
         synonyms: further names in this scene.
-        fragile: whether it must be kept farther away from.
+        fragile: whether the robot is told to keep its hand and other objects well away from it.
         pose: where it really stands at the start.
         truth: how it really is.
     """

@@ -64,6 +64,11 @@ def tip_spheres(posture: Posture) -> Array:
     return np.column_stack([posture.tips, np.full(len(posture.tips), TIP_RADIUS)])
 
 
+def whole_hand(posture: Posture) -> Array:
+    """Spheres of the whole hand in P, the pushing fingertips last, shape (n, 4)."""
+    return np.vstack([hand_spheres(posture), tip_spheres(posture)])
+
+
 def _palm_spheres() -> Array:
     y, z = np.meshgrid(np.linspace(-0.036, 0.036, 4), np.linspace(0.010, 0.105, 5))
     palm = np.column_stack([np.zeros(y.size), y.ravel(), z.ravel()])
@@ -127,7 +132,7 @@ def distance_to_prism(spheres: Array, outline: Array, height: float) -> Array:
     low, high = outline.min(axis=0), outline.max(axis=0)
     if len(outline) == 4 and ((outline == low) | (outline == high)).all():
         return distance_to_box(spheres, np.append(low, 0.0), np.append(high, height))
-    x, y, z = spheres[..., 0], spheres[..., 1], spheres[..., 2]
+    x, y = spheres[..., 0], spheres[..., 1]
     across, beside = np.full(x.shape, -np.inf), np.full(x.shape, np.inf)
     for (a_x, a_y), (b_x, b_y) in zip(outline, np.roll(outline, -1, axis=0), strict=True):
         along = np.array([b_x - a_x, b_y - a_y])
@@ -136,7 +141,24 @@ def distance_to_prism(spheres: Array, outline: Array, height: float) -> Array:
         across = np.maximum(across, (x - a_x) * e_y - (y - a_y) * e_x)
         t = np.clip((x - a_x) * e_x + (y - a_y) * e_y, 0.0, length)
         beside = np.minimum(beside, np.hypot(x - a_x - t * e_x, y - a_y - t * e_y))
-    level = np.where(across > 0.0, beside, across)
+    return _distance_upright(np.where(across > 0.0, beside, across), spheres, height)
+
+
+def distance_to_cylinder(spheres: Array, radius: float, height: float) -> Array:
+    """Signed distance of spheres from an upright cylinder on the table, shape (...) [m].
+
+    Args:
+        spheres: shape (..., 4), in the cylinder's frame.
+        radius: of the cylinder [m].
+        height: of the cylinder [m].
+    """
+    level = np.hypot(spheres[..., 0], spheres[..., 1]) - radius
+    return _distance_upright(level, spheres, height)
+
+
+def _distance_upright(level: Array, spheres: Array, height: float) -> Array:
+    """Signed distance from an upright solid, from the one in its horizontal section."""
+    z = spheres[..., 2]
     over = np.maximum(-z, z - height)
     far = np.hypot(np.maximum(level, 0.0), np.maximum(over, 0.0))
     return np.asarray(far + np.minimum(np.maximum(level, over), 0.0) - spheres[..., 3])

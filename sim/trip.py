@@ -83,8 +83,12 @@ class Trip:
         self._tell("look", self._world.time, "looking where everything stands")
         self.recorder.phase = "look"
         poses = self.recorder.look(LOOK)
+        fragile = {item.name: item.fragile for item in self._world.scene.objects}
         return WorldState(
-            {name: SeenObject.lying(name, pose, self._models[name]) for name, pose in poses.items()}
+            {
+                name: SeenObject.lying(name, pose, self._models[name], fragile=fragile[name])
+                for name, pose in poses.items()
+            }
         )
 
     def stance(self, state: WorldState) -> tuple[Stance, Way]:

@@ -24,8 +24,6 @@ STANDOFF = 0.03
 STROKE_POINTS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 """Shares of the stroke at which the arm's pose is looked at."""
 
-ENDS = np.array([0.0, 1.0])
-
 
 @dataclass(frozen=True)
 class Way:
@@ -80,11 +78,6 @@ class Way:
         sines = np.sinc(shares * half / np.pi) / np.sinc(half / np.pi)
         turned = rot_z((shares - 1.0) * half) @ chord
         return np.vstack([self.start, self.touch + (shares * sines)[:, None] * turned])
-
-    @property
-    def checks(self) -> Array:
-        """Shares of the stroke at which the hand is checked for collisions."""
-        return STROKE_POINTS if self.turn else ENDS
 
     def turns(self, shares: Array = STROKE_POINTS) -> Array:
         """How far the palm has turned at these points, shape (1 + n,) [rad]."""

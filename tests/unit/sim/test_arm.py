@@ -173,3 +173,60 @@ def test_two_fingers_are_as_far_apart_as_asked() -> None:
     for posture in hand.two_finger_postures(0.04):
         # The abduction is solved for the straight finger's length, which is exact.
         assert np.linalg.norm(posture.tips[0] - posture.tips[1]) == pytest.approx(0.04, abs=1e-9)
+
+
+@given(seed=st.integers(0, 10**6))
+def test_holding_a_force_is_the_work_it_does(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    q, f_A = rng.uniform(-1.0, 1.0, 7) * arm.LIMITS, rng.normal(size=3)
+    R_AF, p_AF, _ = arm.forward(q)
+    p_FC = rng.uniform(-0.2, 0.2, 3)
+    torques = arm.holding(q, p_AF + R_AF @ p_FC, f_A)
+    step = 1e-6
+    for joint in range(7):
+        places = []
+        for sign in (-1.0, 1.0):
+            R, p, _ = arm.forward(q + sign * step * np.eye(7)[joint])
+            places.append(p + R @ p_FC)
+        work = f_A @ (places[1] - places[0]) / (2.0 * step)
+        # Central differences of lengths of a metre, 1e-6 apart: rounding is 1e-10.
+        assert torques[joint] == pytest.approx(work, abs=1e-8)
+
+
+def test_largest_torques_are_those_of_the_urdf() -> None:
+    efforts = {
+        joint.attrib["name"]: float(limit.attrib["effort"])
+        for name in ("lwr_arm", "four_finger_hand")
+        for joint in _urdf(name).iter("joint")
+        if (limit := joint.find("limit")) is not None
+    }
+    assert [efforts[name] for name in arm.JOINT_NAMES] == arm.EFFORTS.tolist()
+    assert {efforts[name] for name in hand.JOINT_NAMES} == {hand.EFFORT}
+
+
+@given(
+    finger=st.sampled_from(hand.FINGERS[:3]),
+    share=st.tuples(*[st.floats(0.1, 0.9)] * 3),
+    push=st.tuples(*[st.floats(-1.0, 1.0)] * 3).filter(lambda v: np.linalg.norm(v) > 0.1),
+)
+def test_a_finger_bears_its_strength_and_no_more(
+    finger: str, share: tuple[float, float, float], push: tuple[float, float, float]
+) -> None:
+    low, high = hand.FINGER_LIMITS.T
+    angles = tuple((low + np.array(share) * (high - low)).tolist())
+    load = np.array(push)
+    p_PC = hand.finger_points(finger, angles)[3] + hand.TIP_RADIUS * load / np.linalg.norm(load)
+    most = float(hand.strength(finger, angles, p_PC, load))
+    torque = most * hand.finger_jacobian(finger, angles, p_PC).T @ load
+    given_way = np.array(angles) - torque / hand.JOINT_STIFFNESS
+    room = np.minimum(given_way - low, high - given_way) - hand.STOP_ROOM
+    spare = hand.EFFORT_SHARE * hand.EFFORT - np.abs(torque)
+    assert min(room.min(), spare.min()) == pytest.approx(0.0, abs=1e-9)  # rounding
+
+
+def test_the_wrist_stays_within_the_arms_stretch() -> None:
+    q = _random_arms(200)
+    _, _, joints = arm.forward(q)
+    distance = np.linalg.norm(joints[:, 5] - joints[:, 1], axis=1)
+    expected = [arm.stretched(angle) for angle in q[:, 3]]
+    np.testing.assert_allclose(distance, expected, rtol=0, atol=ROUNDING)

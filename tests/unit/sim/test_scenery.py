@@ -1,0 +1,84 @@
+"""What is in the hand's way: clearances, round things, things that were toppled."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from objectmodels import Registry
+from planner.state import PlanarPose, SeenObject, WorldState
+from sim.rotations import rot_y
+from sim.scenery import FRAGILE_CLEARANCE, OBJECT_CLEARANCE, Obstacle, Scenery
+from sim.spheres import distance_to_cylinder, distance_to_prism
+
+REGISTRY = Registry.built_in()
+CAN, TEA = REGISTRY.get("soup can"), REGISTRY.get("ice tea box")
+
+
+def _sphere(x: float, y: float, z: float, radius: float = 0.01) -> np.ndarray:
+    return np.array([[x, y, z, radius]])
+
+
+@given(x=st.floats(-0.2, 0.2), y=st.floats(-0.2, 0.2), z=st.floats(-0.1, 0.3))
+def test_a_cylinder_is_a_prism_of_many_corners(x: float, y: float, z: float) -> None:
+    radius, height = 0.04, 0.1
+    phi = 2.0 * np.pi * np.arange(720) / 720
+    rim = radius * np.column_stack([np.cos(phi), np.sin(phi)])
+    sphere = _sphere(x, y, z)
+    prism = distance_to_prism(sphere, rim, height)
+    # A chord of half a degree lies r (1 − cos 0.25°) = 0.4 µm inside the rim.
+    np.testing.assert_allclose(distance_to_cylinder(sphere, radius, height), prism, atol=1e-6)
+
+
+def test_more_clearance_is_kept_from_what_is_fragile() -> None:
+    edge = TEA.extents[0] / 2.0
+    for fragile, clearance in ((False, OBJECT_CLEARANCE), (True, FRAGILE_CLEARANCE)):
+        tea = SeenObject("tea", PlanarPose(0.5, 0.1), TEA, fragile=fragile)
+        scenery = Scenery.of(
+            WorldState({"tea": tea, "can": SeenObject("can", PlanarPose(0, 0), CAN)}), "can"
+        )
+        near, far = (
+            _sphere(0.5 + edge + 0.01 + clearance + off, 0.1, 0.1) for off in (-1e-3, 1e-3)
+        )
+        assert not scenery.is_free(near)
+        assert scenery.is_free(far)
+        assert (scenery.hit_by(near), scenery.hit_by(far)) == ("tea", None)
+
+
+def test_the_pushed_object_counts_where_it_is_by_then() -> None:
+    can = SeenObject("can", PlanarPose(0.5, 0.0), CAN)
+    scenery = Scenery.of(WorldState({"can": can}), "can")
+    there = scenery.pushed.taken(np.zeros(3), np.array([0.2, 0.0, 0.0]), 0.0)
+    at_first, later = _sphere(0.5, 0.0, 0.05), _sphere(0.7, 0.0, 0.05)
+    assert not scenery.is_free(at_first)
+    assert scenery.is_free(at_first, there)
+    assert not scenery.is_free(later, there)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7])
+def test_a_toppled_can_is_long_and_flat(yaw: float) -> None:
+    # It fell along its own x axis; B's origin is the middle of what was its base.
+    attitude = tuple(rot_y(np.pi / 2).ravel().tolist())
+    seen = SeenObject.lying("can", PlanarPose(0.5, 0.0, yaw, attitude), CAN, fragile=True)
+    assert seen.fragile
+    obstacle = Obstacle.of(seen, OBJECT_CLEARANCE)
+    along = np.array([np.cos(yaw), np.sin(yaw)])
+    radius, length = CAN.extents[0] / 2.0, CAN.top
+    assert obstacle.height == pytest.approx(2.0 * radius, rel=0.01)  # its outline has corners
+    end = np.array([0.5, 0.0]) + (length + 0.02) * along
+    beyond, above = _sphere(end[0], end[1], radius), _sphere(0.5, 0.0, 2.0 * radius + 0.02)
+    # The far end is 20 mm from the sphere's centre, its top 20 mm below; less the sphere's 10 mm.
+    np.testing.assert_allclose(obstacle.distance(beyond), 0.01, atol=1e-9)
+    np.testing.assert_allclose(obstacle.distance(above), 0.01, atol=0.001)
+    assert not obstacle.is_clear(beyond)
+
+
+def test_a_toppled_box_lies_on_its_side() -> None:
+    attitude = tuple(rot_y(np.pi / 2).ravel().tolist())
+    seen = SeenObject.lying("tea", PlanarPose(0.5, 0.0, 0.0, attitude), TEA)
+    x, _, z = TEA.extents
+    corners, height = seen.bulk()
+    assert height == pytest.approx(x)
+    assert np.ptp(corners[:, 0]) == pytest.approx(z)
