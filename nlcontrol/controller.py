@@ -95,6 +95,12 @@ class Controller:
             self._reach = ArmReach(self.scene)
         return self._reach
 
+    @property
+    def table(self) -> TableState:
+        """Extent of the table top."""
+        (x, y), (width, depth) = self.scene.table.centre_m, self.scene.table.size_m
+        return TableState(x - width / 2, x + width / 2, y - depth / 2, y + depth / 2)
+
     def parse(self, text: str) -> Command:
         """What a sentence says, as frames.
 
@@ -151,7 +157,7 @@ class Controller:
             )
             for name, pose in poses.items()
         }
-        return WorldState(objects, _table(self.scene))
+        return WorldState(objects, self.table)
 
     def affordances(self, name: str) -> tuple[Affordance, ...]:
         """What this robot can do with an object, and if not, why not.
@@ -189,7 +195,7 @@ class Controller:
             return state.objects[here], state
         assert model is not None
         alone = SeenObject(model.name, PlanarPose(*self.scene.table.centre_m), model)
-        return alone, WorldState({alone.name: alone}, _table(self.scene))
+        return alone, WorldState({alone.name: alone}, self.table)
 
     def answer(self, frame: Frame, state: WorldState | None = None) -> Answer:
         """The answer to a question; nothing is moved for it.
@@ -269,7 +275,7 @@ class Controller:
 
     def check(self, frame: Frame, trace: Trace) -> tuple[Check, ...]:
         """A verdict for each clause of a frame."""
-        return check(frame, trace, self.models, table=_table(self.scene), defaults=self.defaults)
+        return check(frame, trace, self.models, self.table, defaults=self.defaults)
 
     def say(
         self, text: str, *, plan_only: bool = False, progress: Progress | None = None
@@ -333,8 +339,3 @@ def _believed(item: SceneObject, registry: Registry) -> ObjectModel:
         raise error(
             "scene_and_registry_differ", message, suggestions=raised.suggestions
         ) from raised
-
-
-def _table(scene: Scene) -> TableState:
-    (x, y), (width, depth) = scene.table.centre_m, scene.table.size_m
-    return TableState(x - width / 2, x + width / 2, y - depth / 2, y + depth / 2)

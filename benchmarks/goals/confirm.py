@@ -149,7 +149,7 @@ def confirm(doubt: Doubt) -> Confirmation:
     )
     rng = np.random.default_rng((doubt.case.seed, doubt.case.number, doubt.tries))
     frame = robot.watches[-1].frame
-    asked = Asked(frame, sentence.target, robot.models[sentence.target])
+    asked = Asked(frame, sentence.target, robot.models, robot.table)
     poses = robot.world.history[-1].poses
     try:
         require_checkable(frame)

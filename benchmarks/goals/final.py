@@ -53,7 +53,7 @@ def _errors(frame: g.Frame, trace: Trace, plan: Plan) -> dict[str, float]:
         case g.Topple(direction=direction):
             if direction is None or not lies:
                 return {}
-            fell = measures.fall_heading(trace, name)
+            fell = measures.tilt_heading(trace, name)
             return {"side": abs(angle_between(fell, HEADINGS[direction]))}
         case _ if lies:
             return {}

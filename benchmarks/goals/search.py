@@ -31,6 +31,7 @@ from grammar import frames as g
 from nlcontrol.checks import Check, check
 from objectmodels import ObjectModel
 from planner.defaults import DEFAULTS
+from planner.state import TableState
 from sim.scene import Scene
 from sim.trace import ContactEvent, Trace
 
@@ -51,12 +52,19 @@ class Asked:
     Attributes:
         frame: its objects resolved.
         name: of the object that is pushed.
-        model: its shape, and what the checks need of it.
+        models: shapes of everything on the table, by name, as the checks need them.
+        table: extent of the table top.
     """
 
     frame: g.Frame
     name: str
-    model: ObjectModel
+    models: Mapping[str, ObjectModel]
+    table: TableState
+
+    @property
+    def model(self) -> ObjectModel:
+        """The shape of what is pushed."""
+        return self.models[self.name]
 
     @property
     def fingers(self) -> tuple[int, ...]:
@@ -177,7 +185,8 @@ def repeated(scene: Scene, asked: Asked, found: Found) -> bool:
 
 
 def _checked(asked: Asked, done: Sequence[tuple[Stroke, Rolled]]) -> tuple[Check, ...]:
-    return check(asked.frame, trace_of(asked.name, done, asked.slower), asked.model)
+    trace = trace_of(asked.name, done, asked.slower)
+    return check(asked.frame, trace, asked.models, asked.table)
 
 
 def missed(checks: Sequence[Check]) -> float:

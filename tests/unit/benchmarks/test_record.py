@@ -60,7 +60,8 @@ def test_what_was_done_before_a_failure_is_kept(tmp_path: Path) -> None:
 
 
 def test_new_results_are_told(tmp_path: Path) -> None:
-    record, told = tmp_path / "areas.jsonl", []
+    record = tmp_path / "areas.jsonl"
+    told: list[Area] = []
     with ThreadPoolExecutor(1) as pool:
         carried_out(area, JOBS[:1], pool, Area, record=record)
         carried_out(area, JOBS, pool, Area, record=record, told=told.append)
