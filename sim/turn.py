@@ -18,6 +18,7 @@ from planner.state import WorldState
 from sim.fingers import Touch
 from sim.guards import MOVED, RAMP, Guards, band
 from sim.hand import TIP_RADIUS
+from sim.limits import LimitGuards
 from sim.recorder import Recorder
 from sim.rotations import rot_z
 from sim.stance import Stance
@@ -58,6 +59,7 @@ class TurnControl(TouchControl):
     ) -> None:
         super().__init__(plan.push, plan.prediction.onset, recorder, stance, way, tell)
         self.plan = plan
+        self._state = state
         self._target = state.objects[plan.push.object]
         self._direction = self._u
         # In B: where the face is touched, and where along it, half its width, its curvature.
@@ -74,14 +76,18 @@ class TurnControl(TouchControl):
         started = self.recorder.world.time
         here, command = self._here, self.commanded
         keeper, guards = self._keeper(here), Guards(self.plan, self._period)
+        vision = self.recorder.world.scene.vision
+        limits = LimitGuards(push, self._state, vision, here.midpoint, self._period)
         start = min(_FASTEST_START, push.speed, _FORCE_RATE / self.stance.stiffness(self._u))
         speed, felt_first = start, float(self._forces.sum())
         while True:
-            elapsed = self.recorder.world.time - started
+            now = self.recorder.world.time
+            elapsed = now - started
             here, felt = self._here, float(self._forces.sum())
             self._inform(keeper, here)
+            stopped = limits.end(elapsed, now, here.midpoint, felt, self.recorder.frames)
             end = self._turned(keeper) or self._at_an_end_of_the_face(keeper)
-            end = end or guards.end(elapsed, keeper.travel, felt, self._tilt)
+            end = end or guards.end(elapsed, keeper.travel, felt, self._tilt) or stopped
             if end is not None:
                 return end
             limit = min(1.0, elapsed / RAMP) * (push.force_limit - felt_first) + felt_first

@@ -7,7 +7,7 @@ import pytest
 
 from objectmodels import Registry
 from objectmodels.turning import TurningPush, best_turn
-from planner.plan import Margins, Plan, Prediction, Push
+from planner.plan import Limits, Margins, Plan, Prediction, Push
 from sim import DrakeWorld, Trace, execute, load_scene
 from sim.rotations import Array, rot_z
 from sim.scene import Scene
@@ -122,3 +122,14 @@ def test_a_turn_ends_with_its_stroke() -> None:
     trace = _carried_out(_plan("ice tea box", alone, 2, -0.5, stroke=0.02), alone)
     assert trace.end == "stroke"
     assert 2.0 < np.degrees(-trace.yaw("ice tea box")[-1]) < 15.0
+
+
+@pytest.mark.slow
+def test_a_limit_stops_a_turn() -> None:
+    alone = _alone(load_scene("kitchen"), "ice tea box")
+    plan = _plan("ice tea box", alone, 2, 0.6)
+    short = plan.push.model_copy(update={"limits": Limits(duration=1.5)})
+    trace = _carried_out(plan.model_copy(update={"push": short}), alone)
+    assert trace.end == "guard"
+    assert "1.5 s" in trace.detail
+    assert 0.0 < np.degrees(trace.yaw("ice tea box")[-1]) < 25.0
