@@ -7,10 +7,11 @@ Law: the fingertips' command advances along the movement vector at
 F_felt is the sum of the fingers' forces along the vector and F_limit rises from the touch to the
 plan's force. While the object stands, v is so low that the fingers' stiffness raises the force at a
 bounded rate; once it moves, v rises to the plan's speed; near the end of the stroke it falls with
-what remains. The stroke is measured at the fingertips. Two fingers
-keep the object's heading by themselves; one finger is steered by `sim.steering`.
+what remains. The stroke is that of the object's middle. Two fingers keep the object's heading by
+themselves, so that the fingertips tell it; where they square the object up to themselves its middle
+swings aside, which the camera tells. One finger is steered by `sim.steering`, which knows it too.
 
-Ends and guards stand in `sim.guards`.
+Ends and guards stand in `sim.guards`, limits and events in `sim.limits`.
 """
 
 from __future__ import annotations
@@ -44,6 +45,33 @@ _SHORTEST = 0.01  # remaining way over which two fingers lead an object back to 
 _LARGEST_SLOPE = 0.2  # of their path then: inside the friction cone
 _STIFFER = 0.5  # deviations of the friction radius: too large a one is corrected on the way
 _CENTRE_SD = 0.002  # of the centre of friction along the face, from friction that varies [m]
+
+
+class _Line:
+    """Where the fingertips were led across a push, and what brings them back there.
+
+    Args:
+        along: unit direction of the push in W, shape (3,).
+    """
+
+    def __init__(self, along: Array) -> None:
+        self._along = along
+        self._across = np.zeros(3)
+        self._correction = np.zeros(3)
+
+    def correction(self, step: Array, come: Array, period: float) -> Array:
+        """What is added to the command, shape (3,) [m].
+
+        Args:
+            step: by which the command advances, shape (3,) [m].
+            come: how far the fingertips have come, shape (3,) [m].
+            period: since the last step [s].
+        """
+        self._across = self._across + step - (step @ self._along) * self._along
+        off = come - (come @ self._along) * self._along - self._across
+        wanted = self._correction - _HOLD * period * off
+        self._correction = wanted * min(1.0, _HOLD_MOST / max(float(np.linalg.norm(wanted)), 1e-9))
+        return self._correction
 
 
 class PushControl(TouchControl):
@@ -82,10 +110,10 @@ class PushControl(TouchControl):
         self.recorder.phase = "push"
         started = self.recorder.world.time
         here = self._here
-        origin, command = here.midpoint, self.commanded
+        origin, command, line = here.midpoint, self.commanded, _Line(self._u)
         steering = self._steering(here) if push.fingers == 1 and push.ends_on == "stroke" else None
         limits = self._limits(origin)
-        correction, across, slope = np.zeros(3), np.zeros(3), 0.0
+        slope = 0.0
         turns = push.ends_on == "stroke" and push.turn != 0.0
         sideways = np.array([*self._left, 0.0])
         start = min(_FASTEST_START, push.speed, _FORCE_RATE / self.stance.stiffness(self._u))
@@ -114,11 +142,8 @@ class PushControl(TouchControl):
             advance = speed * float(np.clip(room, -1.0, 1.0))
             step = advance * self._period * (self._u + slope * sideways) / np.hypot(1.0, slope)
             command = command + step
-            across = across + step - (step @ self._u) * self._u
-            off = (here.midpoint - origin) - travel * self._u - across
-            correction = correction - _HOLD * self._period * off
-            correction *= min(1.0, _HOLD_MOST / max(float(np.linalg.norm(correction)), 1e-9))
-            self._step(command + correction, self._u)
+            off = line.correction(step, here.midpoint - origin, self._period)
+            self._step(command + off, self._u)
 
     def _speed(self, before: float, start: float, travel: float, measured: float) -> float:
         """Largest speed now: slow until something moves, then up to the plan's, slow at the end.

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pytest
 
 from objectmodels import ObjectModel, Registry
-from planner.plan import Margins, Plan, Prediction, Push
+from planner.plan import Limits, Margins, Plan, Prediction, Push
 from sim import DrakeWorld, Trace, execute, load_scene
-from sim.scene import Scene
+from sim.scene import Pose, Scene
 
 GRAVITY = 9.81
+CLEAR = Limits(clear_of=(("coffee box", 0.02),))
 
 
 @dataclass(frozen=True)
@@ -175,3 +177,86 @@ def test_only_the_pushing_fingertips_touch_the_object() -> None:
         "cereal box"
     }
     assert touching == {f"{finger}_tip" for finger in trace.tips}
+
+
+def _changed(plan: Plan, **changes: Any) -> Plan:
+    return plan.model_copy(update={"push": plan.push.model_copy(update=changes)})
+
+
+def _errors(trace: Trace, asked: Asked) -> tuple[float, float, float]:
+    """Along and across the push [mm], and the turn [°]."""
+    along = trace.displacement(asked.name) @ trace.direction
+    across = trace.displacement(asked.name)[:2] @ [-trace.direction[1], trace.direction[0]]
+    turned = np.degrees(trace.yaw(asked.name)[-1])
+    return float(1e3 * (along - asked.stroke)), float(1e3 * across), float(turned)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("turn", [-5.0, 4.0])
+def test_a_straight_push_squares_the_object_to_the_fingers(turn: float) -> None:
+    scene, asked = load_scene("kitchen"), Asked("ice tea box", "front", 0.03, stroke=0.05)
+    plan = _changed(_plan(asked, scene), turn=np.radians(turn))
+    trace = execute(plan, DrakeWorld(scene), _models(scene))
+    along, across, turned = _errors(trace, asked)
+    assert trace.end == "stroke"
+    # The goals for displacements; where the middle swings to is known from the camera alone.
+    assert turned == pytest.approx(turn, abs=2.0)
+    assert abs(along) < 3.0
+    assert abs(across) < 3.0
+
+
+@pytest.mark.slow
+def test_one_finger_keeps_a_round_object_on_its_line() -> None:
+    scene, asked = load_scene("counter"), Asked("soup can", "front", 0.03, fingers=1, stroke=0.15)
+    trace = execute(_plan(asked, scene), DrakeWorld(scene, seed=1), _models(scene))
+    along, across, turned = _errors(trace, asked)
+    assert trace.end == "stroke"
+    assert abs(along) < 1.0
+    assert abs(across) < 4.0
+    assert abs(turned) < 3.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "changes", [{"until": "touching", "meets": "coffee box"}, {"limits": CLEAR}]
+)
+def test_a_push_meets_another_object_or_stays_clear_of_it(changes: dict[str, Any]) -> None:
+    scene = load_scene("kitchen")
+    # The coffee box stands 60 mm behind the ice tea box, both of them straight.
+    places = {"ice tea box": (0.45, 0.0), "coffee box": (0.45 + 0.045 + 0.06 + 0.031, 0.0)}
+    objects = [
+        item.model_copy(update={"pose": Pose(x_m=places[item.name][0], y_m=places[item.name][1])})
+        if item.name in places
+        else item
+        for item in scene.objects
+    ]
+    scene = scene.model_copy(update={"objects": tuple(objects)})
+    asked = Asked("ice tea box", "front", 0.03, stroke=0.12)
+    trace = execute(_changed(_plan(asked, scene), **changes), DrakeWorld(scene), _models(scene))
+    come = 1e3 * trace.displacement("ice tea box")[0]
+    met = 1e3 * trace.displacement("coffee box")[0]
+    if "until" in changes:
+        assert trace.end == "event"
+        # What a millimetre of doubt and 50 ms of a filter let it move.
+        assert 0.0 < met < 5.0
+        assert come == pytest.approx(60.0 + met, abs=1.0)
+    else:
+        assert trace.end == "too_close"
+        assert abs(met) < 0.1
+        assert 60.0 - 20.0 - 4.5 < come < 60.0 - 20.0
+
+
+@pytest.mark.slow
+def test_the_felt_force_stays_below_a_limit_that_just_suffices() -> None:
+    scene, asked = load_scene("kitchen"), Asked("ice tea box", "front", 0.03, stroke=0.06)
+    plan = _plan(asked, scene)
+    needed = 3.75  # 0.345 of 1.06 kg, and what the fingers press down
+    limited = _changed(plan, force_limit=1.35 * needed)
+    trace = execute(limited, DrakeWorld(scene), _models(scene))
+    assert trace.end == "stroke"
+    pushing = trace.phase == "push"
+    felt = np.convolve(trace.push_force()[pushing], np.ones(10) / 10, "valid")
+    assert felt.max() < limited.push.force_limit
+    speed = np.gradient(trace.poses["ice tea box"][pushing, 4], trace.time[pushing])
+    # The plan's speed, and what the fingers' springs add while the object starts to slide.
+    assert np.convolve(speed, np.ones(10) / 10, "valid").max() < 1.1 * limited.push.speed
