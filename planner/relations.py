@@ -53,8 +53,8 @@ _EDGES: dict[str, tuple[tuple[str, ...], ...]] = {
 """Edges at which an object must stand to be in a region of the table; any of the choices will do.
 """
 
-_CLOSE = 1e-6  # accuracy of a gap [m]
-_STEPS = 60  # halvings, or advances, until a gap is that accurate
+_CLOSE = 1e-5  # accuracy of a gap [m]
+_STEPS = 60  # advances until a gap is that accurate
 
 
 @dataclass(frozen=True)
@@ -209,7 +209,7 @@ class Beside(Region):
             return (Measure(f"gap to the {name}", "about", self.gap, apart, self.tolerance),)
         u = unit(HEADINGS[self.side])[:2]
         way = _middle(own) - _middle(self.other)
-        apart = math.copysign(apart, way @ u)
+        apart = apart if way @ u > 0.0 else -abs(apart)
         where = {"toward": "in front", "away": "behind"}.get(self.side, f"to the {self.side}")
         offset, room = abs(float(way @ _across(u))), self._room(own, u)
         return (
@@ -268,15 +268,15 @@ class Between(Region):
         a, b = _middle(self.one), _middle(self.other)
         first, second = footprint(self.one), footprint(self.other)
         shape = footprint(own) - _middle(own)
-        low, high = 0.0, 1.0
+        u = (b - a) / np.linalg.norm(b - a)
+        at = (a + b) / 2.0
         for _ in range(_STEPS):
-            share = (low + high) / 2.0
-            at = shape + a + share * (b - a)
-            more = gap(at, first) - gap(at, second)
-            if more == 0.0:
+            # Each gap changes by no more than the step, so half of the difference is never too far.
+            more = gap(shape + at, first) - gap(shape + at, second)
+            if abs(more) < _CLOSE:
                 break
-            low, high = (low, share) if more > 0.0 else (share, high)
-        return np.asarray(a + (low + high) / 2.0 * (b - a))
+            at = at - 0.5 * more * u
+        return np.asarray(at)
 
 
 @dataclass(frozen=True)
