@@ -200,6 +200,7 @@ class PushControl(TouchControl):
             here.midpoint[:2],
             (pose.x, pose.y, inward),
             turn=push.turn,
+            limit=push.limits.turn or np.inf,
             deviations=(
                 angle / np.sqrt(frames) + 0.003,
                 vision.position_noise_m / np.sqrt(frames) + 0.0005,

@@ -35,7 +35,8 @@ _SHORTEST = 0.01  # remaining way over which it is solved at least [m]
 _LATERAL_WEIGHT = 1.0 / 0.0015  # at the end [1/m]
 _HEADING_WEIGHT = 1.0 / np.radians(1.0)  # at the end [1/rad]
 # With its centre of friction aside of the contact an object goes straight only at an angle.
-_WAY_WEIGHT = 1.0 / np.radians(4.0)  # of the heading on the way, root mean square [1/rad]
+_ON_THE_WAY = np.radians(4.0)  # heading on the way that weighs one, root mean square [rad]
+_OF_LIMIT = 0.15  # or this share of the largest turn allowed
 _INPUT_WEIGHT = 4.0
 _LARGEST_SLOPE = 0.4  # relative to φ: inside the friction cone, so that the tip sticks
 
@@ -119,6 +120,7 @@ class LineKeeper:
         seen: where the object was seen before, x, y in W [m] and heading of the face's inward
             normal in W [rad].
         turn: by which the object is to turn [rad].
+        limit: largest turn on the way [rad].
         deviations: standard deviations of heading [rad], contact and centre of friction [m] and of
             c̄ [m] at the start.
         camera: standard deviations of a frame's position [m] and heading [rad].
@@ -132,6 +134,7 @@ class LineKeeper:
         seen: tuple[float, float, float],
         *,
         turn: float = 0.0,
+        limit: float = np.inf,
         deviations: tuple[float, float, float, float],
         camera: tuple[float, float],
     ) -> None:
@@ -139,6 +142,7 @@ class LineKeeper:
         self._R_DW = np.array([[c, s], [-s, c]])
         self._direction = direction
         self._pushed = pushed
+        self._way_weight = 1.0 / min(_ON_THE_WAY, _OF_LIMIT * limit) / np.sqrt(_STEPS)
         *others, radius = deviations
         by_radius = 2.0 * pushed.friction_radius * pushed.beta
         self._P = np.diag(np.square([*others, by_radius * radius]))
@@ -218,9 +222,8 @@ class LineKeeper:
         for i in range(_STEPS):
             state, G = A @ state, A @ G
             G[:, i] = B
-            weight = _WAY_WEIGHT / np.sqrt(_STEPS)
-            rows.append(weight * G[1:2])
-            missed.append(weight * (state[1:2] - wanted[1:]))
+            rows.append(self._way_weight * G[1:2])
+            missed.append(self._way_weight * (state[1:2] - wanted[1:]))
         weights = np.array([_LATERAL_WEIGHT, _HEADING_WEIGHT])
         rows.append(weights[:, None] * G[:2])
         missed.append(weights * (state[:2] - wanted))

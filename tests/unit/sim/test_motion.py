@@ -102,12 +102,22 @@ class _Slid:
         true: how it is.
         seed: of where it stands and of the camera's noise.
         turn: by which it is to turn [rad].
+        limit: largest turn on the way [rad].
     """
 
-    def __init__(self, believed: Pushed, true: Pushed, *, seed: int, turn: float = 0.0) -> None:
+    def __init__(
+        self,
+        believed: Pushed,
+        true: Pushed,
+        *,
+        seed: int,
+        turn: float = 0.0,
+        limit: float = np.inf,
+    ) -> None:
         self.true, self.rng = true, np.random.default_rng(seed)
         self.theta, self.contact = np.radians(self.rng.normal(0.0, 0.5)), self.rng.normal(0.0, 3e-4)
         self.first = self.theta
+        self.most = 0.0
         self.tip = np.array([0.5, 0.0]) - true.middle(self.theta, self.contact)[0]
         self.keeper = LineKeeper(
             believed,
@@ -115,6 +125,7 @@ class _Slid:
             self.tip,
             (0.5, 0.0, self.theta + self.rng.normal(0.0, np.radians(0.2))),
             turn=turn,
+            limit=limit,
             deviations=(0.006, 0.001, 0.003, 0.45 * believed.friction_radius),
             camera=(0.002, np.radians(1.0)),
         )
@@ -131,6 +142,7 @@ class _Slid:
             turning = self.true.turning(step, step * slope)
             turned = turning @ [self.theta, self.contact, self.true.centre, 1.0]
             self.theta += turned
+            self.most = max(self.most, abs(self.theta - self.first))
             self.contact += self.true.rolling * TIP_RADIUS * turned
             self.tip = self.tip + step * np.array([1.0, slope])
             self.keeper.moved(i * 0.01, self.tip)
@@ -166,6 +178,14 @@ def test_steering_finds_the_centre_of_friction(believed: Pushed, centre: float) 
     # Pushed beside its centre of friction, it goes straight only at an angle and turns back last.
     assert abs(slid.middle[1]) < 0.004
     assert abs(np.degrees(slid.theta - slid.first)) < 3.0
+
+
+def test_a_limit_of_the_turn_keeps_the_object_steady() -> None:
+    beside = dataclasses.replace(FLAT, centre=0.002)
+    free, steady = (_Slid(FLAT, beside, seed=3, limit=limit) for limit in (np.inf, 0.07))
+    free.pushed(0.15)
+    steady.pushed(0.15)
+    assert steady.most < 0.07 < free.most
 
 
 def test_steering_turns_a_little_if_asked() -> None:
