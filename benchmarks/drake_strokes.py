@@ -1,7 +1,9 @@
-"""Strokes in Drake: the objects of a scene as in the simulated world, and fingertips on springs.
+"""Strokes in Drake: an object as in the simulated world, obstacles, and fingertips on springs.
 
-Table, objects, contact approximation and step are those of `sim.plant`. Each fingertip is a sphere
-on three sliding joints, so that two of them keep their distance without a hand.
+Table, objects, contact approximation and step are those of `sim.plant`; but all objects except the
+one that is pushed stand as if they were glued to the table, which costs a third of the time. Each
+fingertip is a sphere on three sliding joints, so that two of them keep their distance without a
+hand.
 """
 
 from __future__ import annotations
@@ -40,7 +42,9 @@ if TYPE_CHECKING:
 
 _STICTION = 1e-4  # as in the simulated world [m/s]
 _SETTLING = 0.1  # in which feet sink in [s]
-_RESTING = 0.3  # after a stroke [s]
+_SHORTEST_REST, _LONGEST_REST = 0.25, 1.5  # after a stroke, until nothing moves [s]
+_STILL = 2e-3  # largest speed of what is still [m/s]
+_ARM = 0.1  # at which turning counts as speed [m]
 _AWAY = np.array([0.0, 0.0, 2.0])  # where fingertips wait [m]
 
 
@@ -49,10 +53,11 @@ class DrakeBench:
 
     Args:
         scene: what is true.
+        pushed: name of the object that may move.
         fingers: how many fingertips.
     """
 
-    def __init__(self, scene: Scene, fingers: int = 1) -> None:
+    def __init__(self, scene: Scene, pushed: str, fingers: int = 1) -> None:
         from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlantConfig
         from pydrake.systems.analysis import Simulator
         from pydrake.systems.framework import DiagramBuilder
@@ -70,9 +75,13 @@ class DrakeBench:
         table = add_table(plant, scene)
         added = {item.name: add_object(plant, item) for item in scene.objects}
         self._tips = {f"tip {k}": _add_tip(plant, f"tip {k}") for k in range(fingers)}
-        plant.Finalize()
         for item in scene.objects:
-            plant.SetDefaultFloatingBaseBodyPose(added[item.name][0], initial_pose(item))
+            if item.name != pushed:
+                frame = added[item.name][0].body_frame()
+                plant.WeldFrames(plant.world_frame(), frame, initial_pose(item))
+        plant.Finalize()
+        self._pushed = added[pushed][0]
+        plant.SetDefaultFloatingBaseBodyPose(self._pushed, initial_pose(scene.object(pushed)))
         spheres = [
             geometry
             for name in self._tips
@@ -112,7 +121,12 @@ class DrakeBench:
             self._command(now + beside, (now - before) / PERIOD)
             samples.append(self._sampled(watch))
         self._put(np.tile(_AWAY, (len(beside), 1)) + beside)
-        samples += [self._sampled(watch) for _ in range(round(_RESTING / PERIOD))]
+        rests = 0
+        while rests < round(_LONGEST_REST / PERIOD):
+            samples.append(self._sampled(watch))
+            rests += 1
+            if rests >= round(_SHORTEST_REST / PERIOD) and self._is_still():
+                break
         poses, tips, felt = (np.array(column) for column in zip(*samples, strict=True))
         return Rolled(
             poses={name: poses[:, k] for k, name in enumerate(self._bodies)},
@@ -134,6 +148,11 @@ class DrakeBench:
         tips = np.array([self._plant.GetPositions(self._context, i) for i in self._tips.values()])
         ports = (self._plant.get_net_actuation_output_port(i) for i in self._tips.values())
         return poses, tips, np.array([port.Eval(self._context) for port in ports])
+
+    def _is_still(self) -> bool:
+        V_WB = self._plant.EvalBodySpatialVelocityInWorld(self._context, self._pushed)
+        turning = np.linalg.norm(V_WB.rotational()) < _STILL / _ARM
+        return bool(turning and np.linalg.norm(V_WB.translational()) < _STILL)
 
     def _pose(self, name: str) -> Array:
         X_WB = self._plant.EvalBodyPoseInWorld(self._context, self._bodies[name])

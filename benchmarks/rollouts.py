@@ -119,7 +119,7 @@ def world() -> Scene:
 
 def engines() -> dict[str, Callable[[Scene], Bench]]:
     """The engines that are installed."""
-    found: dict[str, Callable[[Scene], Bench]] = {"Drake": DrakeBench}
+    found: dict[str, Callable[[Scene], Bench]] = {"Drake": lambda scene: DrakeBench(scene, OBJECT)}
     try:
         from benchmarks.mujoco_strokes import MujocoBench
     except ImportError:

@@ -78,7 +78,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument(
         "--confirm", type=int, default=0, metavar="N", help="look for N of the refused"
     )
-    parser.add_argument("--tries", type=int, default=40, help="roll-outs of a round of that search")
+    parser.add_argument("--tries", type=int, default=30, help="roll-outs of a round of that search")
     return parser.parse_args()
 
 

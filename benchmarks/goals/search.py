@@ -3,8 +3,9 @@
 Model: `benchmarks.strokes`, in Drake. A sentence is searched for by rounds, each of which goes on
 from the best stroke of the round before. Of the strokes of a round the first are drawn at random,
 the others are variations of the best so far. What counts are the checks of the sentence alone, by
-how far they are missed in all, so that a search knows no goal and no constraint. Strokes are slow
-enough for speed not to matter, so a slower one is rolled out at `QUICK` and its time is stretched.
+how far they are missed in all; of the goal a search knows no more than the direction. Strokes are
+slow enough for speed not to matter, so a slower one is rolled out at `QUICK` and its time is
+stretched.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ from grammar import frames as g
 from nlcontrol.checks import Check, check
 from objectmodels import ObjectModel
 from planner.defaults import DEFAULTS
+from planner.directions import HEADINGS, bisector
 from planner.state import TableState
 from sim.scene import Scene
 from sim.trace import ContactEvent, Trace
@@ -42,7 +44,7 @@ ROUNDS = 3
 
 _SCALES = {"m": 0.01, "rad": 0.1, "N": 0.5, "m/s": 0.01, "s": 1.0, "": 1.0}
 _BETWEEN = 2.0  # time that a trace gives the hand to go elsewhere [s]
-_RANDOM = 0.4  # share of a round that is drawn at random
+_RANDOM = 0.6  # share of a round that is drawn at random
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,14 @@ class Asked:
         """Numbers of fingertips that may push."""
         counts = [c.count for c in self.frame.constraints if isinstance(c, g.Effector) and c.count]
         return tuple(n for n in (1, 2) if all(n == count for count in counts))
+
+    @property
+    def heading(self) -> float | None:
+        """Direction that the sentence names in W [rad]."""
+        named = getattr(self.frame.goal, "direction", None)
+        if isinstance(named, tuple):
+            return bisector(named)
+        return HEADINGS[named] if named else getattr(self.frame.goal, "heading", None)
 
     @property
     def slower(self) -> float:
@@ -124,7 +134,7 @@ def search(
     found: list[Found] = []
     rolled = 0
     for fingers in asked.fingers:
-        bench = DrakeBench(scene, fingers)
+        bench = DrakeBench(scene, asked.name, fingers)
         for each, cost in _rounds(bench, asked, fingers, tries, rng, alone):
             rolled += 1
             if cost == 0.0:
@@ -152,13 +162,16 @@ def _rounds(
                 stroke = best[1].varied(rng)
             bench.back(state)
             rolled = bench.roll(stroke, QUICK)
-            cost = missed(_checked(asked, [*done, (stroke, rolled)]))
+            cost = _cost(asked, [*done, (stroke, rolled)])
             cost += alone and _met(asked.name, rolled)
             attempt = Found((*so_far.strokes, stroke), (*so_far.before, here), fingers)
             yield attempt, cost
-            if best is None or cost < best[0]:
+            # What has fallen the wrong way is no place to go on from.
+            stands = upright(rolled.poses[asked.name][-1])
+            if stands and (best is None or cost < best[0]):
                 best, farther = (cost, stroke, rolled, bench.keep()), attempt
-        assert best is not None
+        if best is None:
+            return
         so_far, done = farther, [*done, best[1:3]]
         bench.back(best[3])
 
@@ -172,16 +185,28 @@ def _met(name: str, rolled: Rolled) -> bool:
 def _drawn(asked: Asked, pose: Array, rng: Generator) -> Stroke:
     if rng.random() < 0.5:
         return random_stroke(asked.name, asked.model, pose, rng)
-    # Faces and the robot's directions are what sentences are about.
-    heading = 0.5 * np.pi * int(rng.integers(4)) + float(rng.choice([0.0, heading_of(pose)]))
+    heading = asked.heading
+    if heading is None:
+        # Else sentences are about faces and the robot's directions.
+        heading = 0.5 * np.pi * int(rng.integers(4)) + float(rng.choice([0.0, heading_of(pose)]))
     return towards(asked.name, asked.model, pose, heading, float(rng.uniform(0.01, 0.3)), rng)
 
 
 def repeated(scene: Scene, asked: Asked, found: Found) -> bool:
     """Whether strokes do what is asked in another world too."""
-    bench = DrakeBench(scene, found.fingers)
+    bench = DrakeBench(scene, asked.name, found.fingers)
     done = [(stroke, bench.roll(stroke, QUICK)) for stroke in found.strokes]
-    return missed(_checked(asked, done)) == 0.0
+    return _cost(asked, done) == 0.0
+
+
+def _cost(asked: Asked, done: Sequence[tuple[Stroke, Rolled]]) -> float:
+    """By how much strokes miss what is asked, all together, and each of them its constraints.
+
+    A clause about the contact looks at the first one of a trace, but it is meant for every stroke.
+    """
+    kinds = {clause.kind for clause in asked.frame.constraints}
+    each = [c for one in done for c in _checked(asked, [one]) if c.clause in kinds]
+    return missed(_checked(asked, done)) + missed(each)
 
 
 def _checked(asked: Asked, done: Sequence[tuple[Stroke, Rolled]]) -> tuple[Check, ...]:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ProcessPoolExecutor
+
 import numpy as np
 import pytest
 
+from benchmarks.goals.cases import Done, run
 from benchmarks.goals.sentences import KINDS, kind_of, said
 from benchmarks.goals.worlds import (
     CENTRE_OF_MASS,
@@ -88,6 +91,19 @@ def test_every_sentence_is_understood_as_its_kind(number: int) -> None:
         case kind:
             assert [frame.goal.kind for frame in frames] == [kind]
             assert not until
+
+
+@pytest.mark.slow
+def test_a_case_is_the_same_bit_for_bit_in_any_process() -> None:
+    job = Job(0, KINDS.index("topple"), oblique=10.0)
+    with ProcessPoolExecutor(1) as pool:
+        there = pool.submit(run, job).result()
+    here = run(job)
+    assert here.accepted
+    assert here.digest == there.digest
+    timed = {"wall", "stages"}
+    assert here.model_dump(exclude=timed) == there.model_dump(exclude=timed)
+    assert Done.model_validate_json(here.model_dump_json()) == here
 
 
 def test_what_is_too_flat_is_left_out() -> None:
