@@ -29,7 +29,7 @@ def stroke(*, height: float, length: float, face: int = 0) -> Stroke:
 def asked(text: str) -> Asked:
     controller = Controller(world(), registry=Registry.built_in())
     (frame,) = controller.resolve(controller.parse(text)).frames
-    return Asked(frame, OBJECT, MODEL)
+    return Asked(frame, OBJECT, controller.models, controller.look().table)
 
 
 def test_a_stroke_begins_before_the_face_and_ends_in_it() -> None:
