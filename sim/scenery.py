@@ -91,9 +91,12 @@ class Obstacle:
     def is_clear(self, robot: Array, clearance: float | None = None) -> NDArray[np.bool_]:
         """Which poses of the robot keep the clearance, shape (...) for spheres (..., k, 4)."""
         least = self.clearance if clearance is None else clearance
-        beside = np.hypot(robot[..., 0] - self.middle[0], robot[..., 1] - self.middle[1])
-        room = least + robot[..., 3]
-        near = (beside < self.around + room) & (robot[..., 2] < self.height + room)
+        room = robot[..., 3] + least
+        near = robot[..., 2] < room + self.height
+        if near.any():
+            # Nothing but the spheres near it is looked at closely.
+            x, y = robot[..., 0] - self.middle[0], robot[..., 1] - self.middle[1]
+            near &= x * x + y * y < (room + self.around) ** 2
         hit = np.zeros(near.shape, dtype=bool)
         if near.any():
             hit[near] = self.distance(robot[near]) <= least

@@ -40,9 +40,9 @@ _OVER = 0.47  # height of T in places over the table [m]
 _RAISED = (0.4, 0.8, 1.2)  # how far the arm swings up halfway [rad]
 
 _AT_ONCE, _ASKED = 48, 12  # hands that are looked at together, and the arm is asked for
-_MOST_HANDS = 96  # clear hands that the arm is asked for in all
+_MOST_HANDS = 60  # clear hands that the arm is asked for in all
 _MOST_TRANSITS = 2  # stances of some hands for which a way from home is looked for
-_LAST_RESORTS = 2  # of all, for which it is looked for thoroughly
+_LAST_RESORTS = 3  # of all, for which it is looked for thoroughly
 
 
 @dataclass(frozen=True, eq=False)
