@@ -77,13 +77,13 @@ class ArmReach:
         every = hands(push.fingers, push.spread)
         strong = every.strength * push.fingers >= push.force_limit
         found = search.best(every[strong])
-        if isinstance(found, ReachAnswer) and not strong.all():
-            weak = np.flatnonzero(~strong)
-            weak = weak[np.argsort(-every.strength[weak], kind="stable")]
-            weaker = search.best(every[weak])
-            if not isinstance(weaker, ReachAnswer):
-                return _too_weak(push, weaker[1].numbers["strength"])
-        return found
+        if strong.all() or not isinstance(found, ReachAnswer):
+            return found
+        weak = np.flatnonzero(~strong)
+        weaker = search.best(every[weak[np.argsort(-every.strength[weak], kind="stable")]])
+        if not isinstance(weaker, ReachAnswer):
+            return _too_weak(push, weaker[1].numbers["strength"])
+        return found if strong.any() else weaker
 
 
 def _too_weak(push: Push, strength: float) -> ReachAnswer:
