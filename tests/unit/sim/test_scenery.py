@@ -7,11 +7,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from nlcontrol import Controller
 from objectmodels import Registry
+from planner.plan import Push
 from planner.state import PlanarPose, SeenObject, WorldState
+from sim import load_scene
 from sim.rotations import rot_y
 from sim.scenery import FRAGILE_CLEARANCE, OBJECT_CLEARANCE, Obstacle, Scenery
 from sim.spheres import distance_to_cylinder, distance_to_prism
+from sim.trip import Trip, silent
 
 REGISTRY = Registry.built_in()
 CAN, TEA = REGISTRY.get("soup can"), REGISTRY.get("ice tea box")
@@ -82,3 +86,29 @@ def test_a_toppled_box_lies_on_its_side() -> None:
     corners, height = seen.bulk()
     assert height == pytest.approx(x)
     assert np.ptp(corners[:, 0]) == pytest.approx(z)
+
+
+def test_the_robot_is_told_what_is_fragile() -> None:
+    scene = load_scene("counter")
+    objects = tuple(
+        item.model_copy(update={"fragile": item.name == "mug"}) for item in scene.objects
+    )
+    scene = scene.model_copy(update={"objects": objects})
+    controller = Controller(scene=scene)
+    told = {name: seen.fragile for name, seen in controller.look().objects.items()}
+    assert told == {"soup can": False, "mug": True, "tea tin": False}
+    push = Push(
+        object="mug",
+        face="front",
+        p_BC=(-0.04, 0.0, 0.03),
+        normal_W=(-1.0, 0.0, 0.0),
+        direction_W=(1.0, 0.0, 0.0),
+        force_limit=2.0,
+        speed=0.05,
+        stroke=0.05,
+        fingers=1,
+        spread=0.0,
+        ends_on="stroke",
+    )
+    trip = Trip(push, controller.world, controller.models, controller.reach, silent)
+    assert {name: seen.fragile for name, seen in trip.look().objects.items()} == told
