@@ -11,8 +11,9 @@ Frames: contacts are in B; heights above the table.
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,13 +71,41 @@ class Contacts:
 
 def grid(side: Side, fingers: int, asked: Asked, reach: Reach) -> tuple[Array, Array]:
     """Contacts of a face: points in B, shape (n, 3) [m], and room to its edges, shape (n,) [m]."""
-    face = side.face
+    return _places(side.face, fingers, _allowed(side.face, asked, reach))
+
+
+@dataclass(frozen=True)
+class _Allowed:
+    """Where on a face contacts may lie.
+
+    Attributes:
+        low, high: heights [m].
+        beside: places along the face, from its middle [m].
+        tip: radius of a fingertip [m].
+        spread: distance between two of them [m].
+    """
+
+    low: float
+    high: float
+    beside: tuple[float, ...] | None
+    tip: float
+    spread: float
+
+
+def _allowed(face: Face, asked: Asked, reach: Reach) -> _Allowed:
+    tip = reach.fingertip_radius
     low = max(asked.low, reach.lowest_height, face.bottom)
-    high = min(asked.high, face.top - reach.fingertip_radius)
-    room = face.width / 2 - reach.fingertip_radius
-    room -= reach.finger_spread / 2 if fingers == 2 else 0.0
-    beside = (asked.lateral,) if asked.swing else _SIDESTEPS[fingers]
+    high = min(asked.high, face.top - tip)
+    beside = (asked.lateral,) if asked.swing else None
+    return _Allowed(low, high, beside, tip, reach.finger_spread)
+
+
+def _places(face: Face, fingers: int, allowed: _Allowed) -> tuple[Array, Array]:
+    room = face.width / 2 - allowed.tip
+    room -= allowed.spread / 2 if fingers == 2 else 0.0
+    beside = allowed.beside or _SIDESTEPS[fingers]
     lateral = np.array([y for y in beside if abs(y) <= room + 1e-9])
+    low, high = allowed.low, allowed.high
     if high < low - 1e-9 or not len(lateral):
         return np.empty((0, 3)), np.empty(0)
     heights = np.linspace(low, high, max(1, round((high - low) / _HEIGHT_STEP)) + 1)
@@ -100,40 +129,55 @@ def rated(
         }
     )
     for fingers in asked.fingers:
-        grids = [(side, *grid(side, fingers, asked, reach)) for side in sides]
+        places = [(side, _allowed(side.face, asked, reach)) for side in sides]
         for believed, guarded in ((model, False), (held, True)):
             for sigmas in (defaults.sigmas, defaults.sigmas / 2, 0.0):
                 # Within all sigmas the outcome is sure; within fewer it must also be likely.
                 least = 0.0 if sigmas == defaults.sigmas else defaults.probability
                 found = [
-                    _rate(
-                        believed, side, fingers, points, lateral,
-                        sigmas=sigmas, guarded=guarded, outcome=asked.outcome, least=least,
+                    Contacts(
+                        side=side,
+                        fingers=fingers,
+                        sigmas=sigmas,
+                        guarded=guarded,
+                        **_rating(
+                            believed, side.face, fingers, allowed, sigmas, asked.outcome, least
+                        ),
                     )
-                    for side, points, lateral in grids
-                    if len(points)
-                ]  # fmt: skip
+                    for side, allowed in places
+                ]
                 yield [contacts for contacts in found if len(contacts.chosen)]
 
 
-def _rate(
+class _Rating(TypedDict):
+    """What of `Contacts` depends on the model and the face alone."""
+
+    points: Array
+    lateral: Array
+    cone: ConeThresholds
+    chosen: NDArray[np.intp]
+    probability: Array
+
+
+@functools.lru_cache(maxsize=1024)
+def _rating(
     model: ObjectModel,
-    side: Side,
+    face: Face,
     fingers: Literal[1, 2],
-    points: Array,
-    lateral: Array,
-    *,
+    allowed: _Allowed,
     sigmas: float,
-    guarded: bool,
     outcome: Literal["slide", "topple"],
     least: float,
-) -> Contacts:
-    normals = np.tile(np.array(side.face.normal), (len(points), 1))
+) -> _Rating:
+    """The contacts of a face, kept: models and faces never change, new beliefs are new models."""
+    points, lateral = _places(face, fingers, allowed)
+    normals = np.tile(np.array(face.normal), (len(points), 1))
     cone = model.cone_thresholds(points, normals, sigmas=sigmas, yaw=fingers == 1)
     holds = cone.slides if outcome == "slide" else cone.topples
     margin = cone.slide_margin if outcome == "slide" else cone.topple_margin
     # Middle contacts first: off the middle the box turns, or one finger carries more.
-    order = np.argsort(-np.where(holds, margin, -np.inf) + 1e-3 * np.abs(lateral - lateral.max()))
+    aside = np.abs(lateral - lateral.max(initial=0.0))
+    order = np.argsort(-np.where(holds, margin, -np.inf) + 1e-3 * aside)
     chosen = _apart(points, order[: np.count_nonzero(holds)])
     probability = np.empty(0)
     if len(chosen):
@@ -143,7 +187,9 @@ def _rate(
         probability = few.probability_slide if outcome == "slide" else few.probability_topple
         likely = probability >= least
         chosen, probability = chosen[likely], probability[likely]
-    return Contacts(side, fingers, points, lateral, cone, sigmas, guarded, chosen, probability)
+    return _Rating(
+        points=points, lateral=lateral, cone=cone, chosen=chosen, probability=probability
+    )
 
 
 def _apart(points: Array, order: NDArray[np.intp]) -> NDArray[np.intp]:

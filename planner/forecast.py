@@ -5,6 +5,7 @@ Frames: contacts and directions are in B; forces along the push.
 
 from __future__ import annotations
 
+import functools
 import math
 from statistics import NormalDist
 from typing import TYPE_CHECKING
@@ -13,9 +14,10 @@ import numpy as np
 
 from objectmodels.base import Disc
 from objectmodels.extremes import circle, contact_forces
-from planner.plan import Margins, Prediction
+from planner.plan import Margins, Prediction, Vector3
 
 if TYPE_CHECKING:
+    from objectmodels import ObjectModel, Thresholds
     from planner.asked import Asked
     from planner.candidates import Contacts
     from planner.defaults import Defaults
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
     from planner.state import SeenObject
 
 _SPINS = 0.15  # share of the force to tip a round object over which it may turn on its rim before
-_CONFIRMING = 12  # directions on the friction cone's boundary that the exact tier looks at
+_CONFIRMING = 8  # directions on the friction cone's boundary that the exact tier looks at
 
 
 def needed_force(
@@ -41,13 +43,17 @@ def needed_force(
     return nominal * (1.0 + NormalDist().inv_cdf(d.probability) * share)
 
 
-def prediction(contacts: Contacts, k: int, asked: Asked, target: SeenObject) -> Prediction:
+def prediction(
+    contacts: Contacts, k: int, asked: Asked, target: SeenObject, reach: Reach
+) -> Prediction:
     """What the object model says of the k-th chosen contact."""
     i, model = int(contacts.chosen[k]), target.model
     inward = -np.array(contacts.side.face.normal)
-    # Two fingers hold the object straight, and then the closed form is exact.
-    exact = contacts.fingers == 1
-    nominal = model.thresholds(contacts.points[[i]], inward[None], exact=exact)
+    if contacts.fingers == 1:
+        nominal = _within_the_cone(contacts, i, model, reach)
+    else:
+        # Two fingers hold the object straight, and then the closed form is exact.
+        nominal = model.thresholds(contacts.points[[i]], inward[None])
     cone = contacts.cone
     worst = cone.height_below[i] if asked.outcome == "slide" else cone.height_above[i]
     return Prediction(
@@ -73,18 +79,28 @@ def confirmed(contacts: Contacts, k: int, asked: Asked, target: SeenObject, reac
     if contacts.fingers == 2:
         return True
     i, model = int(contacts.chosen[k]), target.model
-    grip = min(reach.force_skew, model.finger_friction) if contacts.guarded else (
-        model.finger_friction
-    )  # fmt: skip
-    shares = np.vstack((np.zeros((1, 2)), circle(_CONFIRMING)))
-    forces = contact_forces(np.array([contacts.side.face.normal]), grip * shares)
-    u = forces / np.linalg.norm(forces, axis=1, keepdims=True)
-    points = np.tile(contacts.points[i], (len(u), 1))
-    t = model.thresholds(points, u, exact=True)
+    t = _within_the_cone(contacts, i, model, reach)
     if asked.outcome == "topple" and isinstance(model.base, Disc):
         # On one point of its rim it spins before it tips, and still tips.
         return bool((t.slide >= (1.0 - _SPINS) * t.topple).all())
     return bool((t.outcome == asked.outcome).all())
+
+
+def _within_the_cone(contacts: Contacts, i: int, model: ObjectModel, reach: Reach) -> Thresholds:
+    """Thresholds of the exact tier for a force straight in, and for forces around the cone."""
+    grip = model.finger_friction
+    if contacts.guarded:
+        grip = min(reach.force_skew, grip)
+    return _exactly(model, tuple(contacts.points[i].tolist()), contacts.side.face.normal, grip)
+
+
+@functools.lru_cache(maxsize=1024)
+def _exactly(model: ObjectModel, point: Vector3, normal: Vector3, grip: float) -> Thresholds:
+    """Kept, since models never change and the same contacts are asked for again and again."""
+    shares = np.vstack((np.zeros((1, 2)), circle(_CONFIRMING)))
+    forces = contact_forces(np.array([normal]), grip * shares)
+    u = forces / np.linalg.norm(forces, axis=1, keepdims=True)
+    return model.thresholds(np.tile(point, (len(u), 1)), u, exact=True)
 
 
 def margins(

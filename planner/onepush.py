@@ -115,7 +115,7 @@ def _best(
                 break
             answer = reach(push, state)
             if answer.ok:
-                predicted = prediction(contacts, k, asked, target)
+                predicted = prediction(contacts, k, asked, target, reach)
                 return Found(
                     Move(
                         push=push,
