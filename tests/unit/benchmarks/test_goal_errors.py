@@ -1,0 +1,111 @@
+"""How far off a step ended, from poses made by hand."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from benchmarks.goals.final import final
+from grammar import frames as g
+from grammar.parser import parser_for
+from planner.plan import Aim, Margins, Plan, Prediction, Push
+from sim.trace import Trace
+
+BOX = "ice tea box"
+PUSH = Push(
+    object=BOX, face="front", p_BC=(0.0, 0.0, 0.03), normal_W=(-1.0, 0.0, 0.0),
+    direction_W=(1.0, 0.0, 0.0), force_limit=5.0, speed=0.05, stroke=0.1, fingers=1, spread=0.0,
+    ends_on="stroke",
+)  # fmt: skip
+PLAN = Plan(
+    push=PUSH,
+    prediction=Prediction(
+        outcome="slide", onset=3.0, slide_force=3.0, topple_force=None, critical_height=None,
+        critical_height_worst=None, probability=0.99, stay_on_base_angle=0.4, tier="closed form",
+        friction="static",
+    ),
+    margins=Margins(force=1.0, height=0.02, lateral=0.02, sigmas=2.0, force_limit=5.0),
+    displacement=None,
+    aim=Aim(x=0.6, y=0.1, yaw=0.5),
+)  # fmt: skip
+
+
+def trace(*, x: float = 0.0, y: float = 0.0, yaw: float = 0.0, tilts: float = 0.0) -> Trace:
+    """From (0.5, 0) by x, y and a turn; on the way, or for good if it fell, tilted to the left."""
+    n, fell = 50, tilts > 1.0
+    share: NDArray[np.float64] = np.linspace(0.0, 1.0, n)
+    half = 0.5 * tilts * (share if fell else np.sin(np.pi * share))
+    turn = 0.5 * yaw * share
+    poses = np.zeros((n, 7))
+    # About −x, so that the top goes to +y; then about the vertical.
+    poses[:, 0], poses[:, 1] = np.cos(half) * np.cos(turn), -np.sin(half) * np.cos(turn)
+    poses[:, 2], poses[:, 3] = -np.sin(half) * np.sin(turn), np.cos(half) * np.sin(turn)
+    poses[:, 4], poses[:, 5] = 0.5 + x * share, y * share
+    # It is at rest for the last part, as checks want it.
+    poses = np.vstack([poses, np.tile(poses[-1], (40, 1))])
+    k = len(poses)
+    return Trace(
+        time=np.linspace(0.0, 0.01 * (k - 1), k), phase=np.full(k, "push"),
+        poses={BOX: poses}, seen={BOX: poses},
+        joints=np.zeros((k, 0)), joint_names=(), tips={}, felt={}, force_limit=np.zeros(k),
+        contacts=(), pushed=BOX, direction=np.array([1.0, 0.0, 0.0]), end="stroke", detail="",
+        seed=0,
+    )  # fmt: skip
+
+
+def frame(words: str) -> g.Frame:
+    (parsed,) = parser_for({BOX}).parse(words.format(f"the {BOX}")).frames
+    return parsed
+
+
+@pytest.mark.parametrize(
+    ("words", "moved", "expected"),
+    [
+        ("push {} 10 cm away", {"x": 0.103, "y": 0.002}, {"along": 0.003, "across": 0.002}),
+        ("push {} 10 cm to the left", {"x": 0.002, "y": 0.1}, {"along": 0.0, "across": -0.002}),
+        ("push {} a little away", {"x": 0.05}, {"along": 0.0, "across": 0.0}),
+        ("push {} at least 10 cm away", {"x": 0.2}, {"across": 0.0}),
+    ],
+)
+def test_displacements(words: str, moved: dict[str, float], expected: dict[str, float]) -> None:
+    errors = final(frame(words), trace(**moved, yaw=0.1), PLAN)
+    assert errors == pytest.approx({**expected, "yaw": 0.1})
+
+
+def test_a_round_thing_has_no_yaw() -> None:
+    errors = final(frame("push {} 10 cm away"), trace(x=0.1, yaw=0.1), PLAN, turns=False)
+    assert set(errors) == {"along", "across"}
+
+
+def test_a_turn() -> None:
+    errors = final(frame("turn {} 45 degrees clockwise"), trace(x=0.003, y=0.004, yaw=-0.8), PLAN)
+    assert errors == pytest.approx({"turn": math.radians(45.0) - 0.8, "drift": 0.005})
+
+
+def test_a_place_that_is_said_and_one_that_was_aimed_at() -> None:
+    done = trace(x=0.1, y=0.1, yaw=0.52)
+    said = final(frame("push {} to x 0.6 y 0.13"), done, PLAN)
+    assert said == pytest.approx({"off": 0.03, "yaw": 0.02})
+    assert final(frame("push {} to the middle of the table"), done, PLAN)["off"] < 1e-9
+
+
+def test_a_tilt_there_and_back() -> None:
+    errors = final(frame("tilt {} by 10 degrees"), trace(tilts=math.radians(11.0)), PLAN)
+    # The largest of fifty samples of a sine.
+    assert errors == pytest.approx({"angle": math.radians(1.0), "drift": 0.0}, abs=2e-4)
+
+
+def test_a_topple() -> None:
+    fell = trace(tilts=math.radians(90.0))
+    assert final(frame("topple {} to the left"), fell, PLAN) == pytest.approx({"side": 0.0})
+    aside = final(frame("topple {} away"), fell, PLAN)["side"]
+    assert aside == pytest.approx(math.radians(90.0))
+    assert final(frame("topple {} away"), trace(), PLAN) == {}
+    assert final(frame("push {} 10 cm away"), fell, PLAN) == {}
+
+
+def test_an_event_has_no_error() -> None:
+    assert final(frame("push {} away until it moves"), trace(x=0.01), PLAN) == {}
