@@ -141,7 +141,7 @@ class _Carrying:
     def out(self, result: Result, plan_only: bool) -> Result:
         """The result with what came of the frame."""
         controller, aim = self.controller, None
-        for attempt in range(controller.defaults.most_pushes):
+        for attempt in range(self._budget):
             state = self._look()
             try:
                 made = controller.plan(self.frame, state, aim=aim, reach=self.reach)
@@ -170,6 +170,12 @@ class _Carrying:
         if plan_only:
             return _ended(result, self.step, "planned")
         return self._checked(self._traced(result))
+
+    @property
+    def _budget(self) -> int:
+        """Pushes that may be made; what is to be quick is not corrected."""
+        quick = any(isinstance(clause, g.MaxDuration) for clause in self.frame.constraints)
+        return 1 if quick else self.controller.defaults.most_pushes
 
     @property
     def _name(self) -> str:

@@ -101,9 +101,10 @@ def largest_push_speed(trace: Trace) -> float:
 
 
 def push_duration(trace: Trace) -> float:
-    """Time from the start of the first push to the end of the last [s]."""
-    pushing = np.flatnonzero(during(trace, ("push",)))
-    return float(trace.time[pushing[-1]] - trace.time[pushing[0]]) if len(pushing) else 0.0
+    """Time that the object is pushed, over all pushes [s]."""
+    pushing = during(trace, ("push",))
+    together = pushing[1:] & pushing[:-1]
+    return float(np.diff(trace.time)[together].sum())
 
 
 def largest_force_limit(trace: Trace) -> float:

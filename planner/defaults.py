@@ -122,6 +122,7 @@ class Defaults:
         clearance: that objects keep from each other, and from the table's edge, on their way [m].
         clearance_fragile: from what is fragile [m].
         speed_most: fastest push with which an object keeps to the fingertips [m/s].
+        push_overhead: time of a push beside its way at full speed: until it moves, and braking [s].
         aim_position: an object this near to where it should be is there [m].
         aim_drift: the same of one that is turned on the spot [m].
         aim_angle: an object turned by less than this from how it should look is there [rad].
@@ -182,6 +183,7 @@ class Defaults:
     clearance: Gap = 0.01
     clearance_fragile: Gap = 0.03
     speed_most: Speed = 0.12
+    push_overhead: Time = 3.5
     aim_position: Length = 0.002
     aim_drift: Length = 0.005
     aim_angle: Angle = 1.0 * DEGREE

@@ -100,8 +100,9 @@ def _best(
     """The contact with the largest margin that the hand reaches, or what stops it."""
     if not any(len(grid(s, n, asked, reach)[0]) for s in sides for n in asked.fingers):
         return refusals.no_place(asked, target, sides, reach)
+    asked = _in_time(asked, target, defaults)
     answers: list[ReachAnswer] = []
-    tried = {1: 0, 2: 0}
+    tried: dict[int, set[Vector3]] = {1: set(), 2: set()}
     least, doubted = math.inf, False
     for found in rated(target.model, sides, asked, reach, defaults):
         strong, needed = _strong_enough(found, asked, target, reach, defaults)
@@ -111,8 +112,12 @@ def _best(
                 doubted = True
                 continue
             push = _push(contacts, k, asked, target, reach, defaults)
-            if tried[push.fingers] == _ASKED_IN_ALL:
+            before = tried[push.fingers]
+            if len(before) == _ASKED_IN_ALL:
                 break
+            if push.p_BC in before:
+                continue  # it was out of reach for a case that was surer
+            before.add(push.p_BC)
             answer = reach(push, state)
             if answer.ok:
                 predicted = prediction(contacts, k, asked, target, reach)
@@ -128,9 +133,10 @@ def _best(
                     notes=remarks(contacts, push, predicted, asked, len(answers), defaults),
                 )
             answers.append(answer)
-            tried[push.fingers] += 1
     if answers:
         return refusals.no_reach(target, answers)
+    if least < asked.min_force:
+        return refusals.too_light(asked, target, least)
     if math.isfinite(least) and not doubted:
         return refusals.too_weak(asked, target, least, reach)
     return refusals.no_contact(asked, target, sides, reach, defaults)
@@ -219,6 +225,23 @@ def _fall_blocked(
     return None
 
 
+def _in_time(asked: Asked, target: SeenObject, defaults: Defaults) -> Asked:
+    """What is asked, fast enough for the time that it may take.
+
+    Raises:
+        RefusedError: it cannot be fast enough.
+    """
+    most = asked.limits.duration
+    if most is None or asked.outcome != "slide" or asked.swing:
+        return asked
+    said = all(used.name != "speed" for used in asked.defaults)
+    fastest = asked.speed if said else defaults.speed_most
+    least = defaults.push_overhead + asked.distance / fastest
+    if least > most:
+        raise RefusedError(refusals.too_slow(asked, target, least, most))
+    return replace(asked, speed=max(asked.speed, asked.distance / (most - defaults.push_overhead)))
+
+
 # -- how hard ---------------------------------------------------------------------------------
 
 
@@ -231,6 +254,7 @@ def _strong_enough(
         needed = np.array([needed_force(contacts, i, asked, target, d) for i in contacts.chosen])
         least = min(least, float(needed.min()))
         enough = needed <= min(asked.max_force, contacts.fingers * reach.max_force)
+        enough &= needed >= asked.min_force
         if enough.any():
             chosen, probability = contacts.chosen[enough], contacts.probability[enough]
             strong.append(replace(contacts, chosen=chosen, probability=probability))

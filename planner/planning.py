@@ -113,6 +113,8 @@ def _together(
     found: list[Found], asked: Asked, aim: Aim | None, target: SeenObject, defaults: Defaults
 ) -> Plan | Refusal:
     """Pushes one after another as a plan, if they are likely enough together."""
+    if asked.limits.duration is not None and len(found) > 1:
+        return refusals.several_pushes(asked, target, len(found))
     first, *later = (each.move for each in found)
     # At least so likely, however the chances of the pushes hang together.
     doubts = sum(1.0 - move.prediction.probability for move in (first, *later))

@@ -203,6 +203,43 @@ def too_weak(asked: Asked, target: SeenObject, needed: float, reach: Reach) -> R
     )
 
 
+def too_light(asked: Asked, target: SeenObject, needed: float) -> Refusal:
+    """It moves before as much force as is asked can be pressed on it."""
+    return Refusal(
+        reason="impossible",
+        message=f"the {target.name} gives way at {needed:.1f} N at most, so that no push presses "
+        f"{asked.min_force:.1f} N on it",
+        numbers={"needed_force": needed, "min_force": asked.min_force},
+        spans=asked.force_spans,
+        suggestions=(f"ask for no more than {needed:.1f} N",),
+    )
+
+
+def too_slow(asked: Asked, target: SeenObject, least: float, most: float) -> Refusal:
+    """It takes longer than it may."""
+    return Refusal(
+        reason="out_of_time",
+        message=f"pushing the {target.name} over {_mm(asked.distance)} takes {least:.1f} s; "
+        f"{most:.1f} s are allowed",
+        numbers={"least_time": least, "max_time": most},
+        spans=asked.time_spans,
+        suggestions=(f"allow {math.ceil(2 * least) / 2:g} s",),
+    )
+
+
+def several_pushes(asked: Asked, target: SeenObject, pushes: int) -> Refusal:
+    """Between two pushes the hand goes around the object, which takes longer than it may."""
+    assert asked.limits.duration is not None
+    return Refusal(
+        reason="out_of_time",
+        message=f"it takes {pushes} pushes to bring the {target.name} there, and the hand must go "
+        f"around it in between; {asked.limits.duration:.1f} s are allowed",
+        numbers={"pushes": float(pushes), "max_time": asked.limits.duration},
+        spans=asked.time_spans,
+        suggestions=("leave out how long it may take",),
+    )
+
+
 def no_place(asked: Asked, target: SeenObject, sides: list[Side], reach: Reach) -> Refusal:
     """The fingertips find no place on the face, whatever would come of it."""
     size, lowest = target.model.top, reach.lowest_height

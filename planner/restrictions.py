@@ -43,9 +43,10 @@ def restricted(asked: Asked, clause: g.Constraint, setting: Setting) -> Asked:
     """
     handler = _HANDLERS.get(clause.kind)
     if handler is None:
-        what = {"no_spill": "keeping an object from spilling"}.get(
-            clause.kind, clause.kind.replace("_", " ")
-        )
+        what = {
+            "no_spill": "keeping an object from spilling",
+            "duration": "pushing for an exact time",
+        }.get(clause.kind, clause.kind.replace("_", " "))
         message = f"this version of the robot is not capable of {what}"
         raise unsupported(what, message, clause.spans)
     return handler(asked, clause, setting)
@@ -170,7 +171,7 @@ def _speed(asked: Asked, clause: g.Constraint, s: Setting) -> Asked:
     raise AssertionError(f"{clause.kind} is about no speed")
 
 
-def _duration(asked: Asked, clause: g.MaxDuration | g.Duration, _: Setting) -> Asked:
+def _duration(asked: Asked, clause: g.MaxDuration, _: Setting) -> Asked:
     return _limited(replace(asked, time_spans=clause.spans), duration=clause.value)
 
 
@@ -323,7 +324,6 @@ _HANDLERS: dict[str, Callable[[Asked, Any, Setting], Asked]] = {
     "speed": _speed,
     "min_speed": _speed,
     "max_speed": _speed,
-    "duration": _duration,
     "max_duration": _duration,
     "max_distance": _nearer,
     "contact": _contact,

@@ -114,12 +114,12 @@ def _speed(
 
 def _max_duration(clause: g.MaxDuration, e: Evidence) -> Iterator[Check]:
     took = measures.push_duration(e.trace)
-    yield compare(clause, "at_most", "time from touch to end", clause.value, took, 0.0, "s")
+    yield compare(clause, "at_most", "time that it was pushed", clause.value, took, 0.0, "s")
 
 
 def _duration(clause: g.Duration, e: Evidence) -> Iterator[Check]:
     took, tolerance = measures.push_duration(e.trace), e.defaults.duration_tolerance
-    yield compare(clause, "about", "time from touch to end", clause.value, took, tolerance, "s")
+    yield compare(clause, "about", "time that it was pushed", clause.value, took, tolerance, "s")
 
 
 def _max_distance(clause: g.MaxDistance, e: Evidence) -> Iterator[Check]:
