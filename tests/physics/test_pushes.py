@@ -105,8 +105,11 @@ def test_a_straight_push_holds_its_line(asked: Asked, seed: int) -> None:
     across = np.linalg.norm(moved[:2] - along * trace.direction[:2])
     # The stroke is measured at fingertips that give way by less than a millimetre.
     assert along == pytest.approx(asked.stroke, abs=0.003)
-    assert across < 0.010
-    assert np.degrees(np.abs(trace.yaw(asked.name)).max()) < 3.0
+    assert across < 0.004
+    turned = np.degrees(trace.yaw(asked.name))
+    assert abs(turned[-1]) < 2.0
+    # Pushed beside its centre of friction an object goes straight only at an angle.
+    assert np.abs(turned).max() < 10.0
     assert np.degrees(trace.tilt(asked.name).max()) < 1.0
 
 
