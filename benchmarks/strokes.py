@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from objectmodels import ObjectModel
 from sim.hand import TIP_RADIUS
 from sim.hands import strongest
-from sim.reach import FINGER_SPREAD
+from sim.reach import FINGER_SPREADS
 
 Array = NDArray[np.float64]
 Generator = np.random.Generator
@@ -189,5 +189,5 @@ def upright(pose: Array) -> bool:
 def offsets(fingers: int, heading: float) -> Array:
     """Places of the fingertips from their midpoint in W, shape (fingers, 3) [m]."""
     across = np.array([-np.sin(heading), np.cos(heading), 0.0])
-    sides = np.array([0.0]) if fingers == 1 else 0.5 * FINGER_SPREAD * np.array([-1.0, 1.0])
+    sides = np.array([0.0]) if fingers == 1 else 0.5 * FINGER_SPREADS[0] * np.array([-1.0, 1.0])
     return np.asarray(sides[:, None] * across)

@@ -12,11 +12,14 @@ Frames: contacts are in B; heights above the table.
 from __future__ import annotations
 
 import functools
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
+
+from planner.directions import angle_between
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -30,6 +33,7 @@ Array = NDArray[np.float64]
 
 _HEIGHT_STEP = 0.004
 _SIDESTEPS = {1: (0.0,), 2: (0.0, 0.01, -0.01, 0.02, -0.02)}
+_ROUND = 0.7  # sine of the largest angle at which two fingertips touch a round side
 _RATED = 12  # contacts whose probability is computed and the reach may be asked for
 _APART = 0.0035  # distance between two of them [m]
 
@@ -49,6 +53,7 @@ class Contacts:
     Attributes:
         side: the face.
         fingers: how many fingertips push.
+        spread: distance between two of them [m]; 0 for one.
         points: contacts (midpoints of two) in B, shape (n, 3) [m].
         lateral: room to the nearest edge of the face, shape (n,) [m].
         cone: thresholds over the friction cone at `sigmas`.
@@ -60,6 +65,7 @@ class Contacts:
 
     side: Side
     fingers: Literal[1, 2]
+    spread: float
     points: Array
     lateral: Array
     cone: ConeThresholds
@@ -69,9 +75,12 @@ class Contacts:
     probability: Array
 
 
-def grid(side: Side, fingers: int, asked: Asked, reach: Reach) -> tuple[Array, Array]:
+def grid(
+    model: ObjectModel, side: Side, fingers: int, asked: Asked, reach: Reach
+) -> tuple[Array, Array]:
     """Contacts of a face: points in B, shape (n, 3) [m], and room to its edges, shape (n,) [m]."""
-    return _places(side.face, fingers, _allowed(side.face, asked, reach))
+    points, room, _ = _places(side.face, fingers, _allowed(model, side, fingers, asked, reach))
+    return points, room
 
 
 @dataclass(frozen=True)
@@ -80,39 +89,71 @@ class _Allowed:
 
     Attributes:
         low, high: heights [m].
-        beside: places along the face, from its middle [m].
+        aim: the best place along the face, from its middle [m].
+        beside: further places, from there [m].
         tip: radius of a fingertip [m].
-        spread: distance between two of them [m].
+        spread: distance between two of them [m]; 0 for one.
     """
 
     low: float
     high: float
-    beside: tuple[float, ...] | None
+    aim: float
+    beside: tuple[float, ...]
     tip: float
     spread: float
 
 
-def _allowed(face: Face, asked: Asked, reach: Reach) -> _Allowed:
-    tip = reach.fingertip_radius
+def _allowed(model: ObjectModel, side: Side, fingers: int, asked: Asked, reach: Reach) -> _Allowed:
+    tip, face = reach.fingertip_radius, side.face
     low = max(asked.low, reach.lowest_height, face.bottom)
     high = min(asked.high, face.top - tip)
-    beside = (asked.lateral,) if asked.swing else None
-    return _Allowed(low, high, beside, tip, reach.finger_spread)
+    spread = _spread(face, reach) if fingers == 2 else 0.0
+    if asked.swing:
+        return _Allowed(low, high, asked.lateral, (0.0,), tip, spread)
+    # To a micrometre, so that equal pushes are looked up as such.
+    aim = round(_through_the_middle(model, side, asked), 6)
+    return _Allowed(low, high, aim, _SIDESTEPS[fingers], tip, spread)
 
 
-def _places(face: Face, fingers: int, allowed: _Allowed) -> tuple[Array, Array]:
-    room = face.width / 2 - allowed.tip
-    room -= allowed.spread / 2 if fingers == 2 else 0.0
-    beside = allowed.beside or _SIDESTEPS[fingers]
-    lateral = np.array([y for y in beside if abs(y) <= room + 1e-9])
+def _spread(face: Face, reach: Reach) -> float:
+    """The largest distance at which two fingertips find a place; the least if none does [m]."""
+    if face.curvature:
+        return reach.finger_spreads[0]  # they hold what is round between them
+    fits = [s for s in reach.finger_spreads if s + 2.0 * reach.fingertip_radius <= face.width]
+    return fits[0] if fits else reach.finger_spreads[-1]
+
+
+def _through_the_middle(model: ObjectModel, side: Side, asked: Asked) -> float:
+    """Where a push along the asked heading goes through the centre of mass, on the face [m]."""
+    face = side.face
+    if face.curvature:
+        return 0.0
+    oblique = 0.0
+    if asked.outcome == "slide" and asked.heading is not None:
+        oblique = angle_between(asked.heading, side.heading)
+    off = np.array(model.com) - face.centre
+    depth = -float(off @ np.array(face.normal))
+    # The tangent is ẑ × normal: to the right of the push.
+    return float(off @ np.array(face.tangent)) + depth * math.tan(oblique)
+
+
+def _places(face: Face, fingers: int, allowed: _Allowed) -> tuple[Array, Array, Array]:
+    """Points in B (n, 3), room to the edges (n,), distances from the best place (n,)."""
+    room = face.width / 2 - allowed.tip - allowed.spread / 2
+    if face.curvature and fingers == 2:
+        # Fingertips that would meet it too far round its side slip off.
+        around = _ROUND * (1.0 / face.curvature + allowed.tip)
+        room = 0.0 if allowed.spread / 2 <= around else -1.0
     low, high = allowed.low, allowed.high
-    if high < low - 1e-9 or not len(lateral):
-        return np.empty((0, 3)), np.empty(0)
+    if room < -1e-9 or high < low - 1e-9:
+        return np.empty((0, 3)), np.empty(0), np.empty(0)
+    aim = float(np.clip(allowed.aim, -max(room, 0.0), max(room, 0.0)))
+    lateral = np.array([aim + y for y in allowed.beside if abs(aim + y) <= room + 1e-9 or y == 0])
     heights = np.linspace(low, high, max(1, round((high - low) / _HEIGHT_STEP)) + 1)
     z, y = (a.ravel() for a in np.meshgrid(heights, lateral, indexing="ij"))
     on = face.contains(y, z)
     points, _ = face.at(y[on], z[on])
-    return points, room - np.abs(y[on])
+    return points, room - np.abs(y[on]), np.abs(y[on] - aim)
 
 
 def rated(
@@ -129,7 +170,7 @@ def rated(
         }
     )
     for fingers in asked.fingers:
-        places = [(side, _allowed(side.face, asked, reach)) for side in sides]
+        places = [(side, _allowed(model, side, fingers, asked, reach)) for side in sides]
         for believed, guarded in ((model, False), (held, True)):
             for sigmas in (defaults.sigmas, defaults.sigmas / 2, 0.0):
                 # Within all sigmas the outcome is sure; within fewer it must also be likely.
@@ -138,6 +179,7 @@ def rated(
                     Contacts(
                         side=side,
                         fingers=fingers,
+                        spread=allowed.spread,
                         sigmas=sigmas,
                         guarded=guarded,
                         **_rating(
@@ -170,13 +212,12 @@ def _rating(
     least: float,
 ) -> _Rating:
     """The contacts of a face, kept: models and faces never change, new beliefs are new models."""
-    points, lateral = _places(face, fingers, allowed)
+    points, lateral, aside = _places(face, fingers, allowed)
     normals = np.tile(np.array(face.normal), (len(points), 1))
     cone = model.cone_thresholds(points, normals, sigmas=sigmas, yaw=fingers == 1)
     holds = cone.slides if outcome == "slide" else cone.topples
     margin = cone.slide_margin if outcome == "slide" else cone.topple_margin
-    # Middle contacts first: off the middle the box turns, or one finger carries more.
-    aside = np.abs(lateral - lateral.max(initial=0.0))
+    # Off the best place the object turns, or one finger carries more.
     order = np.argsort(-np.where(holds, margin, -np.inf) + 1e-3 * aside)
     chosen = _apart(points, order[: np.count_nonzero(holds)])
     probability = np.empty(0)

@@ -98,13 +98,14 @@ def _best(
     defaults: Defaults,
 ) -> Found | Refusal:
     """The contact with the largest margin that the hand reaches, or what stops it."""
-    if not any(len(grid(s, n, asked, reach)[0]) for s in sides for n in asked.fingers):
+    model = target.model
+    if not any(len(grid(model, s, n, asked, reach)[0]) for s in sides for n in asked.fingers):
         return refusals.no_place(asked, target, sides, reach)
     asked = _in_time(asked, target, defaults)
     answers: list[ReachAnswer] = []
     tried: dict[int, set[Vector3]] = {1: set(), 2: set()}
     least, doubted = math.inf, False
-    for found in rated(target.model, sides, asked, reach, defaults):
+    for found in rated(model, sides, asked, reach, defaults):
         strong, needed = _strong_enough(found, asked, target, reach, defaults)
         least = min(least, needed)
         for contacts, k in _in_order(strong, asked):
@@ -293,14 +294,14 @@ def _push(
     push = Push(
         object=target.name,
         face=face_name(outward)[0],
-        p_BC=_triple(contacts.points[i]),
+        p_BC=_touched(contacts, i, reach),
         normal_W=_triple(outward),
         direction_W=_triple(_direction(asked, contacts.side)),
         force_limit=limit,
         speed=asked.speed,
         stroke=_stroke(contacts, i, asked, target),
         fingers=contacts.fingers,
-        spread=reach.finger_spread if contacts.fingers == 2 else 0.0,
+        spread=contacts.spread,
         ends_on="stroke" if asked.outcome == "slide" else "toppled",
         turn=asked.turn,
         until=asked.until,
@@ -314,6 +315,16 @@ def _push(
         inward = -np.array(face.normal)
         return tilts.tilted(push, target.model, inward, asked.tilt, asked.until, defaults)
     return push
+
+
+def _touched(contacts: Contacts, i: int, reach: Reach) -> Vector3:
+    """The contact; that of two fingertips on a round side lies between them, inside of it [m]."""
+    face, point = contacts.side.face, contacts.points[i]
+    if contacts.fingers == 1 or not face.curvature:
+        return _triple(point)
+    tip, radius = reach.fingertip_radius, 1.0 / face.curvature
+    inside = radius + tip - math.sqrt((radius + tip) ** 2 - (contacts.spread / 2.0) ** 2)
+    return _triple(point - inside * np.array(face.normal))
 
 
 def _turning(push: Push, face: Face, angle: float, target: SeenObject) -> Push:

@@ -41,8 +41,8 @@ class Reach(Protocol):
     fingertip_radius: float
     """Radius of a fingertip [m]."""
 
-    finger_spread: float
-    """Distance between the two outer fingertips of a two-finger push [m]."""
+    finger_spreads: tuple[float, ...]
+    """Distances between the two outer fingertips of a two-finger push, the largest first [m]."""
 
     max_force: float
     """Largest force that one fingertip can exert [N]."""

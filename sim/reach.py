@@ -24,8 +24,8 @@ from sim.search import Search
 from sim.stance import Mount, Stance
 from sim.way import Way
 
-FINGER_SPREAD = 0.04
-"""Distance between the fingertips of a two-finger push [m]."""
+FINGER_SPREADS = (0.04, 0.032, 0.024)
+"""Distances between the fingertips of a two-finger push, the largest first [m]."""
 
 
 class ArmReach:
@@ -33,14 +33,14 @@ class ArmReach:
 
     Attributes:
         fingertip_radius: [m].
-        finger_spread: distance between the fingertips of a two-finger push [m].
+        finger_spreads: distances between the fingertips of a two-finger push [m].
         max_force: of one fingertip, in the hand that bears most [N].
         force_skew: largest vertical force per force along the push.
         lowest_height: of a contact above the table [m].
     """
 
     fingertip_radius = TIP_RADIUS
-    finger_spread = FINGER_SPREAD
+    finger_spreads: tuple[float, ...] = FINGER_SPREADS
     force_skew = LARGEST_SKEW
     lowest_height = TIP_RADIUS + 0.015
 

@@ -214,7 +214,10 @@ class Search:
         """Arm poses between home and above the start; None if no free way was found."""
 
         def is_free(q: Array) -> NDArray[np.bool_]:
-            return self._scenery.is_free(self._robot(found.stance, q))
+            # The hand comes back the same way, when the object is where it was pushed.
+            robot = self._robot(found.stance, q)
+            back = self._scenery.is_free(robot, self._pushed[-1])
+            return np.asarray(self._scenery.is_free(robot) & back)
 
         return free_way(self._home, found.above, places, is_free)
 

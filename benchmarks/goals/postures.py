@@ -19,7 +19,7 @@ from benchmarks.strokes import Array, Generator, Stroke
 from planner.state import WorldState
 from sim import arm, spheres
 from sim.hand import FINGER_LIMITS, RESTING, Posture, two_finger_postures
-from sim.reach import FINGER_SPREAD
+from sim.reach import FINGER_SPREADS
 from sim.rotations import rot_x, rot_y, rot_z
 from sim.scene import Robot
 from sim.stance import Mount
@@ -58,7 +58,8 @@ def reachable(
 
 def _postures(fingers: int, rng: Generator) -> Iterator[Posture]:
     if fingers == 2:
-        yield from two_finger_postures(FINGER_SPREAD)
+        for spread in FINGER_SPREADS:
+            yield from two_finger_postures(spread)
         return
     low, high = FINGER_LIMITS.T
     for _ in range(POSTURES):

@@ -27,7 +27,7 @@ class RuledReach:
 
     rule: Callable[[Push], bool] = lambda _: True
     fingertip_radius: float = 0.010
-    finger_spread: float = 0.04
+    finger_spreads: tuple[float, ...] = (0.04, 0.032, 0.024)
     max_force: float = 10.0
     force_skew: float = 0.35
     lowest_height: float = 0.025

@@ -46,7 +46,7 @@ def test_a_push_in_each_direction(
     assert push.face == face
     assert push.direction_W == pytest.approx((*direction, 0.0), abs=LENGTHS)
     assert push.stroke == pytest.approx(0.12)
-    assert (push.fingers, push.spread) == (2, reach.finger_spread)
+    assert (push.fingers, push.spread) == (2, reach.finger_spreads[0])
     # On the face that looks against the push: half the width of 90 mm from the middle.
     assert np.dot(push.p_BC[:2], direction) == pytest.approx(-0.045, abs=LENGTHS)
     assert np.dot(push.normal_W[:2], direction) == pytest.approx(-1.0, abs=LENGTHS)
