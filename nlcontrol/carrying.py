@@ -11,6 +11,7 @@ happened for the frame.
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -141,7 +142,7 @@ class _Carrying:
     def out(self, result: Result, plan_only: bool) -> Result:
         """The result with what came of the frame."""
         controller, aim = self.controller, None
-        for attempt in range(self._budget):
+        for attempt in itertools.count():
             state = self._look()
             try:
                 made = controller.plan(self.frame, state, aim=aim, reach=self.reach)
@@ -155,6 +156,10 @@ class _Carrying:
             if isinstance(made, Reached):
                 if attempt == 0 and not plan_only:
                     self.traces.append(controller.watch(self._name))
+                break
+            if attempt == self._budget:
+                pushes = "push" if attempt == 1 else "pushes"
+                self._note(stuck=f"this may take {attempt} {pushes} at most")
                 break
             self._note(plan=self.step.plan or made, plans=(*self.step.plans, made))
             result = with_(result, plan=self.step.plan)

@@ -34,8 +34,8 @@ Array = NDArray[np.float64]
 _HEIGHT_STEP = 0.004
 _SIDESTEPS = {1: (0.0,), 2: (0.0, 0.01, -0.01, 0.02, -0.02)}
 _ROUND = 0.7  # sine of the largest angle at which two fingertips touch a round side
-_RATED = 12  # contacts whose probability is computed and the reach may be asked for
-_APART = 0.0035  # distance between two of them [m]
+_RATED = 8  # contacts whose probability is computed and the reach may be asked for
+_APART = 0.0095  # distance between two of them: nearer ones are reached alike [m]
 
 
 @dataclass(frozen=True)

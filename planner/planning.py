@@ -72,6 +72,8 @@ def _over(
     if abs(askew) <= 0.5 * defaults.side_tolerance or asked.face is not None:
         found = best_push(asked, target, state, reach, defaults)
         return found if isinstance(found, Refusal) else [found]
+    if asked.region is not None:
+        return refusals.turned_first(asked, target, askew)
     square = target.pose.yaw + askew
     aim = Aim(x=target.pose.x, y=target.pose.y, yaw=square)
     on_its_base = replace(asked, outcome="slide", rotates=True, aims=(aim,), tilt=None)

@@ -105,6 +105,18 @@ def askew(asked: Asked, target: SeenObject, side: Side, angle: float, largest: f
     )
 
 
+def turned_first(asked: Asked, target: SeenObject, angle: float) -> Refusal:
+    """It would have to be turned before, which is done low on its sides."""
+    return Refusal(
+        reason="impossible",
+        message=f"none of the {target.name}'s faces looks that way: it would have to be turned by "
+        f"{_deg(angle)} first, and is not turned by touching it {asked.region}",
+        numbers={"obliqueness": abs(angle)},
+        spans=asked.contact_spans,
+        suggestions=("turn it first", "leave out where to touch it"),
+    )
+
+
 def no_way(target: SeenObject) -> Refusal:
     """It has no sides along which it could be pushed there."""
     return Refusal(

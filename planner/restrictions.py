@@ -105,7 +105,7 @@ def _kept(asked: Asked, clause: g.Constraint, s: Setting) -> Asked:
 
 
 def _until(asked: Asked, clause: g.Until, s: Setting) -> Asked:
-    """A tilt that ends where the base leaves the table, or well before the object falls."""
+    """A push that ends with the object's fall, or with a tilt well before it."""
     if clause.event not in ("tips", "about_to_tip"):
         if not asked.aims:
             what = f"toppling until '{clause.event}'"
@@ -113,8 +113,10 @@ def _until(asked: Asked, clause: g.Until, s: Setting) -> Asked:
         return asked  # the aim is where it happens
     used = tuple(d for d in asked.defaults if d.name != "distance")
     asked = replace(asked, outcome="topple", aims=(), distance=math.inf, defaults=used)
-    if clause.event == "tips":
-        return replace(asked, tilt=s.defaults.rest_tilt, until="tips")
+    return asked if clause.event == "tips" else _almost_tipped(asked, s)
+
+
+def _almost_tipped(asked: Asked, s: Setting) -> Asked:
     return replace(asked, tilt=almost_tips(s.target.model, s.defaults))
 
 

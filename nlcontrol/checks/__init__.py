@@ -89,7 +89,7 @@ def not_held(missed: Sequence[Check], trace: Trace, stuck: str | None = None) ->
     if trace.end not in PLANNED_ENDS:
         message += f" (the push ended early: {trace.detail})"
     if stuck is not None:
-        message += f" (then no further push was found: {stuck})"
+        message += f" (no further push was made: {stuck})"
     spans = missed[0].spans
     return error("clause_not_held", message, span=spans[0] if spans else None).info
 

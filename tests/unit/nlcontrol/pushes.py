@@ -6,7 +6,9 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from planner.state import PlanarPose
 from sim.trace import Trace
 
 TraceMaker = Callable[..., Trace]
@@ -22,9 +24,26 @@ def stuck(trace: Trace) -> Trace:
     )
 
 
-def seen(trace: Trace, moved_by: tuple[float, float] = (0.0, 0.0)) -> Trace:
-    """The object began where another push had left it, and a perfect camera saw everything."""
+def seen(trace: Trace, at: PlanarPose | None = None) -> Trace:
+    """A perfect camera saw everything; the object began at a pose, where another push had left it.
+
+    Args:
+        trace: in which the object begins with heading 0.
+        at: where it began; as it is in the trace if not given.
+    """
     poses = {name: p.copy() for name, p in trace.poses.items()}
-    poses[trace.pushed][:, 4:6] += moved_by
-    tips = {name: p + np.array([*moved_by, 0.0]) for name, p in trace.tips.items()}
+    tips = trace.tips
+    if at is not None:
+        own = poses[trace.pushed]
+        by = np.array([at.x, at.y]) - own[0, 4:6]
+        own[:, 4:6] += by
+        own[:, :4] = _headed(at.yaw, own[:, :4])
+        tips = {name: p + np.array([*by, 0.0]) for name, p in tips.items()}
     return replace(trace, poses=poses, seen=poses, tips=tips)
+
+
+def _headed(yaw: float, q: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Quaternions (w, x, y, z) turned about the vertical, shape (n, 4)."""
+    c, s = np.cos(yaw / 2), np.sin(yaw / 2)
+    w, x, y, z = q.T
+    return np.column_stack([c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w])
