@@ -69,8 +69,9 @@ def _is_there(result: Result, step: Step | Result) -> bool:
     """Whether nothing had to be done, or nothing would have to be."""
     if step.execution is not None:
         return step.execution.end == "reached"
-    explored = isinstance(step, Step) and result.frames[step.frame].action == "explore"
-    return step.status == "planned" and not explored
+    if step.status != "planned":
+        return False
+    return not isinstance(step, Step) or result.frames[step.frame].action != "explore"
 
 
 def answer_lines(answer: Answer) -> Iterator[str]:

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from objectmodels import BoxModel
+from planner.plan import Plan
 from sim.trace import ContactEvent, EndReason, Trace
+from tests.unit.nlcontrol.pushes import Happens, TraceMaker, stuck
 
 RATE = 100.0
 TIP_RADIUS = 0.01
-
-TraceMaker = Callable[..., Trace]
 
 
 def _pose(
@@ -101,6 +103,41 @@ def make_trace() -> TraceMaker:
             end=end,
             detail="",
             seed=seed,
+        )
+
+    return make
+
+
+@pytest.fixture
+def goes(make_trace: TraceMaker) -> Callable[..., Happens]:
+    """What comes of a push that goes as predicted, or only by a share of that."""
+
+    def make(share: float = 1.0, end: EndReason | None = None, **values: Any) -> Happens:
+        def happens(plan: Plan) -> Trace:
+            x, y, _ = plan.displacement or (0.0, 0.0, 0.0)
+            push = plan.push
+            turned = share * push.turn
+            ended: EndReason = "turned" if push.ends_on == "turned" else "stroke"
+            return make_trace(
+                travel=(share * x, share * y),
+                turned=turned,
+                fingers=push.fingers,
+                end=end or ended,
+                **{"force": 3.7, **values},
+            )
+
+        return happens
+
+    return make
+
+
+@pytest.fixture
+def stands(make_trace: TraceMaker) -> Callable[..., Happens]:
+    """Nothing moves, whatever is pushed."""
+
+    def make(end: EndReason = "force", force: float = 4.0) -> Happens:
+        return lambda plan: replace(
+            stuck(make_trace(force=force, fingers=plan.push.fingers)), end=end, detail="as it came"
         )
 
     return make

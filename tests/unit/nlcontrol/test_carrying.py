@@ -6,7 +6,6 @@ import json
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,102 +14,16 @@ from nlcontrol import Controller
 from planner.defaults import DEFAULTS
 from planner.directions import angle_between
 from planner.plan import Plan
-from planner.state import PlanarPose
 from sim.trace import EndReason, Trace
-from tests.unit.nlcontrol.pushes import TraceMaker, seen, stuck
+from tests.unit.nlcontrol.pushes import BOX, Happens, Stage, TraceMaker
 
 SENTENCE = "push the ice tea box away without toppling it"
-BOX = "ice tea box"
-
-Happens = Callable[[Plan], Trace]
-
 EXACT = 1e-6  # a camera without noise; what is left are sums of floats [m], [rad]
-
-
-class Stage:
-    """Plays the world: what comes of a push is made up, and the object stands where that left it.
-
-    Args:
-        monkeypatch: puts it in the place of the simulator.
-        controller: whose scene it plays.
-        happens: what comes of each push, the last one again and again.
-    """
-
-    def __init__(
-        self, monkeypatch: pytest.MonkeyPatch, controller: Controller, *happens: Happens
-    ) -> None:
-        self.happens = list(happens)
-        self.poses = {name: seen.pose for name, seen in controller.look().objects.items()}
-        self.start = self.poses[BOX]
-        self.executed: list[Plan] = []
-        self.traces: list[Trace] = []
-        self.told: list[tuple[str, float, str]] = []
-        monkeypatch.setattr("sim.execute", self.execute)
-        monkeypatch.setattr("sim.DrakeWorld", lambda *_, **__: self)
-
-    def look(self, _: float) -> dict[str, PlanarPose]:
-        return dict(self.poses)
-
-    def execute(self, plan: Plan, *_: object, **__: object) -> Trace:
-        happens = self.happens.pop(0) if len(self.happens) > 1 else self.happens[0]
-        here = self.poses[BOX]
-        trace = seen(happens(plan), at=here)
-        x, y, _z = trace.displacement(BOX).tolist()
-        yaw = here.yaw + float(trace.yaw(BOX)[-1])
-        # A camera does not count turns.
-        self.poses[BOX] = PlanarPose(here.x + x, here.y + y, math.remainder(yaw, math.tau))
-        self.executed.append(plan)
-        self.traces.append(trace)
-        return trace
-
-    def tell(self, *report: Any) -> None:
-        self.told.append(report)
-
-    @property
-    def moved(self) -> tuple[float, float]:
-        """How far the object has come in all [m]."""
-        here = self.poses[BOX]
-        return here.x - self.start.x, here.y - self.start.y
 
 
 @pytest.fixture
 def controller() -> Controller:
     return Controller(seed=1)
-
-
-@pytest.fixture
-def goes(make_trace: TraceMaker) -> Callable[..., Happens]:
-    """What comes of a push that goes as predicted, or only by a share of that."""
-
-    def make(share: float = 1.0, end: EndReason | None = None, **values: Any) -> Happens:
-        def happens(plan: Plan) -> Trace:
-            x, y, _ = plan.displacement or (0.0, 0.0, 0.0)
-            push = plan.push
-            turned = share * push.turn
-            ended: EndReason = "turned" if push.ends_on == "turned" else "stroke"
-            return make_trace(
-                travel=(share * x, share * y),
-                turned=turned,
-                fingers=push.fingers,
-                end=end or ended,
-                **{"force": 3.7, **values},
-            )
-
-        return happens
-
-    return make
-
-
-@pytest.fixture
-def stands(make_trace: TraceMaker) -> Callable[..., Happens]:
-    """Nothing moves, whatever is pushed."""
-
-    def make(end: EndReason = "force", force: float = 4.0) -> Happens:
-        return lambda plan: replace(
-            stuck(make_trace(force=force, fingers=plan.push.fingers)), end=end, detail="as it came"
-        )
-
-    return make
 
 
 def tilted(happens: Happens) -> Happens:
@@ -288,7 +201,8 @@ def test_planned_anew_after_a_contradiction(
 ) -> None:
     believed = controller.models[BOX].friction
     stage = Stage(monkeypatch, controller, stands(force=7.0), goes(force=6.0))
-    result = controller.say(SENTENCE, progress=stage.tell)
+    told: list[tuple[str, float, str]] = []
+    result = controller.say(SENTENCE, progress=lambda *report: told.append(report))
     assert (result.ok, result.status) == (True, "done")
     first, second = stage.executed
     assert result.plan == first
@@ -301,8 +215,8 @@ def test_planned_anew_after_a_contradiction(
     stood, went = step.lessons
     assert (stood.moved, stood.contradicts) == ("none", True)
     assert (went.moved, went.contradicts) == ("slide", False)
-    assert stage.told[0][0] == "learn"
-    assert stage.told[0][2] == stood.text
+    assert [kind for kind, *_ in told] == ["push", "learn", "push"]
+    assert told[1][2] == stood.text
     assert "What the pushes taught:" in str(result)
     assert stood.text in str(result)
     again = json.loads(result.to_json())["steps"][0]["lessons"]

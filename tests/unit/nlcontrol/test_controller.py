@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,26 +18,9 @@ from nlcontrol.errors import ControlError
 from nlcontrol.result import Result
 from objectmodels import Registry
 from planner.plan import Plan, Refusal
-from sim.trace import Trace
+from tests.unit.nlcontrol.pushes import BOX, Happens, Stage, TraceMaker
 
-TraceMaker = Callable[..., Trace]
 SENTENCE = "push the ice tea box away without toppling it"
-
-
-class Stage:
-    """Plays the simulator: hands out traces made beforehand, and counts what it was asked."""
-
-    def __init__(self, monkeypatch: pytest.MonkeyPatch, *traces: Trace) -> None:
-        self.traces = list(traces)
-        self.executed: list[Plan] = []
-        monkeypatch.setattr("sim.execute", self.execute)
-        monkeypatch.setattr("sim.DrakeWorld", lambda *_, **__: None)
-
-    def execute(self, plan: Plan, *_: object, progress: Any = None, **__: object) -> Trace:
-        self.executed.append(plan)
-        if progress is not None:
-            progress("push", 1.0, "in contact")
-        return self.traces.pop(0)
 
 
 @pytest.fixture
@@ -46,9 +29,9 @@ def controller() -> Controller:
 
 
 def test_done(
-    controller: Controller, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
+    controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stage = Stage(monkeypatch, make_trace())
+    stage = Stage(monkeypatch, controller, goes())
     told: list[tuple[str, float, str]] = []
     result = controller.say(SENTENCE, progress=lambda *report: told.append(report))
     assert (result.ok, result.status, result.exit_status) == (True, "done", 0)
@@ -63,9 +46,9 @@ def test_done(
 
 
 def test_json_round_trip_leaves_out_the_trace_alone(
-    controller: Controller, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
+    controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    Stage(monkeypatch, make_trace())
+    Stage(monkeypatch, controller, goes())
     result = controller.say(SENTENCE)
     again = Result.model_validate_json(result.to_json())
     steps = tuple(step.model_copy(update={"basis": None}) for step in result.steps)
@@ -74,35 +57,56 @@ def test_json_round_trip_leaves_out_the_trace_alone(
 
 
 def test_a_clause_that_does_not_hold(
-    controller: Controller, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
+    controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    Stage(monkeypatch, make_trace(tilt=math.radians(90), end="guard"))
+    leant = goes(share=0.5, end="guard", tilt=math.radians(25), tilt_at_end=0.0)
+    Stage(monkeypatch, controller, leant, goes())
     result = controller.say(SENTENCE)
     assert (result.ok, result.status, result.exit_status) == (False, "failed", 5)
     assert result.error is not None
     assert "no topple" in result.error.message
+    assert "✗ “without toppling it” largest tilt: 2" in str(result)
+
+
+def test_what_fell_is_not_pushed_on(
+    controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stage = Stage(monkeypatch, controller, goes(end="guard", tilt=math.radians(90)))
+    over = (0.0, 0.0, 1.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0)  # a quarter turn forwards
+    fallen = replace(stage.poses[BOX], attitude=over)
+    monkeypatch.setattr(
+        stage, "look", lambda _: stage.poses | ({BOX: fallen} if stage.executed else {})
+    )
+    result = controller.say(SENTENCE)
+    assert (result.status, len(stage.executed)) == ("failed", 1)
+    assert result.steps[0].stuck is not None
+    assert "lies" in result.steps[0].stuck
     assert "✗ “without toppling it” largest tilt: 90.0°" in str(result)
 
 
 def test_frames_are_carried_out_in_turn_up_to_the_first_that_fails(
-    controller: Controller, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
+    controller: Controller,
+    goes: Callable[..., Happens],
+    stands: Callable[..., Happens],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     one = grammar.parse(SENTENCE)
     three = one.model_copy(update={"frames": one.frames * 3})
     monkeypatch.setattr(Controller, "parse", lambda *_: three)
-    monkeypatch.setattr(controller, "look", controller.look)
-    stage = Stage(monkeypatch, make_trace(), make_trace(travel=(0.02, 0.0)))
-    monkeypatch.setattr(
-        type(controller), "world", property(lambda _: None)
-    )  # so that every look is the first one
+    stage = Stage(monkeypatch, controller, goes(), stands(force=60.0))
     result = controller.say(SENTENCE)
     assert len(stage.executed) == result.planned == 2
+    assert [(step.frame, step.status) for step in result.steps] == [(0, "done"), (1, "failed")]
     assert result.status == "failed"
-    assert len(result.checks) == 10
+    # The second frame starts where the first one ended.
+    first, second = (plan.aim for plan in stage.executed)
+    assert first is not None
+    assert second is not None
+    assert second.x == pytest.approx(first.x + 0.1)
 
 
 def test_a_refusal_moves_nothing(controller: Controller, monkeypatch: pytest.MonkeyPatch) -> None:
-    stage = Stage(monkeypatch)
+    stage = Stage(monkeypatch, controller)
     result = controller.say("push the ice tea box at the top without toppling it")
     assert (result.ok, result.status, result.exit_status) == (False, "refused", 4)
     assert result.paraphrase is not None
@@ -113,7 +117,7 @@ def test_a_refusal_moves_nothing(controller: Controller, monkeypatch: pytest.Mon
 def test_what_cannot_be_checked_is_not_executed(
     controller: Controller, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stage = Stage(monkeypatch)
+    stage = Stage(monkeypatch, controller)
     monkeypatch.delitem(CONSTRAINTS, "gentle")
     result = controller.say("gently push the coffee box to the right")
     assert result.status == "unsupported"
