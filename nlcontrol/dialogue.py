@@ -28,7 +28,7 @@ from nlcontrol.undo import Pushed, in_words, way_back
 
 if TYPE_CHECKING:
     from nlcontrol.controller import Controller, Progress
-    from nlcontrol.result import Result
+    from nlcontrol.result import Result, Step
 
 
 class Conversation:
@@ -141,8 +141,7 @@ class Conversation:
         before = frames or _frames(self._done) or _nothing("nothing was done that could go on")
         last, heading = latest(before, said), None
         if not frames and self._done and self._done.plan:
-            x, y, _ = self._done.plan.push.direction_W
-            heading = math.atan2(y, x)
+            heading = _heading(self._done.steps[-1])
         if isinstance(last.goal, g.Place) and heading is None:
             _nothing("nothing was pushed there yet, so there is no direction to go on in")
         return continued(last, said, heading)
@@ -171,7 +170,8 @@ class Conversation:
         if not back.frames:
             self._forget(pushed)
             what = "Everything is" if len(pushed) > 1 else f"The {pushed[0].object} is"
-            return self._told(command, Answer(text=f"{what} where it was before “{text}”."), "done")
+            told = Answer(text=f"{what} where it was before “{text}”.")
+            return with_(self._told(command, told, "done"), notes=back.notes)
         words = f"to undo “{text}”, {in_words(back.frames)}"
         command = command.model_copy(update={"frames": back.frames, "paraphrase": words})
         result = self.controller.carry_out(command, plan_only=plan_only, progress=progress)
@@ -179,7 +179,8 @@ class Conversation:
         self._speak_of(result.frames)
         done = [back.undoes[step.frame] for step in result.steps if step.status == "done"]
         if len(done) < len(back.frames):
-            self._forget(done)
+            # What takes two steps is undone when both are done.
+            self._forget([push for push in done if push not in back.undoes[len(done) :]])
             return with_(result, notes=back.notes + result.notes)
         self._forget(pushed)
         return with_(result, notes=(f"undone: “{text}”", *back.notes, *result.notes))
@@ -243,6 +244,14 @@ def _nothing(message: str) -> NoReturn:
     raise error(
         "nothing_before", message, suggestions=("say first what to do, as “push the box away”",)
     )
+
+
+def _heading(step: Step) -> float | None:
+    """In which direction a step was to bring its object; None if it was to bring it nowhere."""
+    if step.plan is None or step.plan.aim is None or step.before is None:
+        return None
+    aim, here = step.plan.aim, step.before
+    return math.atan2(aim.y - here.y, aim.x - here.x)
 
 
 def _frames(result: Result | None) -> list[g.Frame]:

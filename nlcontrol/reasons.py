@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from nlcontrol.answers import Answer
@@ -21,8 +22,8 @@ def reason(result: Result) -> Answer:
     missed = [check for check in result.checks if not check.ok]
     if result.error and missed:
         told = "; ".join(map(_missed, missed))
-        text = f"It was executed, but {told}. {_ended(result)}"
-        return Answer(text=text.strip(), numbers=_measured(missed))
+        text = " ".join((f"It was executed, but {told}.", *_ended(result)))
+        return Answer(text=text, numbers=_measured(missed))
     if result.error:
         understood = result.status != "not_understood" or result.error.code == "nothing_before"
         failed = "I cannot" if understood else "I did not understand it"
@@ -50,11 +51,13 @@ def _missed(check: Check) -> str:
     )
 
 
-def _ended(result: Result) -> str:
+def _ended(result: Result) -> Iterator[str]:
+    """Why the pushes ended before it was there."""
     execution = result.execution
-    if execution is None or execution.end in PLANNED_ENDS:
-        return ""
-    return f"The push ended early: {execution.detail}."
+    if execution is not None and execution.end not in PLANNED_ENDS:
+        yield f"The push ended early: {execution.detail}."
+    if result.steps and result.steps[-1].stuck:
+        yield f"No further push was made: {result.steps[-1].stuck}."
 
 
 def _measured(missed: list[Check]) -> dict[str, float]:
@@ -70,12 +73,14 @@ def _chosen(plan: Plan) -> str:
         "tilted": "tilts and stands again",
         "toppled": "falls over",
     }[push.ends_on]
+    later = len(plan.later)
+    more = f" It is the first of {later + 1} pushes, as foreseen." if later else ""
     notes = f" Besides: {'; '.join(plan.notes)}." if plan.notes else ""
     return (
         f"Pushed on its {push.face} face, {quantity(push.p_BC[2], 'm')} above the table, the "
         f"{push.object} {way}, since {_other_outcome(plan)}. "
         f"It starts to move at {quantity(plan.prediction.onset, 'N')}, "
-        f"so at most {quantity(push.force_limit, 'N')} are used.{notes}"
+        f"so at most {quantity(push.force_limit, 'N')} are used.{more}{notes}"
     )
 
 

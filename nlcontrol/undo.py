@@ -1,19 +1,20 @@
 """The way back: what brings objects to where they were before they were pushed.
 
-The robot cannot lift things back, so the way back is the way that they went, pushed from where the
-robot sees them now to where it saw them before, the last push first. That an object turned on the
-way is not undone, and is told.
+The robot cannot lift things back, so the way back is pushed: what turned is turned back, and pushed
+from where the robot sees it now to where it saw it before, the last sentence first. A round object
+is not turned back, which is told.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from grammar import frames as g
 from nlcontrol.text import quantity
+from objectmodels.base import Disc
 from planner.directions import angle_between, heading_of, phrase
 
 if TYPE_CHECKING:
@@ -66,27 +67,33 @@ def way_back(
     for push in reversed(pushed):
         now = here[push.object]
         turn = abs(angle_between(now.pose.yaw, push.before.yaw))
-        if now.lies_on == "bottom" and turn > defaults.no_turn:
+        if _round(now) and turn > defaults.no_turn:
             notes.append(f"that the {push.object} turned by {quantity(turn, 'rad')} is not undone")
-        frame = _back(now, push.before, defaults.distance_tolerance)
-        if frame is not None:
-            found.append((frame, push))
+        found += [(frame, push) for frame in _back(now, push.before, defaults)]
         # The push before it is undone from where this one will leave the object.
         here[push.object] = replace(now, pose=push.before, lies_on="bottom")
     return WayBack(tuple(f for f, _ in found), tuple(p for _, p in found), tuple(notes))
 
 
-def _back(now: SeenObject, there: PlanarPose, tolerance: float) -> g.Frame | None:
-    """What brings an object back to where it was; None if it is there, within `tolerance` [m]."""
+def _back(now: SeenObject, there: PlanarPose, defaults: Defaults) -> Iterator[g.Frame]:
+    """What brings an object back to where it was; nothing if it is there."""
     ref = g.ObjectRef(text=now.name, noun=now.name)
     if now.lies_on != "bottom":
-        return g.Frame(action="place", object=ref, goal=g.Upright())
+        yield g.Frame(action="place", object=ref, goal=g.Upright())
+        return
+    turn = angle_between(there.yaw, now.pose.yaw)
+    if abs(turn) > defaults.turn_tolerance and not _round(now):
+        back = g.Rotate(angle=abs(turn), sense="ccw" if turn > 0.0 else "cw")
+        yield g.Frame(action="turn", object=ref, goal=back)
     way = there.p_WB - now.pose.p_WB
     distance = math.hypot(way[0], way[1])
-    if distance < tolerance:
-        return None
-    goal = g.Displace(heading=heading_of(way), distance=distance)
-    return g.Frame(action="push", object=ref, goal=goal)
+    if distance >= defaults.distance_tolerance:
+        goal = g.Displace(heading=heading_of(way), distance=distance)
+        yield g.Frame(action="push", object=ref, goal=goal)
+
+
+def _round(seen: SeenObject) -> bool:
+    return isinstance(seen.model.base, Disc)
 
 
 def in_words(frames: Sequence[g.Frame]) -> str:
@@ -96,6 +103,9 @@ def in_words(frames: Sequence[g.Frame]) -> str:
 
 def _step(frame: g.Frame) -> str:
     goal, name = frame.goal, frame.object.text if frame.object else "it"
+    if isinstance(goal, g.Rotate):
+        side = "left" if goal.sense == "ccw" else "right"
+        return f"turn the {name} by {quantity(goal.angle or 0.0, 'rad')} to the {side}"
     if not isinstance(goal, g.Displace):
         return f"set the {name} upright"
     assert isinstance(goal.distance, float)

@@ -21,6 +21,9 @@ Happens = Callable[[Plan], Trace]
 
 BOX = "ice tea box"
 
+FORWARDS = (0.0, 0.0, 1.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0)
+"""Attitude of what fell away from the robot, row by row."""
+
 
 def stuck(trace: Trace) -> Trace:
     """The same force, but nothing moved."""

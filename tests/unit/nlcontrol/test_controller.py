@@ -18,7 +18,7 @@ from nlcontrol.errors import ControlError
 from nlcontrol.result import Result
 from objectmodels import Registry
 from planner.plan import Plan, Refusal
-from tests.unit.nlcontrol.pushes import BOX, Happens, Stage, TraceMaker
+from tests.unit.nlcontrol.pushes import BOX, FORWARDS, Happens, Stage, TraceMaker
 
 SENTENCE = "push the ice tea box away without toppling it"
 
@@ -72,8 +72,7 @@ def test_what_fell_is_not_pushed_on(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stage = Stage(monkeypatch, controller, goes(end="guard", tilt=math.radians(90)))
-    over = (0.0, 0.0, 1.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0)  # a quarter turn forwards
-    fallen = replace(stage.poses[BOX], attitude=over)
+    fallen = replace(stage.poses[BOX], attitude=FORWARDS)
     monkeypatch.setattr(
         stage, "look", lambda _: stage.poses | ({BOX: fallen} if stage.executed else {})
     )
@@ -98,6 +97,7 @@ def test_frames_are_carried_out_in_turn_up_to_the_first_that_fails(
     assert len(stage.executed) == result.planned == 2
     assert [(step.frame, step.status) for step in result.steps] == [(0, "done"), (1, "failed")]
     assert result.status == "failed"
+    assert len(result.checks) == sum(len(step.checks) for step in result.steps)
     # The second frame starts where the first one ended.
     first, second = (plan.aim for plan in stage.executed)
     assert first is not None

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -14,10 +16,11 @@ from nlcontrol.remarks import continued, corrected, overlaid, repeated
 from nlcontrol.result import Result
 from nlcontrol.undo import Pushed, way_back
 from planner.defaults import DEFAULTS
+from planner.directions import angle_between
+from planner.plan import Plan
 from planner.state import PlanarPose, SeenObject
 from sim.trace import Trace
-
-TraceMaker = Callable[..., Trace]
+from tests.unit.nlcontrol.pushes import BOX, FORWARDS, Happens, Stage
 
 AWAY = "push the coffee box away"
 IT = g.ObjectRef(text="it", pronoun=True)
@@ -208,83 +211,106 @@ def test_why_another_push_would_not_do(conversation: Conversation) -> None:
 # --- undo, with the simulator's part played by traces made by hand ----------------------------
 
 
-class Stage:
-    """Plays the simulator: a trace for each push, and a look after it."""
-
-    def __init__(
-        self, monkeypatch: pytest.MonkeyPatch, controller: Controller, *traces: Trace
-    ) -> None:
-        self.traces = list(traces)
-        self.state = controller.look()
-        self.name = "ice tea box"
-        monkeypatch.setattr("sim.execute", self.execute)
-        monkeypatch.setattr(type(controller), "world", property(lambda _: None))
-        monkeypatch.setattr(controller, "look", lambda: self.state)
-
-    def execute(self, *_: object, **__: object) -> Trace:
-        trace = self.traces.pop(0)
-        x, y, _z = trace.displacement(self.name)
-        self.move(float(x), float(y))
-        return trace
-
-    def move(self, x: float, y: float, **changes: Any) -> None:
-        seen = self.state.objects[self.name]
-        pose = PlanarPose(seen.pose.x + x, seen.pose.y + y, seen.pose.yaw + changes.pop("turn", 0))
-        moved = SeenObject(seen.name, pose, seen.model, changes.pop("lies_on", seen.lies_on))
-        self.state = type(self.state)({**self.state.objects, self.name: moved}, self.state.table)
-
-
 PUSH = "push the ice tea box away"
-BACK = {"side": (1.0, 0.0), "travel": (-0.1, 0.0)}
 
 
-def test_undo_pushes_it_back(
-    conversation: Conversation, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    stage = Stage(monkeypatch, conversation.controller, make_trace(), make_trace(**BACK))
-    before = stage.state.objects["ice tea box"].pose
+@pytest.fixture
+def stage(
+    conversation: Conversation, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
+) -> Stage:
+    """Where every push goes as predicted."""
+    return Stage(monkeypatch, conversation.controller, goes())
+
+
+def test_undo_pushes_it_back(conversation: Conversation, stage: Stage) -> None:
+    before = conversation.controller.look().objects[BOX].pose
     assert conversation.say(PUSH).steps[0].before == before
     result = conversation.say("undo that")
     assert (result.status, result.notes) == ("done", (f"undone: “{PUSH}”",))
     assert result.paraphrase == f"to undo “{PUSH}”, push the ice tea box by 100 mm toward the robot"
-    assert stage.state.objects["ice tea box"].pose.x == pytest.approx(before.x)
+    assert stage.moved == pytest.approx((0.0, 0.0), abs=1e-6)
     assert conversation.past == []
     # What was undone may be asked for otherwise, and is not told as done any more.
     assert conversation.say("no, to the right", plan_only=True).notes == ()
     assert conversation.say("undo that").error is not None
 
 
-def test_an_undo_that_fails_can_be_said_again(
-    conversation: Conversation, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
+def test_undo_turns_it_back(conversation: Conversation, stage: Stage) -> None:
+    before = stage.poses[BOX]
+    assert conversation.say("turn the ice tea box by 40 degrees to the left").ok
+    assert angle_between(stage.poses[BOX].yaw, before.yaw) == pytest.approx(
+        math.radians(40.0), abs=DEFAULTS.aim_angle
+    )
+    result = conversation.say("undo that")
+    assert result.status == "done"
+    assert result.paraphrase is not None
+    assert re.search(r"turn the ice tea box by (39|40)\.\d° to the right", result.paraphrase)
+    assert stage.poses[BOX].yaw == pytest.approx(before.yaw, abs=2 * DEFAULTS.aim_angle)
+    assert math.hypot(*stage.moved) < 2 * DEFAULTS.aim_drift  # of the turn, and of the way back
+    assert conversation.past == []
+
+
+def test_what_turned_and_moved_is_turned_and_pushed_back(
+    conversation: Conversation, stage: Stage
 ) -> None:
-    short = make_trace(side=(1.0, 0.0), travel=(-0.03, 0.0))
-    Stage(monkeypatch, conversation.controller, make_trace(), short)
+    before = stage.poses[BOX]
+    conversation.say(PUSH)
+    stage.move(0.0, 0.0, math.radians(15))
+    result = conversation.say("undo that")
+    assert (result.status, [f.action for f in result.frames]) == ("done", ["turn", "push"])
+    assert stage.poses[BOX].yaw == pytest.approx(before.yaw, abs=2 * DEFAULTS.aim_angle)
+    # What the turn back displaced was not known when the way back was said.
+    assert math.hypot(*stage.moved) < DEFAULTS.aim_drift + DEFAULTS.aim_position
+    assert conversation.past == []
+
+
+def test_half_a_way_back_can_be_gone_on_with(
+    conversation: Conversation,
+    goes: Callable[..., Happens],
+    stands: Callable[..., Happens],
+    stage: Stage,
+) -> None:
+    conversation.say(PUSH)
+    stage.move(0.0, 0.0, math.radians(15))
+
+    def turns_only(plan: Plan) -> Trace:
+        turned = plan.push.ends_on == "turned" or len(stage.executed) < 2
+        return (goes() if turned else stands(force=60.0))(plan)
+
+    stage.happens = [turns_only]
+    assert conversation.say("undo that").status == "failed"
+    again = conversation.say("undo that", plan_only=True)
+    assert [frame.action for frame in again.frames] == ["push"]
+
+
+def test_an_undo_that_fails_can_be_said_again(
+    conversation: Conversation,
+    goes: Callable[..., Happens],
+    stands: Callable[..., Happens],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    short = (goes(), goes(share=0.3), stands(force=60.0))
+    Stage(monkeypatch, conversation.controller, *short)
     conversation.say(PUSH)
     assert conversation.say("undo that").status == "failed"
     again = conversation.say("undo that", plan_only=True)
-    assert again.plan is not None
-    assert again.plan.push.stroke == pytest.approx(0.07)
+    assert again.paraphrase is not None
+    assert "push the ice tea box by 70 mm toward the robot" in again.paraphrase
 
 
-def test_a_correction_tells_that_it_was_done(
-    conversation: Conversation, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    Stage(monkeypatch, conversation.controller, make_trace())
+def test_a_correction_tells_that_it_was_done(conversation: Conversation, stage: Stage) -> None:
     conversation.say(PUSH)
     conversation.say(AWAY, plan_only=True)
     assert conversation.say("no, 5 cm", plan_only=True).notes == ()
-    Stage(monkeypatch, conversation.controller, make_trace())
     conversation.say(PUSH)
     result = conversation.say("no, to the right", plan_only=True)
     assert result.notes == (f"already carried out: “{PUSH}”; that is left as it is",)
+    assert len(stage.executed) == 2
 
 
-def test_what_fell_over_is_not_stood_up(
-    conversation: Conversation, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    stage = Stage(monkeypatch, conversation.controller, make_trace())
+def test_what_fell_over_is_not_stood_up(conversation: Conversation, stage: Stage) -> None:
     conversation.say(PUSH)
-    stage.move(0.0, 0.0, lies_on="front")
+    stage.poses[BOX] = replace(stage.poses[BOX], attitude=FORWARDS)
     result = conversation.say("undo that")
     assert (result.status, result.exit_status) == ("unsupported", 4)
     assert result.error is not None
@@ -292,18 +318,25 @@ def test_what_fell_over_is_not_stood_up(
     assert len(conversation.past) == 1
 
 
-def test_a_turn_is_told_and_what_stands_there_is_left(
-    conversation: Conversation, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    stage = Stage(monkeypatch, conversation.controller, make_trace())
+def test_what_stands_there_is_left(conversation: Conversation, stage: Stage) -> None:
     conversation.say(PUSH)
-    stage.move(0.0, 0.0, turn=math.radians(15))
-    assert "turned by 15.0° is not undone" in conversation.say("undo that", plan_only=True).notes[0]
     stage.move(-0.1, 0.0)
     result = conversation.say("undo that")
     assert (result.status, result.plan) == ("done", None)
     assert result.answer is not None
     assert result.answer.text == f"The ice tea box is where it was before “{PUSH}”."
+
+
+def test_more_after_a_place_goes_on_where_all_pushes_led(
+    conversation: Conversation, stage: Stage
+) -> None:
+    # Over two faces: the first push alone went elsewhere.
+    conversation.say("put the ice tea box at x 52 cm, y 7 cm")
+    assert len(stage.executed) == 2
+    result = conversation.say("a bit more", plan_only=True)
+    (frame,) = result.frames
+    assert isinstance(frame.goal, g.Displace)
+    assert frame.goal.heading == pytest.approx(math.radians(45.0), abs=0.02)  # seen within 1 mm
 
 
 def test_undo_of_an_object_that_was_not_pushed(conversation: Conversation) -> None:
@@ -313,38 +346,32 @@ def test_undo_of_an_object_that_was_not_pushed(conversation: Conversation) -> No
 
 
 def test_each_step_is_told_and_undone_the_last_first(
-    conversation: Conversation, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
+    conversation: Conversation, stage: Stage
 ) -> None:
-    left = make_trace(travel=(0.0, 0.1), side=(0.0, -1.0))
-    stage = Stage(monkeypatch, conversation.controller, make_trace(), left)
-    believed = []
-    planned = conversation.controller.plan
-
-    def plan_from(frame: g.Frame, state: Any) -> Any:
-        believed.append(state)
-        assert state is stage.state
-        return planned(frame, state)
-
-    monkeypatch.setattr(conversation.controller, "plan", plan_from)
     result = conversation.say("push the ice tea box away, then to the left")
-    assert len(believed) == 2
+    assert len(stage.executed) == 2
     first, second = (step.before for step in result.steps)
     assert first is not None
     assert second is not None
-    assert second.x - first.x == pytest.approx(0.1)
+    assert second.x - first.x == pytest.approx(0.1, abs=1e-6)
     assert [(step.frame, step.status) for step in result.steps] == [(0, "done"), (1, "done")]
     assert len(result.checks) == sum(len(step.checks) for step in result.steps)
     assert "Step 2 of 2: done" in str(result)
     back = conversation.say("undo that", plan_only=True)
     headings = [f.goal.heading for f in back.frames if isinstance(f.goal, g.Displace)]
-    assert headings == pytest.approx([-math.pi / 2, math.pi])
+    assert headings == pytest.approx([-math.pi / 2, math.pi], abs=1e-6)
 
 
 def test_why_a_clause_failed(
-    conversation: Conversation, make_trace: TraceMaker, monkeypatch: pytest.MonkeyPatch
+    conversation: Conversation,
+    goes: Callable[..., Happens],
+    stands: Callable[..., Happens],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    Stage(monkeypatch, conversation.controller, make_trace(travel=(0.05, 0.0), end="guard"))
-    assert conversation.say(PUSH).status == "failed"
+    halves = (goes(share=0.5, end="guard"), stands(force=60.0))
+    Stage(monkeypatch, conversation.controller, *halves)
+    failed = conversation.say(PUSH)
+    assert (failed.status, len(failed.steps[0].plans)) == ("failed", 2)
     result = conversation.say("why?")
     assert result.answer is not None
     assert (
@@ -352,6 +379,8 @@ def test_why_a_clause_failed(
         in result.answer.text
     )
     assert "ended early" in result.answer.text
+    assert failed.steps[0].stuck is not None
+    assert f"No further push was made: {failed.steps[0].stuck}." in result.answer.text
 
 
 # --- frames ----------------------------------------------------------------------------------
