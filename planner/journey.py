@@ -20,7 +20,7 @@ from planner.directions import heading_of
 from planner.onepush import Found, best_push
 from planner.plan import Aim, Reached, Refusal
 from planner.turns import Swing
-from planner.ways import Leg, Stop, around, displaced, grip, stop, ways
+from planner.ways import Leg, Stop, around, displaced, grip, headings, stop, ways
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from planner.reach import Reach
     from planner.state import SeenObject, WorldState
 
-_WAYS = 6  # free ways for which the hand's reach is asked
+_WAYS = 5  # free ways for which the hand's reach is asked
+_NEAR = 0.02  # what is nearer to its aim is not led around anything [m]
 _SQUARED_UP = math.radians(6.0)  # a turn up to this is made while the object is pushed straight
 _SQUARE = math.radians(0.2)  # a turn below this is not
 
@@ -151,8 +152,27 @@ class Journey:
         return refusal or self._blocked(target)
 
     def _ways(self, target: SeenObject) -> Iterator[tuple[Leg, ...]]:
+        """Ways to the aim: straight to it, around what stands there, and some with a side step."""
         yield from ways(target, self._aim, self._within, self._largest)
+        yield from self._detour(target)
         yield from around(target, self._aim, self._within, self._largest)
+
+    def _detour(self, target: SeenObject) -> Iterator[tuple[Leg, ...]]:
+        along = headings(target, self._aim)
+        if len(along) < 2 or self._off(target) < _NEAR:
+            return
+        from planner.detours import detour
+
+        found = detour(
+            target,
+            (self._aim.x, self._aim.y),
+            along,
+            self._state,
+            self._clearances,
+            self._defaults.clearance,
+        )
+        if found is not None:
+            yield tuple(Leg(heading, length) for heading, length in found)
 
     def _stop(self, target: SeenObject, way: tuple[Leg, ...]) -> Stop | None:
         return stop(target, way, self._state, self._clearances, self._defaults.clearance)

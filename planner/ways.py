@@ -35,8 +35,6 @@ OBLIQUE = math.radians(17.5)
 _DETOURS = np.arange(0.04, 0.33, 0.04)
 """Lengths of a first leg around what stands in the way [m]."""
 
-_ROUND_HEADINGS = np.radians(np.arange(-180.0, 180.0, 30.0))
-
 
 @dataclass(frozen=True)
 class Leg:
@@ -122,19 +120,26 @@ def ways(target: SeenObject, aim: Aim, within: float, largest: float) -> Iterato
                 yield order
 
 
-def around(
-    target: SeenObject, aim: Aim, within: float, largest: float
-) -> Iterator[tuple[Leg, ...]]:
+def headings(target: SeenObject, aim: Aim) -> tuple[float, ...]:
+    """Headings in which an object is pushed square to a face; of a round one four [rad].
+
+    Args:
+        target: the object.
+        aim: where it should be; a round object is pushed that way, and across.
+    """
+    if not isinstance(target.model.base, Disc):
+        return tuple(_inward(target))
+    ahead = heading_of(np.array([aim.x, aim.y, 0.0]) - target.pose.p_WB)
+    return tuple(ahead + quarter * math.pi / 2.0 for quarter in range(4))
+
+
+def around(target: SeenObject, aim: Aim, within: float, largest: float) -> list[tuple[Leg, ...]]:
     """Ways that begin with a leg to the side, the shortest first."""
-    headings = _ROUND_HEADINGS if isinstance(target.model.base, Disc) else _inward(target)
     found = []
-    for heading, length in itertools.product(headings, _DETOURS):
-        first = Leg(float(heading), float(length))
-        for then in ways(displaced(target, first), aim, within, largest):
-            way = (first, *then)
-            found.append((sum(leg.distance for leg in way), len(way), way))
-    for _, _, way in sorted(found, key=lambda each: each[:2]):
-        yield way
+    for heading, length in itertools.product(headings(target, aim), _DETOURS):
+        first = Leg(heading, float(length))
+        found += [(first, *then) for then in ways(displaced(target, first), aim, within, largest)]
+    return sorted(found, key=lambda way: sum(leg.distance for leg in way))
 
 
 def stop(

@@ -30,6 +30,10 @@ TOUCH_FORCE = 0.6
 TOUCH_BEYOND = 0.015
 """Travel beyond the expected face after which there is nothing to touch [m]."""
 
+SETTING_OFF = 0.006
+"""Travel at first in which fingers set in motion feel themselves, and no face is expected [m]."""
+
+_ACCELERATION = 0.1  # of the approach [m/s²]
 _SWINGING = 0.1  # of the pause, until the hand hangs still [s]
 _FILTER = 0.04  # time constant of the felt force [s]
 _NOISES = 6.0  # standard deviations of noise that do not count as a touch
@@ -102,11 +106,12 @@ class TouchControl:
         self.recorder.force_limit = self._touch_force
         self._share = self._touch_share()
         self._zero()
-        travel, most = 0.0, STANDOFF + TOUCH_BEYOND
-        while not self._touched():
+        travel, speed, most = 0.0, 0.0, STANDOFF + TOUCH_BEYOND
+        while travel < SETTING_OFF or not self._touched():
             if travel > most:
                 raise EarlyEndError("no_touch", f"nothing was felt within {1e3 * most:.0f} mm")
-            travel += self.speed * self._period
+            speed = min(self.speed, speed + _ACCELERATION * self._period)
+            travel += speed * self._period
             self._step(self.way.start + travel * self.way.inward, self.way.inward)
         self._share = min(1.0, self._period / _FILTER)
 

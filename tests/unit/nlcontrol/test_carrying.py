@@ -264,7 +264,7 @@ def test_given_up_after_so_many_pushes(
     assert len(stage.executed) == 3
     (step,) = result.steps
     assert len(step.lessons) == 3
-    assert step.stuck == "a frame may take 3 pushes at most"
+    assert step.stuck == "this may take 3 pushes at most"
     assert result.error is not None
     assert result.error.code == "clause_not_held"
     assert step.stuck in result.error.message

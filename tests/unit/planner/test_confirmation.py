@@ -33,7 +33,8 @@ def verdicts(model: ObjectModel, sentence: str) -> list[tuple[float, bool]]:
     """Heights of the contacts that the closed form chooses, and what the exact tier says."""
     state = state_of(model)
     frame = frame_of(sentence)
-    asked = replace(read(frame, state, DEFAULTS), fingers=(1,))
+    # In the middle of the face, as a push that turns it is placed where it is said.
+    asked = replace(read(frame, state, DEFAULTS), fingers=(1,), swing=0.1, lateral=0.0)
     face = model.faces(np.array([0.0]))[2 if isinstance(model, BoxModel) else 0]
     reach, target = RuledReach(), state.objects[model.name]
     found = [
