@@ -179,18 +179,23 @@ def _possible(frame: g.Frame, state: WorldState, reach: Reach, defaults: Default
 def _can(made: Plan) -> Answer:
     push, predicted = made.push, made.prediction
     fingers = "two fingers" if push.fingers == 2 else "one finger"
+    pushes = 1 + len(made.later)
+    first = f"in {pushes} pushes, the first with " if pushes > 1 else ""
+    does = {"turned": "turns", "tilted": "tilts"}.get(push.ends_on) or DOES[predicted.outcome]
+    what = "of all of them" if pushes > 1 else f"that it {does}"
     return Answer(
         query="possible",
-        text=f"Yes: {fingers} on its {push.face} face, {quantity(push.p_BC[2], 'm')} above the "
-        f"table, with at most {newtons(push.force_limit)} (probability that it "
-        f"{DOES[predicted.outcome]} {chance(predicted.probability)}).",
+        text=f"Yes: {first}{fingers} on its {push.face} face, {quantity(push.p_BC[2], 'm')} above "
+        f"the table, with at most {newtons(push.force_limit)} (probability {what} "
+        f"{chance(made.probability)}).",
         numbers={
             "height": push.p_BC[2],
             "force": push.force_limit,
             "stroke": push.stroke,
             "onset": predicted.onset,
+            "pushes": float(pushes),
         },
-        probability=predicted.probability,
+        probability=made.probability,
         yes=True,
         push=Considered(
             face=push.face,

@@ -139,9 +139,10 @@ def _extent(push: Push) -> str:
 
 def _guards(limits: Limits) -> str:
     """What stops a push."""
-    told = [
-        f"comes closer than {quantity(clear, 'm')} to the {name}" for name, clear in limits.clear_of
-    ]
+    told = []
+    for clear in dict.fromkeys(clear for _, clear in limits.clear_of):
+        names = [f"the {name}" for name, kept in limits.clear_of if kept == clear]
+        told.append(f"comes closer than {quantity(clear, 'm')} to {listed(names, 'or')}")
     if limits.tilt is not None:
         told.append(f"tilts by more than {quantity(limits.tilt, 'rad')}")
     if limits.turn is not None:

@@ -2,7 +2,7 @@
 
 The robot cannot lift things back, so the way back is pushed: what turned is turned back, and pushed
 from where the robot sees it now to where it saw it before, the last sentence first. A round object
-is not turned back, which is told.
+is turned back only if it was to be turned; what it turned otherwise is told.
 """
 
 from __future__ import annotations
@@ -67,22 +67,30 @@ def way_back(
     for push in reversed(pushed):
         now = here[push.object]
         turn = abs(angle_between(now.pose.yaw, push.before.yaw))
-        if _round(now) and turn > defaults.no_turn:
+        turns = not isinstance(now.model.base, Disc) or _was_to_turn(push)
+        if not turns and turn > defaults.no_turn:
             notes.append(f"that the {push.object} turned by {quantity(turn, 'rad')} is not undone")
-        found += [(frame, push) for frame in _back(now, push.before, defaults)]
+        found += [(frame, push) for frame in _back(now, push.before, turns, defaults)]
         # The push before it is undone from where this one will leave the object.
         here[push.object] = replace(now, pose=push.before, lies_on="bottom")
     return WayBack(tuple(f for f, _ in found), tuple(p for _, p in found), tuple(notes))
 
 
-def _back(now: SeenObject, there: PlanarPose, defaults: Defaults) -> Iterator[g.Frame]:
+def _was_to_turn(push: Pushed) -> bool:
+    names = (f.object.id for f in push.of.frames if isinstance(f.goal, g.Rotate) and f.object)
+    return push.object in names
+
+
+def _back(
+    now: SeenObject, there: PlanarPose, turns: bool, defaults: Defaults
+) -> Iterator[g.Frame]:
     """What brings an object back to where it was; nothing if it is there."""
     ref = g.ObjectRef(text=now.name, noun=now.name)
     if now.lies_on != "bottom":
         yield g.Frame(action="place", object=ref, goal=g.Upright())
         return
     turn = angle_between(there.yaw, now.pose.yaw)
-    if abs(turn) > defaults.turn_tolerance and not _round(now):
+    if turns and abs(turn) > defaults.turn_tolerance:
         back = g.Rotate(angle=abs(turn), sense="ccw" if turn > 0.0 else "cw")
         yield g.Frame(action="turn", object=ref, goal=back)
     way = there.p_WB - now.pose.p_WB
@@ -90,10 +98,6 @@ def _back(now: SeenObject, there: PlanarPose, defaults: Defaults) -> Iterator[g.
     if distance >= defaults.distance_tolerance:
         goal = g.Displace(heading=heading_of(way), distance=distance)
         yield g.Frame(action="push", object=ref, goal=goal)
-
-
-def _round(seen: SeenObject) -> bool:
-    return isinstance(seen.model.base, Disc)
 
 
 def in_words(frames: Sequence[g.Frame]) -> str:

@@ -193,9 +193,10 @@ def _answered(
     if isinstance(made, Plan):
         push = made.push
         fingers = "two fingers" if push.fingers == 2 else "one finger"
+        pushes = f"{1 + len(made.later)} pushes, first " if made.later else ""
         message = (
-            f"{fingers} {1e3 * push.p_BC[2]:.0f} mm up, at most {push.force_limit:.1f} N, "
-            f"probability {made.prediction.probability:.2f}"
+            f"{pushes}{fingers} {1e3 * push.p_BC[2]:.0f} mm up, at most {push.force_limit:.1f} N, "
+            f"probability {made.probability:.2f}"
         )
         return Affordance(outcome, way, face, True, *on_it, True, None, message)
     assert isinstance(made, Refusal), "a goal of its own is never reached beforehand"

@@ -88,7 +88,7 @@ def here(target: SeenObject, x: float | None = None, y: float | None = None) -> 
 def _displaced(
     frame: g.Frame, goal: g.Displace, target: SeenObject, state: WorldState, defaults: Defaults
 ) -> Aimed:
-    heading, used = _heading(goal, target, state, defaults)
+    heading, used = _heading(frame, goal, target, state, defaults)
     distance, reason = asked_distance(goal, target, state, defaults, frame.constraints)
     if reason:
         used += (DefaultUsed(name="distance", value=distance, unit="m", reason=reason),)
@@ -107,7 +107,7 @@ def _along(
 
 
 def _heading(
-    goal: g.Displace, target: SeenObject, state: WorldState, defaults: Defaults
+    frame: g.Frame, goal: g.Displace, target: SeenObject, state: WorldState, defaults: Defaults
 ) -> tuple[float, tuple[DefaultUsed, ...]]:
     """Direction of a displacement in W [rad], and that it was not said."""
     for other, way in ((goal.toward, "towards"), (goal.away_from, "away from")):
@@ -117,8 +117,11 @@ def _heading(
     heading = asked_heading(goal, target, state, defaults)
     if heading is not None:
         return heading, ()
-    reason = "no direction said: away"
-    return HEADINGS["away"], (DefaultUsed(name="direction", value=0.0, unit="rad", reason=reason),)
+    way = "toward" if frame.action == "pull" else "away"
+    used = DefaultUsed(
+        name="direction", value=HEADINGS[way], unit="rad", reason=f"no direction said: {way}"
+    )
+    return used.value, (used,)
 
 
 # -- until something happens ------------------------------------------------------------------
@@ -139,7 +142,7 @@ def _until(
     other = None if until.object is None else state.objects.get(until.object.id or "")
     if goal.direction is None and goal.heading is None and other is not None:
         goal = goal.model_copy(update={"toward": until.object})
-    heading, used = _heading(goal, target, state, defaults)
+    heading, used = _heading(frame, goal, target, state, defaults)
     u, own = unit(heading), footprint(target)
     if until.event == "edge":
         room = travel_to_edge(own, state.table, u[:2], defaults.edge_gap)

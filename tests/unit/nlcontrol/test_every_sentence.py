@@ -47,12 +47,11 @@ def test_every_sentence_comes_to_an_end_that_is_told(kitchen: Controller, seed: 
         ("pour the contents of the ice tea box into the coffee box", "pouring"),
         ("lift the coffee box by 5 cm", "lifting objects"),
         ("hand me the coffee box", "handing objects over"),
-        ("pull the coffee box towards me", "pulling objects"),
-        ("turn the coffee box a quarter turn", "turning objects"),
         ("stand the coffee box upright", "standing objects up"),
-        ("put the coffee box next to the cereal box", "placing objects at places"),
+        ("put the coffee box on the cereal box", "putting objects on others"),
+        ("push the coffee box away with your left hand", "a second (left) hand"),
+        ("push the coffee box on its top face", "pushing on the top face"),
         ("find out how tall the coffee box is", "finding out the height of objects"),
-        ("push the coffee box away until it touches the cereal box", "stopping at an event"),
     ],
 )
 def test_what_has_no_controller_yet_is_named(
@@ -63,3 +62,33 @@ def test_what_has_no_controller_yet_is_named(
     assert result.frames
     assert result.error is not None
     assert result.error.capability == capability
+
+
+@pytest.mark.parametrize(
+    ("text", "ends_on", "pushes"),
+    [
+        ("pull the coffee box 10 cm towards me", "stroke", 1),
+        ("turn the coffee box a quarter turn", "turned", 2),
+        ("put the coffee box next to the cereal box", "stroke", 1),
+        ("tilt the ice tea box by 5 degrees", "tilted", 1),
+        ("push the coffee box to the left until it is next to the ice tea box", "stroke", 1),
+    ],
+)
+def test_what_has_a_controller_is_planned_to_its_end(
+    kitchen: Controller, text: str, ends_on: str, pushes: int
+) -> None:
+    result = kitchen.say(text, plan_only=True)
+    assert (result.status, result.exit_status) == ("planned", 0)
+    assert result.plan is not None
+    assert result.plan.push.ends_on == ends_on
+    assert 1 + len(result.plan.later) >= pushes
+    assert (result.plan.aim is None) == (ends_on == "tilted")
+
+
+def test_what_is_never_met_is_refused(kitchen: Controller) -> None:
+    result = kitchen.say(
+        "push the coffee box away until it touches the cereal box", plan_only=True
+    )
+    assert result.error is not None
+    assert (result.status, result.error.code) == ("refused", "impossible")
+    assert "push it towards the cereal box" in result.error.suggestions

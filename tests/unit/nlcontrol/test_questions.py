@@ -168,7 +168,6 @@ def test_a_toppling_is_asked_about_where_it_takes_least(kitchen: Controller) -> 
     [
         (g.ContactRegion(face="top"), PUSH, "unsupported"),
         (AT_THE_TOP, {"action": "lift", "goal": g.Lift()}, "unsupported"),
-        (AT_THE_TOP, PUSH | {"action": "pull"}, "unsupported"),
         (
             g.ContactRegion(height=g.ContactHeight(value=0.3, origin="table")),
             PUSH,
@@ -189,6 +188,38 @@ def test_what_is_no_push_of_this_robot(
     assert raised.value.code == code
     assert raised.value.info.status.exit == 4
     assert raised.value.info.suggestions
+
+
+def test_a_pull_is_a_push_from_behind(kitchen: Controller) -> None:
+    found = kitchen.answer(_ask("predict", "ice tea box", AT_THE_TOP, action="pull"))
+    assert found.push is not None
+    assert found.push.face == "back"
+    assert abs(found.push.heading) == pytest.approx(math.pi, abs=0.06)  # square to the face
+    assert "topple" in found.text
+
+
+@pytest.mark.parametrize(
+    ("parts", "pushes"),
+    [
+        ({"action": "turn", "goal": g.Rotate(angle=math.radians(90.0))}, 3),
+        ({"action": "push", "goal": g.Displace(direction=("away", "left"))}, 2),
+        ({"action": "tilt", "goal": g.Tilt(angle=math.radians(5.0))}, 1),
+    ],
+)
+def test_what_is_possible_tells_all_its_pushes(
+    kitchen: Controller, parts: dict[str, Any], pushes: int
+) -> None:
+    found = kitchen.answer(_ask("possible", "ice tea box", **parts))
+    assert found.yes
+    assert found.numbers["pushes"] == pushes
+    assert (f"in {pushes} pushes, the first with" in found.text) == (pushes > 1)
+
+
+def test_it_is_possible_to_leave_it_where_it_is(kitchen: Controller) -> None:
+    seen = kitchen.look().objects["ice tea box"].pose
+    there = g.Place(relation="at", reference=g.Point(x=seen.x, y=seen.y))
+    found = kitchen.answer(_ask("possible", "ice tea box", action="place", goal=there))
+    assert (found.yes, found.text) == (True, "Yes: it is there already.")
 
 
 def test_the_deviation_of_a_force_against_drawn_parameters() -> None:

@@ -74,6 +74,13 @@ def test_a_pull_is_a_push_from_behind() -> None:
     assert made.push.direction_W[0] == pytest.approx(-1.0)
 
 
+def test_a_pull_comes_nearer_if_nothing_else_is_said() -> None:
+    made = planned("pull the ice tea box", alone())
+    assert made.displacement == pytest.approx((-DEFAULTS.distance, 0.0, 0.0))
+    (used,) = (default for default in made.defaults if default.name == "direction")
+    assert (used.value, used.reason) == (math.pi, "no direction said: toward")
+
+
 def test_a_round_thing_goes_straight_anywhere() -> None:
     state = world(soup_can=PlanarPose(0.5, 0.0, 0.3))
     made = planned("push the soup can 14 cm away and to the left", state)
