@@ -81,9 +81,7 @@ def _was_to_turn(push: Pushed) -> bool:
     return push.object in names
 
 
-def _back(
-    now: SeenObject, there: PlanarPose, turns: bool, defaults: Defaults
-) -> Iterator[g.Frame]:
+def _back(now: SeenObject, there: PlanarPose, turns: bool, defaults: Defaults) -> Iterator[g.Frame]:
     """What brings an object back to where it was; nothing if it is there."""
     ref = g.ObjectRef(text=now.name, noun=now.name)
     if now.lies_on != "bottom":

@@ -126,6 +126,7 @@ class Defaults:
         aim_position: an object this near to where it should be is there [m].
         aim_drift: the same of one that is turned on the spot [m].
         aim_angle: an object turned by less than this from how it should look is there [rad].
+        most_looks: pushes for which one plan asks whether the hand gets there.
         most_pushes: pushes made for one frame before it is given up.
         known_to: relative standard deviation up to which a property counts as known: a question
             about it is then answered without touching the object.
@@ -170,7 +171,7 @@ class Defaults:
     turn_little: Angle = 15.0 * DEGREE
     turn_lot: Angle = 180.0 * DEGREE
     turn_tolerance: Angle = 3.0 * DEGREE
-    turn_drift: Length = 0.02
+    turn_drift: Length = 0.01
     tilt: Angle = 10.0 * DEGREE
     tilt_little: Angle = 5.0 * DEGREE
     tilt_lot: Share = 0.55
@@ -183,10 +184,11 @@ class Defaults:
     clearance: Gap = 0.01
     clearance_fragile: Gap = 0.03
     speed_most: Speed = 0.12
-    push_overhead: Time = 3.5
+    push_overhead: Time = 4.5
     aim_position: Length = 0.002
     aim_drift: Length = 0.005
     aim_angle: Angle = 1.0 * DEGREE
+    most_looks: Count = 80
     most_pushes: Count = 12
     known_to: Share = 0.10
     found_to: Share = 0.03

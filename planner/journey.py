@@ -16,9 +16,11 @@ import numpy as np
 
 from planner import refusals, turns
 from planner.asked import Asked
-from planner.directions import heading_of
+from planner.directions import heading_of, unit
+from planner.footprints import footprint, gap, travel_to_edge
 from planner.onepush import Found, best_push
 from planner.plan import Aim, Reached, Refusal
+from planner.relations import moved
 from planner.turns import Swing
 from planner.ways import Leg, Stop, around, displaced, grip, headings, stop, ways
 
@@ -30,6 +32,9 @@ if TYPE_CHECKING:
     from planner.state import SeenObject, WorldState
 
 _WAYS = 5  # free ways for which the hand's reach is asked
+_ASIDE = 0.15  # way to a place where it may be turned instead [m]
+_ROOM = 0.05  # room that such a place has around [m]
+_SPOTS = 2  # such places that are looked at
 _NEAR = 0.02  # what is nearer to its aim is not led around anything [m]
 _SQUARED_UP = math.radians(6.0)  # a turn up to this is made while the object is pushed straight
 _SQUARE = math.radians(0.2)  # a turn below this is not
@@ -73,7 +78,7 @@ class Journey:
             return self._straight(target)
         swung = self._swung(target, turn)
         if isinstance(swung, Refusal):
-            return swung
+            return self._turned_elsewhere(target, turn) or swung
         found, there = swung
         if self._off(there) <= self._within:
             return found
@@ -112,6 +117,38 @@ class Journey:
             if tried == _WAYS:
                 break
         return refusal or refusals.cannot_turn(target)
+
+    def _turned_elsewhere(self, target: SeenObject, turn: float) -> list[Found] | None:
+        """The way to a place near by with room to turn, and the turn; None if there is none."""
+        if self._asked.limits.clear_of or self._asked.region is not None:
+            return None
+        for spot in self._roomy(target):
+            there = moved(target, spot)
+            swung = self._swung(there, turn)
+            if isinstance(swung, Refusal):
+                continue
+            aim = Aim(x=float(spot[0]), y=float(spot[1]), yaw=target.pose.yaw)
+            asked = replace(self._asked, rotates=False)
+            way = Journey(asked, aim, target, self._state, self._reach, self._defaults).pushes()
+            if isinstance(way, list):
+                return way + swung[0]
+        return None
+
+    def _roomy(self, target: SeenObject) -> list[np.ndarray]:
+        """Some places near by, those with most room around first, shape (2,) each [m]."""
+        found = []
+        for heading in np.arange(8) * math.pi / 4.0:
+            spot = (target.pose.p_WB + _ASIDE * unit(float(heading)))[:2]
+            here = footprint(moved(target, spot))
+            rooms = [gap(here, footprint(self._state.objects[name])) for name in self._clearances]
+            edges = [
+                travel_to_edge(here, self._state.table, unit(quarter * math.pi / 2.0)[:2], 0.0)
+                for quarter in range(4)
+            ]
+            room = min([*rooms, *edges])
+            if room > _ROOM:
+                found.append((-round(room, 3), float(heading), spot))
+        return [spot for *_, spot in sorted(found, key=lambda each: each[:2])[:_SPOTS]]
 
     def _swings(
         self, target: SeenObject, steps: tuple[Swing, ...]

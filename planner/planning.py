@@ -18,6 +18,7 @@ from planner.defaults import DEFAULTS, Defaults
 from planner.journey import Journey
 from planner.onepush import Found, best_push
 from planner.plan import Aim, Plan, Reached, Refusal
+from planner.reach import Patient
 from planner.refusals import RefusedError
 from planner.ways import obliqueness
 
@@ -47,6 +48,7 @@ def plan(
     Returns:
         A plan; that nothing is left to be done; or the reason why there is no plan.
     """
+    reach = Patient(reach, defaults.most_looks)
     try:
         asked = read(frame, state, defaults)
         assert frame.object is not None

@@ -57,3 +57,29 @@ class Reach(Protocol):
     def __call__(self, push: Push, state: WorldState) -> ReachAnswer:
         """Answers for one push."""
         ...
+
+
+class Patient:
+    """A reach that answers so many questions of one plan, and then says that it is enough.
+
+    Args:
+        reach: of the robot.
+        most: questions.
+    """
+
+    def __init__(self, reach: Reach, most: int) -> None:
+        self._reach = reach
+        self._left = most
+        self.fingertip_radius = reach.fingertip_radius
+        self.finger_spreads = reach.finger_spreads
+        self.max_force = reach.max_force
+        self.force_skew = reach.force_skew
+        self.lowest_height = reach.lowest_height
+
+    def __call__(self, push: Push, state: WorldState) -> ReachAnswer:
+        """Answers for one push."""
+        if self._left == 0:
+            message = "the search for a way that the hand can make was given up"
+            return ReachAnswer(ok=False, reason="out_of_time", message=message)
+        self._left -= 1
+        return self._reach(push, state)

@@ -411,14 +411,16 @@ def _cannot_topple(asked: Asked, target: SeenObject, critical: float, reach: Rea
 
 def no_reach(target: SeenObject, answers: list[ReachAnswer]) -> Refusal:
     """Contacts exist, but the hand gets to none of them."""
-    last = answers[0]
     blockers = [a for a in answers if a.reason == "obstacle" and a.blocker]
-    if blockers:
-        last = blockers[0]
+    given_up = [a for a in answers if a.reason == "out_of_time"]
+    last = (given_up or blockers or answers)[0]
+    reason: RefusalReason = "blocked" if blockers else "out_of_reach"
     return Refusal(
-        reason="blocked" if blockers else "out_of_reach",
+        reason="out_of_time" if given_up else reason,
         message=f"{len(answers)} ways to push the {target.name} satisfy the sentence, "
         f"but the hand does not get there: {last.message}",
         numbers={"ways": float(len(answers)), **last.numbers},
-        suggestions=("move the " + str(last.blocker),) if blockers else ("another direction",),
+        suggestions=("move the " + str(blockers[0].blocker),)
+        if blockers
+        else ("another direction",),
     )

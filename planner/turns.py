@@ -38,6 +38,7 @@ MOST = math.radians(52.0)
 _SMALL = math.radians(20.0)  # turn whose pivot stands for all
 _AT_PLACE = 0.004  # an object so near to its place needs no further push [m]
 _CORRECTION = 2.2, 0.1  # pushes that a correction takes, and one more for each so much way [m]
+_EXCURSION = 0.05  # way from its place on the way that counts as much as a push [m]
 _ROUND_HEADINGS = np.radians(np.arange(-180.0, 180.0, 30.0))
 _LOOKED_AT = 4  # poses of one push that must be free
 
@@ -90,12 +91,14 @@ def swings(target: SeenObject, turn: float, aim: Aim) -> Iterator[tuple[Swing, .
         steps = tuple(
             replace(each, angle=angle) for each, angle in zip(itertools.cycle(side), parts)
         )
-        there = target
+        offs, there = [], target
         for step in steps:
             there = step.left(there)
-        off = math.dist((aim.x, aim.y), (there.pose.x, there.pose.y))
-        rest = 0.0 if off < _AT_PLACE else _CORRECTION[0] + off / _CORRECTION[1]
-        found.append((len(steps) + round(rest, 3), abs(side[0].side.heading), number, steps))
+            offs.append(math.dist((aim.x, aim.y), (there.pose.x, there.pose.y)))
+        rest = 0.0 if offs[-1] < _AT_PLACE else _CORRECTION[0] + offs[-1] / _CORRECTION[1]
+        # On its way it had better stay near, too.
+        cost = len(steps) + rest + max(offs) / _EXCURSION
+        found.append((round(cost, 3), abs(side[0].side.heading), number, steps))
     for *_, steps in sorted(found, key=lambda each: each[:3]):
         yield steps
 

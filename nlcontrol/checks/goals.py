@@ -32,10 +32,14 @@ def fell(clause: Clause, e: Evidence) -> Check:
     return compare(clause, "at_least", "tilt at the end", e.defaults.toppled, tilt, 0.0, "rad")
 
 
+def _falls(e: Evidence) -> bool:
+    """Whether it is to be pushed until it tips over."""
+    return any(isinstance(c, g.Until) and c.event == "tips" for c in e.frame.constraints)
+
+
 def _still_stands(clause: Clause, e: Evidence) -> Iterator[Check]:
     """It stands at the end, unless the sentence says so itself or wants it to fall."""
-    falls = any(isinstance(c, g.Until) and c.event == "tips" for c in e.frame.constraints)
-    if not falls and not e.has("no_topple"):
+    if not _falls(e) and not e.has("no_topple"):
         yield stands(clause, e)
 
 
@@ -44,6 +48,11 @@ def _displace(goal: g.Displace, e: Evidence) -> Iterator[Check]:
     travel = e.trace.displacement(e.name)[:2]
     length = float(np.linalg.norm(travel))
     heading = asked_heading(goal, own, e.start, d)
+    if _falls(e):
+        if heading is not None:
+            fall = measures.tilt_heading(e.trace, e.name)
+            yield _towards(goal, "fell off the asked direction", fall, heading, d)
+        return
     along = length
     if heading is not None:
         along = float(travel @ [np.cos(heading), np.sin(heading)])

@@ -86,9 +86,7 @@ def test_what_has_a_controller_is_planned_to_its_end(
 
 
 def test_what_is_never_met_is_refused(kitchen: Controller) -> None:
-    result = kitchen.say(
-        "push the coffee box away until it touches the cereal box", plan_only=True
-    )
+    result = kitchen.say("push the coffee box away until it touches the cereal box", plan_only=True)
     assert result.error is not None
     assert (result.status, result.error.code) == ("refused", "impossible")
     assert "push it towards the cereal box" in result.error.suggestions

@@ -85,9 +85,16 @@ def test_nothing_in_reach(kitchen: WorldState) -> None:
     assert refusal.numbers["ways"] > 1
 
 
-def test_a_narrow_face_takes_one_finger(kitchen: WorldState, reach: RuledReach) -> None:
+def test_a_narrow_face_takes_fingers_closer_together(
+    kitchen: WorldState, reach: RuledReach
+) -> None:
     push = _planned("push the cereal box to the left", kitchen, reach).push
-    assert (push.fingers, push.spread) == (1, 0.0)
+    # 52 mm wide: both fingertips, 20 mm each, find a place.
+    assert push.fingers == 2
+    assert push.spread in reach.finger_spreads[1:]
+    assert push.spread + 0.02 <= 0.052 + LENGTHS
+    reach.finger_spreads = (0.04,)
+    assert _planned("push the cereal box to the left", kitchen, reach).push.fingers == 1
 
 
 @pytest.mark.parametrize(
