@@ -174,7 +174,7 @@ class Defaults:
     turn_drift: Length = 0.01
     tilt: Angle = 10.0 * DEGREE
     tilt_little: Angle = 5.0 * DEGREE
-    tilt_lot: Share = 0.55
+    tilt_lot: Share = 0.47
     tilt_tolerance: Angle = 2.0 * DEGREE
     tips: Angle = 2.0 * DEGREE
     moves: Length = 0.002

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from planner.state import SeenObject
 
 _SPINS = 0.15  # share of the force to tip a round object over which it may turn on its rim before
+_CLEARLY = 0.6  # room to toppling as a share of the force to slide it that needs no second look
 _CONFIRMING = 8  # directions on the friction cone's boundary that the exact tier looks at
 
 
@@ -74,10 +75,15 @@ def confirmed(contacts: Contacts, k: int, asked: Asked, target: SeenObject, reac
     """Whether the exact tier has the same outcome for the k-th chosen contact, all over the cone.
 
     The contacts were chosen by the closed form, whose friction limit may be off where the object
-    turns as it slides; two fingers leave it no turning, and need no second look.
+    turns as it slides; two fingers leave it no turning, and need no second look. Neither do
+    contacts that are much farther from toppling than it is ever off (`benchmarks.accuracy`).
     """
     if contacts.fingers == 2:
         return True
+    if asked.outcome == "slide":
+        surely = contacts.cone.slide_margin > _CLEARLY * contacts.cone.slide_max
+        if surely[contacts.chosen[k]]:
+            return True
     i, model = int(contacts.chosen[k]), target.model
     t = _within_the_cone(contacts, i, model, reach)
     if asked.outcome == "topple" and isinstance(model.base, Disc):

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from objectmodels.turning import best_turn
-from planner import refusals, tilts
+from planner import misplaced, refusals, tilts
 from planner.candidates import Contacts, Side, grid, rated
 from planner.directions import HEADINGS, angle_between, face_name, heading_of, unit
 from planner.footprints import footprint, landing_strip, overlaps, travel_to_edge
@@ -100,7 +100,7 @@ def _best(
     """The contact with the largest margin that the hand reaches, or what stops it."""
     model = target.model
     if not any(len(grid(model, s, n, asked, reach)[0]) for s in sides for n in asked.fingers):
-        return refusals.no_place(asked, target, sides, reach)
+        return misplaced.no_place(asked, target, sides, reach)
     asked = _in_time(asked, target, defaults)
     answers: list[ReachAnswer] = []
     tried: dict[int, set[Vector3]] = {1: set(), 2: set()}
@@ -122,6 +122,9 @@ def _best(
             answer = reach(push, state)
             if answer.ok:
                 predicted = prediction(contacts, k, asked, target, reach)
+                if asked.tilt is not None:
+                    inward = -np.array(contacts.side.face.normal)
+                    predicted = tilts.returning(predicted, model, inward, asked.tilt, defaults)
                 return Found(
                     Move(
                         push=push,
@@ -140,7 +143,7 @@ def _best(
         return refusals.too_light(asked, target, least)
     if math.isfinite(least) and not doubted:
         return refusals.too_weak(asked, target, least, reach)
-    return refusals.no_contact(asked, target, sides, reach, defaults)
+    return misplaced.no_contact(asked, target, sides, reach, defaults)
 
 
 # -- where ------------------------------------------------------------------------------------

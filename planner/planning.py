@@ -18,7 +18,7 @@ from planner.defaults import DEFAULTS, Defaults
 from planner.journey import Journey
 from planner.onepush import Found, best_push
 from planner.plan import Aim, Plan, Reached, Refusal
-from planner.reach import Patient
+from planner.reach import GivenUpError, Patient
 from planner.refusals import RefusedError
 from planner.ways import obliqueness
 
@@ -48,7 +48,7 @@ def plan(
     Returns:
         A plan; that nothing is left to be done; or the reason why there is no plan.
     """
-    reach = Patient(reach, defaults.most_looks)
+    patient = Patient(reach, defaults.most_looks)
     try:
         asked = read(frame, state, defaults)
         assert frame.object is not None
@@ -58,6 +58,20 @@ def plan(
             raise RefusedError(refusals.lies(target))
     except RefusedError as refused:
         return refused.refusal
+    try:
+        return _planned(asked, target, state, patient, defaults, aim)
+    except GivenUpError as given_up:
+        return refusals.given_up(target, given_up.answers)
+
+
+def _planned(
+    asked: Asked,
+    target: SeenObject,
+    state: WorldState,
+    reach: Reach,
+    defaults: Defaults,
+    aim: Aim | None,
+) -> Plan | Reached | Refusal:
     if not asked.aims:
         found = _over(asked, target, state, reach, defaults)
         if isinstance(found, Refusal):

@@ -59,8 +59,20 @@ class Reach(Protocol):
         ...
 
 
+class GivenUpError(Exception):
+    """Too many questions; it never leaves the planner.
+
+    Attributes:
+        answers: those that were given.
+    """
+
+    def __init__(self, answers: list[ReachAnswer]) -> None:
+        super().__init__(f"{len(answers)} questions")
+        self.answers = answers
+
+
 class Patient:
-    """A reach that answers so many questions of one plan, and then says that it is enough.
+    """A reach that answers so many questions of one plan.
 
     Args:
         reach: of the robot.
@@ -69,7 +81,8 @@ class Patient:
 
     def __init__(self, reach: Reach, most: int) -> None:
         self._reach = reach
-        self._left = most
+        self._most = most
+        self._answers: list[ReachAnswer] = []
         self.fingertip_radius = reach.fingertip_radius
         self.finger_spreads = reach.finger_spreads
         self.max_force = reach.max_force
@@ -77,9 +90,12 @@ class Patient:
         self.lowest_height = reach.lowest_height
 
     def __call__(self, push: Push, state: WorldState) -> ReachAnswer:
-        """Answers for one push."""
-        if self._left == 0:
-            message = "the search for a way that the hand can make was given up"
-            return ReachAnswer(ok=False, reason="out_of_time", message=message)
-        self._left -= 1
-        return self._reach(push, state)
+        """Answers for one push.
+
+        Raises:
+            GivenUpError: there were too many questions before.
+        """
+        if len(self._answers) == self._most:
+            raise GivenUpError(self._answers)
+        self._answers.append(self._reach(push, state))
+        return self._answers[-1]

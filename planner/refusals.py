@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from planner.directions import phrase
-from planner.plan import Refusal, RefusalReason
+from planner.plan import Refusal
 
 if TYPE_CHECKING:
     from planner.asked import Asked
@@ -252,175 +250,28 @@ def several_pushes(asked: Asked, target: SeenObject, pushes: int) -> Refusal:
     )
 
 
-def no_place(asked: Asked, target: SeenObject, sides: list[Side], reach: Reach) -> Refusal:
-    """The fingertips find no place on the face, whatever would come of it."""
-    size, lowest = target.model.top, reach.lowest_height
-    highest = size - reach.fingertip_radius
-    if max(asked.low, lowest) <= min(asked.high, highest):
-        return _too_narrow(asked, target, sides, reach)
-    numbers = {"lowest_height": lowest, "highest_height": highest}
-    suggestions: tuple[str, ...] = ("leave out where to touch it",)
-    reason: RefusalReason = "out_of_reach"
-    if asked.region is None:
-        message = f"the {target.name} is {_mm(size)} high; the fingers reach {_mm(lowest)} and more"
-        suggestions = ()
-    elif asked.low > highest:
-        reason = "impossible"
-        message = (
-            f"{asked.region} means {_mm(asked.low)} or higher; the {target.name} is {_mm(size)} "
-            f"high and fingertips find a place on it up to {_mm(highest)}"
-        )
-    elif asked.low > asked.high:
-        reason, numbers = "impossible", {"lowest_asked": asked.low, "highest_asked": asked.high}
-        message = (
-            f"no contact is {asked.region}: one ends at {_mm(asked.high)}, the other starts at "
-            f"{_mm(asked.low)}"
-        )
-    else:
-        message = (
-            f"{asked.region} means up to {_mm(asked.high)}; the lowest contact that the fingers "
-            f"reach is {_mm(lowest)}"
-        )
-    return Refusal(
-        reason=reason,
-        message=message,
-        numbers=numbers,
-        spans=asked.contact_spans,
-        suggestions=suggestions,
-    )
-
-
-def _too_narrow(asked: Asked, target: SeenObject, sides: list[Side], reach: Reach) -> Refusal:
-    width = max(side.face.width for side in sides)
-    fingers = min(asked.fingers)
-    needed = 2 * reach.fingertip_radius + (reach.finger_spreads[-1] if fingers == 2 else 0.0)
-    tips = "two fingertips need" if fingers == 2 else "a fingertip needs"
-    return Refusal(
-        reason="impossible",
-        message=f"the {target.name} is {_mm(width)} wide there; {tips} {_mm(needed)}",
-        numbers={"width": width, "needed_width": needed},
-        spans=asked.contact_spans,
-        suggestions=("push it with one finger",) if fingers == 2 else (),
-    )
-
-
-def no_contact(
-    asked: Asked, target: SeenObject, sides: list[Side], reach: Reach, defaults: Defaults
-) -> Refusal:
-    """No contact that is allowed has the wanted outcome for sure."""
-    model = target.model
-    points = np.array([[*side.face.centre[:2], 0.5 * model.top] for side in sides])
-    normals = np.array([side.face.normal for side in sides])
-    worst = model.cone_thresholds(points, normals, sigmas=defaults.sigmas, yaw=False)
-    nominal = worst.critical_height
-    if asked.outcome == "slide":
-        sure = min(float(worst.height_below.max()), model.top)
-        return _cannot_slide(asked, target, float(nominal.max()), sure, reach)
-    return _cannot_topple(asked, target, float(nominal.min()), reach)
-
-
-def _cannot_slide(
-    asked: Asked, target: SeenObject, critical: float, sure: float, reach: Reach
-) -> Refusal:
-    """It would topple, or might, at every height that is allowed and reached.
-
-    Args:
-        asked: what is asked.
-        target: the object.
-        critical: height above which it topples, nominal; inf if never [m].
-        sure: height below which it slides in the worst case; 0 if nowhere [m].
-        reach: the hand's reach.
-    """
-    lowest = max(asked.low, reach.lowest_height)
-    numbers = {"lowest_height": lowest, "critical_height_worst": sure}
-    if math.isfinite(critical):
-        numbers["critical_height"] = critical
-    certain = _slides_where(critical, sure)
-    reason: RefusalReason = "too_uncertain"
-    if asked.low >= critical:
-        reason = "impossible"
-    elif lowest >= critical or asked.low < sure < lowest:
-        reason = "out_of_reach"
-    if asked.region is None:
-        return Refusal(
-            reason=reason,
-            message=f"the {target.name} would not slide for sure: {certain}; "
-            f"the lowest contact that the fingers reach is {_mm(lowest)}",
-            numbers=numbers,
-            suggestions=("topple it instead",),
-        )
-    numbers["lowest_asked"] = asked.low
-    if asked.region == "at the top":
-        numbers["lowest_top"] = asked.low
-    upright = asked.high >= target.model.top
-    heights = f"{_mm(asked.low)} or higher" if upright else f"{_mm(asked.low)} to {_mm(asked.high)}"
-    reached = f", reached from {_mm(lowest)} up" if lowest > asked.low else ""
-    verb = "tips" if lowest >= critical else "may tip"
-    elsewhere = ("push it at the bottom",) if asked.low >= sure > reach.lowest_height else ()
-    return Refusal(
-        reason=reason,
-        message=f"{asked.region} means {heights} on the {target.name}{reached}; "
-        f"pushed there it {verb}, since {certain}",
-        numbers=numbers,
-        spans=asked.contact_spans,
-        suggestions=(*elsewhere, "leave out where to touch it"),
-    )
-
-
-def _slides_where(critical: float, sure: float) -> str:
-    """Where it slides and where it topples, in words."""
-    surely = f"only below {_mm(sure)}" if sure > 0.0 else "nowhere"
-    if math.isinf(critical):
-        return f"it is sure to slide {surely}"
-    return f"above {_mm(critical)} it topples before it slides (for sure it slides {surely})"
-
-
-def _cannot_topple(asked: Asked, target: SeenObject, critical: float, reach: Reach) -> Refusal:
-    """It would slide, or might, at every height that is allowed; `critical` as for sliding."""
-    highest = min(asked.high, target.model.top - reach.fingertip_radius)
-    numbers = {"highest_height": highest}
-    if math.isinf(critical):
-        return Refusal(
-            reason="impossible",
-            message=f"the {target.name} cannot be toppled there: it always slides before it "
-            f"topples, even {_mm(highest)} above the table",
-            numbers=numbers,
-            spans=asked.contact_spans,
-            suggestions=("topple it to another side",),
-        )
-    numbers["critical_height"] = critical
-    higher = ("push it at the top",) if asked.high < target.model.top else ()
-    if critical > highest:
-        return Refusal(
-            reason="impossible",
-            message=f"the {target.name} cannot be toppled there: it slides before it topples "
-            f"below {_mm(critical)}, and the highest contact is {_mm(highest)}",
-            numbers=numbers,
-            spans=asked.contact_spans,
-            suggestions=higher or ("topple it to another side",),
-        )
-    return Refusal(
-        reason="too_uncertain",
-        message=f"the {target.name} should topple when pushed above {_mm(critical)}, but friction "
-        f"and centre of mass are not known well enough to be sure up to {_mm(highest)}",
-        numbers=numbers,
-        spans=asked.contact_spans,
-        suggestions=(*higher, "find out its weight and friction first"),
-    )
-
-
 def no_reach(target: SeenObject, answers: list[ReachAnswer]) -> Refusal:
     """Contacts exist, but the hand gets to none of them."""
     blockers = [a for a in answers if a.reason == "obstacle" and a.blocker]
-    given_up = [a for a in answers if a.reason == "out_of_time"]
-    last = (given_up or blockers or answers)[0]
-    reason: RefusalReason = "blocked" if blockers else "out_of_reach"
+    last = (blockers or answers)[0]
     return Refusal(
-        reason="out_of_time" if given_up else reason,
+        reason="blocked" if blockers else "out_of_reach",
         message=f"{len(answers)} ways to push the {target.name} satisfy the sentence, "
         f"but the hand does not get there: {last.message}",
         numbers={"ways": float(len(answers)), **last.numbers},
-        suggestions=("move the " + str(blockers[0].blocker),)
-        if blockers
-        else ("another direction",),
+        suggestions=(f"move the {blockers[0].blocker}",) if blockers else ("another direction",),
+    )
+
+
+def given_up(target: SeenObject, answers: list[ReachAnswer]) -> Refusal:
+    """Many pushes were looked at, and the search ended before the hand could make a whole way."""
+    failed = [a for a in answers if not a.ok]
+    blockers = [a for a in failed if a.reason == "obstacle" and a.blocker]
+    last = (blockers or failed)[0]
+    return Refusal(
+        reason="out_of_time",
+        message=f"the search was given up after {len(answers)} pushes of the {target.name}; "
+        f"{len(failed)} of them are out of the hand's reach, the first since {last.message}",
+        numbers={"looks": float(len(answers)), "out_of_reach": float(len(failed))},
+        suggestions=(f"move the {blockers[0].blocker}",) if blockers else ("another direction",),
     )

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from grammar.frames import Tilt
     from objectmodels import ObjectModel
     from planner.defaults import Defaults
-    from planner.plan import Push, StopEvent
+    from planner.plan import Prediction, Push, StopEvent
     from planner.state import SeenObject, WorldState
 
 CLEARANCE = 0.01
@@ -115,6 +115,20 @@ def tilted(
         "limits": Limits(tilt=most),
     }  # fmt: skip
     return push.model_copy(update=changes)
+
+
+def returning(
+    predicted: Prediction,
+    model: ObjectModel,
+    inward: NDArray[np.float64],
+    angle: float,
+    defaults: Defaults,
+) -> Prediction:
+    """The prediction with the chance that the object also comes back from a tilt."""
+    back = return_probability(model, inward, angle + defaults.tilt_tolerance)
+    # At least so likely, however the two hang together.
+    both = max(predicted.probability + back - 1.0, 0.0)
+    return predicted.model_copy(update={"probability": both})
 
 
 def _may_fall(

@@ -15,6 +15,8 @@ from planner.plan import Aim, Move, Plan, Reached, Refusal
 from planner.state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, world
 
+RING = [(0.1, 0.0), (-0.1, 0.0), (0.1, 0.1), (-0.1, 0.1), (0.1, -0.1), (-0.1, -0.1),
+        (0.0, 0.16), (0.0, -0.16)]  # fmt: skip
 LENGTHS = 1e-9  # sums of a few floats [m]
 
 
@@ -183,9 +185,18 @@ def test_half_turns_keep_their_sense() -> None:
     assert all(move.push.turn < 0.0 for move in moves(right) if move.push.ends_on == "turned")
 
 
-def test_a_turn_has_room() -> None:
+def test_a_turn_without_room_is_made_near_by() -> None:
     state = world(cereal_box=PlanarPose(0.5, 0.0), mug=PlanarPose(0.59, 0.0))
-    refusal = refused("turn the cereal box a quarter turn to the left", state)
+    made = planned("turn the cereal box a quarter turn to the left", state)
+    first, *others = moves(made)
+    assert first.push.ends_on == "stroke"
+    assert [move.push.ends_on for move in others[:2]] == ["turned", "turned"]
+    # Nothing is left beside it where it would have to stay.
+    ring = {f"mug {i}": PlanarPose(0.5 + x, y) for i, (x, y) in enumerate(RING)}
+    plain = state.objects["mug"].model
+    objects = {name: SeenObject(name, pose, plain) for name, pose in ring.items()}
+    shut_in = replace(state, objects={"cereal box": state.objects["cereal box"], **objects})
+    refusal = refused("turn the cereal box a quarter turn to the left", shut_in)
     assert refusal.reason == "blocked"
     assert "mug" in refusal.message
 

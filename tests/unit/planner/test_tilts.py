@@ -59,13 +59,13 @@ def test_a_tilt_to_each_side(
         ("tilt the ice tea box", 10.0),
         ("tilt the ice tea box a little", 5.0),
         # b / c_z = 45 / 115: it falls by itself from 21.4° on.
-        ("tilt the ice tea box a lot", 0.55 * math.degrees(math.atan(45 / 115))),
+        ("tilt the ice tea box a lot", DEFAULTS.tilt_lot * math.degrees(math.atan(45 / 115))),
         ("tilt the ice tea box by 6 degrees", 6.0),
         ("tilt the ice tea box by at least 6 degrees", 8.0),
         ("tilt the ice tea box by at most 6 degrees", 4.0),
         ("tilt the ice tea box by at most 2 degrees", 1.0),
         # 26 / 130 across its thin side: 10° would be too near to 11.3°.
-        ("tilt the cereal box", 0.55 * math.degrees(math.atan(26 / 130))),
+        ("tilt the cereal box", DEFAULTS.tilt_lot * math.degrees(math.atan(26 / 130))),
         ("tilt the cereal box a little", 5.0),
     ],
 )
@@ -122,7 +122,7 @@ def test_until_it_almost_tips_is_a_tilt(kitchen: WorldState, reach: RuledReach) 
     push = _planned("push the ice tea box away until it almost tips", kitchen, reach).push
     assert push.ends_on == "tilted"
     # A share of its angle of no return.
-    assert math.degrees(push.tilt) == pytest.approx(0.55 * 21.37, abs=0.01)
+    assert math.degrees(push.tilt) == pytest.approx(DEFAULTS.tilt_lot * 21.37, abs=0.01)
     assert push.p_BC[2] > 0.119
 
 

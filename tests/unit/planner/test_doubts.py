@@ -1,0 +1,55 @@
+"""What leaves an outcome open, and what would settle it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from objectmodels import BoxModel
+from planner import plan
+from planner.defaults import DEFAULTS
+from planner.doubts import experiment, outcome_probability
+from planner.plan import Plan, Refusal
+from planner.state import PlanarPose, SeenObject, WorldState
+from tests.unit.planner.conftest import RuledReach, frame_of
+
+NORMAL = (-1.0, 0.0, 0.0)
+
+
+def box(friction_sd: float, com_sd: float) -> BoxModel:
+    return BoxModel(
+        name="ice tea box", size=(0.09, 0.09, 0.23), mass=1.0, friction=0.378,
+        friction_sd=friction_sd, com=(0.0, 0.0, 0.115), com_sd=(com_sd, com_sd, com_sd),
+        finger_friction=0.1,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("model", "words"),
+    [
+        (box(friction_sd=0.10, com_sd=0.001), "slippery"),
+        (box(friction_sd=0.005, com_sd=0.02), "centre of mass"),
+    ],
+)
+def test_the_worst_known_parameter_is_to_be_found_out(model: BoxModel, words: str) -> None:
+    # Just above the critical height of 119 mm.
+    point = np.array([-0.045, 0.0, 0.135])
+    before = outcome_probability(model, point, NORMAL, "topple")
+    sentence, then = experiment(model, point, NORMAL, "topple", DEFAULTS)
+    assert words in sentence
+    assert then > before
+
+
+def test_a_refusal_says_how_likely_it_is_and_what_would_help() -> None:
+    model = box(friction_sd=0.12, com_sd=0.001)
+    state = WorldState({"ice tea box": SeenObject("ice tea box", PlanarPose(0.5, 0.0), model)})
+    text = "topple the ice tea box 15 cm above the table"
+    refusal = plan(frame_of(text), state, RuledReach())
+    assert isinstance(refusal, Refusal)
+    assert refusal.reason == "too_uncertain"
+    assert refusal.numbers["probability"] < DEFAULTS.probability
+    assert refusal.suggestions[0] == "find out how slippery the ice tea box is first"
+    known = model.model_copy(update={"friction_sd": DEFAULTS.found_to * model.friction})
+    sure = WorldState({"ice tea box": SeenObject("ice tea box", PlanarPose(0.5, 0.0), known)})
+    assert isinstance(plan(frame_of(text), sure, RuledReach()), Plan)
+    assert refusal.numbers["probability_then"] >= DEFAULTS.probability
