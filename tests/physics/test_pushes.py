@@ -26,7 +26,7 @@ class Asked:
     height: float
     fingers: int = 2
     stroke: float = 0.20
-    force: float = 8.0
+    force: float = 7.2  # what the planner would allow
     speed: float = 0.05
     ends_on: str = "stroke"
 

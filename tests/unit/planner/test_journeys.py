@@ -151,7 +151,8 @@ def test_next_to_something() -> None:
 
 def test_a_share_of_the_way_towards_something() -> None:
     state = world(ice_tea_box=PlanarPose(0.45, 0.0), mug=PlanarPose(0.75, 0.0))
-    whole = 0.30 - 0.045 - 0.04
+    # All the way is to where it stands next to the mug.
+    whole = 0.30 - 0.045 - 0.04 - DEFAULTS.place_gap
     made = planned("push the ice tea box halfway to the mug", state)
     assert made.push.stroke == pytest.approx(whole / 2, abs=2e-3)  # the mug is a polygon
 
@@ -168,14 +169,22 @@ def test_until_it_touches_goes_on_to_where_it_would() -> None:
 # -- turns ------------------------------------------------------------------------------------
 
 
-def test_a_turn_is_made_in_pairs_on_opposite_faces() -> None:
-    made = planned("turn the ice tea box by 90 degrees to the left", alone())
-    first, second = (move.push for move in moves(made)[:2])
-    assert (first.ends_on, second.ends_on) == ("turned", "turned")
-    assert first.turn == pytest.approx(math.radians(45.0))
-    assert {first.face, second.face} in ({"front", "back"}, {"left", "right"})
+def test_a_turn_is_parted_so_that_displacements_cancel() -> None:
+    state = alone()
+    made = planned("turn the ice tea box by 90 degrees to the left", state)
+    outer, middle, last = (move.push for move in moves(made)[:3])
+    assert {push.ends_on for push in (outer, middle, last)} == {"turned"}
+    assert outer.turn == pytest.approx(last.turn)
+    assert middle.turn > outer.turn > 0.0
+    total = sum(push.turn for push in (outer, middle, last))
+    assert total == pytest.approx(math.radians(90.0), abs=DEFAULTS.aim_angle)
     assert made.aim is not None
     assert made.aim.yaw == pytest.approx(math.radians(90.0))
+    here = state.objects["ice tea box"].pose
+    assert (made.aim.x, made.aim.y) == (here.x, here.y)
+    # Each by itself displaces the object by more than all of them together.
+    assert made.displacement is not None
+    assert math.hypot(*made.displacement[:2]) > DEFAULTS.aim_drift
 
 
 def test_half_turns_keep_their_sense() -> None:
