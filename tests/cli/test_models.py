@@ -186,7 +186,8 @@ def test_affordances_of_the_ice_tea_box(capsys: pytest.CaptureFixture[str]) -> N
     assert away["least_force"] == pytest.approx(0.378 * 0.9952 * 9.81, rel=1e-6)
     assert found["topple", "left"]["face"] == "right"
     turning = found["turn", "left"]
-    assert (turning["possible"], turning["can"], turning["reason"]) == (True, False, "unsupported")
+    assert (turning["possible"], turning["can"], turning["reason"]) == (True, True, None)
+    assert turning["message"].startswith("3 pushes, first one finger")
     assert turning["least_force"] < away["least_force"]
     # Pushed left of the middle it turns right, seen from above; the place says so.
     for sense, side in (("left", 1.0), ("right", -1.0)):
