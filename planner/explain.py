@@ -20,7 +20,7 @@ from planner.rows import Clause, Row, Value, clauses, named, read, row, shown
 
 if TYPE_CHECKING:
     from planner.defaults import Defaults
-    from planner.plan import DefaultUsed, Plan
+    from planner.plan import DefaultUsed, Plan, Push
     from planner.state import SeenObject, WorldState
 
 
@@ -60,7 +60,7 @@ def explain(frame: g.Frame, plan: Plan, text: str, basis: Basis) -> tuple[Row, .
         elif clause.part == "object model":
             values = (*believed(basis.target), *_predicted(plan))
         elif clause.part == "wanted outcome":
-            values = _goal(frame.goal, plan)
+            values = _goal(frame.goal, plan, basis)
         else:
             values = _constraint(clause.said, plan, basis)
         rows += [row(clause, text, value) for value in values]
@@ -90,12 +90,30 @@ def _with_sd(value: float, sd: float, *, digits: int = 3) -> str:
     return f"{text} ± {spread}" if sd else text
 
 
-def _controller(plan: Plan) -> tuple[Value, ...]:
-    until = {
-        "tilted": f"it is tilted by {shown(plan.push.tilt, 'rad')}, then let it back",
+def _controller(plan: Plan) -> Iterator[Value]:
+    yield Value("controller", f"push with {_fingers(plan)}, until {_until(plan.push)}")
+    if plan.later:
+        then = [f"{move.push.face} face, until {_until(move.push)}" for move in plan.later]
+        yield Value("pushes", f"{1 + len(then)} foreseen; then {'; then '.join(then)}")
+
+
+def _until(push: Push) -> str:
+    """When a push ends."""
+    if push.until is not None:
+        return _EVENTS[push.until].format(push.meets)
+    return {
+        "stroke": f"{shown(push.stroke, 'm')} are done",
+        "turned": f"it has turned by {_turn(push.turn)}",
+        "tilted": f"it is tilted by {shown(push.tilt, 'rad')}, then let it back",
         "toppled": "it falls by itself",
-    }.get(plan.push.ends_on, "its stroke is done")
-    return (Value("controller", f"push with {_fingers(plan)}, until {until}"),)
+    }[push.ends_on]
+
+
+_EVENTS = {"moves": "it moves", "touching": "it touches the {}", "tips": "it begins to tip"}
+
+
+def _turn(angle: float) -> str:
+    return f"{shown(abs(angle), 'rad')} to the {'left' if angle > 0.0 else 'right'}"
 
 
 def _fingers(plan: Plan) -> str:
@@ -111,46 +129,65 @@ def _predicted(plan: Plan) -> Iterator[Value]:
     yield Value("falls by itself beyond", shown(p.stay_on_base_angle, "rad"))
 
 
-def _goal(goal: g.Goal, plan: Plan) -> Iterator[Value]:
+def _goal(goal: g.Goal, plan: Plan, basis: Basis) -> Iterator[Value]:
     used = {default.name: default for default in plan.defaults}
-    push, p = plan.push, plan.prediction
-    x, y, _ = push.direction_W
-    likely = "over 0.999" if p.probability > 0.999 else f"{p.probability:.3f}"
-    yield Value("outcome", f"{p.outcome}, probability {likely}")
-    way = phrase(math.atan2(y, x))
-    if "direction" in used:
-        yield Value("direction", f"{way} (not said: by default)", default=True, said=False)
-    elif isinstance(goal, g.Topple | g.Tilt) and goal.direction is None:
-        yield Value("direction", f"{way} (not said: chosen)", default=True, said=False)
+    last = plan.later[-1] if plan.later else plan
+    does = {"turned": "turn", "tilted": "tilt"}.get(last.push.ends_on, last.prediction.outcome)
+    likely = "over 0.999" if plan.probability > 0.999 else f"{plan.probability:.3f}"
+    yield Value("outcome", f"{does}, probability {likely}")
+    if plan.aim is None:
+        yield _direction(goal, last.push.direction_W[:2], used)
+        if last.push.ends_on == "tilted":
+            yield _amount("tilt", shown(last.push.tilt, "rad"), used.get("tilt"))
+        return
+    aim, here = plan.aim, basis.target.pose
+    if isinstance(goal, g.Rotate):
+        assert aim.yaw is not None, "what is to turn has a heading"
+        angle = aim.yaw - here.yaw
+        told = _turn(angle)
+        if goal.angle is not None and not math.isclose(goal.angle, abs(angle)):
+            told += f", asked: {_bound(goal.bound)}{shown(goal.angle, 'rad')}"
+        yield _amount("turn", told, used.get("turn"))
     else:
-        yield Value("direction", way)
-    if push.ends_on == "stroke":
-        yield _distance(goal, push.stroke, used.get("distance"))
-    if push.ends_on == "tilted":
-        yield _tilt(push.tilt, used.get("tilt"))
+        way = aim.x - here.x, aim.y - here.y
+        yield _direction(goal, way, used)
+        yield _distance(goal, math.hypot(*way), used.get("distance"))
+    heading = "" if aim.yaw is None else f", heading {shown(aim.yaw, 'rad')}"
+    yield Value("aim", f"x {shown(aim.x, 'm')}, y {shown(aim.y, 'm')}{heading}")
 
 
-def _tilt(angle: float, used: DefaultUsed | None) -> Value:
-    told = shown(angle, "rad")
+def _direction(goal: g.Goal, way: tuple[float, float], used: dict[str, DefaultUsed]) -> Value:
+    told = phrase(math.atan2(way[1], way[0]))
+    if "direction" in used:
+        return Value("direction", f"{told} (not said: by default)", default=True, said=False)
+    if isinstance(goal, g.Topple | g.Tilt) and goal.direction is None:
+        return Value("direction", f"{told} (not said: chosen)", default=True, said=False)
+    return Value("direction", told)
+
+
+def _amount(name: str, told: str, used: DefaultUsed | None) -> Value:
+    """A number, and whether it comes from the table of defaults."""
     if used is None:
-        return Value("tilt", told)
+        return Value(name, told)
+    # Words may name an amount, but what number that is stands in the table.
     in_words = used.reason.startswith("“")
     why = f"{used.reason}, from the table of defaults" if in_words else "not said: by default"
-    return Value("tilt", f"{told} ({why})", default=True, said=in_words)
+    return Value(name, f"{told} ({why})", default=True, said=in_words)
 
 
-def _distance(goal: g.Goal, stroke: float, used: DefaultUsed | None) -> Value:
-    told = shown(stroke, "m")
-    if used is not None and math.isclose(used.value, stroke):
-        # Words may name an amount, but what number that is stands in the table.
-        in_words = used.reason.startswith("“")
-        why = f"{used.reason}, from the table of defaults" if in_words else "not said: by default"
-        return Value("distance", f"{told} ({why})", default=True, said=in_words)
+def _distance(goal: g.Goal, length: float, used: DefaultUsed | None) -> Value:
+    told = shown(length, "m")
+    if used is not None and math.isclose(used.value, length):
+        return _amount("distance", told, used)
     asked = getattr(goal, "distance", None)
-    if used is None and asked is not None and not math.isclose(asked, stroke):
-        bound = getattr(goal, "bound", "exact").replace("_", " ").removeprefix("exact")
-        return Value("distance", f"{told}, asked: {bound} {shown(asked, 'm')}".replace("  ", " "))
+    # The distance of a place is a gap.
+    if isinstance(goal, g.Displace) and asked is not None and not math.isclose(asked, length):
+        return Value("distance", f"{told}, asked: {_bound(goal.bound)}{shown(asked, 'm')}")
     return Value("distance", told)
+
+
+def _bound(bound: g.Bound) -> str:
+    return "" if bound == "exact" else f"{bound.replace('_', ' ')} "
 
 
 def _constraint(clause: Any, plan: Plan, basis: Basis) -> Iterator[Value]:
@@ -169,30 +206,61 @@ def _constraint(clause: Any, plan: Plan, basis: Basis) -> Iterator[Value]:
             yield Value("largest turn", shown(defaults.no_turn, "rad"))
         case g.NoTouch():
             other = named(clause.object) if clause.object else "everything"
-            yield Value(
-                "free way", f"{shown(basis.defaults.clearance, 'm')} or more from the {other}"
-            )
+            yield Value("free way", f"{shown(defaults.clearance, 'm')} or more from the {other}")
         case g.ContactRegion():
             yield Value("contact", _contact(plan))
             yield from _heights(clause, basis)
-        case g.MaxForce():
-            yield Value("force limit", f"{_force(plan)}, asked: at most {clause.value:g} N")
+        case g.Effector():
+            yield Value("fingers", _fingers(plan))
         case g.Gentle():
             yield _speed(plan, basis, "gentle")
             more = f"{100 * defaults.force_reserve_gentle:.0f} % above what is needed"
             yield Value("force limit", f"{_force(plan)}, {more}")
         case g.Slow():
             yield _speed(plan, basis, "slow")
-        case g.MaxSpeed():
-            told = f"{shown(push.speed, 'm/s')}, asked: at most {shown(clause.value, 'm/s')}"
-            yield Value("largest speed", told)
-        case g.MaxDistance():
-            told = f"{shown(push.stroke, 'm')}, asked: at most {shown(clause.value, 'm')}"
-            yield Value("distance", told)
-        case g.Effector():
-            yield Value("fingers", _fingers(plan))
         case _:
-            yield Value("kept", read(clause))
+            yield Value(*(_force_value(clause, plan, defaults) or _limit(clause, plan)))
+            if clause.kind in _TIMES and push.limits.duration is not None:
+                yield Value("stopped after", shown(push.limits.duration, "s"))
+
+
+_SPEEDS = {"speed", "min_speed", "fast"}
+_TIMES = {"duration", "max_duration"}
+
+
+def _force_value(clause: Any, plan: Plan, defaults: Defaults) -> tuple[str, str] | None:
+    """What a clause about the force became; None if it is about something else."""
+    told = {
+        "force": "",
+        "max_force": ", asked: at most {:g} N",
+        "min_force": ", ready to press with {:g} N",
+        "hard": ", ready to press with {:g} N",
+    }.get(clause.kind)
+    if told is None:
+        return None
+    value = defaults.force_hard if clause.kind == "hard" else clause.value
+    return "force limit", _force(plan) + told.format(value)
+
+
+def _limit(clause: Any, plan: Plan) -> tuple[str, str]:
+    """What a clause about speed, time, way or end became."""
+    push = plan.push
+    match clause:
+        case g.MaxSpeed():
+            asked = shown(clause.value, "m/s")
+            return "largest speed", f"{shown(push.speed, 'm/s')}, asked: at most {asked}"
+        case _ if clause.kind in _SPEEDS | _TIMES:
+            return "largest speed", shown(push.speed, "m/s")
+        case g.MaxDistance():
+            asked = shown(clause.value, "m")
+            return "distance", f"{shown(push.stroke, 'm')}, asked: at most {asked}"
+        case g.MaxTilt():
+            return "stopped at a tilt of", shown(clause.value, "rad")
+        case g.MaxTurn():
+            return "stopped at a turn of", shown(clause.value, "rad")
+        case g.Until():
+            return "ends", f"when {_until((plan.later or (plan,))[-1].push)}"
+    return "kept", read(clause)
 
 
 def _margin(plan: Plan) -> str:
@@ -231,7 +299,7 @@ def _rest(frame: g.Frame, plan: Plan) -> Iterator[Value]:
         yield Value("largest speed", f"{speed} (not said: by default)", default=True, said=False)
     if "contact" not in said:
         yield Value("contact", _contact(plan), default=True)
-    if not said & {"max_force", "gentle"}:
+    if not said & {"max_force", "gentle", "force", "min_force", "hard"}:
         yield Value("force limit", _force(plan), default=True)
     if push.ends_on in {"toppled", "tilted"}:
         yield Value("longest stroke", shown(push.stroke, "m"), default=True)

@@ -23,6 +23,8 @@ from planner.refusals import RefusedError
 from planner.ways import obliqueness
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from grammar.frames import Frame
     from planner.reach import Reach
     from planner.state import SeenObject, WorldState
@@ -139,6 +141,8 @@ def _together(
     probability = max(1.0 - doubts, 0.0)
     if probability < defaults.probability:
         return refusals.unlikely(target, len(found), probability, defaults)
+    # What must be done in time is pushed faster than by default.
+    quick = any(move.push.speed != asked.speed for move in (first, *later))
     return Plan(
         push=first.push,
         prediction=first.prediction,
@@ -147,8 +151,15 @@ def _together(
         aim=aim,
         later=tuple(later),
         probability=probability,
-        defaults=asked.defaults,
+        defaults=tuple(d for d in asked.defaults if d.name != "speed" or not quick),
         considered=sum(each.considered for each in found),
         satisfying=sum(each.satisfying for each in found),
-        notes=tuple(dict.fromkeys(note for each in found for note in each.notes)),
+        notes=tuple(_notes(found)),
     )
+
+
+def _notes(found: list[Found]) -> Iterator[str]:
+    """How each push was chosen; of several with the number of the push."""
+    for number, each in enumerate(found, start=1):
+        for note in each.notes:
+            yield note if len(found) == 1 else f"push {number}: {note}"

@@ -56,6 +56,10 @@ def test_the_paper_s_sentence() -> None:
         ("without turning it", "largest turn", "10°"),
         ("without touching the mug", "free way", "10 mm or more from the mug"),
         ("with no more than 8 N", "force limit", "asked: at most 8 N"),
+        ("with 6 N", "force limit", "6.0 N"),
+        ("hard", "force limit", "8.0 N, ready to press with 8 N"),
+        ("without tilting it more than 5 degrees", "stopped at a tilt of", "5°"),
+        ("without turning it more than 5 degrees", "stopped at a turn of", "5°"),
         ("gently", "force limit", "25 % above what is needed"),
         ("gently", "largest speed", "20 mm/s (gentle, from the table of defaults)"),
         ("slowly", "largest speed", "20 mm/s (slow, from the table of defaults)"),
@@ -94,6 +98,70 @@ def test_the_farthest_of_a_range() -> None:
     rows = _rows("push the ice tea box away, 5 to 10 cm")
     assert _of(rows, "distance", "wanted outcome").value == "60 mm, asked: at least 50 mm"
     assert "asked: at most 100 mm" in _of(rows, "distance", "constraint").value
+
+
+def test_pushes_over_two_faces_are_told_with_where_they_lead() -> None:
+    rows = _rows("push the ice tea box 14 cm away and to the left")
+    words = "14 cm away … to the left"
+    told = {p: _of(rows, p) for p in ("direction", "distance", "aim")}
+    assert {row.words for row in told.values()} == {words}
+    # What is asked is told, not what the first push does.
+    assert told["direction"].value == "at heading 45°"
+    assert told["distance"].value == "140 mm"
+    assert told["aim"].value == "x 599 mm, y 99 mm, heading 0°"
+    assert _of(rows, "controller").value.endswith("until 99 mm are done")
+    pushes = _of(rows, "pushes")
+    assert (pushes.words, pushes.part) == ("push", "push controller")
+    assert re.fullmatch(r"2 foreseen; then (front|right) face, until 99 mm are done", pushes.value)
+
+
+def test_a_place_is_told_with_where_it_is() -> None:
+    rows = _rows("put the ice tea box 10 cm in front of the mug")
+    assert _of(rows, "aim").words == "10 cm in front of the mug"
+    # 40 mm of the mug, the gap, 45 mm of the box.
+    assert _of(rows, "aim").value.startswith("x 315 mm, y ")
+    assert "asked" not in _of(rows, "distance").value  # 10 cm is the gap
+
+
+@pytest.mark.parametrize(
+    ("text", "value", "default"),
+    [
+        ("turn the ice tea box 90 degrees to the left", "90° to the left", False),
+        ("turn the ice tea box by at most 30 degrees to the right",
+         "27° to the right, asked: at most 30°", False),
+        ("turn the ice tea box a little to the left",
+         "15° to the left (“a little”, from the table of defaults)", True),
+        ("turn the ice tea box", "90° to the left (not said: by default)", True),
+    ],
+)  # fmt: skip
+def test_turns_have_an_angle_and_no_direction(text: str, value: str, default: bool) -> None:
+    rows = _rows(text)
+    turn = _of(rows, "turn")
+    assert (turn.value, turn.default) == (value, default)
+    assert not [row for row in rows if row.parameter == "direction"]
+    assert _of(rows, "outcome").value.startswith("turn, probability")
+    assert "until it has turned by" in _of(rows, "controller").value
+    assert "foreseen; then" in _of(rows, "pushes").value
+
+
+def test_a_tilt_comes_back() -> None:
+    rows = _rows("tilt the ice tea box by 5 degrees")
+    assert _of(rows, "tilt").value == "5°"
+    assert "until it is tilted by 5°, then let it back" in _of(rows, "controller").value
+    assert not [row for row in rows if row.parameter in ("aim", "pushes", "distance")]
+
+
+def test_the_event_ends_the_push() -> None:
+    rows = _rows("push the ice tea box to the left until it touches the mug")
+    assert _of(rows, "ends").value == "when it touches the mug"
+    assert _of(rows, "ends").words == "until it touches the mug"
+
+
+def test_what_is_done_in_time_is_not_done_at_the_default_speed() -> None:
+    rows = _rows("push the ice tea box away within 5 s")
+    speed = _of(rows, "largest speed")
+    assert (speed.words, speed.default) == ("within 5 s", False)
+    assert _of(rows, "stopped after").value == "5 s"
 
 
 def test_what_was_not_said_is_named_as_such() -> None:
