@@ -63,6 +63,7 @@ class Done(Kept[Job]):
 
     Attributes:
         kind, target, text: what was said.
+        sensible: whether a person would say it.
         objects: how many stood there.
         status: as in a result, or `crashed`.
         message: what it says of a failure.
@@ -75,6 +76,7 @@ class Done(Kept[Job]):
     kind: Kind
     target: str
     text: str
+    sensible: bool
     objects: int
     status: str
     message: str = ""
@@ -186,6 +188,7 @@ def run(job: Job) -> Done:
         kind=sentence.kind,
         target=sentence.target,
         text=sentence.text,
+        sensible=sentence.sensible,
         objects=len(scene.objects),
         status="crashed",
     )

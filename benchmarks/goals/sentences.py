@@ -1,9 +1,12 @@
 """Sentences over all kinds of goals, with constraints, about the objects of a world.
 
 A sentence speaks of one object, the target, and where it can of others. What kind it is follows
-from the case's number, so that each kind comes equally often; everything else is drawn. What is
-turned has corners, and what is tilted or toppled is higher than wide, if there is such a thing in
-the world. The words are those of `docs/language.md`.
+from the case's number, so that each kind comes equally often; everything else is drawn. Most are
+what a person at such a table would say: a share of `SENSIBLE` is drawn again until it makes sense
+(see `sense`), `TRIES` times at most, and about a target that fits: what is turned has corners, and
+what is tilted or toppled topples before it slides when it is pushed high. The others are drawn
+blindly and about anything; most of these should be refused. The words are those of
+`docs/language.md`.
 """
 
 from __future__ import annotations
@@ -12,8 +15,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from benchmarks.goals.worlds import Generator, Job, drawn, pushable
+from benchmarks.goals.sense import sensible, tips
+from benchmarks.goals.worlds import Generator, Job, drawn, generator, pushable, standing
+from nlcontrol import Controller, Registry
 from objectmodels import CylinderModel, ObjectModel
+from planner.state import WorldState
 from sim.scene import Scene
 
 Kind = Literal["displace", "place", "rotate", "tilt", "topple", "until", "steps"]
@@ -22,6 +28,11 @@ KINDS: tuple[Kind, ...] = get_args(Kind)
 SIDES = ("away", "toward me", "to the left", "to the right")
 SENSES = ("clockwise", "counterclockwise", "to the left", "to the right")
 REGIONS = ("middle of the table", "left edge", "right edge", "far edge")
+
+SENSIBLE = 0.9
+"""Share of sentences that are drawn until they make sense."""
+TRIES = 30
+"""Sentences that are drawn for a world before the last is taken as it is."""
 
 _PLAIN = 0.35  # share of goals without any constraint
 _SECOND = 0.3  # share of the others with a second one
@@ -36,11 +47,13 @@ class Sentence:
         kind: of its goal.
         target: the object that it is about.
         text: the words.
+        sensible: whether it was drawn until it made sense, and did.
     """
 
     kind: Kind
     target: str
     text: str
+    sensible: bool
 
 
 def kind_of(job: Job) -> Kind:
@@ -50,24 +63,32 @@ def kind_of(job: Job) -> Kind:
 
 def said(job: Job) -> tuple[Scene, Sentence]:
     """The world of a case, and what is said in it."""
-    scene, rng = drawn(job)
-    kind = kind_of(job)
+    rng, kind = generator(job), kind_of(job)
+    blind = bool(rng.random() >= SENSIBLE)
+    scene = drawn(job, rng, [model for model in pushable() if blind or _fits(kind, model)])
     models = {model.name: model for model in pushable()}
-    here = [models[item.model] for item in scene.objects]
-    target = _target(kind, here, rng)
-    words = _Words(target, [model.name for model in here if model is not target], rng)
-    return scene, Sentence(kind, target.name, _GOALS[kind](words))
+    target, *others = (item.name for item in scene.objects)
+    words = _Words(models[target], others, rng)
+    text = _GOALS[kind](words)
+    if blind:
+        return scene, Sentence(kind, target, text, sensible=False)
+    robot = Controller(scene, registry=Registry.built_in())
+    for _ in range(TRIES - 1):
+        if _sensible(text, robot):
+            break
+        text = _GOALS[kind](words)
+    return scene, Sentence(kind, target, text, sensible=_sensible(text, robot))
 
 
-def _target(kind: Kind, here: Sequence[ObjectModel], rng: Generator) -> ObjectModel:
-    fitting = [model for model in here if _fits(kind, model)] or list(here)
-    return fitting[int(rng.integers(len(fitting)))]
+def _sensible(text: str, robot: Controller) -> bool:
+    state = WorldState(standing(robot.scene), robot.table)
+    return sensible(robot.resolve(robot.parse(text)).frames, state)
 
 
 def _fits(kind: Kind, model: ObjectModel) -> bool:
     if kind in ("rotate", "steps"):
         return not isinstance(model, CylinderModel)
-    return kind not in ("tilt", "topple") or model.top > min(model.extents[:2])
+    return kind not in ("tilt", "topple") or tips(model)
 
 
 class _Words:

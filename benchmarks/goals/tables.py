@@ -38,6 +38,7 @@ def counts(results: Sequence[Done]) -> str:
     lines = [f"{'kind':10} {'cases':>6} {'lacking':>8} {'accepted':>18} {'satisfied':>18}"]
     kinds = [kind for kind in KINDS if any(done.kind == kind for done in results)]
     lines += [_count(kind, [done for done in results if done.kind == kind]) for kind in kinds]
+    lines.append(_count("sensible", [done for done in results if done.sensible]))
     return "\n".join([*lines, _count("all", results)])
 
 

@@ -1,13 +1,15 @@
 """Worlds drawn by seed: which objects stand where, and how they really are.
 
 Each world holds one to six of the registry's objects that the hand can push. Their true parameters
-lie evenly within bounds around what the registry believes (`MASS`, `FRICTION`, …), and they stand
-anywhere in `REACHED`, turned by any angle, without touching each other. A world depends on its seed
-and number alone.
+lie evenly within bounds around what the registry believes (`MASS`, `FRICTION`, …). They stand
+anywhere in `STANDING`, turned by any angle, at least `GAP` apart, so that a hand gets between them;
+one for which no place is found is left out. The first object is the one that will be spoken of: it
+stands in `REACHED`. Of the others some are fragile. A world depends on its seed and number alone.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from typing import NamedTuple
 
@@ -28,10 +30,14 @@ CENTRE_OF_MASS = 0.003
 """Largest difference of truth and belief along each axis of B [m]."""
 MOST = 6
 """Objects in a world."""
-REACHED = ((0.42, 0.68), (-0.32, 0.32))
+STANDING = ((0.40, 0.70), (-0.35, 0.35))
 """Where objects stand: least and largest x and y [m]."""
-GAP = 0.03
-"""Least room between two objects [m]."""
+REACHED = ((0.42, 0.68), (-0.28, 0.28))
+"""Where the object stands that is spoken of: the arm gets around it [m]."""
+GAP = 0.08
+"""Least room between two objects: a hand is some 10 cm deep, its fingers are slimmer [m]."""
+FRAGILE = 0.25
+"""Share of the objects not spoken of that are fragile."""
 BIAS = Vision(position_bias_m=0.003, angle_bias_deg=1.5)
 """The default camera with constant errors on top."""
 
@@ -61,23 +67,51 @@ def pushable() -> tuple[ObjectModel, ...]:
     return tuple(m for m in Registry.built_in() if m.top > ArmReach.lowest_height + _GRIP)
 
 
-def drawn(job: Job) -> tuple[Scene, Generator]:
-    """The world of a case, and the generator for what is drawn next."""
-    rng = np.random.default_rng((job.seed, job.number))
-    count = int(rng.integers(1, MOST + 1))
-    chosen = rng.permutation(len(pushable()))[:count]
+def generator(job: Job) -> Generator:
+    """Draws everything of a case."""
+    return np.random.default_rng((job.seed, job.number))
+
+
+def drawn(job: Job, rng: Generator, among: Sequence[ObjectModel]) -> Scene:
+    """The world of a case.
+
+    Args:
+        job: the case.
+        rng: its generator.
+        among: models, one of which is that of the first object.
+    """
+    first = among[int(rng.integers(len(among)))]
+    others = [model for model in pushable() if model is not first]
+    count = int(rng.integers(MOST))
+    chosen = [others[index] for index in rng.permutation(len(others))[:count].tolist()]
     objects: list[SceneObject] = []
     standing: list[SeenObject] = []
-    for index in chosen.tolist():
-        model = pushable()[index]
-        truth = true(model, rng)
-        pose = _place(model, standing, rng, job.oblique)
+    for model in (first, *chosen):
+        spans = STANDING if standing else REACHED
+        truth, fragile = true(model, rng), bool(standing) and bool(rng.random() < FRAGILE)
+        pose = _place(model, spans, standing, rng, job.oblique)
         if pose is None:
             continue
         standing.append(SeenObject(model.name, pose, model))
         where = Pose(x_m=pose.x, y_m=pose.y, yaw_deg=float(np.degrees(pose.yaw)))
-        objects.append(SceneObject(name=model.name, model=model.name, pose=where, truth=truth))
-    return scene(f"{job.seed}-{job.number}", objects, BIAS if job.bias else Vision()), rng
+        objects.append(
+            SceneObject(name=model.name, model=model.name, pose=where, truth=truth, fragile=fragile)
+        )
+    return scene(f"{job.seed}-{job.number}", objects, BIAS if job.bias else Vision())
+
+
+def standing(scene: Scene) -> dict[str, SeenObject]:
+    """The objects of a world by name, as they stand, but with the models that are believed."""
+    models = {model.name: model for model in pushable()}
+    return {
+        item.name: SeenObject(
+            item.name,
+            PlanarPose(item.pose.x_m, item.pose.y_m, float(np.radians(item.pose.yaw_deg))),
+            models[item.model],
+            fragile=item.fragile,
+        )
+        for item in scene.objects
+    }
 
 
 def scene(name: str, objects: list[SceneObject], vision: Vision) -> Scene:
@@ -91,11 +125,15 @@ def _robot() -> Robot:
 
 
 def _place(
-    model: ObjectModel, standing: list[SeenObject], rng: Generator, oblique: float
+    model: ObjectModel,
+    spans: tuple[tuple[float, float], ...],
+    standing: Sequence[SeenObject],
+    rng: Generator,
+    oblique: float,
 ) -> PlanarPose | None:
     """A free place for one more object; None if none is found."""
     for _ in range(_TRIES):
-        x, y = (float(rng.uniform(*span)) for span in REACHED)
+        x, y = (float(rng.uniform(*span)) for span in spans)
         quarters = int(rng.integers(4))
         yaw = np.radians(90.0 * quarters + oblique * float(rng.uniform(-1.0, 1.0)))
         pose = PlanarPose(x, y, float(np.arctan2(np.sin(yaw), np.cos(yaw))))

@@ -49,6 +49,7 @@ def case(number: int, *stages: Stage, status: str | None = None, capability: str
         kind="displace",
         target="mug",
         text="push the mug away",
+        sensible=number != 2,
         objects=1,
         status=status or stages[-1].status,
         capability=capability,

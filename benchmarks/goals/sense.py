@@ -1,0 +1,261 @@
+"""What a person at the table would ask for: sentences that make sense by what is believed.
+
+A sentence makes sense if every step of it does, each from where the one before would leave the
+object. Only belief and plain geometry decide, never a planner or a reach, so that sensible
+sentences may well be refused:
+
+- What is moved, placed or turned ends within `TABLE` and no nearer than `ROOM` to anything that it
+  is not to touch, or than the sentence says. If a direction is said, the straight way there is as
+  free, and so is the circle of a turn. Nothing is pushed against what is fragile.
+- What slides does so, by nominal parameters, if it is touched as low as the sentence and the
+  fingertips allow. What topples or tilts topples before it slides if it is pushed `BELOW` the
+  highest place allowed on the face that the direction meets; a tilt is at most `TILT` of the angle
+  of no return, and where the object lands or leans is free and on the table.
+- A force that is allowed is at least `FORCE` times what the model says it takes, and a time is long
+  enough for a push of that length.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from grammar import frames as g
+from objectmodels import ObjectModel
+from objectmodels.faces import Face
+from planner.asked import Asked, read
+from planner.defaults import DEFAULTS
+from planner.directions import angle_between, heading_of
+from planner.footprints import footprint, free_travel, gap, landing_strip, travel_to_edge
+from planner.plan import Aim
+from planner.refusals import RefusedError
+from planner.state import SeenObject, WorldState
+from planner.ways import obliqueness
+from sim.reach import ArmReach
+
+TABLE = ((0.36, 0.80), (-0.45, 0.45))
+"""Where objects may be sent: least and largest x and y [m]."""
+ROOM = 0.03
+"""Least distance from what is not to be touched [m]."""
+BELOW = 0.01
+"""From the highest place of a contact down to the middle of a fingertip there [m]."""
+TILT = 0.55
+"""Largest tilt as a share of the angle of no return."""
+FORCE = 1.5
+"""Allowed force over the force needed."""
+
+_STEP = 0.02  # between poses on a way that are looked at [m]
+_TURN = math.radians(10.0)  # the same in a turn
+_ROUNDING = 1e-4  # of places found by iteration [m]
+
+
+def sensible(frames: Sequence[g.Frame], state: WorldState) -> bool:
+    """Whether a person would ask for it.
+
+    Args:
+        frames: steps of a sentence, their objects resolved.
+        state: how everything stands.
+    """
+    for frame in frames:
+        try:
+            asked = read(frame, state, DEFAULTS)
+        except RefusedError:
+            return False
+        assert frame.object is not None, "what is read has an object"
+        target = state.objects[frame.object.id or ""]
+        thought = _Thought(frame, asked, target, state)
+        end = thought.end()
+        if end is None:
+            return False
+        state = replace(state, objects={**state.objects, end.name: end})
+    return True
+
+
+def tips(model: ObjectModel) -> bool:
+    """Whether an object topples before it slides when it is pushed high on one of its faces."""
+    return any(_onset(model, face, model.top - BELOW).topples for face in model.faces())
+
+
+@dataclass(frozen=True)
+class _Onset:
+    """How a push begins: whether the object topples, and the force that it takes [N]."""
+
+    topples: bool
+    force: float
+
+
+def _onset(model: ObjectModel, face: Face, height: float) -> _Onset:
+    point, normal = face.at(0.0, height)
+    found = model.thresholds(point[None], -normal[None])
+    return _Onset(bool(found.topple[0] < found.slide[0]), float(found.onset[0]))
+
+
+@dataclass(frozen=True)
+class _Thought:
+    """One step of a sentence, thought through.
+
+    Attributes:
+        frame: the step.
+        asked: what it asks.
+        target: its object.
+        state: how everything stands before it.
+    """
+
+    frame: g.Frame
+    asked: Asked
+    target: SeenObject
+    state: WorldState
+
+    def end(self) -> SeenObject | None:
+        """The object after the step; None if the step makes no sense."""
+        if self.asked.outcome == "topple":
+            return self._tipped()
+        if self._touched() & {name for name, _ in self.asked.limits.clear_of}:
+            return None
+        if any(self.state.objects[name].fragile for name in self._touched()):
+            return None
+        if not self._slides():
+            return None
+        return next((self._at(aim) for aim in self.asked.aims if self._sent(aim)), None)
+
+    # -- over the table -----------------------------------------------------------------------
+
+    def _at(self, aim: Aim) -> SeenObject:
+        pose = self.target.pose
+        yaw = pose.yaw if aim.yaw is None else aim.yaw
+        return replace(self.target, pose=replace(pose, x=aim.x, y=aim.y, yaw=yaw))
+
+    def _sent(self, aim: Aim) -> bool:
+        """Whether an object may be sent to an aim, in the time that is said."""
+        (x0, x1), (y0, y1) = TABLE
+        if not (x0 <= aim.x <= x1 and y0 <= aim.y <= y1) or not self._in_time(aim):
+            return False
+        touched = self._touched()
+        return all(self._clear(pose, touched) for pose in self._way(aim))
+
+    def _in_time(self, aim: Aim) -> bool:
+        most = self.asked.limits.duration
+        if most is None:
+            return True
+        said = all(used.name != "speed" for used in self.asked.defaults)
+        fastest = self.asked.speed if said else DEFAULTS.speed_most
+        return most >= DEFAULTS.push_overhead + self._distance(aim) / fastest
+
+    def _distance(self, aim: Aim) -> float:
+        return math.dist((aim.x, aim.y), (self.target.pose.x, self.target.pose.y))
+
+    def _way(self, aim: Aim) -> Iterator[SeenObject]:
+        """Poses on the way to an aim; the last alone if no way is said."""
+        here, there = self.target.pose, self._at(aim).pose
+        steps = 1
+        if self.asked.rotates:
+            steps = math.ceil(abs(there.yaw - here.yaw) / _TURN)
+        elif self.asked.heading is not None:
+            steps = math.ceil(self._distance(aim) / _STEP)
+        for share in np.linspace(0.0, 1.0, max(steps, 1) + 1)[1:].tolist():
+            x, y, yaw = (
+                a + share * (b - a)
+                for a, b in ((here.x, there.x), (here.y, there.y), (here.yaw, there.yaw))
+            )
+            yield replace(self.target, pose=replace(here, x=x, y=y, yaw=yaw))
+
+    def _touched(self) -> set[str]:
+        """Names of what is to be touched."""
+        goal = self.frame.goal
+        names = {self.asked.meets} if self.asked.meets else set()
+        if isinstance(goal, g.Place) and goal.relation == "touching":
+            assert isinstance(goal.reference, tuple), "objects are touched"
+            names |= {ref.id or "" for ref in goal.reference}
+        return names
+
+    def _clear(self, there: SeenObject, touched: set[str]) -> bool:
+        """Whether an object keeps its distance from the others."""
+        covered = footprint(there)
+        return all(
+            gap(covered, footprint(other)) >= self._apart(other) - _ROUNDING
+            for other in self._others()
+            if other.name not in touched
+        )
+
+    def _others(self) -> Iterator[SeenObject]:
+        return (other for name, other in self.state.objects.items() if name != self.target.name)
+
+    def _apart(self, other: SeenObject) -> float:
+        return max(ROOM, dict(self.asked.limits.clear_of).get(other.name, 0.0))
+
+    def _slides(self) -> bool:
+        """Whether it stays on its base, whichever of the faces that may be pushed is touched."""
+        low, high = self._heights()
+        if high < low:
+            return False
+        onsets = [_onset(self.target.model, face, low) for face in self._faces(self.target)]
+        return not any(
+            onset.topples or self.asked.max_force < FORCE * onset.force for onset in onsets
+        )
+
+    # -- over an edge -------------------------------------------------------------------------
+
+    def _tipped(self) -> SeenObject | None:
+        """The object, turned to the direction if it had to be, if one of its faces will do."""
+        low, high = self._heights()
+        there = self._squared()
+        if high < low or not all(self._clear(pose, set()) for pose in self._way(_here(there))):
+            return None
+        fits = any(self._tips(there, face, high) for face in self._faces(there))
+        return there if fits else None
+
+    def _squared(self) -> SeenObject:
+        """The object with a face that looks where it is to fall, turned if none does."""
+        target, heading = self.target, self.asked.heading
+        askew = 0.0 if heading is None else obliqueness(target, heading)
+        if abs(askew) <= 0.5 * DEFAULTS.side_tolerance:
+            return target
+        return replace(target, pose=replace(target.pose, yaw=target.pose.yaw + askew))
+
+    def _tips(self, there: SeenObject, face: Face, height: float) -> bool:
+        onset = _onset(there.model, face, height)
+        if not onset.topples or self.asked.max_force < FORCE * onset.force:
+            return False
+        inward = -np.array(face.normal)
+        u = there.pose.R_WB @ inward
+        if self.asked.tilt is None:
+            return self._lands(there, u)
+        most = TILT * there.model.angle_of_no_return(inward) + 1e-9  # rounding
+        return self.asked.tilt <= most and self._leans(there, u, self.asked.tilt)
+
+    def _lands(self, there: SeenObject, u: np.ndarray) -> bool:
+        strip = landing_strip(there, u)
+        on_it = travel_to_edge(strip, self.state.table, u[:2], 0.0) >= ROOM
+        return on_it and all(gap(strip, footprint(o)) >= self._apart(o) for o in self._others())
+
+    def _leans(self, there: SeenObject, u: np.ndarray, angle: float) -> bool:
+        over, here = there.model.top * math.sin(angle), footprint(there)
+        return all(
+            free_travel(here, footprint(o), u[:2], self._apart(o)) >= over for o in self._others()
+        )
+
+    # -- contacts -----------------------------------------------------------------------------
+
+    def _heights(self) -> tuple[float, float]:
+        """The lowest and the highest contact allowed [m]."""
+        top = self.target.model.top - BELOW
+        return max(self.asked.low, ArmReach.lowest_height), min(self.asked.high, top)
+
+    def _faces(self, there: SeenObject) -> list[Face]:
+        """The face that the direction meets; all if none is said, or if it is turned."""
+        heading = self.asked.heading
+        if heading is None or self.asked.rotates:
+            return list(there.model.faces())
+        faces = there.model.faces([heading - there.pose.yaw])
+
+        def oblique(face: Face) -> float:
+            return abs(angle_between(heading_of(-there.pose.R_WB @ np.array(face.normal)), heading))
+
+        return [min(faces, key=oblique)]
+
+
+def _here(there: SeenObject) -> Aim:
+    return Aim(x=there.pose.x, y=there.pose.y, yaw=there.pose.yaw)
