@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from objectmodels import ObjectModel
 from objectmodels.motion import touched_faces
 from objectmodels.turning import turning
 from planner.plan import Plan
@@ -20,7 +21,7 @@ from sim.guards import MOVED, RAMP, Guards, band
 from sim.hand import TIP_RADIUS
 from sim.limits import LimitGuards
 from sim.recorder import Recorder
-from sim.rotations import rot_z
+from sim.rotations import Array, rot_z
 from sim.stance import Stance
 from sim.touch import TouchControl
 from sim.trace import EndReason
@@ -63,8 +64,9 @@ class TurnControl(TouchControl):
         self._target = state.objects[plan.push.object]
         self._direction = self._u
         # In B: where the face is touched, and where along it, half its width, its curvature.
-        R_BW = self._target.pose.R_WB.T
-        self._point, self._normal = np.array([plan.push.p_BC]), (R_BW @ -way.inward)[None]
+        outward = self._target.pose.R_WB.T @ -way.inward
+        self._point = np.array([plan.push.p_BC])
+        self._normal = _normal(self._target.model, outward)[None]
         (self._face,) = touched_faces(self._target.model, self._point[:, :2], self._normal[:, :2])
 
     def push(self) -> tuple[EndReason, str]:
@@ -172,3 +174,14 @@ class TurnControl(TouchControl):
         keeper.moved(self.recorder.world.time, here.midpoint[:2])
         for frame in self.recorder.frames:
             keeper.seen(frame.time, frame.poses[self.plan.push.object])
+
+
+def _normal(model: ObjectModel, outward: Array) -> Array:
+    """Level normal of the face that looks most along a direction in B, shape (3,).
+
+    A plan is made from an earlier look at the object: its direction is that of the face but for
+    the noise of two looks.
+    """
+    faces = model.faces(np.array([np.arctan2(-outward[1], -outward[0])]))
+    level = [np.array([*face.normal[:2], 0.0]) / np.hypot(*face.normal[:2]) for face in faces]
+    return max(level, key=lambda normal: float(normal @ outward))

@@ -133,3 +133,13 @@ def test_a_limit_stops_a_turn() -> None:
     assert trace.end == "guard"
     assert "1.5 s" in trace.detail
     assert 0.0 < np.degrees(trace.yaw("ice tea box")[-1]) < 25.0
+
+
+def test_a_plan_may_be_of_a_look_that_saw_it_turned_a_little() -> None:
+    alone, turn = _alone(load_scene("kitchen"), "ice tea box"), np.radians(-5.0)
+    plan = _plan("ice tea box", alone, 2, turn)
+    # Much more than the noise of two looks, 0.26°.
+    askew = _vector(rot_z(np.radians(2.0)) @ np.array(plan.push.normal_W))
+    before = plan.push.model_copy(update={"normal_W": askew})
+    trace = _carried_out(plan.model_copy(update={"push": before}), alone)
+    assert trace.end == "turned", trace.detail
