@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from nlcontrol.text import known
 from objectmodels.errors import ModelError
 from objectmodels.parameters import UNCERTAIN
+from objectmodels.turning import learned_radius
 from sim.lessons import shown
 
 if TYPE_CHECKING:
@@ -29,6 +32,13 @@ CONTRADICTIONS: dict[EndReason, str] = {
 
 SPREAD = 0.05
 """Relative standard deviation by which friction is taken to differ from push to push."""
+
+SHOWS_RADIUS = math.radians(8.0)
+"""A turn by less than this does not show where its pivot lies."""
+
+RADIUS_SD = 0.15
+"""Relative standard deviation of a friction radius that one turn shows: the finger rolls, the load
+shifts."""
 
 _METRES = {
     "friction_radius": "friction radius",
@@ -116,6 +126,8 @@ def learned(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectModel, 
         target: the object as it was seen and believed before.
         trace: what happened.
     """
+    if trace.end == "turned":
+        return _from_turn(made, target, trace)
     why = CONTRADICTIONS.get(trace.end)
     trial = shown(made.push, target, trace) if target.lies_on == "bottom" else None
     if trial is None:
@@ -133,6 +145,30 @@ def learned(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectModel, 
         why=why,
         changes=changes(target.model, update.model),
     )
+
+
+def _from_turn(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectModel, Lesson] | None:
+    """What a turn tells of the friction radius: the pivot lies the nearer the smaller it is."""
+    push, model, R_WB = made.push, target.model, target.pose.R_WB
+    moved, turned = R_WB.T @ trace.seen_displacement(push.object), trace.seen_turn(push.object)
+    if abs(turned) < SHOWS_RADIUS:
+        return None
+    direction = R_WB.T @ np.array(push.direction_W)
+    shown = learned_radius(model, push.p_BC, direction, (moved[0], moved[1], turned))
+    believed, sd, shown_sd = model.friction_radius, model.friction_radius_sd, RADIUS_SD * shown
+    weight = sd**2 / (sd**2 + shown_sd**2)
+    after = model.model_copy(
+        update={
+            "friction_radius": believed + weight * (shown - believed),
+            "friction_radius_sd": sd * math.sqrt(1.0 - weight),
+        }
+    )
+    pushing = trace.phase == "push"
+    force = float(np.mean(trace.push_force()[pushing]))
+    return after, Lesson(
+        object=target.name, moved="slide", force=force, surprise=abs(shown - believed) / sd,
+        contradicts=False, why=None, changes=changes(model, after),
+    )  # fmt: skip
 
 
 def taken(model: ObjectModel, trial: Trial) -> Update:

@@ -227,6 +227,8 @@ class Journey:
         return refusals.in_the_way(target, self._state.objects[met.other], distance, met.free)
 
     def _legs(self, target: SeenObject, way: tuple[Leg, ...]) -> list[Found] | Refusal:
+        if self._asked.limits.duration is not None and len(way) > 1:
+            return refusals.several_pushes(self._asked, target, len(way))
         found: list[Found] = []
         for number, leg in enumerate(way):
             last = number == len(way) - 1

@@ -195,7 +195,8 @@ def _at_speed(asked: Asked, speed: float, spans: g.Spans, defaults: Defaults) ->
                 suggestions=(f"at {100 * defaults.speed_most:.0f} cm/s",),
             )
         )
-    return _slower(replace(asked, speed=speed), speed)
+    used = tuple(d for d in asked.defaults if d.name != "speed")
+    return replace(asked, speed=speed, defaults=used)
 
 
 # -- how far, and where to touch --------------------------------------------------------------

@@ -98,10 +98,23 @@ class Trace:
         Means over what was seen in the first look and after the hand was home at the end.
         """
         p = self.seen[name][:, 4:]
+        first, last = self._still
+        moved = p[last].mean(axis=0) - p[first].mean(axis=0)
+        return np.array([moved[0], moved[1], 0.0])
+
+    def seen_turn(self, name: str) -> float:
+        """Angle by which the robot saw it turn, counter-clockwise, less than half a turn [rad]."""
+        w, x, y, z = self.seen[name][:, :4].T
+        heading = np.exp(1j * np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+        first, last = self._still
+        return float(np.angle(heading[last].mean() / heading[first].mean()))
+
+    @property
+    def _still(self) -> tuple[slice, slice]:
+        """The first look, and the time after the hand was home at the end."""
         looked = int(np.argmax(self.phase != "look"))
         settling = int(np.flatnonzero(self.phase != "settle")[-1]) + 1
-        moved = p[settling:].mean(axis=0) - p[:looked].mean(axis=0)
-        return np.array([moved[0], moved[1], 0.0])
+        return slice(looked), slice(settling, None)
 
     def tilt(self, name: str) -> Array:
         """Angle between the object's axis B_z and the vertical over time, shape (n,) [rad]."""

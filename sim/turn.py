@@ -28,6 +28,7 @@ from sim.trace import EndReason
 from sim.turnkeeper import TurnedObject, TurnKeeper
 from sim.way import Way
 
+_CONTACT = 0.8  # speed of the contact as a share of that of the fingertip, which is farther out
 _ACCELERATION = 0.1  # [m/s²]
 _FORCE_RATE = 10.0  # of an object that stands [N/s]
 _FASTEST_START = 0.012  # before the object moves [m/s]
@@ -122,7 +123,7 @@ class TurnControl(TouchControl):
             return start
         remaining = abs(self.plan.push.turn - keeper.turned)
         at_end = float(max(_SLOWEST, _BRAKING * remaining) / abs(keeper.rate))
-        return min(at_end, self.plan.push.speed, before + _ACCELERATION * self._period)
+        return min(at_end, _CONTACT * self.plan.push.speed, before + _ACCELERATION * self._period)
 
     def _follow(self, keeper: TurnKeeper, advance: float) -> None:
         """Turns palm and direction with the object."""

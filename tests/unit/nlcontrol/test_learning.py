@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from nlcontrol import Controller
-from nlcontrol.learning import CONTRADICTIONS, Change, Lesson, changes, learned, taken
+from nlcontrol.learning import (
+    CONTRADICTIONS,
+    RADIUS_SD,
+    Change,
+    Lesson,
+    changes,
+    learned,
+    taken,
+)
 from objectmodels import BoxModel
 from objectmodels.identification import Trial
 from objectmodels.identification.update import SURPRISING
 from objectmodels.parameters import UNCERTAIN
+from objectmodels.turning import turning
 from planner.plan import Plan
 from planner.state import SeenObject
 from sim.trace import EndReason, Trace
@@ -160,3 +171,43 @@ def test_what_lies_on_another_face_teaches_nothing_about_its_base(
     lying = SeenObject(target.name, target.pose, target.model, lies_on="left")
     trace: Trace = make_trace(force=3.2)
     assert learned(plan, lying, trace) is None
+
+
+def test_a_turn_shows_the_friction_radius(make_trace: TraceMaker) -> None:
+    controller = Controller(seed=1)
+    command = controller.resolve(controller.parse("turn the ice tea box by 60 degrees to the left"))
+    state = controller.look()
+    plan = controller.plan(command.frames[0], state)
+    assert isinstance(plan, Plan)
+    target, push = state.objects["ice tea box"], plan.push
+    true_radius = 1.7 * target.model.friction_radius
+    truly = target.model.model_copy(update={"friction_radius": true_radius})
+    normal = target.pose.R_WB.T @ np.array(push.normal_W)
+    direction = target.pose.R_WB.T @ np.array(push.direction_W)
+    slant = np.arctan2(direction[1], direction[0]) - np.arctan2(-normal[1], -normal[0])
+    after = turning(truly, [push.p_BC], [normal], slant, push.turn).pose[0]
+    there = target.pose.R_WB @ np.array([after[0], after[1], 0.0]) + target.pose.p_WB
+
+    trace = make_trace(force=2.0, end="turned")
+    n = len(trace.time)
+    seen = np.tile([1.0, 0.0, 0.0, 0.0, *target.pose.p_WB], (n, 1))
+    half = 0.5 * after[2]
+    seen[trace.phase != "look"] = [np.cos(half), 0.0, 0.0, np.sin(half), *there]
+    trace = replace(trace, seen={**trace.seen, push.object: seen})
+    assert trace.seen_turn(push.object) == pytest.approx(after[2])
+
+    found = learned(plan, target, trace)
+    assert found is not None
+    model, lesson = found
+    before, sd = target.model.friction_radius, target.model.friction_radius_sd
+    shown_sd = RADIUS_SD * true_radius
+    weight = sd**2 / (sd**2 + shown_sd**2)
+    # Geometry alone, but for the wrapping of angles.
+    assert model.friction_radius == pytest.approx(
+        before + weight * (true_radius - before), rel=0.03
+    )
+    assert model.friction_radius_sd < shown_sd
+    assert not lesson.contradicts
+
+    barely = np.tile(seen[0], (n, 1))
+    assert learned(plan, target, replace(trace, seen={push.object: barely})) is None
