@@ -18,7 +18,7 @@ from planner.displacements import asked_distance, asked_heading
 from planner.footprints import footprint, free_travel, travel_to_edge
 from planner.plan import Aim, DefaultUsed, Refusal, StopEvent
 from planner.refusals import RefusedError, unsupported
-from planner.relations import Beside, region, share_of_way
+from planner.relations import Beside, Between, region, share_of_way
 
 if TYPE_CHECKING:
     from planner.defaults import Defaults
@@ -41,6 +41,7 @@ class Aimed:
         distance: to be moved [m]; None if it follows from the aim.
         until: event that ends the way earlier.
         meets: name of the object that is to be touched then.
+        near: objects that it is to stand close to, and how close [m].
         defaults: what the sentence left open.
     """
 
@@ -49,6 +50,7 @@ class Aimed:
     distance: float | None = None
     until: StopEvent | None = None
     meets: str | None = None
+    near: tuple[tuple[str, float], ...] = ()
     defaults: tuple[DefaultUsed, ...] = ()
 
 
@@ -198,7 +200,24 @@ def _placed(goal: g.Place, target: SeenObject, state: WorldState, defaults: Defa
     if isinstance(place, Beside) and goal.distance is None and place.gap > 0.0:
         reason = "no distance said"
         used = (DefaultUsed(name="place_gap", value=place.gap, unit="m", reason=reason),)
-    return Aimed(tuple(here(target, float(x), float(y)) for x, y in spots), defaults=used)
+    aims = tuple(here(target, float(x), float(y)) for x, y in spots)
+    if isinstance(place, Between):
+        both = tuple((seen.name, place.apart(target)) for seen in (place.one, place.other))
+        return Aimed(aims, near=both, defaults=used)
+    if not isinstance(place, Beside):
+        return Aimed(aims, defaults=used)
+    if goal.relation != "touching":
+        return Aimed(aims, near=((place.other.name, place.gap),), defaults=used)
+    beyond = tuple(_farther(aim, target, _BEYOND) for aim in aims)
+    return Aimed(beyond, until="touching", meets=place.other.name, defaults=used)
+
+
+def _farther(aim: Aim, target: SeenObject, by: float) -> Aim:
+    """An aim so much farther on the way to it [m]."""
+    x, y = target.pose.x, target.pose.y
+    length = math.dist((aim.x, aim.y), (x, y))
+    share = 1.0 + by / max(length, by)
+    return aim.model_copy(update={"x": x + share * (aim.x - x), "y": y + share * (aim.y - y)})
 
 
 def _rotated(goal: g.Rotate, target: SeenObject, defaults: Defaults) -> Aimed:

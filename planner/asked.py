@@ -62,6 +62,7 @@ class Asked:
         least_limit: what the force limit is at least [N].
         fingers: how many fingertips may push.
         until: event that ends the last push earlier; `meets` names what is to be touched then.
+        near: objects that it is to stand close to, and how close [m].
         limits: what stops every push.
         contact_spans: words that restrict the contact.
         force_spans: words that restrict the force.
@@ -90,6 +91,7 @@ class Asked:
     fingers: tuple[Literal[1, 2], ...] = (2, 1)
     until: StopEvent | None = None
     meets: str | None = None
+    near: tuple[tuple[str, float], ...] = ()
     limits: Limits = NO_LIMITS
     contact_spans: g.Spans = ()
     force_spans: g.Spans = ()
@@ -150,5 +152,6 @@ def _goal(frame: g.Frame, target: SeenObject, state: WorldState, defaults: Defau
         distance=np.inf if found.distance is None else found.distance,
         until=found.until,
         meets=found.meets,
+        near=found.near,
         defaults=found.defaults + plain.defaults,
     )

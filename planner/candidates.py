@@ -34,8 +34,9 @@ Array = NDArray[np.float64]
 _HEIGHT_STEP = 0.004
 _SIDESTEPS = {1: (0.0,), 2: (0.0, 0.01, -0.01, 0.02, -0.02)}
 _ROUND = 0.7  # sine of the largest angle at which two fingertips touch a round side
-_RATED = 8  # contacts whose probability is computed and the reach may be asked for
-_APART = 0.0095  # distance between two of them: nearer ones are reached alike [m]
+# Places in the order of margins at which the reach may be asked for; the hand that does not get
+# down beside a neighbour often gets to a place that is higher up.
+_SHARES = np.array([0.0, 0.08, 0.2, 0.4, 0.6, 0.8])
 
 
 @dataclass(frozen=True)
@@ -219,7 +220,7 @@ def _rating(
     margin = cone.slide_margin if outcome == "slide" else cone.topple_margin
     # Off the best place the object turns, or one finger carries more.
     order = np.argsort(-np.where(holds, margin, -np.inf) + 1e-3 * aside)
-    chosen = _apart(points, order[: np.count_nonzero(holds)])
+    chosen = _spread_out(order[: np.count_nonzero(holds)])
     probability = np.empty(0)
     if len(chosen):
         few = model.cone_thresholds(
@@ -233,12 +234,9 @@ def _rating(
     )
 
 
-def _apart(points: Array, order: NDArray[np.intp]) -> NDArray[np.intp]:
-    """The first of an order of contacts, each away from those before it."""
-    taken: list[int] = []
-    for i in order:
-        if len(taken) == _RATED:
-            break
-        if all(np.linalg.norm(points[i] - points[k]) > _APART for k in taken):
-            taken.append(int(i))
-    return np.array(taken, dtype=np.intp)
+def _spread_out(order: NDArray[np.intp]) -> NDArray[np.intp]:
+    """The best of an order of contacts and some that are less good, but reached otherwise."""
+    if not len(order):
+        return order
+    at = np.unique((_SHARES * len(order)).astype(np.intp))
+    return np.asarray(order[at], dtype=np.intp)

@@ -35,7 +35,10 @@ _WAYS = 5  # free ways for which the hand's reach is asked
 _ASIDE = 0.15  # way to a place where it may be turned instead [m]
 _ROOM = 0.05  # room that such a place has around [m]
 _SPOTS = 2  # such places that are looked at
+_CLOSER = 0.7  # share of a gap that is asked for that is kept on the way
 _NEAR = 0.02  # what is nearer to its aim is not led around anything [m]
+_PARTED = 0.12  # a leg longer than this may be made by several pushes [m]
+_TURNS = 12  # ways to part a turn for which it is asked
 _SQUARED_UP = math.radians(6.0)  # a turn up to this is made while the object is pushed straight
 _SQUARE = math.radians(0.2)  # a turn below this is not
 
@@ -114,7 +117,7 @@ class Journey:
                 return made
             refusal = made
             tried += 1
-            if tried == _WAYS:
+            if tried == _TURNS:
                 break
         return refusal or refusals.cannot_turn(target)
 
@@ -227,34 +230,43 @@ class Journey:
         return refusals.in_the_way(target, self._state.objects[met.other], distance, met.free)
 
     def _legs(self, target: SeenObject, way: tuple[Leg, ...]) -> list[Found] | Refusal:
+        """A push for each leg, or for parts of it where the hand cannot make it at one go."""
         if self._asked.limits.duration is not None and len(way) > 1:
             return refusals.several_pushes(self._asked, target, len(way))
-        found: list[Found] = []
-        for number, leg in enumerate(way):
-            last = number == len(way) - 1
-            turn = self._turn(target) if number == 0 else 0.0
-            asked = replace(
-                self._asked,
-                heading=leg.heading,
-                distance=leg.distance,
-                turn=turn if _SQUARE < abs(turn) <= _SQUARED_UP else 0.0,
-                until=self._asked.until if last else None,
-                meets=self._asked.meets if last else None,
-            )
-            best = best_push(asked, target, self._with(target), self._reach, self._defaults)
-            if isinstance(best, Refusal):
+        leg, rest = way[0], way[1:]
+        best = self._leg(target, leg, last=not rest)
+        if isinstance(best, Refusal):
+            far = leg.distance > _PARTED and best.reason in ("out_of_reach", "blocked")
+            if not far or self._asked.limits.duration is not None:
                 return best
-            found.append(best)
-            target = displaced(target, leg)
-        return found
+            half = replace(leg, distance=0.5 * leg.distance)
+            return self._legs(target, (half, half, *rest))
+        if not rest:
+            return [best]
+        then = self._legs(displaced(target, leg), rest)
+        return then if isinstance(then, Refusal) else [best, *then]
+
+    def _leg(self, target: SeenObject, leg: Leg, *, last: bool) -> Found | Refusal:
+        turn = self._turn(target) if target is self._target else 0.0
+        asked = replace(
+            self._asked,
+            heading=leg.heading,
+            distance=leg.distance,
+            turn=turn if _SQUARE < abs(turn) <= _SQUARED_UP else 0.0,
+            until=self._asked.until if last else None,
+            meets=self._asked.meets if last else None,
+        )
+        return best_push(asked, target, self._with(target), self._reach, self._defaults)
 
 
 def _clearances(
     asked: Asked, target: SeenObject, state: WorldState, defaults: Defaults
 ) -> dict[str, float]:
     """Distance kept from each other object on the way [m]."""
-    kept, said = {}, dict(asked.limits.clear_of)
+    kept, said, near = {}, dict(asked.limits.clear_of), dict(asked.near)
     for name, other in state.objects.items():
         usual = defaults.clearance_fragile if other.fragile else defaults.clearance
+        # What it is to stand close to it may come as close to on the way.
+        usual = min(usual, _CLOSER * near.get(name, math.inf))
         kept[name] = max(usual, said.get(name, 0.0))
     return {name: apart for name, apart in kept.items() if name not in (target.name, asked.meets)}

@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 UNCLEAR_FACE = math.radians(40.0)
 """A face turned by more from the direction of its name is within 5° of the next name."""
 
-_ASKED = 4  # contacts of one case that the reach is asked for
-_ASKED_IN_ALL = 8  # after so many with a number of fingers it counts as out of reach
+_ASKED = 6  # contacts of one case that the reach is asked for
+_ASKED_IN_ALL = 12  # after so many with a number of fingers it counts as out of reach
 _FALLING = math.radians(11.0)  # beyond the angle of no return a toppling box is let go
 _FLAT = math.radians(85.0)  # a box that leans so far lies
 _SLACK = 0.03  # travel of a topple beyond what the model says, for what it does not know [m]

@@ -263,6 +263,11 @@ class Between(Region):
         quantity = f"off the middle between the {self.one.name} and the {self.other.name}"
         return (Measure(quantity, "at_most", 0.0, off, self.tolerance),)
 
+    def apart(self, own: SeenObject) -> float:
+        """The gap to each of the two, with the object in the middle [m]."""
+        at = moved(own, self._halfway(own))
+        return gap(footprint(at), footprint(self.one))
+
     def _halfway(self, own: SeenObject) -> Array:
         """Where on the line between the two an object is as far from one as from the other."""
         a, b = _middle(self.one), _middle(self.other)
