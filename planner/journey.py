@@ -226,8 +226,9 @@ class Journey:
         assert met is not None, "a free way would have been taken"
         distance = sum(leg.distance for leg in way)
         if met.other is None:
-            return refusals.off_the_table(target, distance, met.free)
-        return refusals.in_the_way(target, self._state.objects[met.other], distance, met.free)
+            return refusals.off_the_table(self._asked, target, distance, met.free)
+        other = self._state.objects[met.other]
+        return refusals.in_the_way(self._asked, target, other, distance, met.free)
 
     def _legs(self, target: SeenObject, way: tuple[Leg, ...]) -> list[Found] | Refusal:
         """A push for each leg, or for parts of it where the hand cannot make it at one go."""

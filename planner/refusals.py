@@ -124,26 +124,32 @@ def no_way(target: SeenObject) -> Refusal:
     )
 
 
-def off_the_table(target: SeenObject, distance: float, room: float) -> Refusal:
+def off_the_table(asked: Asked, target: SeenObject, distance: float, room: float) -> Refusal:
     """The table ends before the distance does."""
     left = max(room, 0.0)
+    shorter = left > 0.01 and math.isfinite(asked.distance)
     return Refusal(
         reason="impossible",
         message=f"the table ends after {_mm(left)} in that direction; {_mm(distance)} would "
         f"push the {target.name} off it",
         numbers={"room": left, "distance": distance},
-        suggestions=(f"up to {100 * left:.0f} cm would do",) if left > 0.01 else (),
+        suggestions=(f"up to {100 * left:.0f} cm would do",) if shorter else (),
     )
 
 
-def in_the_way(target: SeenObject, other: SeenObject, distance: float, free: float) -> Refusal:
+def in_the_way(
+    asked: Asked, target: SeenObject, other: SeenObject, distance: float, free: float
+) -> Refusal:
     """Another object stands on the way."""
+    # What is to be brought to a place would not be there after a shorter way.
+    shorter = free > 0.01 and math.isfinite(asked.distance)
+    instead = f"up to {100 * free:.0f} cm would do"
     return Refusal(
         reason="blocked",
         message=f"the {other.name} stands in the way of the {target.name} after {_mm(free)}; "
         f"{_mm(distance)} are asked",
         numbers={"free": free, "distance": distance},
-        suggestions=(f"up to {100 * free:.0f} cm would do",) if free > 0.01 else (),
+        suggestions=(instead if shorter else f"push the {other.name} out of the way first",),
     )
 
 

@@ -149,6 +149,29 @@ def test_next_to_something() -> None:
     assert made.aim.y > mug.pose.y
 
 
+def test_against_something_ends_where_they_touch() -> None:
+    state = world(ice_tea_box=PlanarPose(0.45, 0.0), mug=PlanarPose(0.75, 0.0))
+    made = planned("push the ice tea box against the mug", state)
+    assert (made.push.until, made.push.meets) == ("touching", "mug")
+    assert made.push.stroke == pytest.approx(0.30 - 0.045 - 0.04, abs=1e-3)  # the mug is a polygon
+    assert made.aim is not None
+
+
+def test_what_stands_between_is_to_be_moved_first() -> None:
+    poses = {f"book_{i}": PlanarPose(0.65, -0.6 + 0.2 * i) for i in range(7)}
+    books = world(book=PlanarPose(0.65, 0.0)).objects["book"]
+    wall = {name: replace(books, name=name, pose=pose) for name, pose in poses.items()}
+    state = world(ice_tea_box=PlanarPose(0.45, 0.0), mug=PlanarPose(1.0, 0.0))
+    state = replace(state, objects={**state.objects, **wall})
+    to_a_place = refused("put the ice tea box in front of the mug", state)
+    assert to_a_place.reason == "blocked"
+    (instead,) = to_a_place.suggestions
+    assert "out of the way first" in instead
+    far = refused("push the ice tea box 40 cm away", state)
+    assert far.reason == "blocked"
+    assert far.suggestions[0].startswith("up to ")
+
+
 def test_a_share_of_the_way_towards_something() -> None:
     state = world(ice_tea_box=PlanarPose(0.45, 0.0), mug=PlanarPose(0.75, 0.0))
     # All the way is to where it stands next to the mug.
