@@ -102,7 +102,7 @@ def _until(push: Push) -> str:
     if push.until is not None:
         return _EVENTS[push.until].format(push.meets)
     return {
-        "stroke": f"{shown(push.stroke, 'm')} are done",
+        "stroke": f"it has gone {shown(push.stroke, 'm')}",
         "turned": f"it has turned by {_turn(push.turn)}",
         "tilted": f"it is tilted by {shown(push.tilt, 'rad')}, then let it back",
         "toppled": "it falls by itself",

@@ -109,10 +109,12 @@ def test_pushes_over_two_faces_are_told_with_where_they_lead() -> None:
     assert told["direction"].value == "at heading 45°"
     assert told["distance"].value == "140 mm"
     assert told["aim"].value == "x 599 mm, y 99 mm, heading 0°"
-    assert _of(rows, "controller").value.endswith("until 99 mm are done")
+    assert _of(rows, "controller").value.endswith("until it has gone 99 mm")
     pushes = _of(rows, "pushes")
     assert (pushes.words, pushes.part) == ("push", "push controller")
-    assert re.fullmatch(r"2 foreseen; then (front|right) face, until 99 mm are done", pushes.value)
+    assert re.fullmatch(
+        r"2 foreseen; then (front|right) face, until it has gone 99 mm", pushes.value
+    )
 
 
 def test_a_place_is_told_with_where_it_is() -> None:
