@@ -186,7 +186,8 @@ class Journey:
         free = (way for way in self._ways(target) if self._stop(target, way) is None)
         for way in islice(free, _WAYS):
             found = self._legs(target, way)
-            if not isinstance(found, Refusal):
+            # Ways that come later are longer.
+            if not isinstance(found, Refusal) or found.reason == "out_of_time":
                 return found
             refusal = refusal or found
         return refusal or self._blocked(target)

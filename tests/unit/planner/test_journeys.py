@@ -135,6 +135,13 @@ def test_the_hand_decides_between_two_orders() -> None:
     assert refusal.reason == "out_of_reach"
 
 
+@pytest.mark.parametrize("seconds", [2, 4, 5])
+def test_too_little_time_is_told_of_the_shortest_way(seconds: int) -> None:
+    refusal = refused(f"push the ice tea box 10 cm away within {seconds} s", alone())
+    assert refusal.reason == "out_of_time"
+    assert "over 100 mm takes" in refusal.message
+
+
 # -- places -----------------------------------------------------------------------------------
 
 
