@@ -15,13 +15,15 @@ from benchmarks.goals.worlds import (
     FRICTION,
     GAP,
     MASS,
+    MOST,
+    REACHED,
+    STANDING,
     Job,
     pushable,
+    standing,
 )
 from nlcontrol import Controller, Registry
 from planner.footprints import footprint, overlaps
-from planner.state import PlanarPose, SeenObject
-from sim.scene import Scene
 
 CASES = 3 * len(KINDS)
 
@@ -56,22 +58,28 @@ def test_truths_lie_within_their_bounds(number: int) -> None:
 
 
 @pytest.mark.parametrize("number", range(CASES))
-def test_nothing_stands_in_anything_else(number: int) -> None:
-    seen = [footprint(each) for each in _standing(said(Job(2, number))[0])]
+def test_objects_stand_apart_and_within_reach(number: int) -> None:
+    scene, sentence = said(Job(2, number))
+    seen = list(standing(scene).values())
+    assert 1 <= len(seen) <= MOST
     for k, one in enumerate(seen):
-        assert not any(overlaps(one, other, 0.99 * GAP) for other in seen[k + 1 :])
+        assert not any(overlaps(footprint(one), footprint(other), GAP) for other in seen[:k])
+        for at, (low, high) in zip(
+            (one.pose.x, one.pose.y), STANDING if k else REACHED, strict=True
+        ):
+            assert low <= at <= high
+    assert (seen[0].name, seen[0].fragile) == (sentence.target, False)
 
 
-def _standing(scene: Scene) -> list[SeenObject]:
-    models = {model.name: model for model in pushable()}
-    return [
-        SeenObject(
-            item.name,
-            PlanarPose(item.pose.x_m, item.pose.y_m, float(np.radians(item.pose.yaw_deg))),
-            models[item.model],
-        )
-        for item in scene.objects
-    ]
+def test_some_of_the_others_are_fragile() -> None:
+    others = [item for number in range(CASES) for item in said(Job(2, number))[0].objects[1:]]
+    assert 0.0 < np.mean([item.fragile for item in others]) < 0.5
+
+
+def test_most_sentences_are_sensible_and_some_are_not() -> None:
+    sensible = [said(Job(0, number))[1].sensible for number in range(10 * len(KINDS))]
+    # Nine in ten are drawn so; 0.07 is two standard deviations of 70.
+    assert np.mean(sensible) == pytest.approx(0.9, abs=0.07)
 
 
 @pytest.mark.parametrize("number", range(2 * CASES))
