@@ -194,6 +194,11 @@ class Journey:
 
     def _ways(self, target: SeenObject) -> Iterator[tuple[Leg, ...]]:
         """Ways to the aim: straight to it, around what stands there, and some with a side step."""
+        if self._asked.until == "moves":
+            # It ends as it begins: in the direction that is said, or not at all.
+            first = ways(target, self._aim, self._within, self._largest)
+            yield from (way for way in first if len(way) == 1)
+            return
         yield from ways(target, self._aim, self._within, self._largest)
         yield from self._detour(target)
         yield from around(target, self._aim, self._within, self._largest)

@@ -199,6 +199,14 @@ def test_until_it_touches_goes_on_to_where_it_would() -> None:
 # -- turns ------------------------------------------------------------------------------------
 
 
+def test_until_it_moves_it_is_pushed_where_it_is_to_go_or_not_at_all() -> None:
+    straight = planned("push the ice tea box away until it moves", alone(degrees=5.0))
+    assert (straight.push.until, straight.later) == ("moves", ())
+    askew = refused("push the ice tea box away until it moves", alone(degrees=30.0))
+    assert askew.reason == "impossible"
+    assert "square to the way" in askew.message
+
+
 def test_a_turn_is_parted_so_that_displacements_cancel() -> None:
     state = alone()
     made = planned("turn the ice tea box by 90 degrees to the left", state)
