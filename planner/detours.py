@@ -21,6 +21,7 @@ from scipy.spatial import ConvexHull
 
 from planner.directions import unit
 from planner.footprints import footprint
+from planner.ways import ANOTHER_PUSH
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -31,9 +32,6 @@ Array = NDArray[np.float64]
 
 STEP = 0.02
 """Distance of the grid's lines [m]."""
-
-ANOTHER_PUSH = 0.15
-"""Way that costs as much as another push [m]."""
 
 MOST_LEGS = 4
 """Legs of a way; more pushes than that are not worth it."""

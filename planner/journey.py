@@ -22,7 +22,7 @@ from planner.onepush import Found, best_push
 from planner.plan import Aim, Reached, Refusal
 from planner.relations import moved
 from planner.turns import Swing
-from planner.ways import Leg, Stop, around, displaced, grip, headings, stop, ways
+from planner.ways import ANOTHER_PUSH, Leg, Stop, around, displaced, grip, headings, stop, ways
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -39,6 +39,7 @@ _CLOSER = 0.7  # share of a gap that is asked for that is kept on the way
 _NEAR = 0.02  # what is nearer to its aim is not led around anything [m]
 _PARTED = 0.12  # a leg longer than this may be made by several pushes [m]
 _TURNS = 12  # ways to part a turn for which it is asked
+_CLOSE = 0.004  # what is nearer is corrected by a push right there, or counts as there [m]
 _SQUARED_UP = math.radians(6.0)  # a turn up to this is made while the object is pushed straight
 _SQUARE = math.radians(0.2)  # a turn below this is not
 
@@ -75,10 +76,14 @@ class Journey:
         """The pushes, that it is there already, or why it does not get there."""
         target = self._target
         off, turn = self._off(target), self._turn(target)
-        if off <= self._within and abs(turn) <= self._defaults.aim_angle:
-            return Reached(aim=self._aim, off=off, turned_off=abs(turn))
+        reached = Reached(aim=self._aim, off=off, turned_off=abs(turn))
+        looks_there = abs(turn) <= self._defaults.aim_angle
+        if off <= self._within and looks_there:
+            return reached
         if abs(turn) <= _SQUARED_UP and off > self._within:
-            return self._straight(target)
+            straight = self._straight(target)
+            stuck = isinstance(straight, Refusal) and off <= _CLOSE and looks_there
+            return reached if stuck else straight
         swung = self._swung(target, turn)
         if isinstance(swung, Refusal):
             return self._turned_elsewhere(target, turn) or swung
@@ -200,8 +205,10 @@ class Journey:
             yield from (way for way in first if len(way) == 1)
             return
         yield from ways(target, self._aim, self._within, self._largest)
-        yield from self._detour(target)
-        yield from around(target, self._aim, self._within, self._largest)
+        if self._off(target) <= _CLOSE:
+            return
+        led = [*self._detour(target), *around(target, self._aim, self._within, self._largest)]
+        yield from sorted(led, key=_cost)
 
     def _detour(self, target: SeenObject) -> Iterator[tuple[Leg, ...]]:
         along = headings(target, self._aim)
@@ -264,6 +271,11 @@ class Journey:
             meets=self._asked.meets if last else None,
         )
         return best_push(asked, target, self._with(target), self._reach, self._defaults)
+
+
+def _cost(way: tuple[Leg, ...]) -> float:
+    """Length of a way, and what its pushes cost [m]."""
+    return sum(leg.distance for leg in way) + ANOTHER_PUSH * len(way)
 
 
 def _clearances(

@@ -32,6 +32,9 @@ if TYPE_CHECKING:
 OBLIQUE = math.radians(17.5)
 """Largest angle between a push and the inward normal of the face, if friction allows it."""
 
+ANOTHER_PUSH = 0.15
+"""Way that costs as much as another push [m]."""
+
 _DETOURS = np.arange(0.04, 0.33, 0.04)
 """Lengths of a first leg around what stands in the way [m]."""
 
