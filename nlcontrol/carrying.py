@@ -141,11 +141,11 @@ class _Carrying:
 
     def out(self, result: Result, plan_only: bool) -> Result:
         """The result with what came of the frame."""
-        controller, aim = self.controller, None
+        controller, before = self.controller, None
         for attempt in itertools.count():
             state = self._look()
             try:
-                made = controller.plan(self.frame, state, aim=aim, reach=self.reach)
+                made = controller.plan(self.frame, state, before=before, reach=self.reach)
             except ControlError as raised:
                 return _ended(result, self.step, "unsupported", raised.info)
             if isinstance(made, Refusal):
@@ -171,7 +171,7 @@ class _Carrying:
                 return _ended(result, self.step, "planned")
             if self._carried_out(made, state):
                 break
-            aim = made.aim
+            before = made
         if plan_only:
             return _ended(result, self.step, "planned")
         return self._checked(self._traced(result))

@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from nlcontrol.answers import Answer
     from planner.affordances import Affordance
     from planner.defaults import Defaults
-    from planner.plan import Aim
     from planner.reach import Reach
     from sim import ArmReach, DrakeWorld
     from sim.trace import Trace
@@ -228,7 +227,7 @@ class Controller:
         frame: Frame,
         state: WorldState | None = None,
         *,
-        aim: Aim | None = None,
+        before: Plan | None = None,
         reach: Reach | None = None,
     ) -> Plan | Reached | Refusal:
         """The pushes that satisfy a frame, or why there are none.
@@ -236,7 +235,7 @@ class Controller:
         Args:
             frame: what is asked, its objects resolved.
             state: what is believed; looked up now if not given.
-            aim: where the object should be at the end, if a plan before has settled it.
+            before: the plan whose first push was made last; its aim is kept.
             reach: of the hand; that of the scene's robot if not given.
 
         Raises:
@@ -246,7 +245,11 @@ class Controller:
 
         state = self.look() if state is None else state
         made = plan(
-            frame, state, self.reach if reach is None else reach, defaults=self.defaults, aim=aim
+            frame,
+            state,
+            self.reach if reach is None else reach,
+            defaults=self.defaults,
+            before=before,
         )
         if not isinstance(made, Refusal):
             require_checkable(frame)

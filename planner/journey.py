@@ -19,7 +19,7 @@ from planner.asked import Asked
 from planner.directions import heading_of, unit
 from planner.footprints import footprint, gap, travel_to_edge
 from planner.onepush import Found, best_push
-from planner.plan import Aim, Reached, Refusal
+from planner.plan import Aim, Push, Reached, Refusal
 from planner.relations import moved
 from planner.turns import Swing
 from planner.ways import ANOTHER_PUSH, Leg, Stop, around, displaced, grip, headings, stop, ways
@@ -54,6 +54,7 @@ class Journey:
         state: what is believed.
         reach: whether the hand gets somewhere.
         defaults: margins and tolerances.
+        foreseen: pushes that a plan before this one had meant to come now.
     """
 
     def __init__(
@@ -64,7 +65,9 @@ class Journey:
         state: WorldState,
         reach: Reach,
         defaults: Defaults,
+        foreseen: tuple[Push, ...] = (),
     ) -> None:
+        self._foreseen = foreseen
         self._asked, self._aim, self._target, self._state = asked, aim, target, state
         self._reach, self._defaults = reach, defaults
         self._largest = grip(target, defaults.sigmas)
@@ -112,7 +115,7 @@ class Journey:
         """The pushes that turn an object, and the object after them."""
         refusal: Refusal | None = None
         tried = 0
-        for steps in turns.swings(target, turn, self._aim):
+        for steps in self._partings(target, turn):
             met = turns.free(target, steps, self._state, self._clearances, self._defaults.clearance)
             if met is not None:
                 refusal = refusal or refusals.turn_blocked(target, met)
@@ -125,6 +128,14 @@ class Journey:
             if tried == _TURNS:
                 break
         return refusal or refusals.cannot_turn(target)
+
+    def _partings(self, target: SeenObject, turn: float) -> Iterator[tuple[Swing, ...]]:
+        """Ways to make a turn: the one that was begun, then all others."""
+        if target is self._target:
+            begun = turns.continued(target, turn, self._foreseen)
+            if begun is not None:
+                yield begun
+        yield from turns.swings(target, turn, self._aim)
 
     def _turned_elsewhere(self, target: SeenObject, turn: float) -> list[Found] | None:
         """The way to a place near by with room to turn, and the turn; None if there is none."""

@@ -17,7 +17,7 @@ from planner.asked import Asked, read
 from planner.defaults import DEFAULTS, Defaults
 from planner.journey import Journey
 from planner.onepush import Found, best_push
-from planner.plan import Aim, Plan, Reached, Refusal
+from planner.plan import Aim, Plan, Push, Reached, Refusal
 from planner.reach import GivenUpError, Patient
 from planner.refusals import RefusedError
 from planner.ways import obliqueness
@@ -36,16 +36,16 @@ def plan(
     reach: Reach,
     *,
     defaults: Defaults = DEFAULTS,
-    aim: Aim | None = None,
+    before: Plan | None = None,
 ) -> Plan | Reached | Refusal:
     """Finds the pushes that satisfy a frame.
 
     Args:
         frame: what is asked, its objects resolved to names in `state`.
-        state: what the robot believes; the object's heading counts whole turns if an aim is given.
+        state: what the robot believes; the object's heading counts whole turns after a plan before.
         reach: whether the hand gets somewhere.
         defaults: what a clause means when the sentence does not say more.
-        aim: where the object should be at the end, if a plan before this one has settled it.
+        before: the plan whose first push was made last; its aim is kept.
 
     Returns:
         A plan; that nothing is left to be done; or the reason why there is no plan.
@@ -61,7 +61,7 @@ def plan(
     except RefusedError as refused:
         return refused.refusal
     try:
-        return _planned(asked, target, state, patient, defaults, aim)
+        return _planned(asked, target, state, patient, defaults, before)
     except GivenUpError as given_up:
         return refusals.given_up(target, given_up.answers)
 
@@ -72,18 +72,25 @@ def _planned(
     state: WorldState,
     reach: Reach,
     defaults: Defaults,
-    aim: Aim | None,
+    before: Plan | None,
 ) -> Plan | Reached | Refusal:
+    foreseen = () if before is None else tuple(move.push for move in before.later)
     if not asked.aims:
-        found = _over(asked, target, state, reach, defaults)
+        found = _over(asked, target, state, reach, defaults, foreseen)
         if isinstance(found, Refusal):
             return found
         return _together(found, asked, None, target, defaults)
-    return _to_an_aim(asked, asked.aims if aim is None else (aim,), target, state, reach, defaults)
+    aims = asked.aims if before is None or before.aim is None else (before.aim,)
+    return _to_an_aim(asked, aims, target, state, reach, defaults, foreseen)
 
 
 def _over(
-    asked: Asked, target: SeenObject, state: WorldState, reach: Reach, defaults: Defaults
+    asked: Asked,
+    target: SeenObject,
+    state: WorldState,
+    reach: Reach,
+    defaults: Defaults,
+    foreseen: tuple[Push, ...],
 ) -> list[Found] | Refusal:
     """The push that topples or tilts an object; turned first if none of its faces looks there."""
     askew = 0.0 if asked.heading is None else obliqueness(target, asked.heading)
@@ -95,7 +102,7 @@ def _over(
     square = target.pose.yaw + askew
     aim = Aim(x=target.pose.x, y=target.pose.y, yaw=square)
     on_its_base = replace(asked, outcome="slide", rotates=True, aims=(aim,), tilt=None)
-    pushes = Journey(on_its_base, aim, target, state, reach, defaults).pushes()
+    pushes = Journey(on_its_base, aim, target, state, reach, defaults, foreseen).pushes()
     assert not isinstance(pushes, Reached), "it stands askew"
     if isinstance(pushes, Refusal):
         return pushes
@@ -112,11 +119,12 @@ def _to_an_aim(
     state: WorldState,
     reach: Reach,
     defaults: Defaults,
+    foreseen: tuple[Push, ...],
 ) -> Plan | Reached | Refusal:
     """The plan to the first aim for which there is one."""
     refusal: Refusal | None = None
     for aim in aims:
-        found = Journey(asked, aim, target, state, reach, defaults).pushes()
+        found = Journey(asked, aim, target, state, reach, defaults, foreseen).pushes()
         if isinstance(found, Reached):
             return found
         if not isinstance(found, Refusal):

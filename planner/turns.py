@@ -29,7 +29,7 @@ from planner.footprints import footprint, gap, travel_to_edge
 if TYPE_CHECKING:
     from objectmodels.faces import Face
     from objectmodels.turning import TurningPush
-    from planner.plan import Aim
+    from planner.plan import Aim, Push
     from planner.state import PlanarPose, SeenObject, WorldState
 
 MOST = math.radians(52.0)
@@ -101,6 +101,40 @@ def swings(target: SeenObject, turn: float, aim: Aim) -> Iterator[tuple[Swing, .
         found.append((round(cost, 3), abs(side[0].side.heading), number, steps))
     for *_, steps in sorted(found, key=lambda each: each[:3]):
         yield steps
+
+
+def continued(
+    target: SeenObject, turn: float, foreseen: tuple[Push, ...]
+) -> tuple[Swing, ...] | None:
+    """The rest of a turn as it was foreseen, its parts scaled to what is left; None if it ended.
+
+    Args:
+        target: the object.
+        turn: angle by which it still has to turn [rad].
+        foreseen: the pushes that were planned to come next.
+    """
+    parts = [*itertools.takewhile(lambda push: push.ends_on == "turned", foreseen)]
+    whole = sum(push.turn for push in parts)
+    if not parts or whole * turn <= 0.0:
+        return None
+    steps = []
+    for push in parts:
+        swing = _swing(_touched(target, push), target, push.turn * turn / whole)
+        if swing is None or abs(swing.angle) > MOST:
+            return None
+        steps.append(swing)
+    return tuple(steps)
+
+
+def _touched(target: SeenObject, push: Push) -> Side:
+    """The side that a push touches."""
+    p = np.array(push.p_BC)
+    headings = np.array([math.atan2(-p[1], -p[0])])
+    faces = target.model.faces(headings if isinstance(target.model.base, Disc) else None)
+    on = [abs(float((p - face.centre) @ np.array(face.normal))) for face in faces]
+    beside = [abs(float((p - face.centre) @ np.array(face.tangent))) for face in faces]
+    off = [o + max(b - 0.5 * f.width, 0.0) for o, b, f in zip(on, beside, faces, strict=True)]
+    return _side(faces[int(np.argmin(off))], target.pose)
 
 
 def _partings(turn: float) -> list[tuple[float, ...]]:

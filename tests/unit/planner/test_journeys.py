@@ -261,9 +261,34 @@ def test_a_turn_without_room_is_made_near_by() -> None:
 # -- towards an aim again ---------------------------------------------------------------------
 
 
+def towards(aim: Aim) -> Plan:
+    """A plan to an aim, whose first push was made."""
+    made = planned("push the ice tea box away", alone())
+    return made.model_copy(update={"aim": aim, "later": ()})
+
+
+def test_a_turn_goes_on_as_it_was_begun() -> None:
+    frame = frame_of("turn the ice tea box by 90 degrees to the left")
+    start = alone()
+    before = planned("turn the ice tea box by 90 degrees to the left", start)
+    first, second = moves(before)[:2]
+    assert before.displacement is not None
+    # It has turned 2° less than it should, and the plan's other sides would do as well.
+    x, y, _ = (start.objects["ice tea box"].pose.p_WB + before.displacement).tolist()
+    turned = first.push.turn - math.radians(2.0)
+    here = world(ice_tea_box=PlanarPose(x, y, turned))
+    made = plan(frame, here, RuledReach(), before=before)
+    assert isinstance(made, Plan)
+    assert made.push.p_BC == pytest.approx(second.push.p_BC)
+    left = math.radians(90.0) - turned
+    rest = [move.push.turn for move in moves(before)[1:]]
+    assert made.push.turn == pytest.approx(rest[0] * left / sum(rest))
+    assert made.aim == before.aim
+
+
 def test_nothing_is_left_to_be_done_at_the_aim() -> None:
     frame, aim = frame_of("push the ice tea box away"), Aim(x=0.5005, y=0.0, yaw=0.005)
-    made = plan(frame, alone(), RuledReach(), aim=aim)
+    made = plan(frame, alone(), RuledReach(), before=towards(aim))
     assert isinstance(made, Reached)
     assert made.off == pytest.approx(0.0005)
 
@@ -274,15 +299,19 @@ def test_the_last_millimetres_are_no_reason_to_go_there_and_back() -> None:
 
     frame = frame_of("push the ice tea box away")
     for off, kind in ((0.003, Reached), (0.006, Plan)):
-        made = plan(frame, alone(), RuledReach(long), aim=Aim(x=0.5 + off, y=0.0, yaw=0.0))
+        made = plan(
+            frame, alone(), RuledReach(long), before=towards(Aim(x=0.5 + off, y=0.0, yaw=0.0))
+        )
         assert isinstance(made, kind)
     # Where the hand gets there, it corrects them.
-    assert isinstance(plan(frame, alone(), RuledReach(), aim=Aim(x=0.503, y=0.0, yaw=0.0)), Plan)
+    assert isinstance(
+        plan(frame, alone(), RuledReach(), before=towards(Aim(x=0.503, y=0.0, yaw=0.0))), Plan
+    )
 
 
 def test_what_is_missed_is_corrected_towards_the_same_aim() -> None:
     frame, aim = frame_of("push the ice tea box away"), Aim(x=0.49, y=0.004, yaw=0.0)
-    made = plan(frame, alone(degrees=2.0), RuledReach(), aim=aim)
+    made = plan(frame, alone(degrees=2.0), RuledReach(), before=towards(aim))
     assert isinstance(made, Plan)
     assert made.aim == aim
     assert moves(made)[0].push.direction_W[0] < -0.9
