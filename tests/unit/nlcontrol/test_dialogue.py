@@ -15,6 +15,7 @@ from nlcontrol import Controller, Conversation
 from nlcontrol.remarks import continued, corrected, overlaid, repeated
 from nlcontrol.result import Result
 from nlcontrol.undo import Pushed, way_back
+from objectmodels import Registry
 from planner.defaults import DEFAULTS
 from planner.directions import angle_between
 from planner.plan import Plan
@@ -496,6 +497,36 @@ def test_a_way_back_ends_where_it_began() -> None:
         x += step.goal.distance * math.cos(step.goal.heading)
         y += step.goal.distance * math.sin(step.goal.heading)
     assert (x, y) == pytest.approx((0.3, 0.0))
+
+
+@pytest.mark.parametrize("asked", [True, False])
+def test_what_is_round_is_turned_back_only_if_it_was_to_turn(asked: bool) -> None:
+    mug = g.ObjectRef(text="mug", id="mug")
+    meant = g.Rotate(angle=0.7, sense="ccw") if asked else displace(direction="away")
+    of = Result(
+        ok=True, status="done", text="", scene="counter", seed=0,
+        frames=(g.Frame(action="turn" if asked else "push", object=mug, goal=meant),),
+    )  # fmt: skip
+    model = Registry.built_in().get("mug")
+    seen = {"mug": SeenObject("mug", PlanarPose(0.5, 0.0, 0.7), model)}
+    back = way_back([Pushed(of, "mug", PlanarPose(0.5, 0.0))], seen, DEFAULTS)
+    if asked:
+        (frame,) = back.frames
+        assert frame.goal == g.Rotate(angle=0.7, sense="cw")
+        assert back.notes == ()
+    else:
+        assert back.frames == ()
+        assert back.notes == ("that the mug turned by 40.1° is not undone",)
+
+
+@pytest.mark.slow
+def test_turned_and_turned_back(conversation: Conversation) -> None:
+    start = conversation.controller.look().objects[BOX].pose
+    assert conversation.say("turn the ice tea box by 40 degrees to the left").ok
+    assert conversation.say("undo that").ok
+    end = conversation.controller.look().objects[BOX].pose
+    assert abs(angle_between(end.yaw, start.yaw)) < 2 * DEFAULTS.turn_tolerance
+    assert math.hypot(end.x - start.x, end.y - start.y) < 2 * DEFAULTS.turn_drift
 
 
 @pytest.mark.slow
