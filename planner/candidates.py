@@ -36,7 +36,7 @@ _SIDESTEPS = {1: (0.0,), 2: (0.0, 0.01, -0.01, 0.02, -0.02)}
 _ROUND = 0.7  # sine of the largest angle at which two fingertips touch a round side
 # Places in the order of margins at which the reach may be asked for; the hand that does not get
 # down beside a neighbour often gets to a place that is higher up.
-_SHARES = np.array([0.0, 0.08, 0.2, 0.4, 0.6, 0.8])
+_SHARES = np.array([0.0, 0.15, 0.4, 0.75])
 
 
 @dataclass(frozen=True)

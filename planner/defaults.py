@@ -188,7 +188,7 @@ class Defaults:
     aim_position: Length = 0.002
     aim_drift: Length = 0.005
     aim_angle: Angle = 1.0 * DEGREE
-    most_looks: Count = 120
+    most_looks: Count = 100
     most_pushes: Count = 12
     known_to: Share = 0.10
     found_to: Share = 0.03

@@ -109,7 +109,7 @@ def _until(push: Push) -> str:
     }[push.ends_on]
 
 
-_EVENTS = {"moves": "it moves", "touching": "it touches the {}", "tips": "it begins to tip"}
+_EVENTS = {"moves": "it moves", "touching": "it touches the {}"}
 
 
 def _turn(angle: float) -> str:

@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 UNCLEAR_FACE = math.radians(40.0)
 """A face turned by more from the direction of its name is within 5° of the next name."""
 
-_ASKED = 6  # contacts of one case that the reach is asked for
-_ASKED_IN_ALL = 12  # after so many with a number of fingers it counts as out of reach
+_ASKED = 4  # contacts of one case that the reach is asked for
+_ASKED_IN_ALL = 6  # after so many with a number of fingers it counts as out of reach
 _FALLING = math.radians(11.0)  # beyond the angle of no return a toppling box is let go
 _FLAT = math.radians(85.0)  # a box that leans so far lies
 _SLACK = 0.03  # travel of a topple beyond what the model says, for what it does not know [m]
@@ -103,7 +103,7 @@ def _best(
         return misplaced.no_place(asked, target, sides, reach)
     asked = _in_time(asked, target, defaults)
     answers: list[ReachAnswer] = []
-    tried: dict[int, set[Vector3]] = {1: set(), 2: set()}
+    asking = _Asking(reach, state)
     least, doubted = math.inf, False
     for found in rated(model, sides, asked, reach, defaults):
         strong, needed = _strong_enough(found, asked, target, reach, defaults)
@@ -113,28 +113,17 @@ def _best(
                 doubted = True
                 continue
             push = _push(contacts, k, asked, target, reach, defaults)
-            before = tried[push.fingers]
-            if len(before) == _ASKED_IN_ALL:
-                break
-            if push.p_BC in before:
-                continue  # it was out of reach for a case that was surer
-            before.add(push.p_BC)
-            answer = reach(push, state)
+            answer = asking.answer(push)
+            if answer is None:
+                continue
             if answer.ok:
-                predicted = prediction(contacts, k, asked, target, reach)
-                if asked.tilt is not None:
-                    inward = -np.array(contacts.side.face.normal)
-                    predicted = tilts.returning(predicted, model, inward, asked.tilt, defaults)
+                move = _move(contacts, k, push, asked, target, reach, defaults)
                 return Found(
-                    Move(
-                        push=push,
-                        prediction=predicted,
-                        margins=margins(contacts, k, asked, target, push, defaults),
-                    ),
+                    move,
                     _displacement(contacts, k, asked, target, push),
                     considered=sum(len(each.points) for each in found),
                     satisfying=sum(len(each.chosen) for each in found),
-                    notes=remarks(contacts, push, predicted, asked, len(answers), defaults),
+                    notes=remarks(contacts, push, move.prediction, asked, len(answers), defaults),
                 )
             answers.append(answer)
     if answers:
@@ -144,6 +133,53 @@ def _best(
     if math.isfinite(least) and not doubted:
         return refusals.too_weak(asked, target, least, reach)
     return misplaced.no_contact(asked, target, sides, reach, defaults)
+
+
+class _Asking:
+    """Questions to the reach: no contact twice, no more than are worth it.
+
+    Args:
+        reach: that is asked.
+        state: in which.
+    """
+
+    def __init__(self, reach: Reach, state: WorldState) -> None:
+        self._reach, self._state = reach, state
+        self._asked: dict[int, set[Vector3]] = {1: set(), 2: set()}
+        self._hopeless: set[int] = set()
+
+    def answer(self, push: Push) -> ReachAnswer | None:
+        """The answer for a push; None if it is not worth asking for."""
+        before = self._asked[push.fingers]
+        if push.p_BC in before or len(before) == _ASKED_IN_ALL:
+            return None
+        if self._reach.prospect(push, self._state) == 0.0:
+            # A glance is not sure, so one such push is asked for.
+            if push.fingers in self._hopeless:
+                return None
+            self._hopeless.add(push.fingers)
+        before.add(push.p_BC)
+        return self._reach(push, self._state)
+
+
+def _move(
+    contacts: Contacts,
+    k: int,
+    push: Push,
+    asked: Asked,
+    target: SeenObject,
+    reach: Reach,
+    defaults: Defaults,
+) -> Move:
+    predicted = prediction(contacts, k, asked, target, reach)
+    if asked.tilt is not None:
+        inward = -np.array(contacts.side.face.normal)
+        predicted = tilts.returning(predicted, target.model, inward, asked.tilt, defaults)
+    return Move(
+        push=push,
+        prediction=predicted,
+        margins=margins(contacts, k, asked, target, push, defaults),
+    )
 
 
 # -- where ------------------------------------------------------------------------------------
@@ -316,7 +352,7 @@ def _push(
         return _turning(push, face, asked.swing, target)
     if asked.tilt is not None:
         inward = -np.array(face.normal)
-        return tilts.tilted(push, target.model, inward, asked.tilt, asked.until, defaults)
+        return tilts.tilted(push, target.model, inward, asked.tilt, defaults)
     return push
 
 

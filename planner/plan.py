@@ -16,7 +16,6 @@ Outcome = Literal["none", "slide", "topple", "slide+topple"]
 StopEvent = Literal[
     "moves",  # the object has begun to move
     "touching",  # it has met the object that `Push.meets` names
-    "tips",  # its base has begun to leave the table
 ]
 
 

@@ -58,6 +58,10 @@ class Reach(Protocol):
         """Answers for one push."""
         ...
 
+    def prospect(self, push: Push, state: WorldState) -> float:
+        """Room to the joint limits at a glance [rad]; a push without may still be possible."""
+        ...
+
 
 class GivenUpError(Exception):
     """Too many questions; it never leaves the planner.
@@ -99,3 +103,7 @@ class Patient:
             raise GivenUpError(self._answers)
         self._answers.append(self._reach(push, state))
         return self._answers[-1]
+
+    def prospect(self, push: Push, state: WorldState) -> float:
+        """At a glance, which does not count."""
+        return self._reach.prospect(push, state)

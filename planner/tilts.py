@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from grammar.frames import Tilt
     from objectmodels import ObjectModel
     from planner.defaults import Defaults
-    from planner.plan import Prediction, Push, StopEvent
+    from planner.plan import Prediction, Push
     from planner.state import SeenObject, WorldState
 
 CLEARANCE = 0.01
@@ -95,7 +95,6 @@ def tilted(
     model: ObjectModel,
     inward: NDArray[np.float64],
     angle: float,
-    until: StopEvent | None,
     defaults: Defaults,
 ) -> Push:
     """The push with a tilt as its end.
@@ -105,13 +104,12 @@ def tilted(
         model: of the object.
         inward: inward normal of the face in B, shape (3,).
         angle: by which it is tilted [rad].
-        until: event that this angle stands for.
         defaults: the tolerance of a tilt.
     """
     most = angle + defaults.tilt_tolerance
     stroke = model.topple_stroke(inward, push.p_BC[2], most) + _SLACK
     changes = {
-        "ends_on": "tilted", "tilt": angle, "until": until, "stroke": stroke,
+        "ends_on": "tilted", "tilt": angle, "stroke": stroke,
         "limits": Limits(tilt=most),
     }  # fmt: skip
     return push.model_copy(update=changes)

@@ -39,7 +39,6 @@ _NEAR = 0.015  # seen gap below which a rising force tells that they do [m]
 _STEP, _STEP_SHARE = 0.15, 0.05  # rise of the force that does [N], and as a share of it
 _SLIDING = 0.5  # time constant of the force while it slides freely [s]
 _SURELY_MOVED = 5.0 * MOVED  # travel of the fingertips that no deflection explains [m]
-_TIPS = np.radians(1.0)  # seen tilt that shows a base leaving the table, beyond the doubt [rad]
 
 
 class Follower:
@@ -198,8 +197,6 @@ class LimitGuards:
                 return self._moves()
             case "touching":
                 return self._meets(felt)
-            case "tips":
-                return self._tips()
             case None:
                 return None
 
@@ -220,10 +217,4 @@ class LimitGuards:
         self._sliding += (self._share if slides else 1.0) * (felt - self._sliding)
         if room < _NEAR and felt > (1.0 + _STEP_SHARE) * self._sliding + _STEP:
             return "event", f"the object was felt to meet the {other}, {1e3 * room:.0f} mm seen"
-        return None
-
-    def _tips(self) -> End | None:
-        tilt = float(self.follower.tilt @ self._u)
-        if tilt > _TIPS + self._angle_doubt:
-            return "event", f"its base leaves the table: it leans by {np.degrees(tilt):.1f}°"
         return None

@@ -91,7 +91,7 @@ class TiltControl(TouchControl):
         if early is not None or not back:
             return early or ("guard", "it did not come back onto its base")
         told = f"it was tilted by {np.degrees(self._most):.1f}° and stands on its base again"
-        return ("event" if push.until == "tips" else "returned"), told
+        return "returned", told
 
     def _raise(self) -> tuple[EndReason, str] | None:
         """Tilts it; why that ended early, or None."""

@@ -39,6 +39,9 @@ class RuledReach:
             return ReachAnswer(ok=True, margin=0.5)
         return ReachAnswer(ok=False, reason="kinematics", message="too far")
 
+    def prospect(self, push: Push, state: WorldState) -> float:
+        return 0.5
+
 
 def world(**poses: PlanarPose) -> WorldState:
     """Objects of the registry, by their names with underscores."""

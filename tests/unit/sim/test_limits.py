@@ -201,11 +201,3 @@ def test_it_ends_when_another_is_seen_to_be_met(seed: int) -> None:
     assert "seen" in end[1]
     # A millimetre beyond what is believed; the estimate is as much off.
     assert scripted.come == pytest.approx(0.061, abs=0.0015)
-
-
-def test_it_ends_when_the_base_leaves_the_table() -> None:
-    scripted = _Scripted(_push(until="tips"), NOISY, tilting=0.05)
-    end = scripted.run(3.0)
-    assert end is not None
-    assert end[0] == "event"
-    assert np.radians(1.0) < scripted.tilt < np.radians(4.0)
