@@ -30,6 +30,7 @@ from sim.way import Way
 HOLD = 0.5
 """Time for which the tilt is held [s]."""
 
+_SPEED = 0.8  # share of the plan's speed that is commanded; the fingertip overtakes it in jerks
 _RATE, _BACK_RATE = np.radians([6.0, 5.0])  # of tilting and of letting back [rad/s]
 _SLOWEST = np.radians(1.0)  # where it ends and where the base meets the table [rad/s]
 _BRAKING = 2.0  # rate per remaining tilt [1/s]
@@ -97,7 +98,7 @@ class TiltControl(TouchControl):
         """Tilts it; why that ended early, or None."""
         push, started = self.plan.push, self.recorder.world.time
         guards = TiltGuards(self.plan, self._period)
-        fastest = min(_RATE, push.speed / self._arc.radius)
+        fastest = min(_RATE, _SPEED * push.speed / self._arc.radius)
         standing = _FORCE_RATE / self.stance.stiffness(self._u) / self._arc.radius
         wanted, first = push.tilt, float(self._forces.sum())
         rate = min(fastest, standing)
@@ -121,7 +122,7 @@ class TiltControl(TouchControl):
         behind = -_BEHIND / self._arc.radius
         while self._angle > behind and not self._stands():
             near = max(_SLOWEST, _BRAKING * self._view.own)
-            self._lean(-min(_BACK_RATE, near))
+            self._lean(-min(_BACK_RATE, _SPEED * self.plan.push.speed / self._arc.radius, near))
         return self._stands()
 
     def _stands(self) -> bool:

@@ -7,8 +7,8 @@ sentences may well be refused:
 - What is moved, placed or turned ends within `TABLE` and no nearer than `ROOM` to anything that it
   is not to touch, or than the sentence says. If a direction is said, the straight way there is as
   free, and so is the circle of a turn. Nothing is pushed against what is fragile.
-- What slides does so, by nominal parameters, if it is touched as low as the sentence and the
-  fingertips allow. What topples or tilts topples before it slides if it is pushed `BELOW` the
+- What slides does so with something to `SPARE`, by nominal parameters, if it is touched as low as the sentence and the
+  fingertips allow. What topples or tilts topples well before it slides if pushed `BELOW` the
   highest place allowed on the face that the direction meets; a tilt is at most `TILT` of the angle
   of no return, and where the object lands or leans is free and on the table.
 - A force that is allowed is at least `FORCE` times what the model says it takes, and a time is long
@@ -42,8 +42,11 @@ ROOM = 0.03
 """Least distance from what is not to be touched [m]."""
 BELOW = 0.01
 """From the highest place of a contact down to the middle of a fingertip there [m]."""
-TILT = 0.55
+TILT = 0.47
 """Largest tilt as a share of the angle of no return."""
+SPARE = 0.8
+"""What comes first when an object is pushed does so at this share of the force of what comes next,
+or less: closer ones are nothing to ask for."""
 FORCE = 1.5
 """Allowed force over the force needed."""
 
@@ -81,16 +84,23 @@ def tips(model: ObjectModel) -> bool:
 
 @dataclass(frozen=True)
 class _Onset:
-    """How a push begins: whether the object topples, and the force that it takes [N]."""
+    """How a push begins.
+
+    Attributes:
+        topples, slides: whether the object clearly does; neither is clear within `SPARE`.
+        force: that it takes [N].
+    """
 
     topples: bool
+    slides: bool
     force: float
 
 
 def _onset(model: ObjectModel, face: Face, height: float) -> _Onset:
     point, normal = face.at(0.0, height)
     found = model.thresholds(point[None], -normal[None])
-    return _Onset(bool(found.topple[0] < found.slide[0]), float(found.onset[0]))
+    topple, slide = float(found.topple[0]), float(found.slide[0])
+    return _Onset(topple < SPARE * slide, slide < SPARE * topple, float(found.onset[0]))
 
 
 @dataclass(frozen=True)
@@ -192,9 +202,7 @@ class _Thought:
         if high < low:
             return False
         onsets = [_onset(self.target.model, face, low) for face in self._faces(self.target)]
-        return not any(
-            onset.topples or self.asked.max_force < FORCE * onset.force for onset in onsets
-        )
+        return all(onset.slides and self.asked.max_force >= FORCE * onset.force for onset in onsets)
 
     # -- over an edge -------------------------------------------------------------------------
 
