@@ -19,7 +19,7 @@ from sim.hand import RESTING
 from sim.reach import ArmReach
 from sim.recorder import Recorder
 from sim.rotations import Array, rot_z
-from sim.stance import Stance
+from sim.stance import Stance, UnreachableError
 from sim.touch import EarlyEndError
 from sim.way import Way
 
@@ -130,12 +130,16 @@ class Trip:
         self.recorder.force_limit = 0.0
         self._tell("retreat", self._world.time, "leaving the object")
         off = tip - BACK * rot_z(turned) @ way.inward
-        for point in self._line(tip, off):
-            self._go(stance, point, turned)
         far = max(float(np.linalg.norm(off - way.start)), 1e-9)
-        for point in self._line(off, way.start):
-            left = float(np.linalg.norm(point - way.start)) / far
-            self._go(stance, point, left * turned)
+        try:
+            for point in self._line(tip, off):
+                self._go(stance, point, turned)
+            for point in self._line(off, way.start):
+                left = float(np.linalg.norm(point - way.start)) / far
+                self._go(stance, point, left * turned)
+        except UnreachableError:
+            # Both ends of the way are reached, so the joints lead from one to the other.
+            self._move_joints(self._descent[-1], self._world.commanded[1])
 
     def come_home(self, settle: float) -> None:
         """Back home, and some time for everything to come to rest [s]."""

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from objectmodels import Registry
 from objectmodels.turning import TurningPush, best_turn
 from planner.plan import Limits, Margins, Plan, Prediction, Push
-from sim import DrakeWorld, Trace, execute, load_scene
+from sim import ArmReach, DrakeWorld, Trace, execute, load_scene
 from sim.rotations import Array, rot_z
 from sim.scene import Scene
+from sim.trip import JOINT_SPEED, Trip, silent
 
 HEIGHT = 0.03
 
@@ -143,3 +146,24 @@ def test_a_plan_may_be_of_a_look_that_saw_it_turned_a_little() -> None:
     before = plan.push.model_copy(update={"normal_W": askew})
     trace = _carried_out(plan.model_copy(update={"push": before}), alone)
     assert trace.end == "turned", trace.detail
+
+
+def test_a_hand_that_cannot_go_straight_off_the_face_goes_by_the_joints() -> None:
+    alone = _alone(load_scene("kitchen"), "ice tea box")
+    plan = _plan("ice tea box", alone, 2, -0.5)
+    models = {"ice tea box": Registry.default().get("ice tea box")}
+    world = DrakeWorld(alone)
+    trip = Trip(plan.push, world, models, ArmReach(alone), silent)
+    stance, way = trip.stance(trip.look())
+    trip.approach(stance, way)
+    start = world.commanded[0]
+    before = len(trip.recorder.trace("ice tea box", way.inward, end="turned", detail="").time)
+    # Three metres back from the face, where no arm gets.
+    trip.leave(stance, way.start, replace(way, inward=100.0 * way.inward))
+    assert world.commanded[0] == pytest.approx(start, abs=1e-9)  # the last of a smooth motion
+    trace = trip.recorder.trace("ice tea box", way.inward, end="turned", detail="")
+    moved = np.abs(np.diff(trace.joints[before:, :7], axis=0)).max(axis=1)
+    # The joints are fastest where the arm is stretched out; there it turns back, in some periods.
+    back = moved[int(moved.argmax()) + 5 :]
+    assert back.sum() > 0.1
+    assert back.max() < JOINT_SPEED * world.period
