@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from objectmodels.base import Disc
 from objectmodels.turning import best_turn
 from planner import misplaced, refusals, tilts
 from planner.candidates import Contacts, Side, grid, rated
@@ -50,6 +51,7 @@ class Found:
     Attributes:
         move: the push, its prediction and margins.
         displacement: of the object in W, as predicted [m]; None for a topple or tilt.
+        event: what its outcome depends on besides the parameters; equal ones have equal outcomes.
         considered: how many candidates were evaluated.
         satisfying: how many of them satisfied what is asked.
         notes: plain sentences on how it was chosen.
@@ -57,6 +59,7 @@ class Found:
 
     move: Move
     displacement: Vector3 | None
+    event: tuple[object, ...]
     considered: int
     satisfying: int
     notes: tuple[str, ...]
@@ -121,6 +124,7 @@ def _best(
                 return Found(
                     move,
                     _displacement(contacts, k, asked, target, push),
+                    _event(contacts, push, target),
                     considered=sum(len(each.points) for each in found),
                     satisfying=sum(len(each.chosen) for each in found),
                     notes=remarks(contacts, push, move.prediction, asked, len(answers), defaults),
@@ -133,6 +137,12 @@ def _best(
     if math.isfinite(least) and not doubted:
         return refusals.too_weak(asked, target, least, reach)
     return misplaced.no_contact(asked, target, sides, reach, defaults)
+
+
+def _event(contacts: Contacts, push: Push, target: SeenObject) -> tuple[object, ...]:
+    """Face, height and fingers; all sides of a round object are alike."""
+    side = None if isinstance(target.model.base, Disc) else contacts.side.face.normal
+    return side, round(push.p_BC[2], 3), push.fingers, push.ends_on
 
 
 class _Asking:

@@ -144,9 +144,12 @@ def _together(
     if asked.limits.duration is not None and len(found) > 1:
         return refusals.several_pushes(asked, target, len(found))
     first, *later = (each.move for each in found)
-    # At least so likely, however the chances of the pushes hang together.
-    doubts = sum(1.0 - move.prediction.probability for move in (first, *later))
-    probability = max(1.0 - doubts, 0.0)
+    # At least so likely, however the outcomes hang together; those of equal pushes are equal.
+    doubts: dict[tuple[object, ...], float] = {}
+    for each in found:
+        doubt = 1.0 - each.move.prediction.probability
+        doubts[each.event] = max(doubt, doubts.get(each.event, 0.0))
+    probability = max(1.0 - sum(doubts.values()), 0.0)
     if probability < defaults.probability:
         return refusals.unlikely(target, len(found), probability, defaults)
     # What must be done in time is pushed faster than by default.

@@ -7,10 +7,10 @@ sentences may well be refused:
 - What is moved, placed or turned ends within `TABLE` and no nearer than `ROOM` to anything that it
   is not to touch, or than the sentence says. If a direction is said, the straight way there is as
   free, and so is the circle of a turn. Nothing is pushed against what is fragile.
-- What slides does so with something to `SPARE`, by nominal parameters, if it is touched as low as the sentence and the
-  fingertips allow. What topples or tilts topples well before it slides if pushed `BELOW` the
-  highest place allowed on the face that the direction meets; a tilt is at most `TILT` of the angle
-  of no return, and where the object lands or leans is free and on the table.
+- What slides clearly does so (`SPARE`), by nominal parameters, if it is touched as low as the
+  sentence and the fingertips allow. What topples or tilts clearly topples before it slides if it is
+  pushed `BELOW` the highest place allowed on the face that the direction meets; a tilt is at most
+  `TILT` of the angle of no return, and where the object lands or leans is free and on the table.
 - A force that is allowed is at least `FORCE` times what the model says it takes, and a time is long
   enough for a push of that length.
 """
