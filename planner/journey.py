@@ -94,8 +94,10 @@ class Journey:
         if self._off(there) <= self._within:
             return found
         then = self._straight(there)
-        # After turns nothing is as foreseen to the millimetre, so what follows is planned anew.
-        return found if isinstance(then, Refusal) else found + then
+        if isinstance(then, Refusal):
+            # After turns nothing is as foreseen to the millimetre; what follows is planned anew.
+            return found if self._off(there) <= self._defaults.turn_drift else then
+        return found + then
 
     def _off(self, target: SeenObject) -> float:
         """Distance of an object from the aim [m]."""
@@ -262,7 +264,8 @@ class Journey:
         best = self._leg(target, leg, last=not rest)
         if isinstance(best, Refusal):
             far = leg.distance > _PARTED and best.reason in ("out_of_reach", "blocked")
-            if not far or self._asked.limits.duration is not None:
+            whole = self._asked.limits.duration is not None or self._asked.until == "moves"
+            if whole or not far:
                 return best
             half = replace(leg, distance=0.5 * leg.distance)
             return self._legs(target, (half, half, *rest))

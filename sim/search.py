@@ -15,7 +15,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,11 +27,9 @@ from sim.armposes import ENOUGH_MARGIN, ArmPoses, Solved, descent, in_range
 from sim.hands import Hands
 from sim.rotations import Array, rot_z
 from sim.scenery import TABLE_CLEARANCE, Obstacle, Scenery
-from sim.stance import Mount, Stance
+from sim.stance import Mount, Stance, UnreachableError
 from sim.transit import LIMIT_MARGIN, along, drawn_places, free_way
-
-if TYPE_CHECKING:
-    from sim.way import Way
+from sim.way import BACK, Way
 
 _FACE_CLEARANCE = 0.0005  # of all but the fingertips from the pushed face [m]
 _SWEEP = 0.025  # largest step of the hand along the stroke [m]
@@ -41,6 +38,7 @@ _RAISED = (0.4, 0.8, 1.2)  # how far the arm swings up halfway [rad]
 
 _AT_ONCE, _ASKED = 48, 12  # hands that are looked at together, and the arm is asked for
 _MOST_HANDS = 60  # clear hands that the arm is asked for in all
+_BACK_POINTS = 4  # places on the way back from a turned face that are looked at
 _MOST_TRANSITS = 2  # stances of some hands for which a way from home is looked for
 _LAST_RESORTS = 3  # of all, for which it is looked for thoroughly
 
@@ -80,6 +78,7 @@ class Search:
         self._mount = mount
         self._home = home
         self._push = push
+        self._way = way
         self._points = way.points()
         self._R_WD = rot_z(way.turns()) @ way.R_WD
         self._arms = ArmPoses(mount, home, push, self._points, self._R_WD)
@@ -110,7 +109,8 @@ class Search:
         ):
             asked += len(some)
             least = LIMIT_MARGIN if best is None else best.room
-            for found in itertools.islice(self._stances(some, least), _MOST_TRANSITS):
+            stances = (found for found in self._stances(some, least) if self._comes_off(found))
+            for found in itertools.islice(stances, _MOST_TRANSITS):
                 via = self._way_there(found, self._places(found))
                 if via is not None:
                     best = found.by(via)
@@ -220,6 +220,25 @@ class Search:
             return np.asarray(self._scenery.is_free(robot) & back)
 
         return free_way(self._home, found.above, places, is_free)
+
+    def _comes_off(self, found: _Found) -> bool:
+        """Whether the hand also gets off a face that it has turned, and back to the start."""
+        if not self._way.turn:
+            return True
+        end, turned = self._points[-1], self._way.turn
+        off = end - BACK * rot_z(turned) @ self._way.inward
+        shares = np.linspace(0.0, 1.0, _BACK_POINTS)[:, None]
+        points = np.vstack([end, off + shares * (self._points[0] - off)])
+        turns = turned * np.append(1.0, 1.0 - shares)
+        try:
+            q = [found.stance.joints(p, t) for p, t in zip(points, turns.tolist(), strict=True)]
+        except UnreachableError:
+            return False
+        robot = self._robot(found.stance, np.array(q))
+        # Its fingertips still touch at the first of them.
+        clear = self._pushed[-1].is_clear(robot[1:], _FACE_CLEARANCE)
+        others = [each.is_clear(robot[1:]) for each in self._scenery.others]
+        return bool(clear.all() and all(each.all() for each in others))
 
     def _places(self, found: _Found) -> Array:
         """Arm poses over which a way may lead: swung up halfway, and high over the table."""

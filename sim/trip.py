@@ -21,7 +21,7 @@ from sim.recorder import Recorder
 from sim.rotations import Array, rot_z
 from sim.stance import Stance, UnreachableError
 from sim.touch import EarlyEndError
-from sim.way import Way
+from sim.way import BACK, Way
 
 if TYPE_CHECKING:
     from objectmodels.model import ObjectModel
@@ -38,9 +38,6 @@ JOINT_SPEED, JOINT_ACCELERATION = 1.2, 3.0
 
 HAND_SPEED, HAND_ACCELERATION = 0.20, 0.6
 """Of the hand near objects [m/s], [m/s²]."""
-
-BACK = 0.03
-"""Distance by which the fingertips leave the face [m]."""
 
 
 def silent(phase: str, time: float, text: str) -> None:

@@ -21,6 +21,9 @@ from sim.rotations import Array, rot_z
 STANDOFF = 0.03
 """Distance before the face at which the guarded approach begins [m]."""
 
+BACK = 0.03
+"""Distance by which the fingertips leave the face [m]."""
+
 STROKE_POINTS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 """Shares of the stroke at which the arm's pose is looked at."""
 

@@ -18,10 +18,10 @@ from pydantic import BaseModel, ConfigDict
 
 from benchmarks.goals.final import final
 from benchmarks.goals.sentences import Kind, said
-from benchmarks.goals.worlds import Job
+from benchmarks.goals.worlds import Job, believed
 from benchmarks.record import Kept
 from grammar.frames import Frame
-from nlcontrol import Controller, Registry
+from nlcontrol import Controller
 from nlcontrol.checks import Check
 from planner.plan import Plan
 
@@ -192,7 +192,7 @@ def run(job: Job) -> Done:
         objects=len(scene.objects),
         status="crashed",
     )
-    controller = Watched(scene, registry=Registry.built_in(), seed=job.seed)
+    controller = Watched(scene, registry=believed(), seed=job.seed)
     try:
         result = controller.say(sentence.text)
         turns = scene.object(sentence.target).truth.radius_m is None

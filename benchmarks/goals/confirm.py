@@ -27,10 +27,9 @@ from benchmarks.goals.cases import Done, Watched
 from benchmarks.goals.postures import reachable
 from benchmarks.goals.search import Asked, Found, repeated, search
 from benchmarks.goals.sentences import said
-from benchmarks.goals.worlds import Generator, Job, as_believed
+from benchmarks.goals.worlds import Generator, Job, as_believed, believed
 from benchmarks.record import Kept, carried_out
 from benchmarks.strokes import Array, heading_of, upright
-from nlcontrol import Registry
 from nlcontrol.checks import require_checkable
 from nlcontrol.errors import ControlError
 from objectmodels import ObjectModel
@@ -139,7 +138,7 @@ def table(found: Sequence[Confirmation]) -> str:
 def confirm(doubt: Doubt) -> Confirmation:
     """Looks into one refusal."""
     scene, sentence = said(doubt.case)
-    robot = Watched(scene, registry=Registry.built_in(), seed=doubt.case.seed)
+    robot = Watched(scene, registry=believed(), seed=doubt.case.seed)
     result = robot.say(sentence.text)
     made = partial(
         Confirmation,

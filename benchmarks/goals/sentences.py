@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from benchmarks.goals.sense import sensible, tips
-from benchmarks.goals.worlds import Generator, Job, drawn, generator, pushable, standing
-from nlcontrol import Controller, Registry
+from benchmarks.goals.worlds import Generator, Job, believed, drawn, generator, pushable, standing
+from nlcontrol import Controller
 from objectmodels import CylinderModel, ObjectModel
 from planner.state import WorldState
 from sim.scene import Scene
@@ -72,7 +72,7 @@ def said(job: Job) -> tuple[Scene, Sentence]:
     text = _GOALS[kind](words)
     if blind:
         return scene, Sentence(kind, target, text, sensible=False)
-    robot = Controller(scene, registry=Registry.built_in())
+    robot = Controller(scene, registry=believed())
     for _ in range(TRIES - 1):
         if _sensible(text, robot):
             break

@@ -9,6 +9,7 @@ stands in `REACHED`. Of the others some are fragile. A world depends on its seed
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import cache
 from typing import NamedTuple
@@ -65,6 +66,26 @@ class Job(NamedTuple):
 def pushable() -> tuple[ObjectModel, ...]:
     """The built-in models that are high enough for a fingertip."""
     return tuple(m for m in Registry.built_in() if m.top > ArmReach.lowest_height + _GRIP)
+
+
+@cache
+def believed() -> Registry:
+    """What the robot believes: the registry's models, each as sure as the worlds' bounds make it.
+
+    An even distribution within a bound has the standard deviation bound / √3.
+    """
+    registry = Registry.built_in().copy()
+    for model in Registry.built_in():
+        surely = model.model_copy(
+            update={
+                "mass_sd": MASS * model.mass / math.sqrt(3.0),
+                "friction_sd": FRICTION * model.friction / math.sqrt(3.0),
+                "finger_friction_sd": FINGER_FRICTION * model.finger_friction / math.sqrt(3.0),
+                "com_sd": (CENTRE_OF_MASS / math.sqrt(3.0),) * 3,
+            }
+        )
+        registry.add(surely, over=(model.name,))
+    return registry
 
 
 def generator(job: Job) -> Generator:
