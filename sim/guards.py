@@ -26,6 +26,7 @@ _SLIDES_SHARE = 0.35  # of the tilt that turning about the far edge would show b
 _SAFE_SHARE = 0.9  # a tilt stops at this share of the angle of no return
 _SURELY = 4.0  # standard deviations by which less must be seen than the fingers show
 _STUCK_SPEED = 0.001  # [m/s]
+_CREEPING, _CREPT = 8.0, 0.05  # time after which no more than a share of the way is no way [s]
 _STUCK_TIME = 0.8  # [s]
 _LOST_TIME = 0.6  # [s]
 _LOST_SHARE = 0.1  # of the onset force: less is no contact
@@ -72,7 +73,7 @@ class Guards:
         topple = self._push.ends_on == "toppled"
         return (
             (self._toppled(travel, tilt) if topple else self._stroke(travel, tilt))
-            or self._force(elapsed, felt)
+            or self._force(elapsed, travel, felt)
             or self._too_fast()
             or (None if topple else self._contact_lost(travel, felt))
             or self._too_long(elapsed)
@@ -99,11 +100,15 @@ class Guards:
             return "slid", f"it slides instead of tilting, {1e3 * travel:.0f} mm so far"
         return None
 
-    def _force(self, elapsed: float, felt: float) -> tuple[EndReason, str] | None:
+    def _force(self, elapsed: float, travel: float, felt: float) -> tuple[EndReason, str] | None:
         all_of_it = elapsed > RAMP and felt > self._push.force_limit - band(self._push)
         still = all_of_it and abs(self.speed) < _STUCK_SPEED
         self._stuck = self._stuck + self._period if still else 0.0
-        if self._stuck > _STUCK_TIME:
+        # It may also creep along in jerks, which gets it nowhere either.
+        creeps = elapsed > _CREEPING and travel < _CREPT * min(
+            self._push.stroke, self._push.speed * elapsed
+        )
+        if self._stuck > _STUCK_TIME or creeps:
             return "force", f"it does not move with {felt:.1f} N"
         return None
 
@@ -153,7 +158,7 @@ class TiltGuards(Guards):
         self._measure(travel)
         return (
             self._leans(view, travel)
-            or self._force(elapsed, felt)
+            or self._force(elapsed, travel, felt)
             or self._too_fast()
             or self._contact_lost(travel, felt)
             or self._too_long(elapsed)
