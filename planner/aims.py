@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from planner.defaults import Defaults
     from planner.state import SeenObject, WorldState
 
-_BEYOND = 0.015  # travel beyond the place where something should be met [m]
+_BEYOND = 0.008  # travel beyond the place where something should be met [m]
 
 
 _TIPPING = ("tips", "about_to_tip")  # events that end no way over the table

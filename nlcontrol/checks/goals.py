@@ -53,6 +53,12 @@ def _displace(goal: g.Displace, e: Evidence) -> Iterator[Check]:
             fall = measures.tilt_heading(e.trace, e.name)
             yield _towards(goal, "fell off the asked direction", fall, heading, d)
         return
+    if any(isinstance(c, g.Until) and c.event == "about_to_tip" for c in e.frame.constraints):
+        if heading is not None:
+            most = int(np.argmax(e.trace.tilt(e.name)))
+            leant = measures.tilt_heading(e.trace, e.name, most)
+            yield _towards(goal, "leant off the asked direction", leant, heading, d)
+        return
     along = length
     if heading is not None:
         along = float(travel @ [np.cos(heading), np.sin(heading)])

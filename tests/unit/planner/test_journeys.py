@@ -170,7 +170,7 @@ def test_against_something_ends_where_they_touch() -> None:
     made = planned("push the ice tea box against the mug", state)
     assert (made.push.until, made.push.meets) == ("touching", "mug")
     # A little farther than the gap, so that it is surely felt; the mug is a polygon.
-    assert made.push.stroke == pytest.approx(0.30 - 0.045 - 0.04 + 0.015, abs=1e-3)
+    assert made.push.stroke == pytest.approx(0.30 - 0.045 - 0.04 + 0.008, abs=1e-3)
     assert made.aim is not None
 
 
