@@ -48,16 +48,9 @@ def _displace(goal: g.Displace, e: Evidence) -> Iterator[Check]:
     travel = e.trace.displacement(e.name)[:2]
     length = float(np.linalg.norm(travel))
     heading = asked_heading(goal, own, e.start, d)
-    if _falls(e):
-        if heading is not None:
-            fall = measures.tilt_heading(e.trace, e.name)
-            yield _towards(goal, "fell off the asked direction", fall, heading, d)
-        return
-    if any(isinstance(c, g.Until) and c.event == "about_to_tip" for c in e.frame.constraints):
-        if heading is not None:
-            most = int(np.argmax(e.trace.tilt(e.name)))
-            leant = measures.tilt_heading(e.trace, e.name, most)
-            yield _towards(goal, "leant off the asked direction", leant, heading, d)
+    tipped = _tipped(goal, heading, e)
+    if tipped is not None:
+        yield from tipped
         return
     along = length
     if heading is not None:
@@ -77,6 +70,21 @@ def _displace(goal: g.Displace, e: Evidence) -> Iterator[Check]:
         yield compare(goal, "at_most", "largest tilt while sliding", d.no_tilt, tilt, 0.0, "rad")
     else:
         yield from _still_stands(goal, e)
+
+
+def _tipped(goal: g.Displace, heading: float | None, e: Evidence) -> list[Check] | None:
+    """Where it fell or leant, if it is to be pushed until it tips or is about to; else None."""
+    events = [c.event for c in e.frame.constraints if isinstance(c, g.Until)]
+    if "tips" in events:
+        sample, quantity = -1, "fell off the asked direction"
+    elif "about_to_tip" in events:
+        sample, quantity = int(np.argmax(e.trace.tilt(e.name))), "leant off the asked direction"
+    else:
+        return None
+    if heading is None:
+        return []
+    went = measures.tilt_heading(e.trace, e.name, sample)
+    return [_towards(goal, quantity, went, heading, e.defaults)]
 
 
 def _distance(goal: g.Displace, along: float, e: Evidence) -> Check:

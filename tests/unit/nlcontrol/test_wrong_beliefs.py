@@ -39,8 +39,8 @@ def test_satisfied_by_its_own_updates() -> None:
     product = {"mass": model.mass, "friction": model.friction}
     for lesson in lessons:
         product |= {c.parameter: c.after for c in lesson.changes if c.parameter in product}
-    # 5 % by which friction is taken to differ from push to push, what the last force is off, and the
-    # fingers' pressing down, which tells mass from friction: of one too small, the other is too big.
+    # 5 % by which friction is taken to differ from push to push, what the last force is off, and
+    # the fingers' pressing down: under it, too little mass and too much friction feel the same.
     assert product["mass"] * product["friction"] * 9.81 == pytest.approx(needed, rel=0.15)
     # Told in words and as data.
     told = str(result)
