@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller
+from planner.plan import Plan
 from sim import DrakeWorld, Trace, load_scene
 from sim.chance import Stream, source
 from sim.scene import FrictionVariation, Scene
@@ -43,9 +44,11 @@ def _scene(variation: FrictionVariation, shift_m: float) -> Scene:
 
 def _pushed(controller: Controller) -> Pushed:
     before = controller.world.truth_now(NAME)
-    result = controller.say(f"push the {NAME} away 6 cm")
-    assert result.trace is not None
-    return Pushed(result.trace, before, controller.world.truth_now(NAME), controller.world)
+    command = controller.resolve(controller.parse(f"push the {NAME} away 6 cm"))
+    plan = controller.plan(command.frames[0])
+    assert isinstance(plan, Plan)
+    trace = controller.execute(plan)
+    return Pushed(trace, before, controller.world.truth_now(NAME), controller.world)
 
 
 @pytest.fixture(scope="module")
