@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from grammar import frames as g
 from objectmodels.base import Disc
-from planner.directions import HEADINGS, unit
+from planner.directions import FACE_OF_PUSH, HEADINGS, unit
 from planner.displacements import asked_distance, asked_heading
 from planner.footprints import footprint, free_travel, travel_to_edge
 from planner.plan import Aim, DefaultUsed, Refusal, StopEvent
@@ -55,7 +55,7 @@ class Aimed:
 
 
 def aimed(frame: g.Frame, target: SeenObject, state: WorldState, defaults: Defaults) -> Aimed:
-    """What a frame that moves or turns its object aims at.
+    """What a frame that moves, turns or taps its object aims at.
 
     Raises:
         RefusedError: there is no such place, or it cannot be moved to.
@@ -69,6 +69,8 @@ def aimed(frame: g.Frame, target: SeenObject, state: WorldState, defaults: Defau
             return _placed(goal, target, state, defaults)
         case g.Displace() if until is not None and until.event not in _TIPPING:
             return _until(frame, goal, until, target, state, defaults)
+        case g.NoGoal():
+            return _tapped(frame, target, defaults)
         case g.Displace():
             return _displaced(frame, goal, target, state, defaults)
     raise AssertionError(f"{goal.kind} moves nothing")
@@ -124,6 +126,13 @@ def _heading(
         name="direction", value=HEADINGS[way], unit="rad", reason=f"no direction said: {way}"
     )
     return used.value, (used,)
+
+
+def _tapped(frame: g.Frame, target: SeenObject, defaults: Defaults) -> Aimed:
+    """A touch that ends as soon as the object gives way; on the side that is said, or the front."""
+    faces = [c.face for c in frame.constraints if isinstance(c, g.ContactRegion)]
+    push = next((way for way, face in FACE_OF_PUSH.items() if face in faces), "away")
+    return replace(_along(target, HEADINGS[push], defaults.tap), until="moves")
 
 
 # -- until something happens ------------------------------------------------------------------

@@ -34,7 +34,6 @@ _GOALS = {
     "pour": "pouring",
     "hand_over": "handing objects over",
     "parameters": "finding out parameters with one push",
-    "none": "a command that does not say what should become of the object",
 }
 
 
@@ -139,7 +138,7 @@ def _goal(frame: g.Frame, target: SeenObject, state: WorldState, defaults: Defau
             tilt=angle,
             defaults=((used,) if reason else ()) + plain.defaults,
         )
-    if not isinstance(goal, g.Displace | g.Place | g.Rotate):
+    if not isinstance(goal, g.Displace | g.Place | g.Rotate | g.NoGoal):
         what = _GOALS.get(goal.kind, goal.kind)
         message = f"this version of the robot has no controller for {what}"
         raise unsupported(what, message, goal.spans or frame.spans, "push, turn, tilt or topple it")

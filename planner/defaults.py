@@ -105,6 +105,7 @@ class Defaults:
         clear_tolerance: of a distance that is to be kept from another object, from their shapes
             [m].
         in_line_tolerance: between two objects that are in line [m].
+        tap: the farthest that an object is to go when it is only touched [m].
         turn: angle of a turn, if none is said [rad].
         turn_little: of "a little" [rad].
         turn_lot: of "a lot" [rad].
@@ -167,6 +168,7 @@ class Defaults:
     centre_tolerance: Length = 0.05
     clear_tolerance: Gap = 0.002
     in_line_tolerance: Length = 0.01
+    tap: Length = 0.005
     turn: Angle = 90.0 * DEGREE
     turn_little: Angle = 15.0 * DEGREE
     turn_lot: Angle = 180.0 * DEGREE

@@ -317,3 +317,14 @@ def test_what_is_missed_is_corrected_towards_the_same_aim() -> None:
     assert moves(made)[0].push.direction_W[0] < -0.9
     # The fingers square it up on the way.
     assert moves(made)[0].push.turn == pytest.approx(math.radians(-2.0))
+
+
+# -- taps -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("words", "face"), [("", "front"), ("from the left", "left")])
+def test_a_tap_touches_a_side_and_ends_as_it_gives_way(words: str, face: str) -> None:
+    made = planned(f"tap the ice tea box {words}", alone())
+    assert (made.push.face, made.push.until) == (face, "moves")
+    assert made.push.stroke == pytest.approx(DEFAULTS.tap)
+    assert made.later == ()
