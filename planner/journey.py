@@ -213,9 +213,9 @@ class Journey:
     def _ways(self, target: SeenObject) -> Iterator[tuple[Leg, ...]]:
         """Ways to the aim: straight to it, around what stands there, and some with a side step."""
         if self._asked.until == "moves":
-            # It ends as it begins: in the direction that is said, or not at all.
-            first = ways(target, self._aim, self._within, self._largest)
-            yield from (way for way in first if len(way) == 1)
+            # It ends as it begins, so the first leg of a way is all of it.
+            for way in ways(target, self._aim, self._within, self._largest):
+                yield way[:1]
             return
         yield from ways(target, self._aim, self._within, self._largest)
         if self._off(target) <= _CLOSE:

@@ -209,12 +209,17 @@ def test_until_it_touches_goes_on_to_where_it_would() -> None:
 # -- turns ------------------------------------------------------------------------------------
 
 
-def test_until_it_moves_it_is_pushed_where_it_is_to_go_or_not_at_all() -> None:
+def test_until_it_moves_is_one_push_however_it_stands() -> None:
     straight = planned("push the ice tea box away until it moves", alone(degrees=5.0))
-    assert (straight.push.until, straight.later) == ("moves", ())
-    askew = refused("push the ice tea box away until it moves", alone(degrees=30.0))
-    assert askew.reason == "impossible"
-    assert "square to the way" in askew.message
+    assert straight.push.direction_W == pytest.approx((1.0, 0.0, 0.0))
+    # Turned by more than the fingers stick at, it is pushed square to the face that is nearest.
+    askew = planned("push the ice tea box away until it moves", alone(degrees=30.0))
+    for made in (straight, askew):
+        assert made.later == ()
+        assert made.push.until == "moves"
+    inward = -np.array(askew.push.normal_W)
+    assert inward @ np.array(askew.push.direction_W) == pytest.approx(1.0)
+    assert askew.push.direction_W[0] == pytest.approx(math.cos(math.radians(30.0)))
 
 
 def test_a_turn_is_parted_so_that_displacements_cancel() -> None:
