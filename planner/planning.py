@@ -30,6 +30,9 @@ if TYPE_CHECKING:
     from planner.state import SeenObject, WorldState
 
 
+_FORESIGHT = 0.015  # more room that a fall needs which is foreseen behind a turn [m]
+
+
 def plan(
     frame: Frame,
     state: WorldState,
@@ -108,7 +111,13 @@ def _over(
         return pushes
     there = replace(target, pose=replace(target.pose, yaw=square))
     after = replace(state, objects={**state.objects, target.name: there})
-    then = best_push(asked, there, after, reach, defaults)
+    # It will not stand exactly there.
+    careful = replace(
+        defaults,
+        clearance=defaults.clearance + _FORESIGHT,
+        clearance_fragile=defaults.clearance_fragile + _FORESIGHT,
+    )
+    then = best_push(asked, there, after, reach, careful)
     return then if isinstance(then, Refusal) else [*pushes, then]
 
 

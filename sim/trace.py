@@ -143,7 +143,9 @@ def joined(traces: Sequence[Trace]) -> Trace:
     if len(traces) == 1:
         return traces[0]
     last = traces[-1]
-    names, fingers = last.poses.keys(), tuple(last.tips)
+    names = last.poses.keys()
+    # One that ended before the hand got there has none.
+    fingers = tuple(next((trace.tips for trace in reversed(traces) if trace.tips), ()))
     tips, felt = zip(*(_by_slots(trace, len(fingers)) for trace in traces), strict=True)
     return replace(
         last,
@@ -164,6 +166,6 @@ def _by_slots(trace: Trace, slots: int) -> tuple[Array, Array]:
     n = len(trace.time)
     middle = np.mean(list(trace.tips.values()), axis=0) if trace.tips else np.zeros((n, 3))
     total = np.sum(list(trace.felt.values()), axis=0) if trace.felt else np.zeros((n, 3))
-    if len(trace.tips) == slots:
+    if len(trace.tips) == slots > 0:
         return np.array(list(trace.tips.values())), np.array(list(trace.felt.values()))
     return np.tile(middle, (slots, 1, 1)), np.tile(total / max(slots, 1), (slots, 1, 1))

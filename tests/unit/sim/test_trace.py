@@ -67,3 +67,13 @@ def test_the_way_is_from_the_first_look_to_the_last() -> None:
     assert both.displacement("box") == pytest.approx((0.1, 0.0, 0.0))
     assert first.seen_displacement("box") == pytest.approx((0.04, 0.0, 0.0))
     assert both.seen_displacement("box") == pytest.approx((0.1, 0.0, 0.0))
+
+
+def test_one_that_ended_before_the_hand_got_there_has_no_fingers() -> None:
+    first = trace(0.5, 0.04, 2, 0.0)
+    ended = replace(trace(0.54, 0.0, 1, 1.0), tips={}, felt={}, end="unreachable")
+    both = joined([first, ended])
+    assert (both.end, tuple(both.tips)) == ("unreachable", tuple(first.tips))
+    np.testing.assert_allclose(both.push_force()[:N], first.push_force())
+    assert not both.push_force()[N:].any()
+    assert joined([ended, ended]).tips == {}
