@@ -17,6 +17,8 @@ from objectmodels.extremes import circle, contact_forces
 from planner.plan import Margins, Prediction, Vector3
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from objectmodels import ObjectModel, Thresholds
     from planner.asked import Asked
     from planner.candidates import Contacts
@@ -39,7 +41,8 @@ def needed_force(
         largest = float(contacts.cone.topple_max[i])
         return largest * (1.0 + contacts.sigmas * model.mass_sd / model.mass)
     inward = -np.array([contacts.side.face.normal])
-    nominal = float(model.thresholds(contacts.points[[i]], inward).slide[0])
+    point = _held(contacts, i, model) if contacts.fingers == 2 else contacts.points[i]
+    nominal = float(model.thresholds(point[None], inward).slide[0])
     share = math.hypot(model.friction_sd / model.friction, model.mass_sd / model.mass)
     return nominal * (1.0 + NormalDist().inv_cdf(d.probability) * share)
 
@@ -54,7 +57,7 @@ def prediction(
         nominal = _within_the_cone(contacts, i, model, reach)
     else:
         # Two fingers hold the object straight, and then the closed form is exact.
-        nominal = model.thresholds(contacts.points[[i]], inward[None])
+        nominal = model.thresholds(_held(contacts, i, model)[None], inward[None])
     cone = contacts.cone
     worst = cone.height_below[i] if asked.outcome == "slide" else cone.height_above[i]
     return Prediction(
@@ -90,6 +93,12 @@ def confirmed(contacts: Contacts, k: int, asked: Asked, target: SeenObject, reac
         # On one point of its rim it spins before it tips, and still tips.
         return bool((t.slide >= (1.0 - _SPINS) * t.topple).all())
     return bool((t.outcome == asked.outcome).all())
+
+
+def _held(contacts: Contacts, i: int, model: ObjectModel) -> NDArray[np.float64]:
+    """Where one finger would have to push for the object to turn as little as under two [m]."""
+    point, tangent = contacts.points[i], np.array(contacts.side.face.tangent)
+    return np.asarray(point - ((point - np.array(model.com)) @ tangent) * tangent)
 
 
 def _within_the_cone(contacts: Contacts, i: int, model: ObjectModel, reach: Reach) -> Thresholds:

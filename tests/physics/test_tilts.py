@@ -68,15 +68,6 @@ def test_it_reaches_the_angle_and_stands_again(
     assert np.abs(np.diff(_tilts(trace)[pushing])).max() < 0.1, "nothing fell or jumped"
 
 
-@pytest.mark.slow
-def test_it_stops_where_the_base_leaves_the_table(kitchen: Controller) -> None:
-    made = _planned(kitchen, "push the ice tea box away until it tips", "ice tea box")
-    trace = _carried_out(kitchen, made)
-    assert trace.end == "event", trace.detail
-    assert 1.0 < _tilts(trace).max() < 3.0
-    assert _stands_where_it_stood(trace)
-
-
 def test_what_leans_too_far_is_let_back_at_once(kitchen: Controller) -> None:
     made = _planned(kitchen, "tilt the ice tea box by 10 degrees", "ice tea box")
     trace = _carried_out(kitchen, made, limits=Limits(tilt=np.radians(5.0)))
