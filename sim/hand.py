@@ -56,6 +56,7 @@ _BASES: Mapping[str, Array] = {
 }
 _THUMB_R = rot_y(_THUMB_LEAN) @ axis_rotation([0.0, 0.0, 1.0], np.pi)
 
+_CLOSED = 1.2  # flexion of the middle joint from which a finger counts as closed [rad]
 _STOP = 0.005  # distance from a stop at which a joint counts as being there [rad]
 _FOLLOWS = np.vstack([np.eye(3), [0.0, 0.0, 1.0]])  # all four joints by the independent ones
 
@@ -181,6 +182,11 @@ class Posture:
     name: str
     angles: Mapping[str, Angles]
     pushing: tuple[str, ...]
+
+    @property
+    def closed(self) -> bool:
+        """Whether a pushing finger is bent as far as one that holds something."""
+        return any(self.angles[finger][2] >= _CLOSED for finger in self.pushing)
 
     @functools.cached_property
     def tips(self) -> Array:

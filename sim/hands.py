@@ -44,6 +44,7 @@ _SIDES = {1: np.radians([0.0, -30.0, 30.0]), 2: np.radians([0.0])}
 
 # 1 / lever with which the sensors feel the push [1/m]: 60 makes 1.6 mN·m a noise of 0.1 N.
 _COARSEST_FEELING = 60.0
+_BLURRED = 0.2  # what a closed finger counts less, as a skew
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +136,9 @@ def hands(fingers: int, spread: float) -> Hands:
     R_DP = np.tile(turned, (len(postures), 1, 1))
     coarse, skew, bears = np.hstack([_quality(posture, turned) for posture in postures])
     good = np.flatnonzero((coarse < _COARSEST_FEELING) & (skew < LARGEST_SKEW))
-    order = good[np.argsort(skew[good] + coarse[good] / 200.0, kind="stable")]
+    # A finger that is closed gives way across as it presses, which blurs what it feels.
+    blurred = np.repeat([posture.closed for posture in postures], len(turned))
+    order = good[np.argsort((skew + coarse / 200.0 + _BLURRED * blurred)[good], kind="stable")]
     which, R_DP = which[order], R_DP[order]
     tips = np.array([p.tips.mean(axis=0) for p in postures])[which]
     palm = -(R_DP @ tips[..., None])[..., 0]
