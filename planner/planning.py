@@ -9,6 +9,7 @@ Frames: W is the world, B the object.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from planner.state import SeenObject, WorldState
 
 
+_ASKEW = math.radians(5.0)  # a fall less askew than this is not made straighter
 _FORESIGHT = 0.015  # more room that a fall needs which is foreseen behind a turn [m]
 
 
@@ -99,7 +101,11 @@ def _over(
     askew = 0.0 if asked.heading is None else obliqueness(target, asked.heading)
     if abs(askew) <= 0.5 * defaults.side_tolerance or asked.face is not None:
         found = best_push(asked, target, state, reach, defaults)
-        return found if isinstance(found, Refusal) else [found]
+        if not isinstance(found, Refusal):
+            return [found]
+        # Square to the direction it may still find room.
+        if abs(askew) < _ASKEW or asked.face is not None or asked.region is not None:
+            return found
     if asked.region is not None:
         return refusals.turned_first(asked, target, askew)
     square = target.pose.yaw + askew
