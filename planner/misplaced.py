@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from objectmodels.base import Disc
 from planner.doubts import experiment, outcome_probability
 from planner.plan import Refusal, RefusalReason
 
@@ -175,6 +176,11 @@ def _slides_where(critical: float, sure: float) -> str:
     return f"above {_mm(critical)} it topples before it slides (for sure it slides {surely})"
 
 
+def _other_side(target: SeenObject) -> tuple[str, ...]:
+    """What is round falls alike to all sides."""
+    return () if isinstance(target.model.base, Disc) else ("topple it to another side",)
+
+
 def _cannot_topple(asked: Asked, target: SeenObject, critical: float, reach: Reach) -> Refusal:
     """It would slide, or might, at every height that is allowed; `critical` as for sliding."""
     highest = min(asked.high, target.model.top - reach.fingertip_radius)
@@ -186,7 +192,7 @@ def _cannot_topple(asked: Asked, target: SeenObject, critical: float, reach: Rea
             f"topples, even {_mm(highest)} above the table",
             numbers=numbers,
             spans=asked.contact_spans,
-            suggestions=("topple it to another side",),
+            suggestions=_other_side(target),
         )
     numbers["critical_height"] = critical
     higher = ("push it at the top",) if asked.high < target.model.top else ()
@@ -197,7 +203,7 @@ def _cannot_topple(asked: Asked, target: SeenObject, critical: float, reach: Rea
             f"below {_mm(critical)}, and the highest contact is {_mm(highest)}",
             numbers=numbers,
             spans=asked.contact_spans,
-            suggestions=higher or ("topple it to another side",),
+            suggestions=higher or _other_side(target),
         )
     return Refusal(
         reason="too_uncertain",
