@@ -131,6 +131,13 @@ class Lift(Part):
     spans: Spans = ()
 
 
+class SetDown(Part):
+    """Put what is held down where it is."""
+
+    kind: Literal["set_down"] = "set_down"
+    spans: Spans = ()
+
+
 class Open(Part):
     """Open the object, or a named part of it."""
 
@@ -148,12 +155,22 @@ class Close(Part):
 
 
 class Pour(Part):
-    """Pour what the object holds into another one; `fraction` is how much of it."""
+    """Pour what the object holds into another one; everything if no amount is said.
+
+    Attributes:
+        into: what it is poured into.
+        amount: `little` or `lot`, if the sentence says no more.
+        fraction: share of what the object holds.
+        volume: how much [m³].
+        fill: share of the volume of `into` up to which that is to be filled.
+    """
 
     kind: Literal["pour"] = "pour"
     into: ObjectRef | None = None
     amount: Amount | None = None
     fraction: Positive | None = None
+    volume: Positive | None = None
+    fill: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
     spans: Spans = ()
 
 
@@ -180,7 +197,7 @@ class NoGoal(Part):
 
 
 Goal = Annotated[
-    Displace | Place | Rotate | Tilt | Topple | Upright | Lift | Open | Close | Pour
+    Displace | Place | Rotate | Tilt | Topple | Upright | Lift | SetDown | Open | Close | Pour
     | HandOver | Parameters | NoGoal,
     Field(discriminator="kind"),
 ]  # fmt: skip

@@ -47,6 +47,8 @@ if TYPE_CHECKING:
 
 Friction = Literal["static", "kinetic"]
 
+_OF_ITS_STANDING = ("container", "lid", "grasp")  # stated for the base that it stands on
+
 BORDER = 0.4
 """Relative distance of the closed form's thresholds within which its class may be wrong."""
 
@@ -135,7 +137,7 @@ class ObjectModel(Parameters, ABC):
     def _changed(self, **changes: object) -> dict[str, Any]:
         """Fields of a model that lies on another face: all but what was fitted for the base."""
         kept = {name: getattr(self, name) for name in type(self).model_fields if name != "kind"}
-        for name in ("friction_radius", "friction_radius_sd", "correlations"):
+        for name in ("friction_radius", "friction_radius_sd", "correlations", *_OF_ITS_STANDING):
             del kept[name]
         if not isinstance(self.support, str):
             del kept["support"]

@@ -21,6 +21,7 @@ from pydantic import (
 )
 
 from objectmodels.errors import ModelError
+from objectmodels.parts import Container, Graspable, Lid
 from objectmodels.support import Support
 from objectmodels.tuples import as_tuple, as_tuples
 
@@ -82,6 +83,9 @@ class Parameters(BaseModel):
         friction_radius: c̄ = m_max / f_max [m]; from `support` if not given.
         friction_radius_sd: 45 % of c̄ if not given, which is the spread over real objects.
         correlations: of the beliefs, as (name, name, coefficient); names of `UNCERTAIN`.
+        container: what it holds, if it is hollow.
+        lid: what covers it, if it has a lid.
+        grasp: where a hand may hold it, if it may be held.
         synonyms: other names.
         provenance: where the figures come from.
     """
@@ -115,6 +119,9 @@ class Parameters(BaseModel):
     friction_radius: PositiveFloat = Field(_DERIVED, alias="friction_radius_m")
     friction_radius_sd: NonNegativeFloat = Field(_DERIVED, alias="friction_radius_m_sd")
     correlations: Correlations = ()
+    container: Container | None = None
+    lid: Lid | None = None
+    grasp: Graspable | None = None
     provenance: Provenance = Provenance()
 
     @model_validator(mode="after")

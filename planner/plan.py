@@ -19,11 +19,13 @@ StopEvent = Literal[
 ]
 
 
-class _Value(BaseModel):
+class Value(BaseModel):
+    """Base of what planning results are made of."""
+
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
-class Limits(_Value):
+class Limits(Value):
     """What stops a push before a constraint of the sentence breaks.
 
     Attributes:
@@ -39,7 +41,7 @@ class Limits(_Value):
     clear_of: tuple[tuple[str, float], ...] = ()
 
 
-class Push(_Value):
+class Push(Value):
     """One push, as the executor's contract needs it.
 
     Attributes:
@@ -83,7 +85,7 @@ class Push(_Value):
     limits: Limits = Limits()
 
 
-class Prediction(_Value):
+class Prediction(Value):
     """What the object model says the push will do, over everything the finger may transmit.
 
     Attributes:
@@ -116,7 +118,7 @@ class Prediction(_Value):
     friction: Literal["static", "kinetic"]
 
 
-class Margins(_Value):
+class Margins(Value):
     """How far the push is from the nearest forbidden outcome, in the worst case considered.
 
     Attributes:
@@ -134,7 +136,7 @@ class Margins(_Value):
     force_limit: float
 
 
-class DefaultUsed(_Value):
+class DefaultUsed(Value):
     """A value that the sentence did not give, and that the table of defaults supplied."""
 
     name: str
@@ -143,7 +145,7 @@ class DefaultUsed(_Value):
     reason: str
 
 
-class Aim(_Value):
+class Aim(Value):
     """Where an object should stand at the end, in W.
 
     Attributes:
@@ -156,7 +158,7 @@ class Aim(_Value):
     yaw: float | None = None
 
 
-class Move(_Value):
+class Move(Value):
     """A push that is foreseen after others, from where they are predicted to leave the object.
 
     Attributes:
@@ -170,7 +172,7 @@ class Move(_Value):
     margins: Margins
 
 
-class Plan(_Value):
+class Plan(Value):
     """A push, and the pushes foreseen after it, whose predicted outcome satisfies the frame.
 
     What is carried out is the first push; then the robot looks, and plans anew towards the same aim
@@ -204,7 +206,7 @@ class Plan(_Value):
     notes: tuple[str, ...] = ()
 
 
-class Reached(_Value):
+class Reached(Value):
     """Nothing is left to be done: the object is seen where it should be.
 
     Attributes:
@@ -229,7 +231,7 @@ RefusalReason = Literal[
 ]
 
 
-class Refusal(_Value):
+class Refusal(Value):
     """Why no plan is made, with the numbers that decide.
 
     Attributes:

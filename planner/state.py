@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from objectmodels.model import ObjectModel
+    from planner.handling.plan import Grasp
 
 Colour = tuple[float, float, float]
 
@@ -67,6 +68,8 @@ class SeenObject:
         colour: what the camera sees, red, green, blue in 0…1; None if it was not looked at.
         fragile: whether hand and other objects are to keep well away from it.
         attitude: rotation of B in W, row by row, of one that lies on nothing flat.
+        fixed: whether a holder on the table keeps it where it stands.
+        lid: how far its lid is seen to be open, as in `sim.trace.Trace.lids`; None without one.
     """
 
     name: str
@@ -76,6 +79,8 @@ class SeenObject:
     colour: Colour | None = None
     fragile: bool = False
     attitude: tuple[float, ...] | None = None
+    fixed: bool = False
+    lid: float | None = None
 
     @classmethod
     def lying(
@@ -125,13 +130,30 @@ class TableState:
 
 
 @dataclass(frozen=True)
+class Held:
+    """What the hand holds.
+
+    Attributes:
+        name: of the object in the scene.
+        grasp: how it is held.
+        height: of its base above the table [m].
+    """
+
+    name: str
+    grasp: Grasp
+    height: float
+
+
+@dataclass(frozen=True)
 class WorldState:
     """Everything that a plan may depend on.
 
     Attributes:
         objects: by name in the scene.
         table: where things may stand.
+        held: what the hand holds; None if nothing.
     """
 
     objects: Mapping[str, SeenObject] = field(default_factory=dict)
     table: TableState = TableState(-0.2, 1.2, -0.8, 0.8)
+    held: Held | None = None

@@ -42,6 +42,7 @@ class SceneObject(Part):
         model: the registry model that the robot believes it to be.
         synonyms: further names in this scene.
         fragile: whether the robot is told to keep its hand and other objects well away from it.
+        fixed: whether a holder on the table keeps it where it stands; the robot is told.
         pose: where it really stands at the start.
         truth: how it really is.
     """
@@ -50,6 +51,7 @@ class SceneObject(Part):
     model: str
     synonyms: tuple[str, ...] = ()
     fragile: bool = False
+    fixed: bool = False
     pose: Pose
     truth: Truth
 

@@ -7,7 +7,7 @@ that plans or controls reads it. `seen` and `felt` are what the robot itself kne
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -31,6 +31,11 @@ EndReason = Literal[
     "guard",  # another guard of the push stopped it (see `detail`)
     "no_touch",  # the guarded approach ended without contact
     "unreachable",  # the hand could not get to the contact
+    "handled",  # all steps of the hand were made
+    "no_grasp",  # the fingers closed on nothing, or on less than they should
+    "slipped",  # what was held slipped in the hand
+    "missed",  # the lid did not follow the finger
+    "nudged",  # another object was seen to be moved
 ]
 
 
@@ -55,7 +60,8 @@ class Trace:
     Attributes:
         time: shape (n,) [s].
         phase: shape (n,), one of `look`, `transit`, `approach`, `touch`, `push`, `retreat`,
-            `settle` at each sample.
+            `settle`, or of a whole hand `grasp`, `lift`, `carry`, `pour`, `set_down`, `lid`, at
+            each sample.
         poses: per object, shape (n, 7): quaternion (w, x, y, z) and position p_WB [m] of the
             frame B that the object had at the start.
         seen: per object, shape (n, 7): the newest pose from the vision port.
@@ -69,6 +75,11 @@ class Trace:
         direction: unit direction of the push in W, shape (3,).
         end: why the push ended; `detail` says it in words.
         seed: what everything random was drawn from.
+        contents: per container, true volume in it, shape (n,) [m³].
+        lids: per object with a lid, how far that truly is open: the angle of a flip lid [rad], the
+            turn of a cap [rad], the height of one that lifts off [m], shape (n,).
+        seen_lids: the same from the vision port.
+        spilled: true volume that has run onto the table or elsewhere, shape (n,) [m³].
     """
 
     time: Array
@@ -86,6 +97,10 @@ class Trace:
     end: EndReason
     detail: str
     seed: int
+    contents: dict[str, Array] = field(default_factory=dict)
+    lids: dict[str, Array] = field(default_factory=dict)
+    seen_lids: dict[str, Array] = field(default_factory=dict)
+    spilled: Array = field(default_factory=lambda: np.zeros(0))
 
     def displacement(self, name: str) -> Array:
         """Displacement p_WB(end) − p_WB(start) of an object, shape (3,) [m]."""
@@ -158,7 +173,15 @@ def joined(traces: Sequence[Trace]) -> Trace:
         felt=dict(zip(fingers, np.concatenate(felt, axis=1), strict=True)),
         force_limit=np.concatenate([trace.force_limit for trace in traces]),
         contacts=tuple(event for trace in traces for event in trace.contacts),
+        contents=_one_after_another([trace.contents for trace in traces]),
+        lids=_one_after_another([trace.lids for trace in traces]),
+        seen_lids=_one_after_another([trace.seen_lids for trace in traces]),
+        spilled=np.concatenate([trace.spilled for trace in traces]),
     )
+
+
+def _one_after_another(parts: Sequence[dict[str, Array]]) -> dict[str, Array]:
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 def _by_slots(trace: Trace, slots: int) -> tuple[Array, Array]:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
 from objectmodels.base import Polygon
+from objectmodels.parts import Container, Lid
 from sim.parts import Fraction, NonNegative, Part, Point2, Point3, Positive
 
 _RIM_POINTS = 16
@@ -39,6 +40,8 @@ class Truth(Part):
             drawn anew whenever the robot begins to touch the object; 0 for contents that lie still.
         support_m: points of the base on which the object stands, in B's x, y; its corners (of a
             cylinder: points of its rim) if not given.
+        container: what it really holds; `mass_kg` includes the contents.
+        lid: what really covers it; `mass_kg` includes the lid.
         colour: red, green, blue in 0…1, for the camera and for pictures.
     """
 
@@ -53,6 +56,8 @@ class Truth(Part):
     centre_of_mass_m: Point3 | None = None
     contents_shift_m: NonNegative = 0.0
     support_m: tuple[Point2, ...] | None = None
+    container: Container | None = None
+    lid: Lid | None = None
     colour: tuple[Fraction, Fraction, Fraction] = (0.8, 0.7, 0.4)
 
     @model_validator(mode="after")

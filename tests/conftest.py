@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -19,6 +20,13 @@ settings.load_profile("untimed")
 def _no_models_of_the_user(tmp_path_factory: pytest.TempPathFactory) -> None:
     """Whoever runs the tests may have models of their own; these must not count."""
     os.environ[FOLDER_VARIABLE] = str(tmp_path_factory.mktemp("objects"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _control_c_is_heard() -> None:
+    """What a shell starts in the background ignores control-C, and so would what it starts."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture

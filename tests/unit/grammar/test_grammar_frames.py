@@ -35,6 +35,7 @@ GOALS = [
     "topple",
     "upright",
     "lift",
+    "set_down",
     "open",
     "close",
     "pour",

@@ -1,0 +1,53 @@
+"""The planner's questions to the robot about its whole hand; see `planner.reach` for pushes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from planner.handling.plan import HandlingPlan
+    from planner.reach import ReachAnswer
+    from planner.state import WorldState
+
+
+@dataclass(frozen=True, eq=False)
+class Grip:
+    """How the hand closes about something of a width.
+
+    Attributes:
+        contacts: of thumb, index, middle and ring, in the plane across the closing direction, from
+            the middle of the grasp: along the approach, and along approach × closing,
+            shape (4, 2) [m].
+        shares: of the squeeze that each of them bears; the thumb's is 1, the others' sum to 1,
+            shape (4,).
+        strongest: largest squeeze, with a tangential load as large beside it [N].
+        room: free length beyond the fingers' side that the knuckles need, and beyond the thumb's,
+            along the closing direction [m].
+    """
+
+    contacts: NDArray[np.float64]
+    shares: NDArray[np.float64]
+    strongest: float
+    room: tuple[float, float]
+
+
+class HandReach(Protocol):
+    """What the hand can hold, and whether the arm can carry out a plan with it."""
+
+    narrowest: float
+    """Least width between thumb and fingers [m]."""
+
+    widest: float
+    """Largest width [m]."""
+
+    def grip(self, width: float) -> Grip | None:
+        """How it closes about that width [m]; None if it does not."""
+        ...
+
+    def handles(self, plan: HandlingPlan, state: WorldState) -> ReachAnswer:
+        """Whether arm and hand can carry out a plan, all of its way free."""
+        ...
