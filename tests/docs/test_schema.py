@@ -98,8 +98,8 @@ def test_the_names_of_the_frames() -> None:
     assert {"action", "query", "dialogue", "object", "goal", "constraints"} <= set(frame)
     goals = set(frame["goal"]["discriminator"]["mapping"])
     assert goals == {
-        "displace", "place", "rotate", "tilt", "topple", "upright", "lift", "set_down", "open", "close",
-        "pour", "hand_over", "parameters", "none",
+        "displace", "place", "rotate", "tilt", "topple", "upright", "lift", "set_down", "open",
+        "close", "pour", "hand_over", "parameters", "none",
     }  # fmt: skip
     constraints = set(frame["constraints"]["items"]["discriminator"]["mapping"])
     assert constraints == {
