@@ -8,6 +8,7 @@ Frames: P is the palm, T a fingertip's centre; forces are those on the object, i
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,7 +31,7 @@ class Touch:
     tips: Array
     forces: Array
 
-    @property
+    @functools.cached_property
     def midpoint(self) -> Array:
         """Midpoint of the tips' centres in W, shape (3,) [m]."""
         middle: Array = self.tips.mean(axis=0)

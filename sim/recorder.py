@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sim.fingers import Touch, feel
+from sim.rotations import quaternion
 from sim.trace import Trace
 from sim.vision import averaged
 
@@ -125,7 +126,5 @@ class Recorder:
 
 def _rows(poses: list[SeenPose]) -> Array:
     """Quaternions (w, x, y, z) and positions of poses, shape (n, 7)."""
-    from scipy.spatial.transform import Rotation
-
-    xyzw = Rotation.from_matrix(np.array([pose.R_WB for pose in poses])).as_quat()
-    return np.column_stack([xyzw[:, 3], xyzw[:, :3], np.array([pose.p_WB for pose in poses])])
+    R_WB = np.array([pose.R_WB for pose in poses])
+    return np.column_stack([quaternion(R_WB), np.array([pose.p_WB for pose in poses])])

@@ -249,7 +249,7 @@ class Search:
         start = self._points[0, :2]
         over = [[*xy, _OVER] for xy in (start, 0.5 * (start + self._centre), self._centre)]
         stance = found.stance
-        p_WP = np.array(over) - stance.R_WP @ stance.posture.tips.mean(axis=0)
+        p_WP = np.array(over) - stance.R_WP @ stance.posture.midpoint
         R_WP = np.broadcast_to(stance.R_WP, (len(over), 3, 3))
         elbow = np.full(len(over), stance.elbow)
         q, valid = arm.inverse(*self._mount.flange(R_WP, p_WP), elbow, [stance.branch])

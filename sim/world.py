@@ -109,17 +109,13 @@ class DrakeWorld:
         self._impulse = np.zeros(len(hand.JOINT_NAMES))
         self._mean_torques = np.zeros(len(hand.JOINT_NAMES))
         self._torques = TorqueReadings(scene.torque_sensor, self.period, seed)
-        self._angles = JointReadings(
-            scene.joint_sensor, len(self._arm_joints), len(joints), seed
-        )
+        self._angles = JointReadings(scene.joint_sensor, len(self._arm_joints), len(joints), seed)
         self._measured = np.zeros(len(joints))
         self._steps = 0
         self.history: list[Sample] = []
         self._watch = ContactWatch(self._plant, self._model.bodies)
         self.contacts: list[ContactEvent] = self._watch.events
-        self._changes = tuple(
-            changes_in(self._model, root, scene, seed)
-        )
+        self._changes = tuple(changes_in(self._model, root, scene, seed))
         self._poses: dict[str, tuple[Array, Array]] = {}
         self._touched: list[str] = []
         self._frames: list[Frame] = []
