@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from planner.plan import Plan
+from sim.planned import PlannedControl
 from sim.push import PushControl
 from sim.reach import ArmReach
 from sim.recorder import Recorder
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from objectmodels.model import ObjectModel
     from sim.world import DrakeWorld
 
-_CONTROLS: dict[str, type[PushControl | TiltControl | TurnControl]] = {
+_CONTROLS: dict[str, type[PlannedControl]] = {
     "tilted": TiltControl,
     "turned": TurnControl,
 }
@@ -96,6 +97,6 @@ def _push(plan: Plan, trip: Trip, tell: Progress) -> tuple[EndReason, str]:
     control = make(plan, trip.recorder, stance, way, state, tell)
     try:
         control.touch()
-        return control.push()
+        return control.act()
     finally:
         trip.leave(stance, control.commanded, way, control.turned)
