@@ -65,15 +65,23 @@ class ArmReach:
         ends = (way.touch, way.end)
         return min(self._map.room(push.fingers, push.spread, end, heading) for end in ends)
 
-    def stance(self, push: Push, state: WorldState) -> tuple[Stance, ReachAnswer] | ReachAnswer:
-        """The best stance for a push, or why there is none."""
+    def stance(
+        self, push: Push, state: WorldState, spare: float = 0.0
+    ) -> tuple[Stance, ReachAnswer] | ReachAnswer:
+        """The best stance for a push, or why there is none.
+
+        Args:
+            push: what is to be done.
+            state: what is believed.
+            spare: by how much less than its clearance each of the others may be away [m].
+        """
         if push.p_BC[2] < self.lowest_height - 1e-9:
             height = 1e3 * push.p_BC[2]
             return ReachAnswer(
                 False, "table", f"the finger would touch the table {height:.0f} mm up"
             )
         way = Way.of(push, state.objects[push.object])
-        search = Search(self.mount, self.home, push, way, state)
+        search = Search(self.mount, self.home, push, way, state, spare)
         every = hands(push.fingers, push.spread)
         strong = every.strength * push.fingers >= push.force_limit
         found = search.best(every[strong])

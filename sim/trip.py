@@ -19,6 +19,7 @@ from sim.hand import RESTING
 from sim.reach import ArmReach
 from sim.recorder import Recorder
 from sim.rotations import Array, rot_z
+from sim.scenery import SPARE
 from sim.stance import Stance, UnreachableError
 from sim.touch import EarlyEndError
 from sim.way import BACK, Way
@@ -95,6 +96,9 @@ class Trip:
             EarlyEndError: the hand does not get there.
         """
         answer = self._reach.stance(self._push, state)
+        if isinstance(answer, ReachAnswer):
+            # It was reached from where things were seen before.
+            answer = self._reach.stance(self._push, state, SPARE)
         if isinstance(answer, ReachAnswer):
             raise EarlyEndError("unreachable", answer.message)
         return answer[0], Way.of(self._push, state.objects[self._push.object])
