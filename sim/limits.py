@@ -35,7 +35,7 @@ _OF_SMALL = 0.3  # but at most this share of a limit that is an angle
 _STOPPING = 0.001  # way until the object stands [m]
 _KEPT = 0.5  # time over which the fingertips' way is remembered, longer than a camera's delay [s]
 
-_HELD = np.radians(10.0)  # turn by which two fingers show that they do not hold the heading
+_HELD = float(np.radians(10.0))  # turn by which two fingers show that they do not hold the heading
 
 _MET = -0.001  # seen gap at which two objects surely touch [m]
 _NEAR = 0.015  # seen gap below which a rising force tells that they do [m]

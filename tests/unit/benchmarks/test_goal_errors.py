@@ -95,7 +95,9 @@ def test_a_place_that_is_said_and_one_that_was_aimed_at() -> None:
 def test_a_tilt_there_and_back() -> None:
     errors = final(frame("tilt {} by 10 degrees"), trace(tilts=math.radians(11.0)), PLAN)
     # The largest of fifty samples of a sine.
-    assert errors == pytest.approx({"angle": math.radians(1.0), "drift": 0.0}, abs=2e-4)
+    assert errors == pytest.approx(
+        {"angle": math.radians(1.0), "back": 0.0, "drift": 0.0}, abs=2e-4
+    )
 
 
 def test_a_topple() -> None:
