@@ -9,7 +9,7 @@ Lengths are in metres, angles in radians.
 | place | `off` from the place, the point that was said or that the plan aimed at, and its `yaw` |
 | rotate | `turn` beyond the asked angle, `drift` of B's origin |
 | topple | `side`: angle between the fall and the asked side; absent if it did not fall |
-| tilt | `angle`: largest tilt beyond the asked one; `back`: tilt at the end; `drift` in the last push |
+| tilt | `angle`: largest tilt beyond the asked one, `back` at the end; `drift` in the last push |
 """
 
 from __future__ import annotations
