@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from planner.plan import Plan
-from sim.planned import PlannedControl
+from sim.planned import Errand, PlannedControl
 from sim.push import PushControl
 from sim.reach import ArmReach
 from sim.recorder import Recorder
@@ -94,7 +94,7 @@ def _push(plan: Plan, trip: Trip, tell: Progress) -> tuple[EndReason, str]:
     trip.approach(stance, way)
     tell("touch", trip.recorder.world.time, "feeling for the face")
     make = _CONTROLS.get(plan.push.ends_on, PushControl)
-    control = make(plan, trip.recorder, stance, way, state, tell)
+    control = make(Errand(plan, trip.recorder, stance, way, state, tell))
     try:
         control.touch()
         return control.act()

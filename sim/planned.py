@@ -15,6 +15,7 @@ Frames: W is the world, T the midpoint of the pushing fingertips' centres.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -47,34 +48,49 @@ class Keeper(Protocol):
         """Takes what a camera frame of an earlier time [s] shows."""
 
 
-class PlannedControl(TouchControl, ABC):
-    """One planned motion, from before a face to its end: first `touch`, then `act`.
+@dataclass(frozen=True)
+class Errand:
+    """What a planned motion is to do, and with what.
 
-    Args:
+    Attributes:
         plan: what to do.
         recorder: through which the world is stepped.
         stance: of arm and hand.
         way: of the fingertips.
         state: what is believed.
         tell: progress.
-
-    Attributes:
-        plan: as given.
     """
 
-    def __init__(
-        self,
-        plan: Plan,
-        recorder: Recorder,
-        stance: Stance,
-        way: Way,
-        state: WorldState,
-        tell: Progress,
-    ) -> None:
-        super().__init__(plan.push, plan.prediction.onset, recorder, stance, way, tell)
-        self.plan = plan
-        self._state = state
-        self._target = state.objects[plan.push.object]
+    plan: Plan
+    recorder: Recorder
+    stance: Stance
+    way: Way
+    state: WorldState
+    tell: Progress
+
+
+class PlannedControl(TouchControl, ABC):
+    """One planned motion, from before a face to its end: first `touch`, then `act`.
+
+    Args:
+        errand: what to do, and with what.
+
+    Attributes:
+        plan: of the errand.
+    """
+
+    def __init__(self, errand: Errand) -> None:
+        self.plan = plan = errand.plan
+        super().__init__(
+            plan.push,
+            plan.prediction.onset,
+            errand.recorder,
+            errand.stance,
+            errand.way,
+            errand.tell,
+        )
+        self._state = errand.state
+        self._target = errand.state.objects[plan.push.object]
         self._started = 0.0
         self._felt_first = 0.0
 

@@ -15,17 +15,11 @@ from __future__ import annotations
 import numpy as np
 
 from objectmodels.tilting import length_along
-from planner.plan import Plan
-from planner.state import WorldState
 from sim.arc import Arc
 from sim.guards import MOVED, TiltGuards
-from sim.planned import PlannedControl
-from sim.recorder import Recorder
-from sim.stance import Stance
+from sim.planned import Errand, PlannedControl
 from sim.tiltview import TiltView
 from sim.trace import EndReason
-from sim.trip import Progress
-from sim.way import Way
 
 HOLD = 0.5
 """Time for which the tilt is held [s]."""
@@ -44,18 +38,10 @@ _STEPS = 8  # places of the arc that the arm is asked for beforehand
 class TiltControl(PlannedControl):
     """One tilt, from before the face until the object stands again."""
 
-    def __init__(
-        self,
-        plan: Plan,
-        recorder: Recorder,
-        stance: Stance,
-        way: Way,
-        state: WorldState,
-        tell: Progress,
-    ) -> None:
-        super().__init__(plan, recorder, stance, way, state, tell)
+    def __init__(self, errand: Errand) -> None:
+        super().__init__(errand)
         self._length = length_along(self._target.model, self._target.pose.R_WB.T @ self._u)
-        self._arc = Arc(way.touch, self._u, self._length)
+        self._arc = Arc(self.way.touch, self._u, self._length)
         self._view = TiltView(self._camera[1])
         self._angle = 0.0  # of the arc, as commanded
         self._most = 0.0  # the largest tilt

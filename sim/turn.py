@@ -12,18 +12,12 @@ import numpy as np
 from objectmodels import ObjectModel
 from objectmodels.motion import touched_faces
 from objectmodels.turning import turning
-from planner.plan import Plan
-from planner.state import WorldState
 from sim.guards import MOVED, Guards
 from sim.hand import TIP_RADIUS
-from sim.planned import PlannedControl
-from sim.recorder import Recorder
+from sim.planned import Errand, PlannedControl
 from sim.rotations import Array, rot_z
-from sim.stance import Stance
 from sim.trace import EndReason
-from sim.trip import Progress
 from sim.turnkeeper import TurnedObject, TurnKeeper
-from sim.way import Way
 
 _CONTACT = 0.8  # speed of the contact as a share of that of the fingertip, which is farther out
 _BRAKING = 2.0  # turning rate per remaining turn near the end [1/s]
@@ -35,20 +29,12 @@ _FACE_END = 0.002  # distance from the end of a face at which the push stops [m]
 class TurnControl(PlannedControl):
     """One push that turns an object, from before the face to its end."""
 
-    def __init__(
-        self,
-        plan: Plan,
-        recorder: Recorder,
-        stance: Stance,
-        way: Way,
-        state: WorldState,
-        tell: Progress,
-    ) -> None:
-        super().__init__(plan, recorder, stance, way, state, tell)
+    def __init__(self, errand: Errand) -> None:
+        super().__init__(errand)
         self._direction = self._u
         # In B: where the face is touched, and where along it, half its width, its curvature.
-        outward = self._target.pose.R_WB.T @ -way.inward
-        self._point = np.array([plan.push.p_BC])
+        outward = self._target.pose.R_WB.T @ -self.way.inward
+        self._point = np.array([self.plan.push.p_BC])
         self._normal = _normal(self._target.model, outward)[None]
         (self._face,) = touched_faces(self._target.model, self._point[:, :2], self._normal[:, :2])
 
