@@ -42,6 +42,11 @@ class CylinderModel(ObjectModel):
         return self.height
 
     @property
+    def section(self) -> Disc:
+        """A disc, that of its side."""
+        return Disc(self.radius)
+
+    @property
     def outline(self) -> Array:
         """A polygon around the side."""
         around = Disc(self.radius)

@@ -84,6 +84,16 @@ class HullModel(ObjectModel):
         """Height of the highest vertex."""
         return float(self._points[:, 2].max())
 
+    @property
+    def section(self) -> Polygon:
+        """Refused: it differs from height to height."""
+        raise ModelError(
+            "bad_value",
+            "a container has upright walls",
+            path="container",
+            suggestions=("model it as a box, a cylinder or a prism",),
+        )
+
     @cached_property
     def outline(self) -> Array:
         """The hull seen from above."""

@@ -38,6 +38,7 @@ from objectmodels.thresholds import (
     topple_threshold,
     yaw_arm,
 )
+from objectmodels.vessel import Vessel
 
 if TYPE_CHECKING:
     from objectmodels.exact import ExactThresholds
@@ -84,6 +85,15 @@ class ObjectModel(Parameters, ABC):
     def outline(self) -> Array:
         """What it covers of the table seen from above, a convex polygon, shape (k, 2) [m]."""
         return self.footprint.corners
+
+    @property
+    def section(self) -> Base:
+        """Its horizontal section, the same at all heights, which a cavity inside it follows.
+
+        Raises:
+            ModelError: `bad_value` if it differs from height to height.
+        """
+        return self.footprint
 
     @property
     def centre(self) -> tuple[float, float, float]:
@@ -169,6 +179,13 @@ class ObjectModel(Parameters, ABC):
                 f"found {list(self.com)}, expected a place inside the object, {self.top} m high",
                 path="com",
             )
+        if self.container is not None and self.container.mass >= self.mass:
+            raise ModelError(
+                "bad_value",
+                f"the contents weigh {self.container.mass:.3f} kg, all of it {self.mass} kg",
+                path="container",
+            )
+        _ = self.vessel  # which refuses what does not fit
         return self
 
     def __eq__(self, other: object) -> bool:
@@ -199,6 +216,13 @@ class ObjectModel(Parameters, ABC):
         """Size along x, y, z of B [m]."""
         x, y = np.ptp(self.outline, axis=0).tolist()
         return (x, y, self.top)
+
+    @cached_property
+    def vessel(self) -> Vessel | None:
+        """Its cavity, as a function of how it leans; None if it is not hollow."""
+        if self.container is None:
+            return None
+        return Vessel.inside(self.section, self.top, self.container)
 
     @property
     def weight(self) -> float:

@@ -77,6 +77,11 @@ class Container(Part):
         """Its standard deviation [m³]."""
         return 1e-3 * self.contents_l_sd
 
+    @property
+    def mass(self) -> float:
+        """Mass of the liquid [kg]."""
+        return self.density * self.contents
+
 
 class FlipLid(Part):
     """A lid on a hinge at the rim, with a tab at the other side that a fingertip gets under.
