@@ -56,15 +56,16 @@ def outflow(head: ArrayLike, tilt: ArrayLike, radius: float) -> Array:
         tilt: of the vessel [rad].
         radius: of the opening [m].
     """
-    head, sin = np.broadcast_arrays(np.maximum(head, 0.0), np.sin(tilt))
+    wanted = np.maximum(np.asarray(head, float), 0.0), np.sin(np.asarray(tilt, float))
+    h, sin = np.broadcast_arrays(*wanted)
     drop = np.maximum(radius * sin, _TINY)
-    wet = np.arccos(np.clip(1.0 - head / drop, -1.0, 1.0))
+    wet = np.arccos(np.clip(1.0 - h / drop, -1.0, 1.0))
     phi = wet[..., None] * _X
-    depth = np.maximum(head[..., None] - drop[..., None] * (1.0 - np.cos(phi)), 0.0)
+    depth = np.maximum(h[..., None] - drop[..., None] * (1.0 - np.cos(phi)), 0.0)
     forwards = 1.0 + sin[..., None] * (np.cos(phi) - 1.0)
     rim = 2.0 * radius * wet * (_W * forwards * depth**1.5).sum(axis=-1)
     fall = np.sqrt(2.0 * GRAVITY)
-    hole = np.pi * radius**2 * np.sqrt(head)
+    hole = np.pi * radius**2 * np.sqrt(h)
     return np.asarray(DISCHARGE * fall * np.minimum(2.0 / 3.0 * rim, hole))
 
 
@@ -77,8 +78,8 @@ def exit_velocity(head: ArrayLike, tilt: ArrayLike) -> tuple[Array, Array]:
 
 def fall_time(down: ArrayLike, fall: ArrayLike) -> Array:
     """Time to fall by a height from a speed downwards; 0 if there is nowhere to fall [s]."""
-    down, fall = np.asarray(down, float), np.maximum(np.asarray(fall, float), 0.0)
-    return np.asarray((np.sqrt(down * down + 2.0 * GRAVITY * fall) - down) / GRAVITY)
+    speed, height = np.asarray(down, float), np.maximum(np.asarray(fall, float), 0.0)
+    return np.asarray((np.sqrt(speed * speed + 2.0 * GRAVITY * height) - speed) / GRAVITY)
 
 
 def throw(head: ArrayLike, tilt: ArrayLike, fall: ArrayLike) -> Array:

@@ -1,7 +1,8 @@
 """Hidden truth: how the objects of one world really are, drawn from its seed.
 
 Model: mass and friction coefficients are the scene's times 1 + σ z, the centre of mass is the
-scene's plus σ z along each axis of B, with z normal and clipped at two. Six numbers are drawn for
+scene's plus σ z along each axis of B, with z normal and clipped at two. Contents are as much more
+or less as the mass is. Six numbers are drawn for
 each object, in the order of the file, whatever their σ.
 """
 
@@ -33,6 +34,10 @@ def drawn(scene: Scene, seed: int) -> Scene:
                 * (1.0 + hidden.finger_friction * finger),
             }
         )
+        if truth.container is not None:
+            litres = truth.container.contents_l * (1.0 + hidden.mass * mass)
+            container = truth.container.model_copy(update={"contents_l": litres})
+            truth = truth.model_copy(update={"container": container})
         shifted = truth.shifted([hidden.centre_of_mass_m * z for z in shift])
         objects.append(item.model_copy(update={"truth": shifted}))
     return scene.model_copy(update={"objects": tuple(objects), "hidden": Hidden()})

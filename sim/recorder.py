@@ -121,6 +121,11 @@ class Recorder:
             end=end,
             detail=detail,
             seed=self.world.seed,
+            contents={
+                name: np.array([sample.contents[name] for sample in samples])
+                for name in (samples[0].contents if samples else ())
+            },
+            spilled=np.array([sample.spilled for sample in samples]),
         )
 
 

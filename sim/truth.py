@@ -6,14 +6,16 @@ Frame: B is the object's frame at the centre of its base.
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
-from objectmodels.base import Polygon
+from objectmodels.base import Disc, Polygon
 from objectmodels.parts import Container, Lid
+from objectmodels.vessel import Vessel
 from sim.parts import Fraction, NonNegative, Part, Point2, Point3, Positive
 
 _RIM_POINTS = 16
@@ -38,6 +40,7 @@ class Truth(Part):
         centre_of_mass_m: in B; above the origin at half the height if not given.
         contents_shift_m: standard deviation of a shift of the centre of mass along each axis of B,
             drawn anew whenever the robot begins to touch the object; 0 for contents that lie still.
+            Not for containers, whose contents lie as gravity has it.
         support_m: points of the base on which the object stands, in B's x, y; its corners (of a
             cylinder: points of its rim) if not given.
         container: what it really holds; `mass_kg` includes the contents.
@@ -80,6 +83,27 @@ class Truth(Part):
         if self.support_m is not None and len(self.support_m) < 3:
             raise ValueError("support_m needs three points or more")
         return self
+
+    @model_validator(mode="after")
+    def _holds_its_contents(self) -> Truth:
+        if self.container is None:
+            return self
+        _ = self.vessel  # which refuses what does not fit
+        if self.container.mass >= self.mass_kg:
+            raise ValueError(f"the contents weigh {self.container.mass:.3f} kg, more than mass_kg")
+        if self.contents_shift_m > 0.0:
+            raise ValueError("contents_shift_m is not for containers")
+        return self
+
+    @cached_property
+    def vessel(self) -> Vessel | None:
+        """Its cavity, as a function of how it leans; None if it is not hollow."""
+        if self.container is None:
+            return None
+        section: Disc | Polygon = Polygon.convex(self.outline)
+        if self.radius_m is not None:
+            section = Disc(self.radius_m)
+        return Vessel.inside(section, self.height, self.container)
 
     def _contains(self, p_B: Point3) -> bool:
         x, y, z = p_B

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -22,6 +22,7 @@ from sim.contacts import ContactWatch
 from sim.contents import ShiftingContents
 from sim.hand import FINGERS, RESTING, Angles
 from sim.hidden import drawn
+from sim.liquid import Liquid
 from sim.plant import Standing, add_plant
 from sim.rotations import Array
 from sim.scene import Scene
@@ -45,11 +46,15 @@ class Sample:
         time: [s].
         poses: per object, quaternion (w, x, y, z) and position p_WB [m], shape (7,).
         joints: angles of all robot joints, shape (23,) [rad].
+        contents: per container, volume in it [m³].
+        spilled: volume that ran out and into none of them [m³].
     """
 
     time: float
     poses: Mapping[str, Array]
     joints: Array
+    contents: Mapping[str, float] = field(default_factory=dict)
+    spilled: float = 0.0
 
 
 class Change(Protocol):
@@ -116,6 +121,7 @@ class DrakeWorld:
         self._watch = ContactWatch(self._plant, self._model.bodies)
         self.contacts: list[ContactEvent] = self._watch.events
         self._changes = tuple(changes_in(self._model, root, scene, seed))
+        self._liquid = next((c for c in self._changes if isinstance(c, Liquid)), None)
         self._poses: dict[str, tuple[Array, Array]] = {}
         self._touched: list[str] = []
         self._frames: list[Frame] = []
@@ -246,10 +252,15 @@ class DrakeWorld:
             self._poses[name] = (X_WB.rotation().matrix(), p_WB)
         joints = self._plant.GetPositions(self._context)[self._places]
         self._measured = self._angles.read(joints)
-        self.history.append(Sample(self.time, poses, joints))
+        self.history.append(self._sample(poses, joints))
         self._vision.observe(self.time, self._poses)
         self._frames += self._vision.arrived(self.time)
         self._touched = self._watch.note(self.time, self._context)
+
+    def _sample(self, poses: Mapping[str, Array], joints: Array) -> Sample:
+        if self._liquid is None:
+            return Sample(self.time, poses, joints)
+        return Sample(self.time, poses, joints, dict(self._liquid.contents), self._liquid.spilled)
 
 
 def summed(
@@ -282,3 +293,5 @@ def changes_in(model: Standing, root: Context, scene: Scene, seed: int) -> Itera
         yield VaryingFriction(model, root, scene, seed)
     if any(item.truth.contents_shift_m > 0.0 for item in scene.objects):
         yield ShiftingContents(model, root, scene, seed)
+    if any(item.truth.container is not None for item in scene.objects):
+        yield Liquid(model, root, scene)
