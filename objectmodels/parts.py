@@ -124,6 +124,10 @@ class FlipLid(Part):
         """Largest opening [rad]."""
         return math.radians(self.opens_to_deg)
 
+    def leaves_free(self, angle: float) -> bool:
+        """Whether contents get past it when it is open by an angle [rad]."""
+        return angle > self.snap_angle
+
 
 class LiftOffLid(Part):
     """A lid that sits on the rim and comes off straight up, against a retention force.
@@ -148,6 +152,10 @@ class LiftOffLid(Part):
     knob_radius: PositiveFloat = Field(alias="knob_radius_m")
     knob_height: PositiveFloat = Field(alias="knob_height_m")
 
+    def leaves_free(self, height: float) -> bool:
+        """Whether contents get past it when it is lifted by a height [m]."""
+        return height > self.travel
+
 
 class ScrewCap(Part):
     """A cap on a thread: it turns against a friction torque, and is off after some turns.
@@ -168,6 +176,10 @@ class ScrewCap(Part):
     turns: PositiveFloat = 1.0
     radius: PositiveFloat = Field(alias="radius_m")
     height: PositiveFloat = Field(alias="height_m")
+
+    def leaves_free(self, angle: float) -> bool:
+        """Whether contents get past it when it is turned by an angle [rad]: once it is off."""
+        return angle >= 2.0 * math.pi * self.turns
 
 
 Lid = Annotated[FlipLid | LiftOffLid | ScrewCap, Field(discriminator="kind")]

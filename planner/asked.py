@@ -111,7 +111,8 @@ def read(frame: g.Frame, state: WorldState, defaults: Defaults) -> Asked:
     target = state.objects[frame.object.id]
     asked = _goal(frame, target, state, defaults)
     setting = Setting(target, state, defaults)
-    for clause in frame.constraints:
+    # How far it will tilt is known when all others are read.
+    for clause in sorted(frame.constraints, key=lambda c: c.kind == "no_spill"):
         asked = restricted(asked, clause, setting)
     return asked
 

@@ -77,6 +77,7 @@ class Defaults:
             no return.
         no_turn: `no_turn` holds while the object turns by less than this [rad].
         no_tilt: `no_tilt` holds while the object tilts by less than this [rad].
+        no_spill: `no_spill` holds while less than this share of the contents is spilled.
         toppled: an object that ends tilted by more than this has toppled [rad].
         speed: of a push [m/s].
         speed_gentle: of a gentle push [m/s].
@@ -143,6 +144,7 @@ class Defaults:
     no_topple_share: Share = 0.5
     no_turn: Angle = 10.0 * DEGREE
     no_tilt: Angle = 5.0 * DEGREE
+    no_spill: Share = 0.01
     toppled: Angle = 60.0 * DEGREE
     speed: Speed = 0.05
     speed_gentle: Speed = 0.02

@@ -11,7 +11,7 @@ from grammar import frames as g
 from planner.directions import FACE_OF_PUSH, HEADINGS
 from planner.plan import Refusal
 from planner.refusals import RefusedError, unsupported
-from planner.tilts import almost_tips
+from planner.tilts import almost_tips, spill_tilt
 
 if TYPE_CHECKING:
     from planner.asked import Asked
@@ -44,7 +44,6 @@ def restricted(asked: Asked, clause: g.Constraint, setting: Setting) -> Asked:
     handler = _HANDLERS.get(clause.kind)
     if handler is None:
         what = {
-            "no_spill": "keeping an object from spilling",
             "duration": "pushing for an exact time",
         }.get(clause.kind, clause.kind.replace("_", " "))
         message = f"this version of the robot is not capable of {what}"
@@ -118,6 +117,34 @@ def _until(asked: Asked, clause: g.Until, s: Setting) -> Asked:
 
 def _almost_tipped(asked: Asked, s: Setting) -> Asked:
     return replace(asked, tilt=almost_tips(s.target.model, s.defaults))
+
+
+# -- contents ---------------------------------------------------------------------------------
+
+
+def _kept_in(asked: Asked, clause: g.NoSpill, s: Setting) -> Asked:
+    """It leans less than what makes its contents run out; what slides upright keeps them."""
+    spills = spill_tilt(s.target, s.defaults.sigmas)
+    if spills is None:
+        return asked
+    most = max(spills, s.defaults.rest_tilt)
+    if asked.outcome == "slide":
+        return _limited(asked, tilt=most)
+    tilt = None if asked.tilt is None else asked.tilt + s.defaults.tilt_tolerance
+    if tilt is not None and tilt <= spills:
+        return _limited(asked, tilt=most)
+    does = "toppling tilts it further"
+    if asked.tilt is not None:
+        does = f"{math.degrees(asked.tilt):.0f}° are asked"
+    numbers = {"spill_angle": spills} | ({} if asked.tilt is None else {"tilt": asked.tilt})
+    raise RefusedError(
+        Refusal(
+            reason="impossible",
+            message=f"the {s.target.name} begins to spill at {math.degrees(spills):.0f}°; {does}",
+            numbers=numbers,
+            spans=clause.spans,
+        )
+    )
 
 
 # -- others -----------------------------------------------------------------------------------
@@ -315,6 +342,7 @@ _HANDLERS: dict[str, Callable[[Asked, Any, Setting], Asked]] = {
     "no_slide": _stays_there,
     "no_turn": _heading_kept,
     "max_turn": _heading_kept,
+    "no_spill": _kept_in,
     "no_lift": _kept,
     "no_touch": _clear,
     "max_force": _force_below,

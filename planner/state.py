@@ -82,6 +82,12 @@ class SeenObject:
     fixed: bool = False
     lid: float | None = None
 
+    @property
+    def covered(self) -> bool:
+        """Whether its contents are kept in by a lid, as far as is seen; one unseen is closed."""
+        lid = self.model.lid
+        return lid is not None and not lid.leaves_free(self.lid or 0.0)
+
     @classmethod
     def lying(
         cls,

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 CLEARANCE = 0.01
 """Distance that a leaning object keeps from others [m]."""
 
+_HEADINGS = 24  # to which what is tilted may lean
 _SLACK = 0.015  # travel beyond what the model says, for what it does not know [m]
 
 
@@ -49,6 +50,23 @@ def almost_tips(model: ObjectModel, defaults: Defaults) -> float:
     """A tilt well short of the angle of no return, whichever way it is tilted [rad]."""
     least = min(model.angle_of_no_return(face.normal) for face in model.faces())
     return defaults.tilt_lot * least
+
+
+def spill_tilt(target: SeenObject, sigmas: float) -> float | None:
+    """Least tilt at which an object may begin to spill [rad]; None if nothing can run out.
+
+    Args:
+        target: the object.
+        sigmas: standard deviations by which there may be more in it than is believed.
+    """
+    container, vessel = target.model.container, target.model.vessel
+    if container is None or vessel is None or target.covered:
+        return None
+    volume = container.contents + sigmas * container.contents_sd
+    if volume <= 0.0:
+        return None
+    headings = np.linspace(-np.pi, np.pi, _HEADINGS, endpoint=False)
+    return float(vessel.spill_angle(volume, headings).min())
 
 
 def hindered(

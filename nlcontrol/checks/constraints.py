@@ -66,6 +66,18 @@ def _no_lift(clause: g.NoLift, e: Evidence) -> Iterator[Check]:
     yield compare(clause, "at_most", "rose off the table", e.defaults.no_lift, rise, 0.0, "m")
 
 
+def _no_spill(clause: g.NoSpill, e: Evidence) -> Iterator[Check]:
+    contents = {name: volume[0] for name, volume in e.trace.contents.items()}
+    # What holds nothing itself may still make others spill.
+    held = contents.get(e.name, 0.0) or sum(contents.values())
+    if held > 0.0:
+        share = (e.trace.spilled[-1] - e.trace.spilled[0]) / held
+        quantity = "share of the contents that was spilled"
+        yield compare(clause, "at_most", quantity, e.defaults.no_spill, share, 0.0, "")
+    else:
+        yield named(clause, "spilled", "nothing", "nothing")
+
+
 def _no_touch(clause: g.NoTouch, e: Evidence) -> Iterator[Check]:
     names = tuple(name for name in e.trace.poses if name != e.name)
     what = "anything else"
@@ -181,6 +193,7 @@ CONSTRAINTS: dict[str, Callable[..., Iterator[Check]]] = {
     "no_turn": _no_turn,
     "no_slide": _no_slide,
     "no_lift": _no_lift,
+    "no_spill": _no_spill,
     "no_touch": _no_touch,
     "max_tilt": _max_tilt,
     "max_turn": _max_turn,

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, get_args
 
+import numpy as np
 import pytest
 
 from grammar import frames as g
@@ -657,7 +658,6 @@ def test_ends_that_were_meant_are_not_early(
     [
         _frame(g.Lift(height=0.1)),
         _frame(g.Place(relation="on", reference=(MUG,))),
-        _frame(AWAY, g.NoSpill()),
     ],
 )
 def test_what_cannot_be_checked_is_an_error(frame: g.Frame) -> None:
@@ -668,8 +668,36 @@ def test_what_cannot_be_checked_is_an_error(frame: g.Frame) -> None:
 
 def test_the_words_of_an_uncheckable_clause_are_named() -> None:
     with pytest.raises(ControlError) as raised:
-        require_checkable(_frame(AWAY, g.NoSpill(spans=((3, 9),))))
+        require_checkable(_frame(g.Lift(height=0.1, spans=((3, 9),))))
     assert raised.value.info.span == (3, 9)
+
+
+@pytest.mark.parametrize(("spilled", "ok"), [(2e-6, True), (4e-6, False)])
+def test_no_spill(make_trace: TraceMaker, box: BoxModel, spilled: float, ok: bool) -> None:
+    """What was spilled before does not count."""
+    trace = make_trace()
+    n = len(trace.time)
+    before = 50e-6
+    lost = before + np.linspace(0.0, spilled, n)
+    contents = {"mug": np.full(n, 1e-6), "ice tea box": np.full(n, 0.3e-3)}
+    trace = replace(trace, contents=contents, spilled=lost)
+    (found,) = [c for c in check(_frame(AWAY, g.NoSpill()), trace, box) if c.clause == "no_spill"]
+    assert found.ok is ok
+    assert found.measured == pytest.approx(spilled / 0.3e-3)
+    assert found.expected == DEFAULTS.no_spill
+
+
+def test_what_holds_nothing_spills_nothing_but_of_others(
+    make_trace: TraceMaker, box: BoxModel
+) -> None:
+    frame, trace = _frame(AWAY, g.NoSpill()), make_trace()
+    assert _one(check(frame, trace, box), "spilled").ok
+    n = len(trace.time)
+    contents = {"ice tea box": np.zeros(n), "mug": np.full(n, 0.2e-3)}
+    upset = replace(trace, contents=contents, spilled=np.linspace(0.0, 0.1e-3, n))
+    found = _one(check(frame, upset, box), "spilled")
+    assert not found.ok
+    assert found.measured == pytest.approx(0.5)
 
 
 def test_no_clause_of_the_contract_is_passed_over(make_trace: TraceMaker, box: BoxModel) -> None:
