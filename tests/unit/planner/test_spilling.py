@@ -18,7 +18,7 @@ from tests.unit.planner.conftest import TABLE, frame_of
 
 CUP = BoxModel(
     name="ice tea box", size=(0.09, 0.06, 0.18), mass=1.0, friction=0.4,
-    container=Container(wall=0.002, opening=Opening(radius=0.02), contents_l=0.7),
+    container=Container(wall=0.002, opening=Opening(radius=0.02), contents_l=0.8),
 )  # fmt: skip
 LID = FlipLid(mass=0.01, tab=0.02, friction_torque=0.01)
 
@@ -43,7 +43,7 @@ def test_a_push_may_tilt_it_as_far_as_it_holds() -> None:
     vessel = CUP.vessel
     assert vessel is not None
     # Whichever way it leans: towards a short side it spills first.
-    assert _spills(_seen()) <= vessel.spill_angle(0.7e-3, [0.0, np.pi / 2.0, 1.0]).min()
+    assert _spills(_seen()) <= vessel.spill_angle(0.8e-3, [0.0, np.pi / 2.0, 1.0]).min()
 
 
 def test_more_may_be_in_it_than_is_believed() -> None:
