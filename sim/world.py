@@ -22,6 +22,7 @@ from sim.contacts import ContactWatch
 from sim.contents import ShiftingContents
 from sim.hand import FINGERS, RESTING, Angles
 from sim.hidden import drawn
+from sim.lids import Lids
 from sim.liquid import Liquid
 from sim.plant import Standing, add_plant
 from sim.rotations import Array
@@ -30,7 +31,7 @@ from sim.sensors import JointReadings, TorqueReadings
 from sim.surfaces import VaryingFriction
 from sim.trace import ContactEvent
 from sim.truth import Truth
-from sim.vision import Frame, VisionPort, averaged
+from sim.vision import Frame, VisionPort, averaged, lids_in
 
 if TYPE_CHECKING:
     from pydrake.multibody.plant import MultibodyPlant
@@ -48,6 +49,8 @@ class Sample:
         joints: angles of all robot joints, shape (23,) [rad].
         contents: per container, volume in it [m³].
         spilled: volume that ran out and into none of them [m³].
+        lids: how far each lid is open, as in `sim.trace.Trace.lids`.
+        lid_poses: as in `sim.trace.Trace.lid_poses`, shape (7,) each.
     """
 
     time: float
@@ -55,6 +58,8 @@ class Sample:
     joints: Array
     contents: Mapping[str, float] = field(default_factory=dict)
     spilled: float = 0.0
+    lids: Mapping[str, float] = field(default_factory=dict)
+    lid_poses: Mapping[str, Array] = field(default_factory=dict)
 
 
 class Change(Protocol):
@@ -110,7 +115,7 @@ class DrakeWorld:
         joints = [*self._arm_joints, *(j for f in FINGERS for j in self._finger_joints[f])]
         self.joint_names = tuple(joint.name() for joint in joints)
         self._places = np.array([joint.position_start() for joint in joints])
-        self._vision = VisionPort(scene.vision, scene.names, seed=seed)
+        self._vision = VisionPort(scene.vision, scene.names, lids_in(scene), seed=seed)
         self._impulse = np.zeros(len(hand.JOINT_NAMES))
         self._mean_torques = np.zeros(len(hand.JOINT_NAMES))
         self._torques = TorqueReadings(scene.torque_sensor, self.period, seed)
@@ -118,10 +123,19 @@ class DrakeWorld:
         self._measured = np.zeros(len(joints))
         self._steps = 0
         self.history: list[Sample] = []
-        self._watch = ContactWatch(self._plant, self._model.bodies)
+        self._watch = ContactWatch(
+            self._plant,
+            self._model.bodies,
+            {each.body.name(): name for name, each in self._model.lids.items()},
+        )
         self.contacts: list[ContactEvent] = self._watch.events
-        self._changes = tuple(changes_in(self._model, root, scene, seed))
-        self._liquid = next((c for c in self._changes if isinstance(c, Liquid)), None)
+        self._lids = Lids(self._model, root)
+        self._liquid = Liquid(self._model, root, scene, self._lids.is_open)
+        self._changes: tuple[Change, ...] = (
+            self._lids,
+            self._liquid,
+            *changes_in(self._model, root, scene, seed),
+        )
         self._poses: dict[str, tuple[Array, Array]] = {}
         self._touched: list[str] = []
         self._frames: list[Frame] = []
@@ -226,12 +240,25 @@ class DrakeWorld:
         Args:
             seconds: how long [s]; longer if no frame arrives.
         """
+        return averaged(self.watch(seconds))
+
+    def watch(self, seconds: float) -> list[Frame]:
+        """Waits and returns the camera frames that arrive meanwhile.
+
+        Args:
+            seconds: how long [s]; longer if no frame arrives.
+        """
         frames = self.frames()
         until = self._steps + round(seconds / self.period)
         while self._steps < until or not frames:
             self.step(self._q_arm, self._q_hand)
             frames += self.frames()
-        return averaged(frames)
+        return frames
+
+    @property
+    def lids(self) -> dict[str, float]:
+        """How far each lid truly is open now, as in `sim.trace.Trace.lids`; for an observer."""
+        return self._lids.opened()
 
     def truth_now(self, name: str) -> Truth:
         """How an object is at this time; for an observer, never for the robot.
@@ -252,15 +279,21 @@ class DrakeWorld:
             self._poses[name] = (X_WB.rotation().matrix(), p_WB)
         joints = self._plant.GetPositions(self._context)[self._places]
         self._measured = self._angles.read(joints)
-        self.history.append(self._sample(poses, joints))
-        self._vision.observe(self.time, self._poses)
+        lids = self._lids.opened()
+        self.history.append(
+            Sample(
+                self.time,
+                poses,
+                joints,
+                dict(self._liquid.contents),
+                self._liquid.spilled,
+                lids,
+                self._lids.poses(),
+            )
+        )
+        self._vision.observe(self.time, self._poses, lids)
         self._frames += self._vision.arrived(self.time)
         self._touched = self._watch.note(self.time, self._context)
-
-    def _sample(self, poses: Mapping[str, Array], joints: Array) -> Sample:
-        if self._liquid is None:
-            return Sample(self.time, poses, joints)
-        return Sample(self.time, poses, joints, dict(self._liquid.contents), self._liquid.spilled)
 
 
 def summed(
@@ -293,5 +326,3 @@ def changes_in(model: Standing, root: Context, scene: Scene, seed: int) -> Itera
         yield VaryingFriction(model, root, scene, seed)
     if any(item.truth.contents_shift_m > 0.0 for item in scene.objects):
         yield ShiftingContents(model, root, scene, seed)
-    if any(item.truth.container is not None for item in scene.objects):
-        yield Liquid(model, root, scene)

@@ -71,7 +71,7 @@ class Moved:
         feet = {name: feet for name, (_, _, feet) in objects.items()}
         self.root = builder.Build().CreateDefaultContext()
         self.context = self.plant.GetMyContextFromRoot(self.root)
-        self.model = Standing(self.plant, graph, bodies, feet)
+        self.model = Standing(self.plant, graph, bodies, feet, {})
         self.liquid = Liquid(self.model, self.root, self.scene)
         self.poses = {
             item.name: (np.eye(3), np.array([item.pose.x_m, item.pose.y_m, 0.0]))
