@@ -147,6 +147,7 @@ class _Camera:
         from PIL import Image
 
         self._stage.show(trace, sample)
+        self._stage.fill(trace, sample)
         context = self._sensor.GetMyContextFromRoot(self._stage.context)
         pixels = self._sensor.color_image_output_port().Eval(context).data
         return Image.fromarray(np.array(pixels[:, :, :3]))

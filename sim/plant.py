@@ -35,6 +35,7 @@ _STICTION = 1e-4  # slip speed up to which friction counts as sticking [m/s]
 _CORNER_RADIUS = 1e-4
 _HOLDER = (0.008, 0.03)  # thickness and height of what is drawn of a holder [m]
 _HOLDER_COLOUR = np.array([0.35, 0.37, 0.40, 1.0])
+_SHELL = 0.35  # opacity of a container, so that one sees what is inside
 
 
 @dataclass(frozen=True)
@@ -158,7 +159,8 @@ def add_object(plant: MultibodyPlant, item: SceneObject) -> tuple[RigidBody, Geo
     truth = item.truth
     shape, X_BG = _shape(truth)
     body = plant.AddRigidBody(item.name, plant.AddModelInstance(item.name), inertia(truth))
-    plant.RegisterVisualGeometry(body, X_BG, shape, "solid", np.array([*truth.colour, 1.0]))
+    opacity = 1.0 if truth.container is None else _SHELL
+    plant.RegisterVisualGeometry(body, X_BG, shape, "solid", np.array([*truth.colour, opacity]))
     solid = plant.RegisterCollisionGeometry(
         body, X_BG, shape, "solid", surface(truth.friction_finger / 2)
     )

@@ -10,11 +10,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sim.liquidview import COLOUR, parts, triangles
+from sim.rotations import Array
 from sim.scene import Scene
 from sim.stage import Stage, samples
 from sim.trace import Trace
 
 if TYPE_CHECKING:
+    from pydrake.geometry import Meshcat
+    from pydrake.math import RigidTransform
     from pydrake.systems.framework import DiagramBuilder
 
     from sim.plant import Plant
@@ -22,6 +26,7 @@ if TYPE_CHECKING:
 FRAME_RATE = 24.0
 """Frames per second of the recording."""
 
+_SAME = 2e-4  # liquid that differs by less keeps its mesh [m]
 _CAMERA, _LOOK_AT = (-0.45, -0.95, 0.65), (0.45, 0.0, 0.30)
 
 
@@ -35,6 +40,58 @@ def _quiet() -> Iterator[None]:
         yield
     finally:
         log.setLevel(before)
+
+
+class _Liquid:
+    """Shows liquid in a recording: a mesh for each form that it takes, one of them visible."""
+
+    def __init__(self, meshcat: Meshcat, scene: Scene) -> None:
+        self._meshcat = meshcat
+        self._scene = scene
+        self._known: dict[str, list[Array]] = {}
+        self._visible: set[str] = set()
+
+    def show(self, trace: Trace, sample: int) -> None:
+        """Puts the liquid where it was at a sample of a trace."""
+        now = float(trace.time[sample] - trace.time[0])
+        visible = set()
+        for part in parts(trace, self._scene, sample):
+            folder = f"/liquid/{part.name}/{part.of}"
+            if part.of == "level":
+                self._meshcat.SetTransform(folder, _placed(trace, part.name, sample), now)
+            visible.add(self._form(folder, part.pieces))
+        for path in visible - self._visible:
+            self._meshcat.SetProperty(path, "visible", True, now)
+        for path in self._visible - visible:
+            self._meshcat.SetProperty(path, "visible", False, now)
+        self._visible = visible
+
+    def _form(self, folder: str, pieces: tuple[Array, ...]) -> str:
+        """The path of a mesh, which is made if the last one of that folder looks otherwise."""
+        from pydrake.geometry import Rgba
+
+        corners, faces = triangles(pieces)
+        known = self._known.setdefault(folder, [])
+        if known and _alike(known[-1], corners):
+            return f"{folder}/{len(known) - 1}"
+        path = f"{folder}/{len(known)}"
+        known.append(corners)
+        self._meshcat.SetTriangleMesh(path, corners.T, faces.T, Rgba(*COLOUR))
+        self._meshcat.SetProperty(path, "visible", False, 0.0)
+        return path
+
+
+def _alike(before: Array, now: Array) -> bool:
+    return before.shape == now.shape and bool(np.abs(before - now).max() < _SAME)
+
+
+def _placed(trace: Trace, name: str, sample: int) -> RigidTransform:
+    from pydrake.common.eigen_geometry import Quaternion
+    from pydrake.math import RigidTransform, RotationMatrix
+
+    pose = trace.poses[name][sample]
+    wxyz = pose[:4] / np.linalg.norm(pose[:4])
+    return RigidTransform(RotationMatrix(Quaternion(wxyz)), pose[4:])
 
 
 def save_replay(trace: Trace, scene: Scene, path: Path | str) -> None:
@@ -63,11 +120,13 @@ def save_replay(trace: Trace, scene: Scene, path: Path | str) -> None:
         )
 
     stage = Stage(scene, furnish)
+    liquid = _Liquid(meshcat, scene)
     recorder = visualizers[0].StartRecording()
     recorder.set_autoplay(True)
     for sample in samples(trace, FRAME_RATE):
         stage.show(trace, sample)
         stage.diagram.ForcedPublish(stage.context)
+        liquid.show(trace, sample)
     visualizers[0].StopRecording()
     visualizers[0].PublishRecording()
     Path(path).write_text(meshcat.StaticHtml(), encoding="utf-8")

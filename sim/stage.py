@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sim.liquidview import COLOUR, parts
 from sim.plant import Plant, add_plant
 from sim.rotations import Array
 from sim.scene import Scene
 
 if TYPE_CHECKING:
+    from pydrake.geometry import GeometryId
     from pydrake.math import RigidTransform
     from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 
@@ -34,11 +36,14 @@ class Stage:
         from pydrake.systems.framework import DiagramBuilder
 
         builder = DiagramBuilder()
+        self._scene = scene
         self._model = add_plant(builder, scene)
         furnish(builder, self._model)
         self.diagram: Diagram = builder.Build()
         self.context: Context = self.diagram.CreateDefaultContext()
         self._plant_context = self._model.plant.GetMyMutableContextFromRoot(self.context)
+        self._graph_context = self._model.scene_graph.GetMyMutableContextFromRoot(self.context)
+        self._liquid: list[GeometryId] = []
 
     def show(self, trace: Trace, sample: int) -> None:
         """Puts everything where it was at a sample of a trace."""
@@ -54,6 +59,28 @@ class Stage:
                 lid.joint.SetPositions(context, [trace.lids[name][sample]])
             else:
                 plant.SetFreeBodyPose(context, lid.body, _pose(trace.lid_poses[name][sample]))
+
+    def fill(self, trace: Trace, sample: int) -> None:
+        """Shows a camera the liquid as it was at a sample of a trace."""
+        from pydrake.geometry import Convex, GeometryInstance, PerceptionProperties, Rgba
+        from pydrake.math import RigidTransform
+
+        plant, graph, context = self._model.plant, self._model.scene_graph, self._graph_context
+        source = plant.get_source_id()
+        for geometry in self._liquid:
+            graph.RemoveGeometry(context, source, geometry)
+        self._liquid.clear()
+        properties = PerceptionProperties()
+        properties.AddProperty("phong", "diffuse", Rgba(*COLOUR))
+        for part in parts(trace, self._scene, sample):
+            frame = graph.world_frame_id()
+            if part.of == "level":
+                frame = plant.GetBodyFrameIdOrThrow(self._model.bodies[part.name].index())
+            for i, piece in enumerate(part.pieces):
+                shape = Convex(piece.T, "liquid")
+                drawn = GeometryInstance(RigidTransform(), shape, f"{part.name} {part.of} {i}")
+                drawn.set_perception_properties(properties)
+                self._liquid.append(graph.RegisterGeometry(context, source, frame, drawn))
 
 
 def _pose(row: Array) -> RigidTransform:
