@@ -38,6 +38,8 @@ DEGREE = math.radians(1.0)
 Length = Annotated[float, Kind("m", "_m", 1.0, 10.0)]
 Gap = Annotated[float, Kind("m", "_m", 1.0, 10.0, zero=True)]
 Angle = Annotated[float, Kind("rad", "_deg", DEGREE, math.tau)]
+Rate = Annotated[float, Kind("rad/s", "_deg_s", DEGREE, math.tau)]
+Volume = Annotated[float, Kind("m³", "_ml", 1e-6, 1e-2)]
 Force = Annotated[float, Kind("N", "_n", 1.0, 1000.0)]
 Speed = Annotated[float, Kind("m/s", "_m_s", 1.0, 10.0)]
 Time = Annotated[float, Kind("s", "_s", 1.0, 1000.0)]
@@ -128,6 +130,30 @@ class Defaults:
         aim_position: an object this near to where it should be is there [m].
         aim_drift: the same of one that is turned on the spot [m].
         aim_angle: an object turned by less than this from how it should look is there [rad].
+        lift_height: of a lift, if none is said [m].
+        lift_little: of "a little" [m].
+        lift_lot: of "a lot" [m].
+        grasp_reserve: factor by which a squeeze exceeds the one that just holds.
+        grasp_reserve_gentle: the same of a gentle one.
+        carry_speed: of the hand while it holds something [m/s].
+        carry_speed_gentle: the same of a gentle or slow one [m/s].
+        carry_clearance: height of what is carried over the table and over what it passes [m].
+        upright: what is held counts as upright while it tilts by less than this [rad].
+        pour_rate: of tilting while it is poured [rad/s].
+        pour_clearance: of the lip over the rim of what is poured into [m].
+        pour_wait: with the largest tilt, until nothing runs out any more [s].
+        pour_little: volume of "a little" [m³].
+        pour_lot: share of what can be poured that is "a lot".
+        pour_fill: share of its volume up to which something is filled without running over.
+        pour_tolerance: of a volume that is said, as a share of what was in it.
+        spill_tolerance: share of what is poured that may miss.
+        lid_open: angle to which a flip lid is opened [rad].
+        lid_opened: a flip lid that is open by more than this is open [rad].
+        lid_closed: a flip lid that is open by less than this is closed [rad].
+        lid_speed: of the fingertip that moves a lid [m/s].
+        lid_reserve: factor by which a standing object must resist what opens its lid.
+        lid_press: force with which a lid is put on [N].
+        most_grasps: grasps for which one plan asks whether the hand gets there.
         most_looks: pushes for which one plan asks whether the hand gets there.
         most_pushes: pushes made for one frame before it is given up.
         known_to: relative standard deviation up to which a property counts as known: a question
@@ -192,6 +218,30 @@ class Defaults:
     aim_position: Length = 0.002
     aim_drift: Length = 0.005
     aim_angle: Angle = 1.0 * DEGREE
+    lift_height: Length = 0.10
+    lift_little: Length = 0.03
+    lift_lot: Length = 0.20
+    grasp_reserve: Factor = 1.5
+    grasp_reserve_gentle: Factor = 1.2
+    carry_speed: Speed = 0.10
+    carry_speed_gentle: Speed = 0.04
+    carry_clearance: Length = 0.03
+    upright: Angle = 10.0 * DEGREE
+    pour_rate: Rate = 20.0 * DEGREE
+    pour_clearance: Length = 0.03
+    pour_wait: Time = 1.0
+    pour_little: Volume = 5e-5
+    pour_lot: Share = 0.75
+    pour_fill: Share = 0.9
+    pour_tolerance: Share = 0.05
+    spill_tolerance: Share = 0.02
+    lid_open: Angle = 90.0 * DEGREE
+    lid_opened: Angle = 80.0 * DEGREE
+    lid_closed: Angle = 5.0 * DEGREE
+    lid_speed: Speed = 0.05
+    lid_reserve: Factor = 1.1
+    lid_press: Force = 3.0
+    most_grasps: Count = 24
     most_looks: Count = 100
     most_pushes: Count = 12
     known_to: Share = 0.10

@@ -207,18 +207,20 @@ class Plan(Value):
 
 
 class Reached(Value):
-    """Nothing is left to be done: the object is seen where it should be.
+    """Nothing is left to be done: the object is seen where it should be, or as it should be.
 
     Attributes:
-        aim: where it should be.
+        aim: where it should be; None if the goal is no place.
         off: distance from there [m].
         turned_off: angle from the wanted heading [rad]; 0 if none is wanted.
+        lid: how far its lid is seen to be open, if that is the goal; see `SeenObject.lid`.
     """
 
     status: Literal["reached"] = "reached"
-    aim: Aim
-    off: float
-    turned_off: float
+    aim: Aim | None = None
+    off: float = 0.0
+    turned_off: float = 0.0
+    lid: float | None = None
 
 
 RefusalReason = Literal[

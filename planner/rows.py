@@ -119,6 +119,7 @@ _UNITS = {
     "heading": "rad", "max_distance": "m", "max_tilt": "rad", "max_turn": "rad",
     "max_force": "N", "min_force": "N", "force": "N", "max_speed": "m/s", "min_speed": "m/s",
     "speed": "m/s", "max_duration": "s", "duration": "s",
+    "volume": "m³",
 }  # fmt: skip
 """Units of fields, and of the `value` of a constraint by its kind."""
 
@@ -163,7 +164,11 @@ def named(ref: g.ObjectRef) -> str:
 
 
 def shown(value: float, unit: str) -> str:
-    """An SI value as people read it, in whole millimetres and degrees."""
+    """An SI value as people read it, in whole millimetres, millilitres and degrees."""
     if unit in ("m", "m/s"):
         return f"{1e3 * value:.0f} m{unit}"
+    if unit == "m³":
+        return f"{1e6 * value:.0f} ml"
+    if unit == "rad/s":
+        return f"{math.degrees(value):.0f}°/s"
     return f"{math.degrees(value):.0f}°" if unit == "rad" else f"{value:g} {unit}".rstrip()

@@ -1,9 +1,9 @@
 """The table of defaults as people set it: names that carry their units, angles in degrees.
 
 A length is set as `place_gap_m`, an angle as `turn_deg`, a force as `force_hard_n`, a speed as
-`speed_m_s`, a time as `duration_tolerance_s`; a plain number bears its name alone. The same names
-hold in the `defaults` of a scene file and on the command line. Code uses the fields of
-`planner.defaults.Defaults`, in SI units.
+`speed_m_s`, a time as `duration_tolerance_s`, a volume as `pour_little_ml`; a plain number bears
+its name alone. The same names hold in the `defaults` of a scene file and on the command line. Code
+uses the fields of `planner.defaults.Defaults`, in SI units.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ def changed(defaults: Defaults, values: Mapping[str, float]) -> Defaults:
 
 def _unknown(said: str, names: tuple[str, ...]) -> DefaultsError:
     """The error of a name that is none; most often its unit is missing."""
-    units = [name for name in names if re.fullmatch(rf"{re.escape(said)}_(m|deg|n|m_s|s)", name)]
+    units = [name for name in names if re.fullmatch(rf"{re.escape(said)}_(m|deg|n|m_s|deg_s|ml|s)", name)]
     close = units or difflib.get_close_matches(said, names, n=3)
     return DefaultsError(
         f"there is no default '{said}'",

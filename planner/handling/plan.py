@@ -58,7 +58,7 @@ class Carry(Value):
     """Over the table with what is held, upright and at the height where it is.
 
     Attributes:
-        to: where its B goes; the heading is kept if none is given.
+        to: where its B goes, or the middle of a lid; the heading is kept if none is given.
     """
 
     kind: Literal["carry"] = "carry"
@@ -183,6 +183,8 @@ class HandlingPlan(Value):
         held: whether the hand holds it so already.
         steps: one after the other.
         prediction: what will come of it.
+        speed: largest speed of the hand while it holds something [m/s].
+        clear_of: other objects and the distance that is kept from each of them [m].
         probability: least probability that it ends as predicted.
         aim: where the object should stand at the end; None if it does not matter or stays up.
         defaults: values that the sentence left open.
@@ -199,6 +201,8 @@ class HandlingPlan(Value):
     held: bool = False
     steps: tuple[HandStep, ...]
     prediction: HandlingPrediction
+    speed: float
+    clear_of: tuple[tuple[str, float], ...] = ()
     probability: float = 1.0
     aim: Aim | None = None
     defaults: tuple[DefaultUsed, ...] = ()
