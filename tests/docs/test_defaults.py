@@ -35,9 +35,8 @@ def test_every_default_is_explained_in_its_unit() -> None:
     ]
     assert all(setting.meaning for setting in settings())
     told = re.findall(r"^ {8}(\w+): (.*(?:\n {12}.*)*)", Defaults.__doc__ or "", re.MULTILINE)
-    units = {
-        name: re.findall(r"\[(m/s|m|rad|N|s)\]", text) for name, text in told if name in kinds()
-    }
+    unit = re.compile(r"\[(m/s|m³|m|rad/s|rad|N|s)\]")
+    units = {name: unit.findall(text) for name, text in told if name in kinds()}
     assert units == {name: [kind.unit] if kind.unit else [] for name, kind in kinds().items()}
 
 
