@@ -1,4 +1,7 @@
-"""From a frame to pushes whose predicted outcome satisfies it, or to a refusal with numbers.
+"""From a frame to actions whose predicted outcome satisfies it, or to a refusal with numbers.
+
+What takes a whole hand (lifting, pouring, opening) is planned in `planner.handling`, if the robot
+has one; what is to be placed is lifted where it can be, and pushed where not. All else is pushed.
 
 What is asked (`planner.asked`) is one push that topples or tilts (`planner.onepush`), or an aim on
 the table, to which the object goes by several (`planner.journey`). All pushes together must be
@@ -11,22 +14,26 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
+from grammar import frames as g
 from planner import refusals
 from planner.asked import Asked, read
 from planner.defaults import DEFAULTS, Defaults
+from planner.handling.planning import handle, is_handled
 from planner.journey import Journey
 from planner.onepush import Found, best_push
 from planner.plan import Aim, Plan, Push, Reached, Refusal
 from planner.reach import GivenUpError, Patient
 from planner.refusals import RefusedError
+from planner.relations import region
 from planner.ways import obliqueness
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from grammar.frames import Frame
+    from planner.handling.plan import HandlingPlan
+    from planner.handling.reach import HandReach
     from planner.reach import Reach
     from planner.state import SeenObject, WorldState
 
@@ -35,32 +42,84 @@ _ASKEW = math.radians(5.0)  # a fall less askew than this is not made straighter
 _FORESIGHT = 0.015  # more room that a fall needs which is foreseen behind a turn [m]
 
 
+@overload
 def plan(
-    frame: Frame,
+    frame: g.Frame,
     state: WorldState,
     reach: Reach,
     *,
     defaults: Defaults = DEFAULTS,
     before: Plan | None = None,
-) -> Plan | Reached | Refusal:
-    """Finds the pushes that satisfy a frame.
+) -> Plan | Reached | Refusal: ...
+
+
+@overload
+def plan(
+    frame: g.Frame,
+    state: WorldState,
+    reach: Reach,
+    *,
+    hand: HandReach | None,
+    defaults: Defaults = DEFAULTS,
+    before: Plan | None = None,
+) -> Plan | HandlingPlan | Reached | Refusal: ...
+
+
+def plan(
+    frame: g.Frame,
+    state: WorldState,
+    reach: Reach,
+    *,
+    hand: HandReach | None = None,
+    defaults: Defaults = DEFAULTS,
+    before: Plan | None = None,
+) -> Plan | HandlingPlan | Reached | Refusal:
+    """Finds what satisfies a frame: pushes, or what a whole hand does.
 
     Args:
         frame: what is asked, its objects resolved to names in `state`.
         state: what the robot believes; the object's heading counts whole turns after a plan before.
-        reach: whether the hand gets somewhere.
+        reach: whether the hand gets somewhere with its fingertips.
+        hand: what it can hold; None of a robot that only pushes.
         defaults: what a clause means when the sentence does not say more.
         before: the plan whose first push was made last; its aim is kept.
 
     Returns:
         A plan; that nothing is left to be done; or the reason why there is no plan.
     """
+    if hand is None or before is not None or not is_handled(frame):
+        return _pushes(frame, state, reach, defaults, before)
+    if not isinstance(frame.goal, g.Place):
+        return handle(frame, state, hand, defaults)
+    # What is nearly there is moved least by a push.
+    handled = None if _is_there(frame, state, defaults) else handle(frame, state, hand, defaults)
+    if state.held is not None and isinstance(handled, Refusal):
+        return handled
+    if handled is not None and not isinstance(handled, Refusal):
+        return handled
+    return _pushes(frame, state, reach, defaults, before)
+
+
+def _is_there(frame: g.Frame, state: WorldState, defaults: Defaults) -> bool:
+    """Whether what is to be placed stands in its place already."""
+    assert isinstance(frame.goal, g.Place)
+    assert frame.object is not None
+    target = state.objects[frame.object.id or ""]
+    there = None if frame.goal.fraction is not None else region(frame.goal, state, defaults)
+    return state.held is None and there is not None and there.holds(target)
+
+
+def _pushes(
+    frame: g.Frame, state: WorldState, reach: Reach, defaults: Defaults, before: Plan | None
+) -> Plan | Reached | Refusal:
     patient = Patient(reach, defaults.most_looks)
     try:
         asked = read(frame, state, defaults)
         assert frame.object is not None
         assert frame.object.id is not None
         target = state.objects[frame.object.id]
+        if state.held is not None:
+            raise RefusedError(refusals.holds(state.held.name))
         if target.lies_on != "bottom":
             raise RefusedError(refusals.lies(target))
     except RefusedError as refused:

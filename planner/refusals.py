@@ -71,6 +71,15 @@ def lies(target: SeenObject) -> Refusal:
     )
 
 
+def holds(name: str) -> Refusal:
+    """The hand is not free."""
+    return Refusal(
+        reason="blocked",
+        message=f"the hand holds the {name}: put it down first",
+        suggestions=(f"put the {name} down",),
+    )
+
+
 def _side(face: str) -> str:
     return face if face.startswith(("face", "nothing")) else f"its {face} side"
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from grammar import frames as g
 from planner.directions import FACE_OF_PUSH, HEADINGS
+from planner.heights import bands
 from planner.plan import Refusal
 from planner.refusals import RefusedError, unsupported
 from planner.tilts import almost_tips, spill_tilt
@@ -267,7 +268,6 @@ def _shortened(aim: Aim, start: tuple[float, float], share: float) -> Aim:
 
 def _contact(asked: Asked, clause: g.ContactRegion, s: Setting) -> Asked:
     spans = asked.contact_spans + clause.spans
-    height = s.target.model.top
     if clause.face == "top":
         raise unsupported(
             "pushing on the top face",
@@ -280,27 +280,9 @@ def _contact(asked: Asked, clause: g.ContactRegion, s: Setting) -> Asked:
         if asked.outcome == "topple" and asked.heading is None:
             push = next(d for d, face in FACE_OF_PUSH.items() if face == clause.face)
             asked = replace(asked, heading=HEADINGS[push])
-    if clause.region is not None:
-        third = {"bottom": 0, "middle": 1, "top": 2}[clause.region]
-        asked = _between(
-            asked, third * height / 3.0, (third + 1) * height / 3.0, f"at the {clause.region}"
-        )
-    if clause.height is not None:
-        asked = _at_height(asked, clause.height, height, s.defaults)
+    for low, high, region in bands(clause, s.target.model.top, s.defaults):
+        asked = _between(asked, low, high, region)
     return replace(asked, contact_spans=spans)
-
-
-def _at_height(asked: Asked, height: g.ContactHeight, top: float, defaults: Defaults) -> Asked:
-    assert isinstance(height.value, float), "lengths measured in objects are resolved by now"
-    upwards = height.origin == "table"
-    at = height.value if upwards else top - height.value
-    where = f"{1e3 * at:.0f} mm above the table"
-    if height.bound == "exact":
-        near = 0.5 * defaults.height_tolerance
-        return _between(asked, at - near, at + near, where)
-    if (height.bound == "at_least") == upwards:
-        return _between(asked, at, top, f"at least {where}")
-    return _between(asked, 0.0, at, f"at most {where}")
 
 
 def _between(asked: Asked, low: float, high: float, region: str) -> Asked:
@@ -309,7 +291,12 @@ def _between(asked: Asked, low: float, high: float, region: str) -> Asked:
     return replace(asked, low=max(asked.low, low), high=min(asked.high, high), region=region)
 
 
-def _effector(asked: Asked, clause: g.Effector, _: Setting) -> Asked:
+def require_right(clause: g.Effector) -> None:
+    """The robot has no left hand.
+
+    Raises:
+        RefusedError: it is asked for.
+    """
     if clause.side == "left":
         raise unsupported(
             "a second (left) hand",
@@ -317,6 +304,10 @@ def _effector(asked: Asked, clause: g.Effector, _: Setting) -> Asked:
             clause.spans,
             "leave out which hand, or say the right one",
         )
+
+
+def _effector(asked: Asked, clause: g.Effector, _: Setting) -> Asked:
+    require_right(clause)
     if clause.tool == "arm" or (clause.tool == "hand" and clause.side is None):
         raise unsupported(
             f"pushing with the {clause.tool}",

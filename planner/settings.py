@@ -92,7 +92,9 @@ def changed(defaults: Defaults, values: Mapping[str, float]) -> Defaults:
 
 def _unknown(said: str, names: tuple[str, ...]) -> DefaultsError:
     """The error of a name that is none; most often its unit is missing."""
-    units = [name for name in names if re.fullmatch(rf"{re.escape(said)}_(m|deg|n|m_s|deg_s|ml|s)", name)]
+    units = [
+        name for name in names if re.fullmatch(rf"{re.escape(said)}_(m|deg|n|m_s|deg_s|ml|s)", name)
+    ]
     close = units or difflib.get_close_matches(said, names, n=3)
     return DefaultsError(
         f"there is no default '{said}'",

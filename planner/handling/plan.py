@@ -173,6 +173,9 @@ class HandlingPrediction(Value):
     lid_angle: float | None = None
 
 
+Action = Literal["lift", "place", "pour", "open", "close"]
+
+
 class HandlingPlan(Value):
     """A grasp, if anything is held, and steps whose predicted outcome satisfies the frame.
 
@@ -195,7 +198,7 @@ class HandlingPlan(Value):
 
     status: Literal["planned"] = "planned"
     kind: Literal["handling"] = "handling"
-    action: Literal["lift", "place", "pour", "open", "close"]
+    action: Action
     object: str
     grasp: Grasp | None
     held: bool = False

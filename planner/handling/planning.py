@@ -1,0 +1,83 @@
+"""From a frame to what a whole hand does, or to a refusal with numbers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from grammar import frames as g
+from planner import refusals as pushing
+from planner.handling import refusals
+from planner.handling.lifting import lift, place, set_down
+from planner.handling.manner import Setting, manner
+from planner.handling.task import Task
+from planner.refusals import RefusedError
+
+if TYPE_CHECKING:
+    from planner.defaults import Defaults
+    from planner.handling.plan import HandlingPlan
+    from planner.handling.reach import HandReach
+    from planner.plan import Reached, Refusal
+    from planner.state import SeenObject, WorldState
+
+_DOING = {
+    "lift": "lifting",
+    "set_down": "putting down",
+    "place": "lifting",
+    "pour": "pouring from",
+    "open": "opening",
+    "close": "closing",
+}
+"""What a goal that takes a whole hand does to its object."""
+
+
+def is_handled(frame: g.Frame) -> bool:
+    """Whether a frame asks for a whole hand; what is to be placed may also be pushed there."""
+    return frame.goal.kind in _DOING and (frame.goal.kind != "place" or frame.action == "place")
+
+
+def handle(
+    frame: g.Frame, state: WorldState, hand: HandReach, defaults: Defaults
+) -> HandlingPlan | Reached | Refusal:
+    """Finds a grasp and steps that satisfy a frame.
+
+    Args:
+        frame: what is asked, its objects resolved to names in `state`.
+        state: what the robot believes.
+        hand: what the hand can hold, and whether the arm gets there.
+        defaults: what a clause means when the sentence does not say more.
+    """
+    try:
+        target = _target(frame, state)
+        doing = _DOING[frame.goal.kind]
+        how = manner(frame, Setting(target, state, defaults, doing))
+        task = Task(target, state, hand, how, defaults, doing)
+        return _done(frame, task)
+    except RefusedError as refused:
+        return refused.refusal
+
+
+def _target(frame: g.Frame, state: WorldState) -> SeenObject:
+    held = state.held
+    name = frame.object.id if frame.object is not None else None
+    if name is None and isinstance(frame.goal, g.SetDown):
+        if held is None:
+            raise refusals.holds_nothing()
+        name = held.name
+    assert name is not None, "objects are resolved by now"
+    if held is not None and held.name != name:
+        raise RefusedError(pushing.holds(held.name))
+    target = state.objects[name]
+    if target.lies_on != "bottom":
+        raise RefusedError(pushing.lies(target))
+    return target
+
+
+def _done(frame: g.Frame, task: Task) -> HandlingPlan | Reached:
+    match frame.goal:
+        case g.Lift() as goal:
+            return lift(task, goal)
+        case g.SetDown():
+            return set_down(task)
+        case g.Place():
+            return place(task, frame)
+    raise AssertionError(f"{frame.goal.kind} takes no hand")
