@@ -54,6 +54,11 @@ class Load:
         """The weight of an object, at its centre of mass."""
         return cls(model.weight, model.mass_sd * GRAVITY, model.com, model.com_sd)
 
+    @classmethod
+    def of_part(cls, mass: float, at: tuple[float, float, float]) -> Load:
+        """The weight of a part, whose middle is known [kg, m]."""
+        return cls(mass * GRAVITY, 0.0, at)
+
 
 def friction(model: ObjectModel) -> float:
     """The coefficient at the fingers that a hold relies on."""
@@ -132,6 +137,8 @@ def _level(
 ) -> Array:
     """ρ with the load so many standard deviations beside its place, shape (n,)."""
     p, c, a = (np.atleast_2d(np.asarray(v, float)) for v in (p_BG, closing, approach))
+    if not np.ptp(np.asarray(contacts, float), axis=0).any():
+        return np.ones(len(p))  # it hangs in a pinch, and turns until its weight is below
     beside = np.cross(np.array([0.0, 0.0, 1.0]), c)  # level, in the plane of the contacts
     d, n = np.asarray(contacts, float), len(p)
     offsets = d[:, 0, None, None] * a + d[:, 1, None, None] * np.cross(a, c)

@@ -70,6 +70,8 @@ class SeenObject:
         attitude: rotation of B in W, row by row, of one that lies on nothing flat.
         fixed: whether a holder on the table keeps it where it stands.
         lid: how far its lid is seen to be open, as in `sim.trace.Trace.lids`; None without one.
+        lid_at: where the middle of a lid that is off lies in W, its lower side [m]; None if it is
+            on, in the hand, or not seen.
     """
 
     name: str
@@ -81,6 +83,7 @@ class SeenObject:
     attitude: tuple[float, ...] | None = None
     fixed: bool = False
     lid: float | None = None
+    lid_at: tuple[float, float, float] | None = None
 
     @property
     def covered(self) -> bool:

@@ -67,6 +67,9 @@ class Draft:
     notes: tuple[str, ...] = ()
 
 
+Way = tuple[Hold | None, Draft]
+
+
 def held_already(task: Task) -> list[Hold]:
     """The grasp in which the hand holds it; none if it holds nothing."""
     held = task.state.held
@@ -197,27 +200,29 @@ def _experiment(
 # -- what the hand gets to ----------------------------------------------------------------------
 
 
-def first_way(
-    task: Task, action: Action, ways: Sequence[Hold], drafts: Sequence[Draft]
-) -> HandlingPlan:
+def each_with_each(ways: Sequence[Hold], drafts: Sequence[Draft]) -> list[Way]:
+    """All grasps with all that may be done, the best with the best first."""
+    places = product(range(len(ways)), range(len(drafts)))
+    return [(ways[i], drafts[j]) for i, j in sorted(places, key=sum)]
+
+
+def first_way(task: Task, action: Action, ways: Sequence[Way], considered: int) -> HandlingPlan:
     """The first plan that hand and arm can carry out.
 
     Args:
         task: what is planned for.
         action: what it amounts to.
-        ways: grasps, the best first; none if nothing is held.
-        drafts: what is done with it, the best first.
+        ways: what may be done and with which grasp, the best first; not empty.
+        considered: how many ways were looked at before.
 
     Raises:
         RefusedError: there is none.
     """
     answers: list[ReachAnswer] = []
     unlikely: HandlingPlan | None = None
-    pairs = sorted(product(range(max(len(ways), 1)), range(len(drafts))), key=sum)
-    for i, j in pairs:
-        hold = ways[i] if ways else None
-        made = _plan(task, action, hold, drafts[j])
-        made = made.model_copy(update={"considered": len(pairs), "satisfying": len(pairs)})
+    for hold, draft in ways:
+        made = _plan(task, action, hold, draft)
+        made = made.model_copy(update={"considered": considered, "satisfying": len(ways)})
         if made.probability < task.defaults.probability:
             unlikely = unlikely or made
             continue

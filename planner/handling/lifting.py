@@ -19,7 +19,7 @@ from planner.aims import aimed, here
 from planner.footprints import footprint, gap, travel_to_edge
 from planner.handling import refusals
 from planner.handling.grasps import of_body
-from planner.handling.holding import Draft, Hold, first_way, held_already, holds
+from planner.handling.holding import Draft, Hold, each_with_each, first_way, held_already, holds
 from planner.handling.plan import Carry, HandlingPlan, HandStep, LiftUp, SetDown
 from planner.plan import Aim, DefaultUsed
 from planner.refusals import RefusedError
@@ -27,6 +27,7 @@ from planner.relations import moved
 
 if TYPE_CHECKING:
     from planner.aims import Aimed
+    from planner.handling.plan import Action
     from planner.handling.task import Task
     from planner.state import SeenObject
 
@@ -43,7 +44,7 @@ def lift(task: Task, goal: g.Lift) -> HandlingPlan:
     require_liftable(task)
     height, used = _height(task, goal)
     draft = Draft((LiftUp(height=height),), defaults=used)
-    return first_way(task, "lift", body_holds(task), [draft])
+    return _made(task, "lift", body_holds(task), [draft])
 
 
 def set_down(task: Task) -> HandlingPlan:
@@ -56,7 +57,7 @@ def set_down(task: Task) -> HandlingPlan:
         raise refusals.holds_nothing()
     require_room(task, task.target, {})
     draft = Draft((SetDown(),), aim=here(task.target))
-    return first_way(task, "place", held_already(task), [draft])
+    return _made(task, "place", held_already(task), [draft])
 
 
 def place(task: Task, frame: g.Frame) -> HandlingPlan:
@@ -77,7 +78,11 @@ def place(task: Task, frame: g.Frame) -> HandlingPlan:
     if not drafts:
         assert refused is not None, "there is an aim"
         raise refused
-    return first_way(task, "place", ways, drafts)
+    return _made(task, "place", ways, drafts)
+
+
+def _made(task: Task, action: Action, ways: list[Hold], drafts: list[Draft]) -> HandlingPlan:
+    return first_way(task, action, each_with_each(ways, drafts), len(ways) * len(drafts))
 
 
 def body_holds(task: Task) -> list[Hold]:

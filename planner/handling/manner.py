@@ -12,14 +12,12 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from grammar import frames as g
+from objectmodels.parts import FlipLid
 from planner import restrictions
 from planner.heights import bands
 from planner.plan import DefaultUsed, Refusal
 from planner.refusals import RefusedError, unsupported
 from planner.restrictions import require_right
-
-MOVING_A_LID = "moving a lid"
-"""What is done with a fingertip."""
 
 
 @dataclass(frozen=True)
@@ -181,9 +179,10 @@ def _contact(found: Manner, clause: g.ContactRegion, s: Setting) -> Manner:
 
 def _effector(found: Manner, clause: g.Effector, s: Setting) -> Manner:
     require_right(clause)
-    fingertip = s.doing == MOVING_A_LID
+    fingertip = isinstance(s.target.model.lid, FlipLid) and s.doing in ("opening", "closing")
     if clause.tool == "arm" or (clause.tool == "finger" and not fingertip):
-        raise _not_so(f"using {clause.count or 'its'} {clause.tool}", clause, s)
+        which = "fingers" if clause.tool == "finger" else "the arm"
+        raise _not_so(f"using only {which}", clause, s)
     if clause.tool == "finger" and (clause.count or 1) > 1:
         raise _not_so(f"using {clause.count} fingers", clause, s)
     return found

@@ -22,7 +22,8 @@ class Grasp(Value):
 
     Attributes:
         part: `body`, or `lid` (its knob or cap).
-        p_BG: middle between the thumb's contact and the fingers' ones, in B [m].
+        p_BG: middle between the thumb's contact and the fingers' ones, in B [m]; of a lid in the
+            B of its object, as if it were on.
         closing_W: unit direction from the fingers' side to the thumb's.
         approach_W: unit direction of the straight fingers.
         width: between the touched sides [m].

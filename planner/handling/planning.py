@@ -9,6 +9,7 @@ from planner import refusals as pushing
 from planner.handling import refusals
 from planner.handling.lifting import lift, place, set_down
 from planner.handling.manner import Setting, manner
+from planner.handling.opening import close_lid, open_lid
 from planner.handling.task import Task
 from planner.refusals import RefusedError
 
@@ -80,4 +81,8 @@ def _done(frame: g.Frame, task: Task) -> HandlingPlan | Reached:
             return set_down(task)
         case g.Place():
             return place(task, frame)
+        case g.Open():
+            return open_lid(task)
+        case g.Close():
+            return close_lid(task)
     raise AssertionError(f"{frame.goal.kind} takes no hand")

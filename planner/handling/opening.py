@@ -1,0 +1,257 @@
+"""Opening and closing lids: which steps a lid takes, and whether the standing object bears them.
+
+Model: a flip lid is moved over its arc by a fingertip on its tab; a lid that lifts off and a cap
+are held from above, pulled or turned, and put aside on the table. The object itself is not held:
+it must resist what moves its lid by a reserve (`objectmodels.opening`), or stand in a holder.
+
+Frames: W is the world, B the object.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from objectmodels.grasping import Load
+from objectmodels.opening import FlipArc, Loosening, flip, lift_off, unscrew
+from objectmodels.parts import FlipLid, LiftOffLid, ScrewCap
+from planner.handling import lidrefusals
+from planner.handling.aside import spots
+from planner.handling.grasps import held_part, lid_middle, of_lid
+from planner.handling.holding import Draft, each_with_each, first_way, held_already, holds
+from planner.handling.plan import (
+    Carry,
+    FlipOver,
+    HandlingPlan,
+    HandlingPrediction,
+    LiftUp,
+    PutOn,
+    SetDown,
+    TurnCap,
+)
+from planner.plan import Aim, DefaultUsed, Reached
+
+if TYPE_CHECKING:
+    from planner.handling.holding import Hold
+    from planner.handling.plan import Action, HandStep
+    from planner.handling.task import Task
+
+_ASIDE = 6  # places beside it that are looked at for its lid
+
+
+def open_lid(task: Task) -> HandlingPlan | Reached:
+    """Flips, lifts or screws the lid open.
+
+    Raises:
+        RefusedError: it has none, or would come along with it.
+    """
+    lid, seen = task.target.model.lid, task.target.lid or 0.0
+    match lid:
+        case FlipLid():
+            if seen >= task.defaults.lid_opened:
+                return Reached(lid=seen)
+            return _flipped(task, lid, "open", min(task.defaults.lid_open, lid.opens_to))
+        case LiftOffLid():
+            return Reached(lid=seen) if is_off(lid, seen) else _pulled_off(task, lid)
+        case ScrewCap():
+            return Reached(lid=seen) if is_off(lid, seen) else _screwed_off(task, lid)
+    raise lidrefusals.no_lid(task)
+
+
+def close_lid(task: Task) -> HandlingPlan | Reached:
+    """Flips the lid back, or puts it on.
+
+    Raises:
+        RefusedError: it has none, or nobody knows where it lies.
+    """
+    lid, seen = task.target.model.lid, task.target.lid or 0.0
+    match lid:
+        case FlipLid():
+            if seen <= task.defaults.lid_closed:
+                return Reached(lid=seen)
+            return _flipped(task, lid, "close", 0.0)
+        case LiftOffLid():
+            return _put_on(task, lid, ()) if is_off(lid, seen) else Reached(lid=seen)
+        case ScrewCap():
+            if seen <= task.defaults.lid_closed:
+                return Reached(lid=seen)
+            return _screwed_on(task, lid, seen)
+    raise lidrefusals.no_lid(task)
+
+
+def is_open(task: Task) -> bool:
+    """Whether something could run out: its lid is open, or it has none."""
+    lid, seen = task.target.model.lid, task.target.lid or 0.0
+    match lid:
+        case None:
+            return True
+        case FlipLid():
+            return seen >= task.defaults.lid_opened
+    return is_off(lid, seen)
+
+
+def is_off(lid: LiftOffLid | ScrewCap, seen: float) -> bool:
+    """Whether a lid is off, by how far it is seen to be open."""
+    return seen > (lid.travel if isinstance(lid, LiftOffLid) else _whole_turn(lid))
+
+
+def _whole_turn(cap: ScrewCap) -> float:
+    """Angle by which a cap turns until it is off [rad]; a camera sees it a little wrongly."""
+    return 0.97 * math.tau * cap.turns
+
+
+# -- flip lids ----------------------------------------------------------------------------------
+
+
+def _flipped(task: Task, lid: FlipLid, action: Action, end: float) -> HandlingPlan:
+    target, d = task.target, task.defaults
+    start = target.lid or 0.0
+    arc = flip(target.model, lid, start=start, end=end, fixed=target.fixed)
+    if arc.largest_force > task.how.most_force:
+        raise lidrefusals.too_weak(task, arc.largest_force)
+    if arc.least_margin < d.lid_reserve:
+        raise lidrefusals.gives_way(task, arc)
+    if arc.probability < d.probability:
+        raise lidrefusals.may_give_way(task, arc)
+    step = FlipOver(
+        start=start,
+        end=end,
+        speed=task.how.lid_speed,
+        force_limit=_force_limit(task, arc),
+        heading=math.remainder(target.pose.yaw + lid.tab_heading, math.tau),
+    )
+    used = DefaultUsed(name="lid_open", value=end, unit="rad", reason="no angle said")
+    draft = Draft(
+        (step,),
+        _arc_prediction(arc, end),
+        arc.probability,
+        defaults=(used,) if action == "open" else (),
+    )
+    return first_way(task, action, [(None, draft)], 1)
+
+
+def _force_limit(task: Task, arc: FlipArc) -> float:
+    """Force at which a finger stops: more than the lid takes, less than moves the object [N]."""
+    needed = arc.largest_force
+    given_way = float(min(arc.slide.min(), arc.topple.min()))
+    most = max(given_way, task.defaults.lid_reserve * needed)
+    return min((1.0 + task.defaults.force_reserve) * needed, most, task.how.most_force)
+
+
+def _arc_prediction(arc: FlipArc, end: float) -> HandlingPrediction:
+    near = arc.nearest
+    slide, topple = (float(force[near]) for force in (arc.slide, arc.topple))
+    return HandlingPrediction(
+        lid_force=arc.largest_force,
+        slide_force=slide if math.isfinite(slide) else None,
+        topple_force=topple if math.isfinite(topple) else None,
+        lid_angle=end,
+    )
+
+
+# -- lids that come off -------------------------------------------------------------------------
+
+
+def _pulled_off(task: Task, lid: LiftOffLid) -> HandlingPlan:
+    found = lift_off(task.target.model, lid, fixed=task.target.fixed)
+    _require_still(task, found)
+    load = Load(found.needed, lid.retention_sd, _lid_at(task, lid))
+    prediction = HandlingPrediction(lid_force=found.needed, topple_force=_finite(found.held))
+    return _taken_off(task, lid, holds(task, of_lid(task.target, lid, task.hand), load), (),
+                      prediction, found.probability)  # fmt: skip
+
+
+def _screwed_off(task: Task, cap: ScrewCap) -> HandlingPlan:
+    found = unscrew(task.target.model, cap, fixed=task.target.fixed)
+    _require_still(task, found)
+    rest = math.tau * cap.turns - (task.target.lid or 0.0)
+    turn = _turn(task, cap, rest)
+    return _taken_off(task, cap, _cap_holds(task, cap), (turn,), _torques(found),
+                      found.probability)  # fmt: skip
+
+
+def _taken_off(
+    task: Task, lid: LiftOffLid | ScrewCap, ways: list[Hold], before: tuple[HandStep, ...],
+    prediction: HandlingPrediction, probability: float,
+) -> HandlingPlan:  # fmt: skip
+    """A lid that is loose, lifted off and put aside."""
+    drafts = []
+    for spot, tallest in spots(task, lid.radius, _ASIDE):
+        # Its lower side is as high as the object, and passes over what stands on the way.
+        up = max(tallest - task.target.model.top, 0.0) + task.defaults.carry_clearance
+        steps = (*before, LiftUp(height=up, hold=0.0), Carry(to=spot), SetDown())
+        drafts.append(Draft(steps, prediction, probability))
+    if not drafts:
+        raise lidrefusals.no_room_aside(task, lid.radius)
+    ways = held_already(task) or ways
+    return first_way(task, "open", each_with_each(ways, drafts), len(ways) * len(drafts))
+
+
+def _put_on(task: Task, lid: LiftOffLid | ScrewCap, after: tuple[HandStep, ...]) -> HandlingPlan:
+    """A lid that lies aside, or is held, put on its rim."""
+    target, d = task.target, task.defaults
+    x, y, _ = (target.pose.R_WB @ [*lid_middle(target), 0.0] + target.pose.p_WB).tolist()
+    down = (PutOn(onto=target.name, press=max(_retention(lid), d.lid_press)), *after)
+    held = held_already(task)
+    if held:
+        draft = Draft((Carry(to=Aim(x=x, y=y)), *down))
+        return first_way(task, "close", [(held[0], draft)], 1)
+    if target.lid_at is None:
+        raise lidrefusals.lid_not_seen(task)
+    weight = Load.of_part(lid.mass, _lid_at(task, lid))
+    ways = holds(task, of_lid(target, lid, task.hand), weight)
+    up = LiftUp(height=target.model.top + d.carry_clearance, hold=0.0)
+    draft = Draft((up, Carry(to=Aim(x=x, y=y)), *down))
+    return first_way(task, "close", [(way, draft) for way in ways], len(ways))
+
+
+def _screwed_on(task: Task, cap: ScrewCap, seen: float) -> HandlingPlan:
+    """A cap that is put on and turned, or only turned if it is on."""
+    found = unscrew(task.target.model, cap, fixed=task.target.fixed)
+    _require_still(task, found)
+    turn = _turn(task, cap, -min(seen, math.tau * cap.turns))
+    if is_off(cap, seen):
+        return _put_on(task, cap, (turn,))
+    ways = held_already(task) or _cap_holds(task, cap)
+    draft = Draft((turn,), _torques(found), found.probability)
+    return first_way(task, "close", [(way, draft) for way in ways], len(ways))
+
+
+def _require_still(task: Task, found: Loosening) -> None:
+    """The object stays where it is while its lid comes off."""
+    if found.margin < task.defaults.lid_reserve:
+        raise lidrefusals.comes_along(task, found)
+    if found.probability < task.defaults.probability:
+        raise lidrefusals.may_come_along(task, found)
+
+
+def _cap_holds(task: Task, cap: ScrewCap) -> list[Hold]:
+    """How a cap is held for turning: friction at its rim bears the torque."""
+    radius, *_ = held_part(task.target, cap)
+    torque = cap.friction_torque / radius
+    load = Load(torque, cap.friction_torque_sd / radius, _lid_at(task, cap))
+    return holds(task, of_lid(task.target, cap, task.hand), load)
+
+
+def _turn(task: Task, cap: ScrewCap, angle: float) -> TurnCap:
+    limit = (1.0 + task.defaults.force_reserve) * cap.friction_torque
+    return TurnCap(angle=angle, torque_limit=limit)
+
+
+def _torques(found: Loosening) -> HandlingPrediction:
+    return HandlingPrediction(lid_torque=found.needed, turning_torque=_finite(found.held))
+
+
+def _lid_at(task: Task, lid: LiftOffLid | ScrewCap) -> tuple[float, float, float]:
+    """Where a lid is held, in B [m]: what pulls at it acts straight below."""
+    _, low, high = held_part(task.target, lid)
+    return (*lid_middle(task.target), 0.5 * (low + high))
+
+
+def _retention(lid: LiftOffLid | ScrewCap) -> float:
+    """Force with which a lid goes on [N]."""
+    return lid.retention if isinstance(lid, LiftOffLid) else 0.0
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

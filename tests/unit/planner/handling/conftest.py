@@ -1,0 +1,75 @@
+"""A hand that holds what is 8 to 100 mm wide, and gets where a rule says."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+from planner import plan
+from planner.handling.plan import HandlingPlan
+from planner.handling.reach import Grip
+from planner.plan import Refusal
+from planner.reach import ReachAnswer
+from planner.state import PlanarPose, WorldState
+from tests.unit.planner.conftest import RuledReach, frame_of, world
+
+CONTACTS = np.array([[0.0, 0.0], [0.0, 0.027], [0.0, 0.0], [0.0, -0.027]])
+"""Three fingers side by side, the thumb opposite the middle one [m]."""
+
+
+@dataclass
+class RuledHand:
+    """The planner's port to the hand, answering by a rule."""
+
+    rule: Callable[[HandlingPlan], bool] = lambda _: True
+    narrowest: float = 0.008
+    widest: float = 0.100
+    strongest: float = 11.0
+    blocker: str | None = None
+    asked: list[HandlingPlan] = field(default_factory=list)
+
+    def grip(self, width: float) -> Grip | None:
+        shares = np.array([1.0, 1 / 3, 1 / 3, 1 / 3])
+        return Grip(CONTACTS, shares, self.strongest, (0.09, 0.04))
+
+    def handles(self, plan: HandlingPlan, state: WorldState) -> ReachAnswer:
+        self.asked.append(plan)
+        if self.rule(plan):
+            return ReachAnswer(ok=True, margin=0.5)
+        reason = "kinematics" if self.blocker is None else "obstacle"
+        return ReachAnswer(ok=False, reason=reason, message="too far", blocker=self.blocker)
+
+
+def planned(text: str, state: WorldState, hand: RuledHand) -> HandlingPlan:
+    """The plan of a sentence that takes a hand."""
+    made = plan(frame_of(text), state, RuledReach(), hand=hand)
+    assert isinstance(made, HandlingPlan), made
+    return made
+
+
+def refused(text: str, state: WorldState, hand: RuledHand) -> Refusal:
+    """The refusal of a sentence that takes a hand."""
+    made = plan(frame_of(text), state, RuledReach(), hand=hand)
+    assert isinstance(made, Refusal), made
+    assert made.message
+    return made
+
+
+@pytest.fixture
+def hand() -> RuledHand:
+    """A hand that gets everywhere."""
+    return RuledHand()
+
+
+@pytest.fixture
+def table() -> WorldState:
+    """A carton, a mug and a cup, and a box that is too heavy to be lifted."""
+    return world(
+        ice_tea=PlanarPose(0.24, -0.13, np.radians(-91.0)),
+        mug=PlanarPose(0.24, -0.33),
+        ice_tea_cup=PlanarPose(0.24, 0.20),
+        ice_tea_box=PlanarPose(0.60, 0.0),
+    )
