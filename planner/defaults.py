@@ -141,11 +141,13 @@ class Defaults:
         upright: what is held counts as upright while it tilts by less than this [rad].
         pour_rate: of tilting while it is poured [rad/s].
         pour_clearance: of the lip over the rim of what is poured into [m].
-        pour_wait: with the largest tilt, until nothing runs out any more [s].
+        pour_wait: with the largest tilt, after all has run out [s].
         pour_little: volume of "a little" [m³].
         pour_lot: share of what can be poured that is "a lot".
-        pour_fill: share of its volume up to which something is filled without running over.
+        pour_fill: share of its volume up to which something is filled that is to be full.
+        pour_aim: standard deviation of where a stream lands [m].
         pour_tolerance: of a volume that is said, as a share of what was in it.
+        pour_all: share of what is poured that is everything.
         spill_tolerance: share of what is poured that may miss.
         lid_open: angle to which a flip lid is opened [rad].
         lid_opened: a flip lid that is open by more than this is open [rad].
@@ -233,7 +235,9 @@ class Defaults:
     pour_little: Volume = 5e-5
     pour_lot: Share = 0.75
     pour_fill: Share = 0.9
+    pour_aim: Length = 0.006
     pour_tolerance: Share = 0.05
+    pour_all: Share = 0.9
     spill_tolerance: Share = 0.02
     lid_open: Angle = 90.0 * DEGREE
     lid_opened: Angle = 80.0 * DEGREE

@@ -32,9 +32,11 @@ from planner.handling.plan import (
 from planner.plan import Aim, DefaultUsed, Reached
 
 if TYPE_CHECKING:
+    from planner.defaults import Defaults
     from planner.handling.holding import Hold
     from planner.handling.plan import Action, HandStep
     from planner.handling.task import Task
+    from planner.state import SeenObject
 
 _ASIDE = 6  # places beside it that are looked at for its lid
 
@@ -79,15 +81,15 @@ def close_lid(task: Task) -> HandlingPlan | Reached:
     raise lidrefusals.no_lid(task)
 
 
-def is_open(task: Task) -> bool:
+def is_open(seen: SeenObject, defaults: Defaults) -> bool:
     """Whether something could run out: its lid is open, or it has none."""
-    lid, seen = task.target.model.lid, task.target.lid or 0.0
+    lid, angle = seen.model.lid, seen.lid or 0.0
     match lid:
         case None:
             return True
         case FlipLid():
-            return seen >= task.defaults.lid_opened
-    return is_off(lid, seen)
+            return angle >= defaults.lid_opened
+    return is_off(lid, angle)
 
 
 def is_off(lid: LiftOffLid | ScrewCap, seen: float) -> bool:

@@ -10,6 +10,7 @@ from planner.handling import refusals
 from planner.handling.lifting import lift, place, set_down
 from planner.handling.manner import Setting, manner
 from planner.handling.opening import close_lid, open_lid
+from planner.handling.pouring import pour_out
 from planner.handling.task import Task
 from planner.refusals import RefusedError
 
@@ -81,6 +82,8 @@ def _done(frame: g.Frame, task: Task) -> HandlingPlan | Reached:
             return set_down(task)
         case g.Place():
             return place(task, frame)
+        case g.Pour() as goal:
+            return pour_out(task, goal)
         case g.Open():
             return open_lid(task)
         case g.Close():

@@ -1,0 +1,109 @@
+"""Why nothing is poured, with the volumes that decide."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from planner.handling.refusals import Spans, refused
+
+if TYPE_CHECKING:
+    from planner.handling.amounts import Amount
+    from planner.handling.pouring import Motion
+    from planner.handling.task import Task
+    from planner.refusals import RefusedError
+    from planner.state import SeenObject
+
+
+def ml(volume: float) -> str:
+    """A volume as people read it."""
+    return f"{1e6 * volume:.0f} ml"
+
+
+def into_nothing(task: Task, spans: Spans) -> RefusedError:
+    """It would land on the table."""
+    return refused(
+        "impossible",
+        f"pouring from the {task.target.name} needs something to pour into",
+        spans,
+        "say what it is to be poured into",
+    )
+
+
+def into_itself(task: Task, spans: Spans) -> RefusedError:
+    """Both are the same object."""
+    return refused("impossible", f"the {task.target.name} cannot be poured into itself", spans)
+
+
+def no_container(seen: SeenObject) -> RefusedError:
+    """It is solid, as far as is known."""
+    return refused("impossible", f"the {seen.name} is no container", ())
+
+
+def lies(seen: SeenObject) -> RefusedError:
+    """It does not stand, so that it holds nothing."""
+    return refused("impossible", f"the {seen.name} lies on its side", (), "set it upright first")
+
+
+def is_closed(seen: SeenObject) -> RefusedError:
+    """Its lid is in the way."""
+    message = f"the {seen.name} is closed"
+    return refused("impossible", message, (), f"open the {seen.name} first")
+
+
+def is_empty(task: Task) -> RefusedError:
+    """There is nothing in it."""
+    return refused("impossible", f"the {task.target.name} is empty", (), contents=0.0)
+
+
+def does_not_fit(into: SeenObject, wanted: float, room: float, spans: Spans) -> RefusedError:
+    """It would run over."""
+    fits = max(room, 0.0)
+    return refused(
+        "impossible",
+        f"{ml(wanted)} do not fit into the {into.name}: it has room for {ml(fits)}",
+        spans,
+        *((f"pour up to {ml(fits)}",) if fits > 0.0 else ()),
+        volume=wanted,
+        room=fits,
+    )
+
+
+def not_so_much(task: Task, wanted: float, has: float, spans: Spans) -> RefusedError:
+    """There is less in it."""
+    return refused(
+        "impossible",
+        f"{ml(wanted)} are asked; {ml(has)} are in the {task.target.name}",
+        spans,
+        f"pour up to {ml(has)}",
+        volume=wanted,
+        contents=has,
+    )
+
+
+def wrong_side(task: Task) -> RefusedError:
+    """Held as it can be, it does not lean to where its opening is."""
+    return refused(
+        "impossible",
+        f"held as it can be, the {task.target.name} does not lean to the side of its opening",
+        (),
+    )
+
+
+def may_spill(task: Task, into: SeenObject, wanted: Amount, motion: Motion) -> RefusedError:
+    """Too much may miss or run over, or too little run out."""
+    mean = {name: float(value) for name, value in motion.poured.mean().items()}
+    asked = task.defaults.probability
+    return refused(
+        "too_uncertain",
+        f"of {ml(wanted.volume)} the {into.name}, with room for {ml(wanted.room)}, receives "
+        f"{ml(mean['received'])} and {ml(mean['spilled'])} are spilled; that it goes well has a "
+        f"probability of {motion.probability:.2f}, and {asked:.2f} is asked",
+        (),
+        f"find out the weight of the {task.target.name} first",
+        "pour less",
+        volume=wanted.volume,
+        room=wanted.room,
+        **mean,
+        probability=motion.probability,
+        asked_probability=asked,
+    )
