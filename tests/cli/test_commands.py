@@ -250,7 +250,7 @@ def test_objects_list_and_show(capsys: pytest.CaptureFixture[str]) -> None:
     status, models = _json(capsys, "objects", "list")
     assert status == 0
     assert {"ice tea box", "cereal box", "coffee box"} <= {m["name"] for m in models}
-    status, model = _json(capsys, "objects", "show", "ice tea")
+    status, model = _json(capsys, "objects", "show", "ice tea box")
     assert status == 0
     assert model["name"] == "ice tea box"
     assert run(["objects", "list"]) == 0

@@ -21,7 +21,7 @@ from planner.state import SeenObject, WorldState
 from sim import load_scene
 
 BOX = "ice tea box"
-ONCE = ["explore", "ice tea", "--trials", "1", "--parameters", "mass,friction"]
+ONCE = ["explore", "ice tea box", "--trials", "1", "--parameters", "mass,friction"]
 TRUE = {"mass": 1.06, "friction": 0.345, "com_x": 0.0, "com_y": 0.0, "com_z": 0.075}
 BELIEVED = {"mass": 0.9952, "friction": 0.378}
 
@@ -108,7 +108,7 @@ def test_the_report_in_words_and_a_name_of_its_own(
     assert "instead of" not in out
     registry = Registry.default()
     assert registry.get("my carton").synonyms == ()
-    assert registry.called("ice tea").finger_friction == 0.693
+    assert registry.called("ice tea box").finger_friction == 0.693
 
 
 @pytest.mark.slow
@@ -142,22 +142,22 @@ def test_what_is_known_well_enough_is_not_touched(capsys: pytest.CaptureFixture[
         (["iced tee bocks"], 3, "unknown_object", "ice tea box"),
         (["mug"], 3, "not_on_table", "kitchen"),
         (["box"], 3, "ambiguous_object", "cereal box"),
-        (["ice tea", "--parameters", "mas"], 2, "usage", "did you mean 'mass'"),
-        (["ice tea", "--parameters", "colour"], 2, "usage", "centre_of_mass"),
-        (["ice tea", "--parameters", ""], 2, "usage", "no parameter"),
-        (["ice tea", "--precision", "0"], 2, "usage", "0"),
-        (["ice tea", "--precision", "1.5"], 2, "usage", "1.5"),
-        (["ice tea", "--precision", "nan"], 2, "usage", "nan"),
-        (["ice tea", "--guess", "1"], 2, "usage", "1"),
-        (["ice tea", "--trials", "0"], 2, "usage", "0"),
-        (["ice tea", "--seed", "-1"], 2, "usage", "-1"),
-        (["ice tea", "--scene", "kitchn"], 2, "unknown_scene", "kitchen"),
-        (["ice tea", "--output", "found.csv"], 2, "usage", ".yaml"),
-        (["ice tea", "--output", "/nowhere/found.yaml"], 2, "cannot_write", "/nowhere"),
-        (["ice tea", "--picture", "curves.gif"], 2, "usage", ".png"),
-        (["ice tea", "--picture", "/nowhere/curves.png"], 2, "cannot_write", "/nowhere"),
-        (["ice tea", "--save= x "], 2, "usage", "cannot be a name"),
-        (["ice tea", "--save", "tomato soup"], 2, "duplicate_name", "soup can"),
+        (["ice tea box", "--parameters", "mas"], 2, "usage", "did you mean 'mass'"),
+        (["ice tea box", "--parameters", "colour"], 2, "usage", "centre_of_mass"),
+        (["ice tea box", "--parameters", ""], 2, "usage", "no parameter"),
+        (["ice tea box", "--precision", "0"], 2, "usage", "0"),
+        (["ice tea box", "--precision", "1.5"], 2, "usage", "1.5"),
+        (["ice tea box", "--precision", "nan"], 2, "usage", "nan"),
+        (["ice tea box", "--guess", "1"], 2, "usage", "1"),
+        (["ice tea box", "--trials", "0"], 2, "usage", "0"),
+        (["ice tea box", "--seed", "-1"], 2, "usage", "-1"),
+        (["ice tea box", "--scene", "kitchn"], 2, "unknown_scene", "kitchen"),
+        (["ice tea box", "--output", "found.csv"], 2, "usage", ".yaml"),
+        (["ice tea box", "--output", "/nowhere/found.yaml"], 2, "cannot_write", "/nowhere"),
+        (["ice tea box", "--picture", "curves.gif"], 2, "usage", ".png"),
+        (["ice tea box", "--picture", "/nowhere/curves.png"], 2, "cannot_write", "/nowhere"),
+        (["ice tea box", "--save= x "], 2, "usage", "cannot be a name"),
+        (["ice tea box", "--save", "tomato soup"], 2, "duplicate_name", "soup can"),
     ],
 )
 def test_mistakes_are_explained_before_anything_is_touched(

@@ -35,7 +35,7 @@ def answer(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, Any]:
 def test_the_sample_files_tell_what_they_were_made_from(
     capsys: pytest.CaptureFixture[str], files: tuple[str, ...]
 ) -> None:
-    status, found = answer(capsys, "fit", "ice tea", *files)
+    status, found = answer(capsys, "fit", "ice tea box", *files)
     assert (status, found["ok"], found["object"]) == (0, True, "ice tea box")
     wanted = set(TRUE) - ({"finger_friction"} if files == (SERIES,) else set())
     assert set(found["parameters"]) == wanted
@@ -69,7 +69,7 @@ def test_the_report_in_words(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_only_what_was_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
     names = "friction_radius,centre_of_mass,friction,mass,mass"
-    status, found = answer(capsys, "fit", "ice tea", TRIALS, "--parameters", names)
+    status, found = answer(capsys, "fit", "ice tea box", TRIALS, "--parameters", names)
     assert status == 0
     assert list(found["parameters"]) == [
         "mass", "friction", "friction_radius", "com_x", "com_y", "com_z"
@@ -80,7 +80,7 @@ def test_only_what_was_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
 def test_what_is_kept_may_be_what_is_wrong(capsys: pytest.CaptureFixture[str]) -> None:
     # The friction radius that is believed is half of the true one, and may not be found.
     names = "mass,friction,centre_of_mass"
-    status, found = answer(capsys, "fit", "ice tea", TRIALS, "--parameters", names)
+    status, found = answer(capsys, "fit", "ice tea box", TRIALS, "--parameters", names)
     assert (status, found["error"]["code"]) == (2, "no_fit")
     assert "kept as believed" in found["error"]["suggestions"][-1]
 
@@ -88,13 +88,13 @@ def test_what_is_kept_may_be_what_is_wrong(capsys: pytest.CaptureFixture[str]) -
 def test_a_saved_model_is_the_one_that_is_used(
     capsys: pytest.CaptureFixture[str], objects_folder: Path
 ) -> None:
-    status, found = answer(capsys, "fit", "ice tea", TRIALS, "--save")
+    status, found = answer(capsys, "fit", "ice tea box", TRIALS, "--save")
     path = objects_folder / "ice_tea_box.yaml"
     assert (status, found["saved"]) == (0, str(path))
     assert found["instead_of"] == "built in (ice_tea_box.yaml)"
     registry = Registry.default()
     assert registry.problems == ()
-    model = registry.called("ice tea carton")
+    model = registry.called("large ice tea carton")
     assert model.mass == found["parameters"]["mass"]["value"]
     assert model.com_sd[0] == pytest.approx(found["parameters"]["com_x"]["sd"])
     assert model.provenance.source == "fitted to ice_tea_trials.csv"
@@ -103,26 +103,26 @@ def test_a_saved_model_is_the_one_that_is_used(
     run(["objects", "list"])
     (line,) = [x for x in capsys.readouterr().out.splitlines() if x.startswith("ice tea box")]
     assert line.endswith(f"{path}, instead of: built in (ice_tea_box.yaml)")
-    _, pushed = answer(capsys, "predict", "ice tea", "--at", "0,0.04")
+    _, pushed = answer(capsys, "predict", "ice tea box", "--at", "0,0.04")
     assert pushed["slide"] == pytest.approx(TRUE["mass"] * TRUE["friction"] * 9.81, rel=0.05)
     # Fitted anew it is written over, and taken away it leaves the built-in one.
-    status, found = answer(capsys, "fit", "ice tea", SERIES, "--save")
+    status, found = answer(capsys, "fit", "ice tea box", SERIES, "--save")
     assert (status, found["saved"], found["instead_of"]) == (0, str(path), None)
-    assert Registry.default().called("ice tea").mass == found["parameters"]["mass"]["value"]
-    assert answer(capsys, "objects", "remove", "ice tea")[0] == 0
-    assert Registry.default().called("ice tea").mass == 0.9952
+    assert Registry.default().called("ice tea box").mass == found["parameters"]["mass"]["value"]
+    assert answer(capsys, "objects", "remove", "ice tea box")[0] == 0
+    assert Registry.default().called("ice tea box").mass == 0.9952
 
 
 def test_saved_under_another_name(
     capsys: pytest.CaptureFixture[str], objects_folder: Path, tmp_path: Path
 ) -> None:
     output = tmp_path / "carton.yaml"
-    args = ("fit", "ice tea", TRIALS, "--output", str(output), "--save", "my carton")
+    args = ("fit", "ice tea box", TRIALS, "--output", str(output), "--save", "my carton")
     status, found = answer(capsys, *args)
     assert (status, found["saved"]) == (0, str(objects_folder / "my_carton.yaml"))
     assert (found["instead_of"], found["output"]) == (None, str(output))
     registry = Registry.default()
-    assert registry.called("ice tea").mass == 0.9952
+    assert registry.called("ice tea box").mass == 0.9952
     assert registry.get("my carton").synonyms == ()
     # A model file can be fitted as well.
     status, again = answer(capsys, "fit", str(output), TRIALS)
@@ -154,7 +154,7 @@ def test_broken_files_change_nothing(
 ) -> None:
     path, output = tmp_path / "data.csv", tmp_path / "out.yaml"
     path.write_text("\n".join([HEADER, *rows]), encoding="utf-8")
-    args = ["fit", "ice tea", str(path), "--output", str(output), "--save"]
+    args = ["fit", "ice tea box", str(path), "--output", str(output), "--save"]
     if code == "no_fit":
         args += ["--parameters", "mass,friction"]
     status, found = answer(capsys, *args)
@@ -168,21 +168,21 @@ def test_broken_files_change_nothing(
 @pytest.mark.parametrize(
     ("args", "status", "code", "words"),
     [
-        (["ice tea"], 2, "usage", "DATA.csv"),
+        (["ice tea box"], 2, "usage", "DATA.csv"),
         (["iced tee box", TRIALS], 3, "unknown_object", "ice tea box"),
         (["missing.yaml", TRIALS], 2, "unreadable_file", "missing.yaml"),
-        (["ice tea", "missing.csv"], 2, "unreadable_file", "missing.csv"),
-        (["ice tea", TRIALS, TRIALS], 2, "usage", "twice"),
-        (["ice tea", TRIALS, "--parameters", "mas"], 2, "usage", "did you mean 'mass'"),
-        (["ice tea", TRIALS, "--parameters", "colour"], 2, "usage", "centre_of_mass"),
-        (["ice tea", TRIALS, "--save", SERIES], 2, "usage", "takes a name"),
-        (["ice tea", TRIALS, "--save= x "], 2, "usage", "cannot be a name"),
-        (["ice tea", TRIALS, "--save", "tomato soup"], 2, "duplicate_name", "soup can"),
-        (["ice tea", TRIALS, "--output", "x.csv"], 2, "usage", ".yaml"),
-        (["ice tea", TRIALS, "--output", "/nowhere/x.yaml"], 2, "cannot_write", "/nowhere"),
-        (["ice tea", SERIES, "--parameters", "finger_friction"], 2, "not_identifiable", "slip"),
+        (["ice tea box", "missing.csv"], 2, "unreadable_file", "missing.csv"),
+        (["ice tea box", TRIALS, TRIALS], 2, "usage", "twice"),
+        (["ice tea box", TRIALS, "--parameters", "mas"], 2, "usage", "did you mean 'mass'"),
+        (["ice tea box", TRIALS, "--parameters", "colour"], 2, "usage", "centre_of_mass"),
+        (["ice tea box", TRIALS, "--save", SERIES], 2, "usage", "takes a name"),
+        (["ice tea box", TRIALS, "--save= x "], 2, "usage", "cannot be a name"),
+        (["ice tea box", TRIALS, "--save", "tomato soup"], 2, "duplicate_name", "soup can"),
+        (["ice tea box", TRIALS, "--output", "x.csv"], 2, "usage", ".yaml"),
+        (["ice tea box", TRIALS, "--output", "/nowhere/x.yaml"], 2, "cannot_write", "/nowhere"),
+        (["ice tea box", SERIES, "--parameters", "finger_friction"], 2, "not_identifiable", "slip"),
         (
-            ["ice tea", SERIES, "--parameters", "mass,friction"],
+            ["ice tea box", SERIES, "--parameters", "mass,friction"],
             2,
             "not_identifiable",
             "find friction_radius too",
@@ -208,7 +208,7 @@ def test_another_models_file_is_not_written_over(
 ) -> None:
     other = objects_folder / "my_carton.yaml"
     other.write_text("of someone", encoding="utf-8")
-    status, found = answer(capsys, "fit", "ice tea", TRIALS, "--save", "my carton")
+    status, found = answer(capsys, "fit", "ice tea box", TRIALS, "--save", "my carton")
     assert (status, found["error"]["code"]) == (2, "cannot_write")
     assert other.read_text(encoding="utf-8") == "of someone"
 
@@ -240,7 +240,7 @@ def test_garbage_ends_in_an_error_that_is_known(
 ) -> None:
     path = tmp_path / "data.csv"
     path.write_text("\n".join([HEADER, *rows]), encoding="utf-8")
-    status, found = answer(capsys, "fit", "ice tea", str(path), "--save")
+    status, found = answer(capsys, "fit", "ice tea box", str(path), "--save")
     written = list(objects_folder.iterdir())
     if status == 0:
         assert Registry.default().problems == ()

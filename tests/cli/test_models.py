@@ -62,7 +62,7 @@ def test_predict_in_words(capsys: pytest.CaptureFixture[str]) -> None:
 def test_predict_as_data_says_the_same(
     capsys: pytest.CaptureFixture[str], push: list[str], outcome: str, words: str
 ) -> None:
-    status, found = answer(capsys, "predict", "ice tea", *push)
+    status, found = answer(capsys, "predict", "ice tea box", *push)
     assert (status, found["outcome"], found["object"]) == (0, outcome, "ice tea box")
     assert words in found["text"]
     assert sum(found["probability"].values()) == pytest.approx(1.0)
@@ -177,7 +177,7 @@ def test_a_map_of_probability(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_affordances_of_the_ice_tea_box(capsys: pytest.CaptureFixture[str]) -> None:
-    status, document = answer(capsys, "affordances", "ice tea")
+    status, document = answer(capsys, "affordances", "ice tea box")
     assert status == 0
     found = {(a["outcome"], a["direction"]): a for a in document["affordances"]}
     assert len(found) == 14
@@ -193,7 +193,7 @@ def test_affordances_of_the_ice_tea_box(capsys: pytest.CaptureFixture[str]) -> N
     for sense, side in (("left", 1.0), ("right", -1.0)):
         turn = found["turn", sense]
         pushed = ["--face", turn["face"], "--at", "{},{}".format(*turn["place"])]
-        _, push = answer(capsys, "predict", "ice tea", *pushed)
+        _, push = answer(capsys, "predict", "ice tea box", *pushed)
         assert np.sign(push["motion"]["turning"]) == side
 
 
@@ -254,11 +254,11 @@ def test_import_a_mesh_and_predict_it(
 ) -> None:
     mesh = tmp_path / "jar.stl"
     trimesh.creation.cylinder(radius=40, height=90, sections=60).export(mesh)
-    options = ["--name", "jam jar", "--mass", "0.4", "--unit", "mm", "--synonym", "jar"]
+    options = ["--name", "jam jar", "--mass", "0.4", "--unit", "mm", "--synonym", "preserve"]
     status, told = answer(capsys, "objects", "import", str(mesh), *options)
     assert status == 0
     assert Path(told["file"]) == objects_folder / "jam_jar.yaml"
-    status, found = answer(capsys, "objects", "show", "jar")
+    status, found = answer(capsys, "objects", "show", "preserve")
     assert found["kind"] == "hull"
     assert max(v[2] for v in found["vertices"]) == pytest.approx(0.09, abs=1e-6)
     status, document = answer(capsys, "affordances", "jam jar")

@@ -84,7 +84,7 @@ def _in(scene: str, ref: g.ObjectRef) -> str:
         ("kitchen", _ref("right box", "right"), "coffee box"),
         ("kitchen", _ref("middle box", "middle"), "ice tea box"),
         ("kitchen", _ref("near box", "near"), "ice tea box"),
-        ("kitchen", _ref("box", relation="left_of", reference=[_ref("ice tea")]), "cereal box"),
+        ("kitchen", _ref("box", relation="left_of", reference=[_ref("ice tea box")]), "cereal box"),
         ("kitchen", _ref("box", relation="right_of", reference=[_ref("tea box")]), "coffee box"),
         (
             "kitchen",

@@ -25,7 +25,7 @@ from sim import ArmReach, load_scene
 
 MODELS = {model.name: model for model in Registry.built_in()}
 LOW = "book"
-ROUND = {"mug", "soup can", "water bottle"}
+ROUND = {"ice tea cup", "jar", "mug", "soup can", "water bottle"}
 FACES = ("front", "left", "back", "right")
 YAWS = [0.0, 0.35, -2.0]
 
