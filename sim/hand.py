@@ -235,6 +235,17 @@ def one_finger_postures() -> tuple[Posture, ...]:
 
 
 @functools.cache
+def finger_posture(finger: str, flexion: tuple[float, float]) -> Posture:
+    """A posture with one finger bent and the others out of the way.
+
+    Args:
+        finger: one of `FINGERS`.
+        flexion: of its proximal and middle joint [rad].
+    """
+    return _posture(f"{finger} bent by {flexion[0]:.2f} and {flexion[1]:.2f}", {finger: (0.0, *flexion)})
+
+
+@functools.cache
 def two_finger_postures(spread: float) -> tuple[Posture, ...]:
     """Postures that push with index and ring, their tips a given distance apart.
 
