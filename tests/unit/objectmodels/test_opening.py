@@ -67,7 +67,7 @@ def test_the_margin_is_that_of_the_moments_about_the_rim() -> None:
     ("changes", "outcome"),
     [({}, "moves"), ({"mass": 0.15}, "topples"), ({"friction": 0.05, "mass": 0.25}, "slides")],
 )
-def test_what_happens_first(changes: dict[str, float], outcome: str) -> None:
+def test_what_happens_first(changes: dict[str, Any], outcome: str) -> None:
     arc = opening.flip(cup(**changes), LID)
     assert arc.outcome == outcome
     assert arc.probability == (1.0 if outcome == "moves" else 0.0)
