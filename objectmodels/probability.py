@@ -169,17 +169,44 @@ def _classes(model: ObjectModel, p: Array, f: Array, draw: Draws) -> tuple[Array
     return below, np.where(np.isinf(topple), 0.0, 1.0 - below)
 
 
-def _sampled(model: ObjectModel, p: Array, u: Array, force: float, seed: int) -> Array:
-    """Shares of none, slide, topple among samples of all parameters, shape (n, 3)."""
-    z = np.random.default_rng(seed).standard_normal((SAMPLES, len(UNCERTAIN)))
+@dataclass(frozen=True)
+class Sample:
+    """Objects drawn from what is believed of one; arrays over k of them.
+
+    Attributes:
+        weight: G, shape (k,) [N].
+        friction: at the table, shape (k,).
+        friction_radius: shape (k,) [m].
+        com: centre of mass in B, over the base, shape (k, 3) [m].
+    """
+
+    weight: Array
+    friction: Array
+    friction_radius: Array
+    com: Array
+
+
+def sampled(model: ObjectModel, samples: int, seed: int) -> Sample:
+    """Draws all uncertain parameters of an object."""
+    z = np.random.default_rng(seed).standard_normal((samples, len(UNCERTAIN)))
     mean = model.means
     x = mean + model.deviations * (z @ _root(model.correlation).T)
     x[:, :4] = np.maximum(x[:, :4], SMALLEST_SHARE * mean[:4])
-    weight = model.weight / model.mass * x[:, UNCERTAIN.index("mass")]
-    com = np.column_stack((_inside(model, x[:, 4:6]), x[:, 6]))
+    return Sample(
+        weight=model.weight / model.mass * x[:, UNCERTAIN.index("mass")],
+        friction=x[:, UNCERTAIN.index("friction")],
+        friction_radius=x[:, UNCERTAIN.index("friction_radius")],
+        com=np.column_stack((_inside(model, x[:, 4:6]), x[:, 6])),
+    )
+
+
+def _sampled(model: ObjectModel, p: Array, u: Array, force: float, seed: int) -> Array:
+    """Shares of none, slide, topple among samples of all parameters, shape (n, 3)."""
+    drawn = sampled(model, SAMPLES, seed)
+    weight, com = drawn.weight, drawn.com
     p, u = p[:, None, :], u[:, None, :]
-    friction, radius = x[:, UNCERTAIN.index("friction")], x[:, UNCERTAIN.index("friction_radius")]
-    slide = weight * slide_threshold(u, yaw_arm(p, u, com), friction, radius, 1.0)
+    arm = yaw_arm(p, u, com)
+    slide = weight * slide_threshold(u, arm, drawn.friction, drawn.friction_radius, 1.0)
     topple = weight * topple_threshold(model.base, p, u, com, 1.0)
     moves = np.minimum(slide, topple) <= force
     slides = moves & (slide < topple)
