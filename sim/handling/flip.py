@@ -38,10 +38,13 @@ if TYPE_CHECKING:
 SETTLE = 0.5
 """Time that everything gets to come to rest [s]."""
 
-LEANS, MOVES = np.radians(3.0), 0.006
+LEANS, MOVES = np.radians(2.5), 0.006
 """Tilt [rad] and displacement [m] of the object at which a fingertip lets go of its lid."""
 
 _ACCELERATION = 2.0  # of the commanded angle [rad/s²]
+_BRAKING = 3.0  # rate per remaining angle near the end [1/s]
+_SLOWEST = 0.15  # rate near the end, and until the lid is seen to move [rad/s]
+_CAUGHT = np.radians(4.0)  # a lid that is seen to have moved so far does move
 _BEYOND = np.radians(12.0)  # how far the finger goes on for a lid that lags behind
 _REACHED = np.radians(2.0)  # seen angle from the end that counts as the end
 _FOLLOWS = np.radians(15.0)  # how far a lid that follows is seen behind the finger
@@ -138,13 +141,20 @@ class FlipControl:
             end = self._ended(stuck, waited)
             if end is not None:
                 return end
-            rate = min(self._rate, rate + _ACCELERATION * self._period)
+            rate = min(self._allowed(), rate + _ACCELERATION * self._period)
             room = float(np.clip((limit - self._felt) / (_BAND * limit), -1.0, 1.0))
             remaining = self._sign * (last - self._angle)
             advance = min(rate * room * self._period, remaining)
             self._to_angle(self._angle + self._sign * advance)
             stuck = stuck + self._period if room < 0.5 else 0.0
             waited = waited + self._period if remaining <= 0.0 else 0.0
+
+    def _allowed(self) -> float:
+        """Largest rate now [rad/s]: slow until the lid moves, and as its end is near."""
+        if abs(self.seen - self._step.start) < _CAUGHT:
+            return min(_SLOWEST, self._rate)
+        near = _BRAKING * self._sign * (self._step.end - self._angle)
+        return min(self._rate, max(_SLOWEST, near))
 
     def _ended(self, stuck: float, waited: float) -> tuple[EndReason, str] | None:
         """Why it ends now; None if it goes on."""

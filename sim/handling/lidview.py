@@ -14,7 +14,7 @@ from planner.state import SeenObject
 from sim.rotations import wrap, yaw_of
 from sim.vision import Frame
 
-_LID_SHARE, _POSE_SHARE = 0.3, 0.12  # weights of a new frame
+_LID_SHARE, _POSE_SHARE = 0.3, 0.2  # weights of a new frame
 
 
 class LidView:
