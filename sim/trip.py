@@ -1,4 +1,4 @@
-"""One trip of the hand: look, go somewhere, do something there, come back home.
+"""One trip of the hand: look, go to an object, do something there, come back home.
 
 The robot knows what its ports tell it: joint angles, finger torques and late, noisy camera frames.
 Frames: W is the world, T the midpoint of the pushing fingertips' centres.
@@ -44,11 +44,11 @@ def silent(phase: str, time: float, text: str) -> None:
     """Progress that nobody asked for."""
 
 
-class HandTrip:
-    """The hand's way to a place above the table and back.
+class Trip:
+    """The hand's way to a contact and back.
 
     Args:
-        normal_W: outward normal of what is touched first in W, shape (3,).
+        push: where the fingertips touch and which way they go then.
         world: where; it moves on.
         models: what the robot believes of every object, by its name in the scene.
         reach: of the world's robot.
@@ -60,13 +60,14 @@ class HandTrip:
 
     def __init__(
         self,
-        normal_W: Array,
+        push: Push,
         world: DrakeWorld,
         models: Mapping[str, ObjectModel],
         reach: ArmReach,
         tell: Progress,
     ) -> None:
-        self.recorder = Recorder(world, reach.mount, normal_W)
+        self.recorder = Recorder(world, reach.mount, np.array(push.normal_W))
+        self._push = push
         self._world = world
         self._models = models
         self._reach = reach
@@ -87,10 +88,21 @@ class HandTrip:
             }
         )
 
-    def go_to(self, stance: Stance, start: Array) -> None:
-        """Free motion: over a point for T, shape (3,) [m], then down to it."""
+    def stance(self, state: WorldState) -> tuple[Stance, Way]:
+        """How arm and hand stand, and the fingertips' way.
+
+        Raises:
+            EarlyEndError: the hand does not get there.
+        """
+        answer = self._reach.stance(self._push, state)
+        if isinstance(answer, ReachAnswer):
+            raise EarlyEndError("unreachable", answer.message)
+        return answer[0], Way.of(self._push, state.objects[self._push.object])
+
+    def approach(self, stance: Stance, way: Way) -> None:
+        """Free motion: over the start, then down to it."""
         self._tell("transit", self._world.time, f"moving the hand ({stance.posture.name})")
-        above = np.array([*start[:2], stance.lift])
+        above = np.array([*way.start[:2], stance.lift])
         self.recorder.phase = "transit"
         self.recorder.fingers = stance.posture.pushing
         for q in (*stance.via, stance.joints(above)):
@@ -98,9 +110,33 @@ class HandTrip:
             self._move_joints(q, stance.posture.joints)
         self._tell("approach", self._world.time, "down to the object")
         self.recorder.phase = "approach"
-        for point in self._line(above, start):
+        for point in self._line(above, way.start):
             self._go(stance, point)
             self._descent.append(self._world.commanded[0])
+
+    def leave(self, stance: Stance, tip: Array, way: Way, turned: float = 0.0) -> None:
+        """Off the face, and back along the way that was free.
+
+        Args:
+            stance: of arm and hand.
+            tip: where T is commanded to be, shape (3,) [m].
+            way: on which it came.
+            turned: how far the palm has turned [rad]; it turns back once it is off the face.
+        """
+        self.recorder.phase = "retreat"
+        self.recorder.force_limit = 0.0
+        self._tell("retreat", self._world.time, "leaving the object")
+        off = tip - BACK * rot_z(turned) @ way.inward
+        far = max(float(np.linalg.norm(off - way.start)), 1e-9)
+        try:
+            for point in self._line(tip, off):
+                self._go(stance, point, turned)
+            for point in self._line(off, way.start):
+                left = float(np.linalg.norm(point - way.start)) / far
+                self._go(stance, point, left * turned)
+        except UnreachableError:
+            # Both ends of the way are reached, so the joints lead from one to the other.
+            self._move_joints(self._descent[-1], self._world.commanded[1])
 
     def come_home(self, settle: float) -> None:
         """Back home, and some time for everything to come to rest [s]."""
@@ -142,65 +178,3 @@ class HandTrip:
         ):
             share = 1.0 - float(np.linalg.norm(q_arm - q)) / length
             self.recorder.step(q, start_hand + share * (q_hand - start_hand))
-
-
-class Trip(HandTrip):
-    """The hand's way to a contact and back.
-
-    Args:
-        push: where the fingertips touch and which way they go then.
-        world: where; it moves on.
-        models: what the robot believes of every object, by its name in the scene.
-        reach: of the world's robot.
-        tell: progress.
-    """
-
-    def __init__(
-        self,
-        push: Push,
-        world: DrakeWorld,
-        models: Mapping[str, ObjectModel],
-        reach: ArmReach,
-        tell: Progress,
-    ) -> None:
-        super().__init__(np.array(push.normal_W), world, models, reach, tell)
-        self._push = push
-
-    def stance(self, state: WorldState) -> tuple[Stance, Way]:
-        """How arm and hand stand, and the fingertips' way.
-
-        Raises:
-            EarlyEndError: the hand does not get there.
-        """
-        answer = self._reach.stance(self._push, state)
-        if isinstance(answer, ReachAnswer):
-            raise EarlyEndError("unreachable", answer.message)
-        return answer[0], Way.of(self._push, state.objects[self._push.object])
-
-    def approach(self, stance: Stance, way: Way) -> None:
-        """Free motion to the start of a way."""
-        self.go_to(stance, way.start)
-
-    def leave(self, stance: Stance, tip: Array, way: Way, turned: float = 0.0) -> None:
-        """Off the face, and back along the way that was free.
-
-        Args:
-            stance: of arm and hand.
-            tip: where T is commanded to be, shape (3,) [m].
-            way: on which it came.
-            turned: how far the palm has turned [rad]; it turns back once it is off the face.
-        """
-        self.recorder.phase = "retreat"
-        self.recorder.force_limit = 0.0
-        self._tell("retreat", self._world.time, "leaving the object")
-        off = tip - BACK * rot_z(turned) @ way.inward
-        far = max(float(np.linalg.norm(off - way.start)), 1e-9)
-        try:
-            for point in self._line(tip, off):
-                self._go(stance, point, turned)
-            for point in self._line(off, way.start):
-                left = float(np.linalg.norm(point - way.start)) / far
-                self._go(stance, point, left * turned)
-        except UnreachableError:
-            # Both ends of the way are reached, so the joints lead from one to the other.
-            self._move_joints(self._descent[-1], self._world.commanded[1])
