@@ -161,6 +161,7 @@ def _angles(width: float, x: float, z: float) -> dict[str, Angles] | None:
     return angles
 
 
+@functools.lru_cache(maxsize=64)
 def _posture(name: str, width: float, x: float, z: float) -> Posture:
     """The hand about a width, wherever its fingers get."""
     angles = {}
