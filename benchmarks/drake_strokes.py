@@ -142,8 +142,7 @@ class DrakeBench:
 
     def _sampled(self, watch: ContactWatch) -> tuple[Array, Array, Array]:
         self._wait(PERIOD)
-        results = self._plant.get_contact_results_output_port().Eval(self._context)
-        watch.note(self._root.get_time(), results)
+        watch.note(self._root.get_time(), self._context)
         poses = np.array([self._pose(name) for name in self._bodies])
         tips = np.array([self._plant.GetPositions(self._context, i) for i in self._tips.values()])
         ports = (self._plant.get_net_actuation_output_port(i) for i in self._tips.values())

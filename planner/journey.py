@@ -71,7 +71,9 @@ class Journey:
         self._asked, self._aim, self._target, self._state = asked, aim, target, state
         self._reach, self._defaults = reach, defaults
         self._largest = grip(target, defaults.sigmas)
-        self._clearances = _clearances(asked, target, state, defaults)
+        self._apart = _clearances(asked, target, state, defaults)
+        # What it is to meet is come near only by the push that ends as they touch.
+        self._clearances = {k: apart for k, apart in self._apart.items() if k != asked.meets}
         # What is turned may be displaced a little more than what is brought somewhere.
         self._within = defaults.aim_drift if asked.rotates else defaults.aim_position
 
@@ -118,7 +120,7 @@ class Journey:
         refusal: Refusal | None = None
         tried = 0
         for steps in self._partings(target, turn):
-            met = turns.free(target, steps, self._state, self._clearances, self._defaults.clearance)
+            met = turns.free(target, steps, self._state, self._apart, self._defaults.clearance)
             if met is not None:
                 refusal = refusal or refusals.turn_blocked(target, met)
                 continue
@@ -241,7 +243,10 @@ class Journey:
             yield tuple(Leg(heading, length) for heading, length in found)
 
     def _stop(self, target: SeenObject, way: tuple[Leg, ...]) -> Stop | None:
-        return stop(target, way, self._state, self._clearances, self._defaults.clearance)
+        met, margin = None, self._defaults.clearance
+        if self._asked.meets is not None:
+            met = stop(target, way[:-1], self._state, self._apart, margin)
+        return met or stop(target, way, self._state, self._clearances, margin)
 
     def _blocked(self, target: SeenObject) -> Refusal:
         """What stands in all ways: told of the first, which is the shortest."""
@@ -297,9 +302,11 @@ def _clearances(
 ) -> dict[str, float]:
     """Distance kept from each other object on the way [m]."""
     kept, said, near = {}, dict(asked.limits.clear_of), dict(asked.near)
+    if asked.meets is not None:
+        near[asked.meets] = gap(footprint(target), footprint(state.objects[asked.meets]))
     for name, other in state.objects.items():
         usual = defaults.clearance_fragile if other.fragile else defaults.clearance
         # What it is to stand close to it may come as close to on the way.
         usual = min(usual, _CLOSER * near.get(name, math.inf))
         kept[name] = max(usual, said.get(name, 0.0))
-    return {name: apart for name, apart in kept.items() if name not in (target.name, asked.meets)}
+    return {name: apart for name, apart in kept.items() if name != target.name}

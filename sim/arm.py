@@ -99,15 +99,17 @@ def stretched(q4: float) -> float:
     return float(np.sqrt(UPPER_ARM**2 + FOREARM**2 + 2.0 * UPPER_ARM * FOREARM * np.cos(q4)))
 
 
-def _perpendicular(v: Array, unit: Array) -> Array:
-    """Unit vector of v's part perpendicular to `unit`, shapes (..., 3)."""
-    rest = v - unit * np.sum(v * unit, axis=-1, keepdims=True)
-    return np.asarray(rest / np.maximum(np.linalg.norm(rest, axis=-1, keepdims=True), 1e-9))
-
-
-def _frame(first: Array, second: Array) -> Array:
-    """Right-handed frame of two perpendicular unit vectors as its first two columns."""
-    return np.stack([first, second, cross(first, second)], axis=-1)
+def _pointing(x: Array, y: Array, z: Array) -> Array:
+    """Frames with their first axis along (x, y, z), shapes (n,), and their second upwards."""
+    level = np.hypot(x, y)
+    length = np.maximum(np.hypot(level, z), 1e-9)
+    cos, sin = x / np.maximum(level, 1e-9), y / np.maximum(level, 1e-9)
+    level, rise = level / length, z / length
+    R = np.zeros((*level.shape, 3, 3))
+    R[..., 0, 0], R[..., 1, 0], R[..., 2, 0] = level * cos, level * sin, rise
+    R[..., 0, 1], R[..., 1, 1], R[..., 2, 1] = -rise * cos, -rise * sin, level
+    R[..., 0, 2], R[..., 1, 2] = sin, -cos
+    return R
 
 
 BRANCHES = tuple(itertools.product((1.0, -1.0), repeat=3))
@@ -130,23 +132,18 @@ def inverse(
         limits and away from the singularities, shape (n, k).
     """
     p_SW = p_AF - FLANGE * R_AF[:, :, 2] - np.array([0.0, 0.0, SHOULDER])
-    distance = np.linalg.norm(p_SW, axis=1)
-    along = p_SW / np.maximum(distance, 1e-9)[:, None]
-    cos_q4 = (distance**2 - UPPER_ARM**2 - FOREARM**2) / (2.0 * UPPER_ARM * FOREARM)
+    squared = np.sum(p_SW * p_SW, axis=1)
+    cos_q4 = (squared - UPPER_ARM**2 - FOREARM**2) / (2.0 * UPPER_ARM * FOREARM)
     reachable = np.abs(cos_q4) < 1.0 - 1e-4
     bend = np.arccos(np.clip(cos_q4, -1.0, 1.0))
-    up = np.broadcast_to([0.0, 0.0, 1.0], along.shape)
-    R_arm = _frame(along, _perpendicular(up, along)) @ rot_x(elbow)
+    R_arm = _pointing(*p_SW.T) @ rot_x(elbow)
 
     q = np.empty((len(p_AF), len(branches), 7))
     for sign_4 in {BRANCHES[k][0] for k in branches}:
         q4 = sign_4 * bend
         # The same line from shoulder to wrist, seen from joint 3 at zero angles of joints 1 to 3.
-        line = np.stack(
-            [-FOREARM * np.sin(q4), np.zeros_like(q4), UPPER_ARM + FOREARM * np.cos(q4)], axis=-1
-        )
-        line /= np.maximum(np.linalg.norm(line, axis=1, keepdims=True), 1e-9)
-        R_03 = R_arm @ np.swapaxes(_frame(line, _perpendicular(up, line)), -1, -2)
+        line = -FOREARM * np.sin(q4), np.zeros_like(q4), UPPER_ARM + FOREARM * np.cos(q4)
+        R_03 = R_arm @ np.swapaxes(_pointing(*line), -1, -2)
         R_47 = np.swapaxes(R_03 @ rot_y(-q4), -1, -2) @ R_AF
         shoulder, wrist = _zyz(R_03), _zyz(R_47)
         for column, (sign, sign_2, sign_6) in enumerate(BRANCHES[k] for k in branches):

@@ -1,5 +1,7 @@
 """Carries out a plan in the simulated world: look, go there, touch, push, come back.
 
+What the whole hand does is carried out by `sim.handling`.
+
 The push is the paper's interface to its arm: a movement vector, a force magnitude and a largest
 speed. The fingertips advance along the vector while less than the force is felt, no faster than
 the speed, and end on the stroke, the force, the speed or a guard. Arm and hand are joint
@@ -13,7 +15,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from planner.handling.plan import HandlingPlan
 from planner.plan import Plan
+from sim.handling.handling import handle
+from sim.planned import Errand, PlannedControl
 from sim.push import PushControl
 from sim.reach import ArmReach
 from sim.recorder import Recorder
@@ -28,7 +33,7 @@ if TYPE_CHECKING:
     from objectmodels.model import ObjectModel
     from sim.world import DrakeWorld
 
-_CONTROLS: dict[str, type[PushControl | TiltControl | TurnControl]] = {
+_CONTROLS: dict[str, type[PlannedControl]] = {
     "tilted": TiltControl,
     "turned": TurnControl,
 }
@@ -39,7 +44,7 @@ SETTLE = {"stroke": 0.5, "toppled": 1.5}
 
 
 def execute(
-    plan: Plan,
+    plan: Plan | HandlingPlan,
     world: DrakeWorld,
     models: Mapping[str, ObjectModel],
     *,
@@ -58,6 +63,8 @@ def execute(
     Returns:
         What happened, also if it ended early.
     """
+    if isinstance(plan, HandlingPlan):
+        return handle(plan, world, models, reach=reach, progress=progress)
     tell = progress or silent
     trip = Trip(plan.push, world, models, reach or ArmReach(world.scene), tell)
     try:
@@ -93,9 +100,9 @@ def _push(plan: Plan, trip: Trip, tell: Progress) -> tuple[EndReason, str]:
     trip.approach(stance, way)
     tell("touch", trip.recorder.world.time, "feeling for the face")
     make = _CONTROLS.get(plan.push.ends_on, PushControl)
-    control = make(plan, trip.recorder, stance, way, state, tell)
+    control = make(Errand(plan, trip.recorder, stance, way, state, tell))
     try:
         control.touch()
-        return control.push()
+        return control.act()
     finally:
         trip.leave(stance, control.commanded, way, control.turned)

@@ -8,6 +8,7 @@ Frames: P is the palm, T a fingertip's centre; forces are those on the object, i
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,7 +31,7 @@ class Touch:
     tips: Array
     forces: Array
 
-    @property
+    @functools.cached_property
     def midpoint(self) -> Array:
         """Midpoint of the tips' centres in W, shape (3,) [m]."""
         middle: Array = self.tips.mean(axis=0)
@@ -46,15 +47,16 @@ def feel(
         world: whose sensors are read.
         mount: of the arm.
         fingers: names of the pushing fingers.
-        inward_W: unit normal into the touched face in W, shape (3,).
+        inward_W: unit normal into the touched face in W, shape (3,), or of each finger, (k, 3).
         torques: of the fingers' joints, their sensors' zero taken off, shape (k, 3) [N·m].
     """
     R_WP, p_WP = mount.palm(world.arm_angles())
     tips, forces = [], []
-    for finger, tau in zip(fingers, torques, strict=True):
+    inwards = np.broadcast_to(inward_W, (len(fingers), 3))
+    for finger, inward, tau in zip(fingers, inwards, torques, strict=True):
         angles = world.finger_angles(finger)
         p_PT = finger_points(finger, angles)[3]
-        J = finger_jacobian(finger, angles, p_PT + TIP_RADIUS * R_WP.T @ inward_W)
+        J = finger_jacobian(finger, angles, p_PT + TIP_RADIUS * R_WP.T @ inward)
         f_P = np.linalg.solve(J.T, tau)
         tips.append(R_WP @ p_PT + p_WP)
         forces.append(R_WP @ f_P)

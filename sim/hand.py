@@ -10,6 +10,7 @@ follows the middle one. Fingers that do not push are curled out of the way.
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -54,11 +55,12 @@ _BASES: Mapping[str, Array] = {
     "ring": np.array([0.0, -0.0268, 0.114]),
     "thumb": np.array([0.08, 0.0, 0.08]),
 }
-_THUMB_R = rot_y(_THUMB_LEAN) @ axis_rotation([0.0, 0.0, 1.0], np.pi)
+_BASE_R = dict.fromkeys(FINGERS, np.eye(3)) | {
+    "thumb": rot_y(_THUMB_LEAN) @ axis_rotation([0.0, 0.0, 1.0], np.pi)
+}
 
 _CLOSED = 1.2  # flexion of the middle joint from which a finger counts as closed [rad]
 _STOP = 0.005  # distance from a stop at which a joint counts as being there [rad]
-_FOLLOWS = np.vstack([np.eye(3), [0.0, 0.0, 1.0]])  # all four joints by the independent ones
 
 Angles = tuple[float, float, float]
 CURLED: Angles = (0.0, 1.40, 1.60)
@@ -76,21 +78,50 @@ def finger_points(finger: str, angles: Angles) -> Array:
         Proximal joint, middle joint, distal joint and fingertip centre, shape (4, 3) [m].
     """
     abduction, proximal, middle = angles
-    R = (_THUMB_R if finger == "thumb" else np.eye(3)) @ rot_x(abduction)
-    points = [_BASES[finger]]
+    # All joints but abduction bend the finger in one plane.
+    x = z = bent = 0.0
+    flat = [(x, 0.0, z)]
     for flexion, length in zip((proximal, middle, middle), LINKS, strict=True):
-        R = R @ rot_y(flexion)
-        points.append(points[-1] + length * R[:, 2])
-    return np.array(points)
+        bent += flexion
+        x, z = x + length * math.sin(bent), z + length * math.cos(bent)
+        flat.append((x, 0.0, z))
+    return np.asarray(_BASES[finger] + np.array(flat) @ _finger_frame(finger, abduction).T)
 
 
-def _columns(finger: str, angles: Angles, p_PC: Array) -> Array:
-    """Velocity of points of the distal link per rate of each of the four joints, (..., 3, 4)."""
-    base, middle, distal = finger_points(finger, angles)[:3]
-    R = (_THUMB_R if finger == "thumb" else np.eye(3)) @ rot_x(angles[0])
-    axes = np.array([R[:, 0], R[:, 1], R[:, 1], R[:, 1]])
-    arms = p_PC[..., None, :] - np.array([base, base, middle, distal])
-    return np.swapaxes(cross(axes, arms), -1, -2)
+def _finger_frame(finger: str, abduction: float) -> Array:
+    """Axes of a finger in P, shape (3, 3): of abduction, of flexion, along it when straight."""
+    return np.asarray(_BASE_R[finger] @ rot_x(abduction))
+
+
+@functools.cache
+def _chain() -> tuple[Array, Array]:
+    """Middle flexions, and the tip from the proximal joint with them, along x and z, (n, 2)."""
+    middle = np.linspace(FINGER_LIMITS[2, 1], 0.0, 4001)
+    bends = np.outer(middle, [0.0, 1.0, 2.0])
+    tips = np.stack([np.sin(bends) @ LINKS, np.cos(bends) @ LINKS], axis=-1)
+    return middle, tips
+
+
+def bent_to(finger: str, p_PT: Array) -> Angles | None:
+    """Angles with which a finger that is not spread has its tip somewhere in its own plane.
+
+    Args:
+        finger: one of `FINGERS`.
+        p_PT: the tip's centre in P, shape (3,) [m]; y does not count.
+
+    Returns:
+        None if it is too far, or too near to the finger's base; stops do not count otherwise.
+    """
+    x, _, z = _BASE_R[finger].T @ (p_PT - _BASES[finger])
+    middle, tips = _chain()
+    lengths = np.hypot(*tips.T)
+    distance = float(np.hypot(x, z))
+    if not lengths[0] < distance < lengths[-1]:
+        return None
+    flexion = float(np.interp(distance, lengths, middle))
+    bends = flexion * np.array([0.0, 1.0, 2.0])
+    own = np.arctan2(np.sin(bends) @ LINKS, np.cos(bends) @ LINKS)
+    return 0.0, float(np.arctan2(x, z) - own), flexion
 
 
 def finger_jacobian(finger: str, angles: Angles, p_PC: Array) -> Array:
@@ -106,7 +137,12 @@ def finger_jacobian(finger: str, angles: Angles, p_PC: Array) -> Array:
     Returns:
         Columns of abduction, proximal and middle joint, shape (..., 3, 3) [m].
     """
-    return np.asarray(_columns(finger, angles, p_PC) @ _FOLLOWS)
+    base, middle, distal = finger_points(finger, angles)[:3]
+    R = _finger_frame(finger, angles[0])
+    from_base = p_PC - base
+    # The distal joint's axis is parallel to the middle one's: their arms add up.
+    arms = np.stack([from_base, from_base, 2.0 * p_PC - middle - distal], axis=-2)
+    return np.swapaxes(cross(R[:, [0, 1, 1]].T, arms), -1, -2)
 
 
 def fingertip_stiffness(finger: str, angles: Angles, p_PC: Array) -> Array:
@@ -192,6 +228,11 @@ class Posture:
     def tips(self) -> Array:
         """Centres of the pushing fingertips in P, shape (k, 3) [m]."""
         return np.array([finger_points(f, self.angles[f])[3] for f in self.pushing])
+
+    @functools.cached_property
+    def midpoint(self) -> Array:
+        """Midpoint of the pushing fingertips' centres in P, shape (3,) [m]."""
+        return np.asarray(self.tips.mean(axis=0))
 
     @functools.cached_property
     def joints(self) -> Array:

@@ -140,7 +140,7 @@ def hands(fingers: int, spread: float) -> Hands:
     blurred = np.repeat([posture.closed for posture in postures], len(turned))
     order = good[np.argsort((skew + coarse / 200.0 + _BLURRED * blurred)[good], kind="stable")]
     which, R_DP = which[order], R_DP[order]
-    tips = np.array([p.tips.mean(axis=0) for p in postures])[which]
+    tips = np.array([posture.midpoint for posture in postures])[which]
     palm = -(R_DP @ tips[..., None])[..., 0]
     about_T = _padded(postures)[which]
     return Hands(

@@ -15,6 +15,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from objectmodels.base import Disc
 from planner.footprints import footprint, gap
 from planner.plan import Push
 from planner.state import SeenObject, WorldState
@@ -33,6 +34,8 @@ _SIGMAS = 2.0  # standard deviations of the estimate that are kept from a limit
 _OF_SMALL = 0.3  # but at most this share of a limit that is an angle
 _STOPPING = 0.001  # way until the object stands [m]
 _KEPT = 0.5  # time over which the fingertips' way is remembered, longer than a camera's delay [s]
+
+_HELD = float(np.radians(10.0))  # turn by which two fingers show that they do not hold the heading
 
 _MET = -0.001  # seen gap at which two objects surely touch [m]
 _NEAR = 0.015  # seen gap below which a rising force tells that they do [m]
@@ -126,6 +129,7 @@ class LimitGuards:
         others = {name for name, _ in push.limits.clear_of} | (
             {push.meets} if push.meets else set()
         )
+        self._turn = _turn_limit(push, state.objects[push.object])
         self._others = {name: footprint(state.objects[name]) for name in others}
         here = footprint(state.objects[push.object])
         first = {name: gap(here, other) for name, other in self._others.items()}
@@ -168,7 +172,7 @@ class LimitGuards:
         return None
 
     def _turned_off(self) -> End | None:
-        limit, turned = self._push.limits.turn, self.follower.turned
+        limit, turned = self._turn, self.follower.turned
         if limit is not None and abs(turned) > self._below(limit):
             return "turned_off", f"the object was seen to turn by {np.degrees(turned):.0f}°"
         return None
@@ -218,3 +222,16 @@ class LimitGuards:
         if room < _NEAR and felt > (1.0 + _STEP_SHARE) * self._sliding + _STEP:
             return "event", f"the object was felt to meet the {other}, {1e3 * room:.0f} mm seen"
         return None
+
+
+def _turn_limit(push: Push, seen: SeenObject) -> float | None:
+    """Turn at which a push ends [rad]; None if any will do.
+
+    Where two fingers give way more to the one side than to the other, what they push turns ever
+    faster: it is pushed otherwise before it is far off. What is to be quick has no second push.
+    """
+    limit = push.limits.turn
+    round_ = isinstance(seen.model.base, Disc)
+    if push.fingers == 1 or push.ends_on != "stroke" or round_ or push.limits.duration is not None:
+        return limit
+    return _HELD if limit is None else min(limit, _HELD)

@@ -13,10 +13,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from planner.handling.plan import HandlingPlan
+from planner.handling.reach import Grip
 from planner.plan import Push
 from planner.reach import ReachAnswer
 from planner.state import WorldState
 from sim.hand import TIP_RADIUS
+from sim.handling.grips import NARROWEST, WIDEST, hand_grip
+from sim.handling.search import HandWay, best_way
 from sim.hands import LARGEST_SKEW, hands, strongest
 from sim.reachmap import reach_map
 from sim.scene import Scene
@@ -37,12 +41,14 @@ class ArmReach:
         max_force: of one fingertip, in the hand that bears most [N].
         force_skew: largest vertical force per force along the push.
         lowest_height: of a contact above the table [m].
+        narrowest, widest: between thumb and fingers of a hand that holds something [m].
     """
 
     fingertip_radius = TIP_RADIUS
     finger_spreads: tuple[float, ...] = FINGER_SPREADS
     force_skew = LARGEST_SKEW
     lowest_height = TIP_RADIUS + 0.015
+    narrowest, widest = NARROWEST, WIDEST
 
     def __init__(self, scene: Scene) -> None:
         self.mount = Mount.of(scene.robot)
@@ -65,15 +71,59 @@ class ArmReach:
         ends = (way.touch, way.end)
         return min(self._map.room(push.fingers, push.spread, end, heading) for end in ends)
 
-    def stance(self, push: Push, state: WorldState) -> tuple[Stance, ReachAnswer] | ReachAnswer:
-        """The best stance for a push, or why there is none."""
+    def grip(self, width: float) -> Grip | None:
+        """How the hand closes about a width [m]; None if it does not."""
+        found = hand_grip(width)
+        return None if found is None else found.grip
+
+    def handles(self, plan: HandlingPlan, state: WorldState) -> ReachAnswer:
+        """Whether arm and hand can carry out a plan, all of its way free."""
+        found = self.hand_way(plan, state)
+        if isinstance(found, ReachAnswer):
+            return found
+        numbers = {"strength": found.grip.grip.strongest}
+        return ReachAnswer(ok=True, margin=found.room, numbers=numbers)
+
+    def hand_way(self, plan: HandlingPlan, state: WorldState) -> HandWay | ReachAnswer:
+        """The best way of arm and hand through a plan, or why there is none."""
+        if plan.grasp is None:
+            return ReachAnswer(False, "kinematics", "nothing is held")
+        grip = hand_grip(plan.grasp.width)
+        if grip is None:
+            least, most = 1e3 * self.narrowest, 1e3 * self.widest
+            return ReachAnswer(
+                False,
+                "width",
+                f"the hand holds what is {least:.0f} to {most:.0f} mm wide",
+                numbers={"width": plan.grasp.width, "narrowest": NARROWEST, "widest": WIDEST},
+            )
+        if plan.grasp.squeeze > grip.grip.strongest:
+            return ReachAnswer(
+                False,
+                "torque",
+                f"the hand squeezes with {grip.grip.strongest:.1f} N there, and "
+                f"{plan.grasp.squeeze:.1f} N are needed",
+                numbers={"strength": grip.grip.strongest, "force": plan.grasp.squeeze},
+            )
+        return best_way(self.mount, self.home, plan, grip, state)
+
+    def stance(
+        self, push: Push, state: WorldState, spare: float = 0.0
+    ) -> tuple[Stance, ReachAnswer] | ReachAnswer:
+        """The best stance for a push, or why there is none.
+
+        Args:
+            push: what is to be done.
+            state: what is believed.
+            spare: by how much less than its clearance each of the others may be away [m].
+        """
         if push.p_BC[2] < self.lowest_height - 1e-9:
             height = 1e3 * push.p_BC[2]
             return ReachAnswer(
                 False, "table", f"the finger would touch the table {height:.0f} mm up"
             )
         way = Way.of(push, state.objects[push.object])
-        search = Search(self.mount, self.home, push, way, state)
+        search = Search(self.mount, self.home, push, way, state, spare)
         every = hands(push.fingers, push.spread)
         strong = every.strength * push.fingers >= push.force_limit
         found = search.best(every[strong])

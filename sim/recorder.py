@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sim.fingers import Touch, feel
+from sim.rotations import quaternion
 from sim.trace import Trace
 from sim.vision import averaged
 
@@ -35,7 +36,7 @@ class Recorder:
         zero: what they read while nothing is touched, of the same shape.
         touch: what the fingers felt last; None until there are any.
         frames: camera frames that arrived with the last step.
-        inward: unit normal into the touched face in W, shape (3,).
+        inward: unit normal into the touched face in W, shape (3,), or of each finger, (k, 3).
     """
 
     def __init__(self, world: DrakeWorld, mount: Mount, normal_W: Array) -> None:
@@ -125,7 +126,5 @@ class Recorder:
 
 def _rows(poses: list[SeenPose]) -> Array:
     """Quaternions (w, x, y, z) and positions of poses, shape (n, 7)."""
-    from scipy.spatial.transform import Rotation
-
-    xyzw = Rotation.from_matrix(np.array([pose.R_WB for pose in poses])).as_quat()
-    return np.column_stack([xyzw[:, 3], xyzw[:, :3], np.array([pose.p_WB for pose in poses])])
+    R_WB = np.array([pose.R_WB for pose in poses])
+    return np.column_stack([quaternion(R_WB), np.array([pose.p_WB for pose in poses])])

@@ -66,6 +66,24 @@ def cross(a: Array, b: Array) -> Array:
     return np.stack([a_y * b_z - a_z * b_y, a_z * b_x - a_x * b_z, a_x * b_y - a_y * b_x], axis=-1)
 
 
+def quaternion(R: Array) -> Array:
+    """Quaternions (w, x, y, z) of rotations, shape (..., 4) for shape (..., 3, 3)."""
+    # Each row of 4 q qᵀ is the quaternion times four of its components; the longest is used.
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = np.moveaxis(R, (-2, -1), (0, 1))
+    rows = np.array(
+        [
+            [1.0 + xx + yy + zz, zy - yz, xz - zx, yx - xy],
+            [zy - yz, 1.0 + xx - yy - zz, xy + yx, xz + zx],
+            [xz - zx, xy + yx, 1.0 - xx + yy - zz, yz + zy],
+            [yx - xy, xz + zx, yz + zy, 1.0 - xx - yy + zz],
+        ]
+    )
+    rows = np.moveaxis(rows, (0, 1), (-2, -1))
+    longest = np.einsum("...ii->...i", rows).argmax(axis=-1)[..., None, None]
+    q = np.take_along_axis(rows, longest, axis=-2)[..., 0, :]
+    return np.asarray(q / np.linalg.norm(q, axis=-1, keepdims=True))
+
+
 def yaw_of(R: ArrayLike) -> Array:
     """Heading of a rotation's x axis in the horizontal plane, shape (...) [rad]."""
     matrix = np.asarray(R, dtype=float)

@@ -28,6 +28,9 @@ OBJECT_CLEARANCE = 0.012
 FRAGILE_CLEARANCE = 0.030
 """The same from one that is said to be fragile [m]."""
 
+SPARE = 0.002
+"""How much nearer the hand may get than was planned, as two looks differ by their noise [m]."""
+
 
 @dataclass(frozen=True, eq=False)
 class Obstacle:
@@ -116,10 +119,16 @@ class Scenery:
     others: tuple[Obstacle, ...]
 
     @classmethod
-    def of(cls, state: WorldState, pushed: str) -> Scenery:
-        """What the robot sees."""
+    def of(cls, state: WorldState, pushed: str, spare: float = 0.0) -> Scenery:
+        """What the robot sees.
+
+        Args:
+            state: what it sees.
+            pushed: name of the object that is to be pushed.
+            spare: by how much less than its clearance each of the others may be away [m].
+        """
         others = [
-            Obstacle.of(seen, FRAGILE_CLEARANCE if seen.fragile else OBJECT_CLEARANCE)
+            Obstacle.of(seen, (FRAGILE_CLEARANCE if seen.fragile else OBJECT_CLEARANCE) - spare)
             for name, seen in state.objects.items()
             if name != pushed
         ]

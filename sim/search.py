@@ -72,9 +72,18 @@ class Search:
         push: what is to be done.
         way: of the fingertips.
         state: what is believed.
+        spare: by how much less than its clearance each of the others may be away [m].
     """
 
-    def __init__(self, mount: Mount, home: Array, push: Push, way: Way, state: WorldState) -> None:
+    def __init__(
+        self,
+        mount: Mount,
+        home: Array,
+        push: Push,
+        way: Way,
+        state: WorldState,
+        spare: float = 0.0,
+    ) -> None:
         self._mount = mount
         self._home = home
         self._push = push
@@ -84,7 +93,7 @@ class Search:
         self._arms = ArmPoses(mount, home, push, self._points, self._R_WD)
         table = state.table
         self._centre = 0.5 * np.array([table.x_min + table.x_max, table.y_min + table.y_max])
-        self._scenery = Scenery.of(state, push.object)
+        self._scenery = Scenery.of(state, push.object, spare)
         # From the touch on, the pushed object goes where the fingertips take it.
         touch = self._points[1]
         self._pushed = [
@@ -249,7 +258,7 @@ class Search:
         start = self._points[0, :2]
         over = [[*xy, _OVER] for xy in (start, 0.5 * (start + self._centre), self._centre)]
         stance = found.stance
-        p_WP = np.array(over) - stance.R_WP @ stance.posture.tips.mean(axis=0)
+        p_WP = np.array(over) - stance.R_WP @ stance.posture.midpoint
         R_WP = np.broadcast_to(stance.R_WP, (len(over), 3, 3))
         elbow = np.full(len(over), stance.elbow)
         q, valid = arm.inverse(*self._mount.flange(R_WP, p_WP), elbow, [stance.branch])

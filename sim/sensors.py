@@ -35,6 +35,7 @@ class TorqueReadings:
         self._noise = source(seed, Stream.TORQUE_NOISE)
         bias = source(seed, Stream.TORQUE_BIAS).standard_normal((len(FINGERS), _MEASURED))
         self._bias = dict(zip(FINGERS, sensor.bias_nm * bias, strict=True))
+        self._rounded = _Rounding(np.full(_MEASURED, sensor.resolution_nm))
 
     def read(self, finger: str, torques: Array) -> Array:
         """Mean of the samples of a control step, shape (3,) [N·m].
@@ -45,8 +46,8 @@ class TorqueReadings:
         """
         noise = self._noise.standard_normal((self._samples, _MEASURED))
         true = (1.0 + self._sensor.gain_error) * torques + self._bias[finger]
-        samples = _rounded(true + self._sensor.noise_nm * noise, self._sensor.resolution_nm)
-        return np.asarray(samples.mean(axis=0))
+        samples = self._rounded(true + self._sensor.noise_nm * noise)
+        return np.asarray(samples.sum(axis=0) / self._samples)
 
 
 class JointReadings:
@@ -65,17 +66,28 @@ class JointReadings:
 
         self._rng = source(seed, Stream.JOINT_NOISE)
         self._noise = each(sensor.arm_noise_rad, sensor.finger_noise_rad)
-        self._resolution = each(sensor.arm_resolution_rad, sensor.finger_resolution_rad)
+        self._rounded = _Rounding(each(sensor.arm_resolution_rad, sensor.finger_resolution_rad))
         self._offset = each(sensor.arm_offset_rad, sensor.finger_offset_rad)
         self._offset *= source(seed, Stream.JOINT_OFFSET).standard_normal(joints)
 
     def read(self, angles: Array) -> Array:
         """What is shown of true angles, shape (n,) [rad]."""
         noise = self._noise * self._rng.standard_normal(len(self._noise))
-        return _rounded(angles + self._offset + noise, self._resolution)
+        return self._rounded(angles + self._offset + noise)
 
 
-def _rounded(values: Array, step: float | Array) -> Array:
-    """Values rounded to whole steps; as they are where the step is zero."""
-    divisor = np.where(np.asarray(step) > 0.0, step, 1.0)
-    return np.where(np.asarray(step) > 0.0, np.round(values / divisor) * divisor, values)
+class _Rounding:
+    """Rounds values to whole steps, and leaves them as they are where the step is zero.
+
+    Args:
+        step: for each value, shape (n,).
+    """
+
+    def __init__(self, step: Array) -> None:
+        self._stepped = step > 0.0
+        self._step = np.where(self._stepped, step, 1.0)
+
+    def __call__(self, values: Array) -> Array:
+        """Rounded, shape (..., n)."""
+        rounded = np.rint(values / self._step) * self._step
+        return rounded if self._stepped.all() else np.where(self._stepped, rounded, values)

@@ -90,7 +90,7 @@ class Stance:
             UnreachableError: the arm does not get there in this stance.
         """
         R_WP = rot_z(turned) @ self.R_WP if turned else self.R_WP
-        p_WP = p_WT - R_WP @ self.posture.tips.mean(axis=0)
+        p_WP = p_WT - R_WP @ self.posture.midpoint
         R_AF, p_AF = self.mount.flange(R_WP, p_WP)
         q, valid = arm.inverse(R_AF[None], p_AF[None], np.array([self.elbow]), [self.branch])
         if not valid[0, 0]:

@@ -39,6 +39,8 @@ _ON_THE_WAY = np.radians(4.0)  # heading on the way that weighs one, root mean s
 _OF_LIMIT = 0.15  # or this share of the largest turn allowed
 _INPUT_WEIGHT = 4.0
 _LARGEST_SLOPE = 0.4  # relative to φ: inside the friction cone, so that the tip sticks
+# Of the steps of the remaining way, how many a later one comes after an earlier one.
+_SINCE = np.subtract.outer(np.arange(_STEPS), np.arange(_STEPS))
 
 # Growth of the filter's doubt per centimetre of way, from friction that varies and tips that slip.
 # Of heading [rad], contact and centre of friction [m], and m.
@@ -215,18 +217,20 @@ class LineKeeper:
         A = np.eye(4)
         A[:, 1:] += np.outer(change, turning[:3])
         B = turning[3] * change + np.array([step, 0.0, 0.0, 0.0])
-        wanted = np.array([0.0, self._wanted])
         state = np.array([self._middle[1] - self._line, heading, contact, centre])
-        G = np.zeros((4, _STEPS))
-        rows, missed = [_INPUT_WEIGHT / np.sqrt(_STEPS) * np.eye(_STEPS)], [np.zeros(_STEPS)]
-        for i in range(_STEPS):
-            state, G = A @ state, A @ G
-            G[:, i] = B
-            rows.append(self._way_weight * G[1:2])
-            missed.append(self._way_weight * (state[1:2] - wanted[1:]))
+        # Columns: what comes of the state alone and of a slope in one step, so many steps later.
+        ahead = [np.column_stack([A @ state, B])]
+        for _ in range(_STEPS - 1):
+            ahead.append(A @ ahead[-1])
+        free, by_slope = np.moveaxis(np.array(ahead)[:, :2], -1, 0)
+        headings = self._way_weight * np.where(_SINCE < 0, 0.0, by_slope[_SINCE, 1])
         weights = np.array([_LATERAL_WEIGHT, _HEADING_WEIGHT])
-        rows.append(weights[:, None] * G[:2])
-        missed.append(weights * (state[:2] - wanted))
-        u = np.linalg.lstsq(np.vstack(rows), -np.concatenate(missed))[0][0]
+        wanted = np.array([0.0, self._wanted])
+        rows = np.vstack([headings, weights[:, None] * by_slope[::-1].T])
+        missed = np.append(
+            self._way_weight * (free[:, 1] - self._wanted), weights * (free[-1] - wanted)
+        )
+        squares = rows.T @ rows + _INPUT_WEIGHT**2 / _STEPS * np.eye(_STEPS)
+        u = np.linalg.solve(squares, -rows.T @ missed)[0]
         normal = heading - pushed.curvature * contact
         return float(np.clip(u, normal - _LARGEST_SLOPE, normal + _LARGEST_SLOPE))

@@ -1,7 +1,7 @@
 """A tilt and back: leans an object on the far edge of its base, holds it, lets it back.
 
 After the touch the fingertips go along the arc on which the contact turns about that edge
-(`sim.arc`), sticking to the face, no faster than the force limit allows (the law of `sim.push`),
+(`sim.arc`), sticking to the face, no faster than the force limit allows (the law of `sim.planned`),
 and slower as the asked tilt comes near, so that they stop on it. They hold still for a moment, then
 go back the same way and carry the object down until its base stands and presses on them no more.
 Where they cannot go on (it slides, it leans too far, the force does not suffice), they let it back
@@ -15,17 +15,11 @@ from __future__ import annotations
 import numpy as np
 
 from objectmodels.tilting import length_along
-from planner.plan import Plan
-from planner.state import WorldState
 from sim.arc import Arc
-from sim.guards import MOVED, RAMP, TiltGuards, band
-from sim.recorder import Recorder
-from sim.stance import Stance
+from sim.guards import MOVED, TiltGuards
+from sim.planned import Errand, PlannedControl
 from sim.tiltview import TiltView
-from sim.touch import TouchControl
 from sim.trace import EndReason
-from sim.trip import Progress
-from sim.way import Way
 
 HOLD = 0.5
 """Time for which the tilt is held [s]."""
@@ -35,54 +29,32 @@ _RATE, _BACK_RATE = np.radians([6.0, 5.0])  # of tilting and of letting back [ra
 _SLOWEST = np.radians(1.0)  # where it ends and where the base meets the table [rad/s]
 _BRAKING = 2.0  # rate per remaining tilt [1/s]
 _ACCELERATION = np.radians(12.0)  # [rad/s²]
-_FORCE_RATE = 10.0  # while it stands [N/s]
 _STANDS = np.radians(1.0)  # tilt of an object that stands, as far as is seen
 _GONE = 0.15  # share of the largest force that a standing object no longer exceeds
 _BEHIND = 0.02  # most way back behind the touch [m]
 _STEPS = 8  # places of the arc that the arm is asked for beforehand
 
 
-class TiltControl(TouchControl):
-    """One tilt, from before the face until the object stands again.
+class TiltControl(PlannedControl):
+    """One tilt, from before the face until the object stands again."""
 
-    Args:
-        plan: what to do.
-        recorder: through which the world is stepped.
-        stance: of arm and hand.
-        way: of the fingertips.
-        state: what is believed.
-        tell: progress.
-    """
-
-    def __init__(
-        self,
-        plan: Plan,
-        recorder: Recorder,
-        stance: Stance,
-        way: Way,
-        state: WorldState,
-        tell: Progress,
-    ) -> None:
-        super().__init__(plan.push, plan.prediction.onset, recorder, stance, way, tell)
-        self.plan = plan
-        target = state.objects[plan.push.object]
-        self._length = length_along(target.model, target.pose.R_WB.T @ self._u)
-        self._arc = Arc(way.touch, self._u, self._length)
-        noise = np.radians(recorder.world.scene.vision.angle_noise_deg)
-        self._view = TiltView(float(noise))
+    def __init__(self, errand: Errand) -> None:
+        super().__init__(errand)
+        self._length = length_along(self._target.model, self._target.pose.R_WB.T @ self._u)
+        self._arc = Arc(self.way.touch, self._u, self._length)
+        self._view = TiltView(self._camera[1])
         self._angle = 0.0  # of the arc, as commanded
         self._most = 0.0  # the largest tilt
         self._most_force = 0.0
 
-    def push(self) -> tuple[EndReason, str]:
+    def act(self) -> tuple[EndReason, str]:
         """Tilts, holds and lets back; returns how that ended and why."""
         push = self.plan.push
-        self.recorder.phase = "push"
         self._arc = Arc(self._here.midpoint, self._u, self._length)
         self._angle = float(self._arc.tilts(self.commanded[None])[0])
         for angle in np.linspace(0.0, push.tilt, _STEPS):
             self.stance.joints(self._arc.at(angle))
-        self.tell("push", self.recorder.world.time, f"tilting it by {np.degrees(push.tilt):.1f}°")
+        self._begin(f"tilting it by {np.degrees(push.tilt):.1f}°")
         early = self._raise()
         if early is None:
             for _ in range(round(HOLD / self._period)):
@@ -96,25 +68,22 @@ class TiltControl(TouchControl):
 
     def _raise(self) -> tuple[EndReason, str] | None:
         """Tilts it; why that ended early, or None."""
-        push, started = self.plan.push, self.recorder.world.time
+        push = self.plan.push
         guards = TiltGuards(self.plan, self._period)
         fastest = min(_RATE, _SPEED * push.speed / self._arc.radius)
-        standing = _FORCE_RATE / self.stance.stiffness(self._u) / self._arc.radius
-        wanted, first = push.tilt, float(self._forces.sum())
+        standing = self._loading() / self._arc.radius
+        wanted = push.tilt
         rate = min(fastest, standing)
         while self._view.tilt < wanted:
-            elapsed, felt = self.recorder.world.time - started, float(self._forces.sum())
             travel = float((self._here.midpoint - self._arc.origin) @ self._u)
-            end = guards.tilt_end(elapsed, travel, felt, self._view)
+            end = guards.tilt_end(self._elapsed, travel, self._felt, self._view)
             if end is not None:
                 return end
-            limit = min(1.0, elapsed / RAMP) * (push.force_limit - first) + first
-            self.recorder.force_limit = max(limit, first)
-            rate = min(fastest, rate + _ACCELERATION * self._period)
+            rate = self._faster(rate, fastest, _ACCELERATION)
             if travel < MOVED:
                 rate = min(rate, standing)
             allowed = min(rate, max(_SLOWEST, _BRAKING * (wanted - self._view.tilt)))
-            self._lean(allowed * float(np.clip((limit - felt) / band(push), -1.0, 1.0)))
+            self._lean(allowed * self._room())
         return None
 
     def _let_back(self) -> bool:
@@ -126,7 +95,7 @@ class TiltControl(TouchControl):
         return self._stands()
 
     def _stands(self) -> bool:
-        gone = self._forces.sum() < _GONE * self._most_force
+        gone = self._felt < _GONE * self._most_force
         return bool(gone and self._view.tilt < _STANDS)
 
     def _lean(self, rate: float) -> None:
@@ -142,4 +111,4 @@ class TiltControl(TouchControl):
             up = frame.poses[self._object].R_WB[:, 2]
             self._view.seen(frame.time, float(np.arctan2(up @ self._u, up[2])))
         self._most = max(self._most, self._view.tilt)
-        self._most_force = max(self._most_force, float(self._forces.sum()))
+        self._most_force = max(self._most_force, self._felt)

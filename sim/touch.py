@@ -33,7 +33,7 @@ TOUCH_BEYOND = 0.015
 SETTING_OFF = 0.006
 """Travel at first in which fingers set in motion feel themselves, and no face is expected [m]."""
 
-_ACCELERATION = 0.1  # of the approach [m/s²]
+_ACCELERATION = 0.1  # of the hand at an object [m/s²]
 _SWINGING = 0.1  # of the pause, until the hand hangs still [s]
 _FILTER = 0.04  # time constant of the felt force [s]
 _NOISES = 6.0  # standard deviations of noise that do not count as a touch
@@ -110,10 +110,14 @@ class TouchControl:
         while travel < SETTING_OFF or not self._touched():
             if travel > most:
                 raise EarlyEndError("no_touch", f"nothing was felt within {1e3 * most:.0f} mm")
-            speed = min(self.speed, speed + _ACCELERATION * self._period)
+            speed = self._faster(speed, self.speed)
             travel += speed * self._period
             self._step(self.way.start + travel * self.way.inward, self.way.inward)
         self._share = min(1.0, self._period / _FILTER)
+
+    def _faster(self, before: float, most: float, acceleration: float = _ACCELERATION) -> float:
+        """A speed that rises to the most, a control step after it was another."""
+        return min(most, before + acceleration * self._period)
 
     def _zero(self) -> None:
         """Hangs still, and takes what the torque sensors read then as their zero."""

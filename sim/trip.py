@@ -19,6 +19,7 @@ from sim.hand import RESTING
 from sim.reach import ArmReach
 from sim.recorder import Recorder
 from sim.rotations import Array, rot_z
+from sim.scenery import SPARE
 from sim.stance import Stance, UnreachableError
 from sim.touch import EarlyEndError
 from sim.way import BACK, Way
@@ -77,16 +78,7 @@ class Trip:
 
     def look(self) -> WorldState:
         """Where everything stands now."""
-        self._tell("look", self._world.time, "looking where everything stands")
-        self.recorder.phase = "look"
-        poses = self.recorder.look(LOOK)
-        fragile = {item.name: item.fragile for item in self._world.scene.objects}
-        return WorldState(
-            {
-                name: SeenObject.lying(name, pose, self._models[name], fragile=fragile[name])
-                for name, pose in poses.items()
-            }
-        )
+        return look_around(self.recorder, self._models, self._tell)
 
     def stance(self, state: WorldState) -> tuple[Stance, Way]:
         """How arm and hand stand, and the fingertips' way.
@@ -95,6 +87,9 @@ class Trip:
             EarlyEndError: the hand does not get there.
         """
         answer = self._reach.stance(self._push, state)
+        if isinstance(answer, ReachAnswer):
+            # It was reached from where things were seen before.
+            answer = self._reach.stance(self._push, state, SPARE)
         if isinstance(answer, ReachAnswer):
             raise EarlyEndError("unreachable", answer.message)
         return answer[0], Way.of(self._push, state.objects[self._push.object])
@@ -107,7 +102,7 @@ class Trip:
         self.recorder.fingers = stance.posture.pushing
         for q in (*stance.via, stance.joints(above)):
             self._way_home.append(self._world.commanded[0])
-            self._move_joints(q, stance.posture.joints)
+            move_joints(self.recorder, q, stance.posture.joints)
         self._tell("approach", self._world.time, "down to the object")
         self.recorder.phase = "approach"
         for point in self._line(above, way.start):
@@ -136,7 +131,7 @@ class Trip:
                 self._go(stance, point, left * turned)
         except UnreachableError:
             # Both ends of the way are reached, so the joints lead from one to the other.
-            self._move_joints(self._descent[-1], self._world.commanded[1])
+            move_joints(self.recorder, self._descent[-1], self._world.commanded[1])
 
     def come_home(self, settle: float) -> None:
         """Back home, and some time for everything to come to rest [s]."""
@@ -145,7 +140,7 @@ class Trip:
             self.recorder.step(q, self._world.commanded[1])
         for q in reversed(self._way_home):
             last = q is self._way_home[0]
-            self._move_joints(q, RESTING.joints if last else self._world.commanded[1])
+            move_joints(self.recorder, q, RESTING.joints if last else self._world.commanded[1])
         self._tell("settle", self._world.time, "letting everything come to rest")
         self.recorder.phase = "settle"
         for _ in range(round(settle / self._world.period)):
@@ -165,16 +160,47 @@ class Trip:
     def _go(self, stance: Stance, tip: Array, turned: float = 0.0) -> None:
         self.recorder.step(stance.joints(tip, turned), stance.posture.joints)
 
-    def _move_joints(self, q_arm: Array, q_hand: Array) -> None:
-        """Free motion of the arm, the hand opening or closing on the way."""
-        start_arm, start_hand = self._world.commanded
-        length = float(np.linalg.norm(q_arm - start_arm))
-        for q in attracted(
-            start_arm,
-            q_arm,
-            speed=JOINT_SPEED,
-            acceleration=JOINT_ACCELERATION,
-            period=self._world.period,
-        ):
-            share = 1.0 - float(np.linalg.norm(q_arm - q)) / length
-            self.recorder.step(q, start_hand + share * (q_hand - start_hand))
+
+def look_around(
+    recorder: Recorder, models: Mapping[str, ObjectModel], tell: Progress
+) -> WorldState:
+    """Where everything stands now, and what the hand holds.
+
+    Args:
+        recorder: through which the world is stepped.
+        models: what the robot believes of every object, by its name in the scene.
+        tell: progress.
+    """
+    world = recorder.world
+    tell("look", world.time, "looking where everything stands")
+    recorder.phase = "look"
+    poses = recorder.look(LOOK)
+    fragile = {item.name: item.fragile for item in world.scene.objects}
+    return WorldState(
+        {
+            name: SeenObject.lying(name, pose, models[name], fragile=fragile[name])
+            for name, pose in poses.items()
+        },
+        held=world.holding.held if world.holding is not None else None,
+    )
+
+
+def move_joints(recorder: Recorder, q_arm: Array, q_hand: Array) -> None:
+    """Free motion of the arm, the hand opening or closing on the way.
+
+    Args:
+        recorder: through which the world is stepped.
+        q_arm: where the arm goes, shape (7,) [rad].
+        q_hand: and the hand, shape (12,) [rad].
+    """
+    start_arm, start_hand = recorder.world.commanded
+    length = float(np.linalg.norm(q_arm - start_arm))
+    for q in attracted(
+        start_arm,
+        q_arm,
+        speed=JOINT_SPEED,
+        acceleration=JOINT_ACCELERATION,
+        period=recorder.world.period,
+    ):
+        share = 1.0 - float(np.linalg.norm(q_arm - q)) / length
+        recorder.step(q, start_hand + share * (q_hand - start_hand))

@@ -1,106 +1,66 @@
 """A push that turns an object: one finger off the middle of a face, the palm turning along.
 
-Law: as in `sim.push`, the contact advances while less than the force limit is felt; its direction
-is fixed relative to the face, which turns. The turn is estimated by `sim.turnkeeper`; the speed
-falls with what remains of it, and the push ends when the estimate reaches it.
+Law: as in `sim.planned`, the contact advances while less than the force limit is felt; its
+direction is fixed relative to the face, which turns. The turn is estimated by `sim.turnkeeper`; the
+speed falls with what remains of it, and the push ends when the estimate reaches it.
 """
 
 from __future__ import annotations
-
-from collections.abc import Callable
 
 import numpy as np
 
 from objectmodels import ObjectModel
 from objectmodels.motion import touched_faces
 from objectmodels.turning import turning
-from planner.plan import Plan
-from planner.state import WorldState
-from sim.fingers import Touch
-from sim.guards import MOVED, RAMP, Guards, band
+from sim.guards import MOVED, Guards
 from sim.hand import TIP_RADIUS
-from sim.limits import LimitGuards
-from sim.recorder import Recorder
+from sim.planned import Errand, PlannedControl
 from sim.rotations import Array, rot_z
-from sim.stance import Stance
-from sim.touch import TouchControl
 from sim.trace import EndReason
 from sim.turnkeeper import TurnedObject, TurnKeeper
-from sim.way import Way
 
 _CONTACT = 0.8  # speed of the contact as a share of that of the fingertip, which is farther out
-_ACCELERATION = 0.1  # [m/s²]
-_FORCE_RATE = 10.0  # of an object that stands [N/s]
-_FASTEST_START = 0.012  # before the object moves [m/s]
 _BRAKING = 2.0  # turning rate per remaining turn near the end [1/s]
 _SLOWEST = np.radians(1.5)  # turning rate at the end [rad/s]
 _FOLLOWS = 0.1  # share of its error that the palm's heading loses in a control step
 _FACE_END = 0.002  # distance from the end of a face at which the push stops [m]
 
 
-class TurnControl(TouchControl):
-    """One push that turns an object, from before the face to its end.
+class TurnControl(PlannedControl):
+    """One push that turns an object, from before the face to its end."""
 
-    Args:
-        plan: what to do.
-        recorder: through which the world is stepped.
-        stance: of arm and hand.
-        way: of the fingertip.
-        state: what is believed.
-        tell: progress.
-    """
-
-    def __init__(
-        self,
-        plan: Plan,
-        recorder: Recorder,
-        stance: Stance,
-        way: Way,
-        state: WorldState,
-        tell: Callable[[str, float, str], None],
-    ) -> None:
-        super().__init__(plan.push, plan.prediction.onset, recorder, stance, way, tell)
-        self.plan = plan
-        self._state = state
-        self._target = state.objects[plan.push.object]
+    def __init__(self, errand: Errand) -> None:
+        super().__init__(errand)
         self._direction = self._u
         # In B: where the face is touched, and where along it, half its width, its curvature.
-        outward = self._target.pose.R_WB.T @ -way.inward
-        self._point = np.array([plan.push.p_BC])
+        outward = self._target.pose.R_WB.T @ -self.way.inward
+        self._point = np.array([self.plan.push.p_BC])
         self._normal = _normal(self._target.model, outward)[None]
         (self._face,) = touched_faces(self._target.model, self._point[:, :2], self._normal[:, :2])
 
-    def push(self) -> tuple[EndReason, str]:
+    def act(self) -> tuple[EndReason, str]:
         """Pushes until an end or a guard; returns which and why."""
         push = self.plan.push
         asked = f"turning it by {np.degrees(push.turn):.0f}° with at most {push.force_limit:.1f} N"
-        self.tell("push", self.recorder.world.time, asked)
-        self.recorder.phase = "push"
-        started = self.recorder.world.time
-        here, command = self._here, self.commanded
-        keeper, guards = self._keeper(here), Guards(self.plan, self._period)
-        vision = self.recorder.world.scene.vision
-        limits = LimitGuards(push, self._state, vision, here.midpoint, self._period)
-        start = min(_FASTEST_START, push.speed, _FORCE_RATE / self.stance.stiffness(self._u))
-        speed, felt_first = start, float(self._forces.sum())
+        self._begin(asked)
+        command = self.commanded
+        keeper, guards = self._keeper(), Guards(self.plan, self._period)
+        limits = self._limits()
+        speed = start = self._start()
         while True:
-            now = self.recorder.world.time
-            elapsed = now - started
-            here, felt = self._here, float(self._forces.sum())
-            self._inform(keeper, here)
-            stopped = limits.end(elapsed, now, here.midpoint, felt, self.recorder.frames)
+            now, elapsed, felt = self.recorder.world.time, self._elapsed, self._felt
+            here = self._here.midpoint
+            self._inform(keeper)
+            stopped = limits.end(elapsed, now, here, felt, self.recorder.frames)
             end = self._turned(keeper) or self._at_an_end_of_the_face(keeper)
             end = end or guards.end(elapsed, keeper.travel, felt, self._tilt) or stopped
             if end is not None:
                 return end
-            limit = min(1.0, elapsed / RAMP) * (push.force_limit - felt_first) + felt_first
-            self.recorder.force_limit = max(limit, felt_first)
             speed = self._speed(speed, start, keeper)
-            room = float(np.clip((limit - felt) / band(push), -1.0, 1.0))
-            advance = speed * room * self._period
+            advance = speed * self._room() * self._period
             self._follow(keeper, advance)
             # The finger's spring, bent in the direction of the force, turns along.
-            bent = command - here.midpoint
+            bent = command - here
             swung = rot_z(keeper.rate * advance) @ bent - bent
             command = command + advance * self._u + swung
             self._step(command, self._u)
@@ -123,7 +83,7 @@ class TurnControl(TouchControl):
             return start
         remaining = abs(self.plan.push.turn - keeper.turned)
         at_end = float(max(_SLOWEST, _BRAKING * remaining) / abs(keeper.rate))
-        return min(at_end, _CONTACT * self.plan.push.speed, before + _ACCELERATION * self._period)
+        return self._faster(before, min(at_end, _CONTACT * self.plan.push.speed))
 
     def _follow(self, keeper: TurnKeeper, advance: float) -> None:
         """Turns palm and direction with the object."""
@@ -135,13 +95,10 @@ class TurnControl(TouchControl):
 
     # -- what is known -------------------------------------------------------------------------
 
-    def _keeper(self, here: Touch) -> TurnKeeper:
+    def _keeper(self) -> TurnKeeper:
         """The estimate of the turn, from what is believed at the touch."""
         pose, inward = self._target.pose, self.way.inward[:2]
-        vision = self.recorder.world.scene.vision
-        frames = max(1.0, vision.rate_hz)  # of the look before, which lasted a second
-        angle = np.radians(vision.angle_noise_deg)
-        centre = self.way.touch[:2]
+        here, centre = self._here.midpoint[:2], self.way.touch[:2]
         along = np.array([-inward[1], inward[0]])
         body = TurnedObject(
             yaw=pose.yaw,
@@ -153,13 +110,10 @@ class TurnControl(TouchControl):
         )
         return TurnKeeper(
             body,
-            here.midpoint[:2],
-            float((here.midpoint[:2] - centre) @ along),
-            deviations=(
-                angle / np.sqrt(frames) + 0.003,
-                vision.position_noise_m / np.sqrt(frames) + 0.0005,
-            ),
-            camera=(vision.position_noise_m, angle),
+            here,
+            float((here - centre) @ along),
+            deviations=self._look,
+            camera=self._camera,
         )
 
     def _rate(self) -> float:
@@ -170,11 +124,6 @@ class TurnControl(TouchControl):
         predicted = turning(self._target.model, self._point, self._normal, slant, turn)
         travel = float(predicted.travel[0])
         return turn / (travel if np.isfinite(travel) else self.plan.push.stroke)
-
-    def _inform(self, keeper: TurnKeeper, here: Touch) -> None:
-        keeper.moved(self.recorder.world.time, here.midpoint[:2])
-        for frame in self.recorder.frames:
-            keeper.seen(frame.time, frame.poses[self.plan.push.object])
 
 
 def _normal(model: ObjectModel, outward: Array) -> Array:

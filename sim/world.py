@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from pydrake.multibody.tree import ModelInstanceIndex, RevoluteJoint
     from pydrake.systems.framework import Context, DiagramBuilder, OutputPort
 
+    from sim.handling.holding import Holding
+
 
 @dataclass(frozen=True)
 class Sample:
@@ -79,6 +81,7 @@ class DrakeWorld:
         contacts: touches, in order of time.
         joint_names: of `Sample.joints`.
         simulator: of the diagram; for measuring its cost, not for control.
+        holding: what the robot knows to be in its hand, from one execution to the next.
     """
 
     def __init__(self, scene: Scene, *, seed: int = 0) -> None:
@@ -94,35 +97,32 @@ class DrakeWorld:
         self._plant = self._model.plant
         self._effort = summed(builder, self._plant, self._model.hand, scene.time_step_s)
         self.simulator = Simulator(builder.Build())
-        self._context = self._plant.GetMyMutableContextFromRoot(
-            self.simulator.get_mutable_context()
-        )
+        root = self.simulator.get_mutable_context()
+        self._context = self._plant.GetMyMutableContextFromRoot(root)
+        self._effort_context = self._effort.get_system().GetMyContextFromRoot(root)
         self._arm_joints = [self._joint(name) for name in arm.JOINT_NAMES]
         self._finger_joints = {
             finger: [self._joint(f"{finger}_{name}") for name in hand.FINGER_JOINTS]
             for finger in FINGERS
         }
         joints = [*self._arm_joints, *(j for f in FINGERS for j in self._finger_joints[f])]
-        self._joints = joints
         self.joint_names = tuple(joint.name() for joint in joints)
+        self._places = np.array([joint.position_start() for joint in joints])
         self._vision = VisionPort(scene.vision, scene.names, seed=seed)
         self._impulse = np.zeros(len(hand.JOINT_NAMES))
         self._mean_torques = np.zeros(len(hand.JOINT_NAMES))
         self._torques = TorqueReadings(scene.torque_sensor, self.period, seed)
-        self._angles = JointReadings(
-            scene.joint_sensor, len(self._arm_joints), len(self._joints), seed
-        )
-        self._measured = np.zeros(len(self._joints))
+        self._angles = JointReadings(scene.joint_sensor, len(self._arm_joints), len(joints), seed)
+        self._measured = np.zeros(len(joints))
         self._steps = 0
         self.history: list[Sample] = []
         self._watch = ContactWatch(self._plant, self._model.bodies)
         self.contacts: list[ContactEvent] = self._watch.events
-        self._changes = tuple(
-            changes_in(self._model, self.simulator.get_mutable_context(), scene, seed)
-        )
+        self._changes = tuple(changes_in(self._model, root, scene, seed))
         self._poses: dict[str, tuple[Array, Array]] = {}
         self._touched: list[str] = []
         self._frames: list[Frame] = []
+        self.holding: Holding | None = None
         self._start()
 
     def _joint(self, name: str) -> RevoluteJoint:
@@ -171,9 +171,7 @@ class DrakeWorld:
 
     def _efforts(self) -> Array:
         """Time integrals of the hand's drive torques, shape (12,) [N·m·s]."""
-        system = self._effort.get_system()
-        context = system.GetMyContextFromRoot(self.simulator.get_context())
-        return np.array(self._effort.Eval(context))
+        return np.array(self._effort.Eval(self._effort_context))
 
     def _prepare(self) -> None:
         for change in self._changes:
@@ -250,13 +248,12 @@ class DrakeWorld:
             p_WB = X_WB.translation()
             poses[name] = np.concatenate([X_WB.rotation().ToQuaternion().wxyz(), p_WB])
             self._poses[name] = (X_WB.rotation().matrix(), p_WB)
-        joints = np.array([joint.get_angle(self._context) for joint in self._joints])
+        joints = self._plant.GetPositions(self._context)[self._places]
         self._measured = self._angles.read(joints)
         self.history.append(Sample(self.time, poses, joints))
         self._vision.observe(self.time, self._poses)
         self._frames += self._vision.arrived(self.time)
-        results = self._plant.get_contact_results_output_port().Eval(self._context)
-        self._touched = self._watch.note(self.time, results)
+        self._touched = self._watch.note(self.time, self._context)
 
 
 def summed(

@@ -3,6 +3,7 @@
     python -m benchmarks.goals --cases 200 --record goals.jsonl
     python -m benchmarks.goals --cases 200 --record goals.jsonl --confirm 30
     python -m benchmarks.goals --cases 20 --kinds rotate,tilt --no-run
+    python -m benchmarks.goals --alone --cases 10 --record alone.jsonl
 
 A case depends on its seed and number alone: the options choose among them. With `--record` results
 are kept as they come, and a broken run goes on where it was.
@@ -19,7 +20,7 @@ from pathlib import Path
 
 from benchmarks.goals.cases import Done, run
 from benchmarks.goals.confirm import confirmed
-from benchmarks.goals.sentences import KINDS, kind_of, said
+from benchmarks.goals.sentences import KINDS, kind_of, pairs, said, target_of
 from benchmarks.goals.tables import report
 from benchmarks.goals.worlds import Job, pushable
 from benchmarks.record import carried_out
@@ -30,14 +31,18 @@ _MOST = 100_000  # numbers that are looked through for cases that are chosen
 def chosen(options: argparse.Namespace) -> list[Job]:
     """The first cases of each seed that the options choose."""
     seeds = range(options.seed, options.seed + options.seeds)
-    return [job for s in seeds for job in itertools.islice(_fitting(s, options), options.cases)]
+    if options.alone:
+        end = options.first + options.cases * len(pairs())
+        return [job for s in seeds for job in _fitting(s, end, options)]
+    fitting = (_fitting(s, _MOST, options) for s in seeds)
+    return [job for each in fitting for job in itertools.islice(each, options.cases)]
 
 
-def _fitting(seed: int, options: argparse.Namespace) -> Iterator[Job]:
-    for number in range(options.first, _MOST):
-        job = Job(seed, number, options.bias, options.oblique)
+def _fitting(seed: int, end: int, options: argparse.Namespace) -> Iterator[Job]:
+    for number in range(options.first, end):
+        job = Job(seed, number, options.bias, options.oblique, options.alone)
         if kind_of(job) in options.kinds and (
-            options.objects is None or said(job)[1].target in options.objects
+            options.objects is None or target_of(job) in options.objects
         ):
             yield job
 
@@ -64,7 +69,12 @@ def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--seed", type=int, default=0, help="the first one")
     parser.add_argument("--seeds", type=int, default=1, help="how many")
-    parser.add_argument("--cases", type=int, default=len(KINDS), help="of each seed")
+    parser.add_argument(
+        "--alone", action="store_true", help="one object in a world, and exact goals"
+    )
+    parser.add_argument(
+        "--cases", type=int, default=len(KINDS), help="of each seed; alone, of each object and kind"
+    )
     parser.add_argument("--first", type=int, default=0, help="number of the first case")
     parser.add_argument("--kinds", type=_kinds, default=KINDS, help="of goals, with commas")
     parser.add_argument("--objects", type=_objects, help="that are spoken of, with commas")

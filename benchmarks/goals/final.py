@@ -9,7 +9,7 @@ Lengths are in metres, angles in radians.
 | place | `off` from the place, the point that was said or that the plan aimed at, and its `yaw` |
 | rotate | `turn` beyond the asked angle, `drift` of B's origin |
 | topple | `side`: angle between the fall and the asked side; absent if it did not fall |
-| tilt | `angle`: largest tilt beyond the asked one, `drift` after it is back |
+| tilt | `angle`: largest tilt beyond the asked one, `back` at the end; `drift` in the last push |
 """
 
 from __future__ import annotations
@@ -67,7 +67,11 @@ def _errors(frame: g.Frame, trace: Trace, plan: Plan) -> dict[str, float]:
             return {"turn": turned - asked, "drift": _drift(trace, name)}
         case g.Tilt(angle=float(angle), bound="exact"):
             most = float(trace.tilt(name).max())
-            return {"angle": most - angle, "drift": _drift(trace, name)}
+            back = measures.tilt_at_end(trace, name)[1]
+            # It may have been turned first, so that a face looks to the asked side.
+            begin = [0, *(push[0] for push in measures.stretches(trace, ("push",)))][-1]
+            drift = float(np.linalg.norm(np.subtract(*trace.poses[name][[-1, begin], 4:6])))
+            return {"angle": most - angle, "back": back, "drift": drift}
     return {}
 
 

@@ -7,12 +7,16 @@ what a person at such a table would say: a share of `SENSIBLE` is drawn again un
 what is tilted or toppled topples before it slides when it is pushed high. The others are drawn
 blindly and about anything; most of these should be refused. The words are those of
 `docs/language.md`.
+
+Where an object stands alone, its case's number says which object and which goal (`pairs`), so that
+each comes equally often: something exact, without constraints, that makes sense wherever it can.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Literal, get_args
 
 from benchmarks.goals.sense import sensible, tips
@@ -33,6 +37,9 @@ SENSIBLE = 0.9
 """Share of sentences that are drawn until they make sense."""
 TRIES = 30
 """Sentences that are drawn for a world before the last is taken as it is."""
+
+EXACT: tuple[Kind, ...] = ("displace", "rotate", "place", "topple", "tilt")
+"""Goals of an object that stands alone."""
 
 _PLAIN = 0.35  # share of goals without any constraint
 _SECOND = 0.3  # share of the others with a second one
@@ -56,28 +63,47 @@ class Sentence:
     sensible: bool
 
 
+@cache
+def pairs() -> tuple[tuple[ObjectModel, Kind], ...]:
+    """Each object that may stand alone, with each goal that fits it."""
+    return tuple((model, kind) for model in pushable() for kind in EXACT if _fits(kind, model))
+
+
 def kind_of(job: Job) -> Kind:
     """Kind of the goal of a case."""
-    return KINDS[job.number % len(KINDS)]
+    return pairs()[job.number % len(pairs())][1] if job.alone else KINDS[job.number % len(KINDS)]
+
+
+def target_of(job: Job) -> str:
+    """Name of the object that a case is about."""
+    return pairs()[job.number % len(pairs())][0].name if job.alone else said(job)[1].target
 
 
 def said(job: Job) -> tuple[Scene, Sentence]:
     """The world of a case, and what is said in it."""
     rng, kind = generator(job), kind_of(job)
-    blind = bool(rng.random() >= SENSIBLE)
-    scene = drawn(job, rng, [model for model in pushable() if blind or _fits(kind, model)])
+    goals = _ALONE if job.alone else _GOALS
+    blind = not job.alone and bool(rng.random() >= SENSIBLE)
+    scene = drawn(job, rng, _among(job, kind, blind))
     models = {model.name: model for model in pushable()}
     target, *others = (item.name for item in scene.objects)
     words = _Words(models[target], others, rng)
-    text = _GOALS[kind](words)
+    text = goals[kind](words)
     if blind:
         return scene, Sentence(kind, target, text, sensible=False)
     robot = Controller(scene, registry=believed())
     for _ in range(TRIES - 1):
         if _sensible(text, robot):
             break
-        text = _GOALS[kind](words)
+        text = goals[kind](words)
     return scene, Sentence(kind, target, text, sensible=_sensible(text, robot))
+
+
+def _among(job: Job, kind: Kind, blind: bool) -> list[ObjectModel]:
+    """Models, one of which is that of the target."""
+    if job.alone:
+        return [pairs()[job.number % len(pairs())][0]]
+    return [model for model in pushable() if blind or _fits(kind, model)]
 
 
 def _sensible(text: str, robot: Controller) -> bool:
@@ -244,4 +270,18 @@ _GOALS: dict[Kind, Callable[[_Words], str]] = {
     "topple": _topple,
     "until": _until,
     "steps": _steps,
+}
+
+_ALONE: dict[Kind, Callable[[_Words], str]] = {
+    "displace": lambda words: (
+        f"push {words.it} {words.whole(5, 30)} cm heading {words.whole(0, 359)} degrees"
+    ),
+    "rotate": lambda words: (
+        f"turn {words.it} {words.whole(10, 180)} degrees {words.one(SENSES[:2])}"
+    ),
+    "place": lambda words: (
+        f"push {words.it} to x {words.whole(42, 68) / 100:g} y {words.whole(-30, 30) / 100:g}"
+    ),
+    "topple": lambda words: f"topple {words.it} {words.one(SIDES)}",
+    "tilt": lambda words: f"tilt {words.it} by {words.whole(5, 15)} degrees {words.one(SIDES)}",
 }

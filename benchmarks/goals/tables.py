@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from benchmarks.goals.cases import Done, Stage
-from benchmarks.goals.sentences import KINDS
+from benchmarks.goals.sentences import EXACT, KINDS
 
 LEVELS = ((0.95, 0.97), (0.97, 0.99), (0.99, 1.0))
 """Stated probabilities that are looked at together."""
@@ -19,7 +19,7 @@ BOUNDS = {
     "place": {"off": (5.0, "mm"), "yaw": (2.0, "°")},
     "rotate": {"turn": (1.5, "°"), "drift": (8.0, "mm")},
     "topple": {"side": (45.0, "°")},
-    "tilt": {"angle": (2.0, "°"), "drift": (8.0, "mm")},
+    "tilt": {"angle": (2.0, "°"), "back": (2.0, "°"), "drift": (8.0, "mm")},
 }
 """Errors of each goal in the order of the table: what is hoped for, and its unit."""
 
@@ -29,7 +29,7 @@ _SURE = 1.96  # standard deviations of an interval
 
 def report(results: Sequence[Done]) -> str:
     """All tables."""
-    parts = (counts, clauses, refusals, errors, reliability, times, failures)
+    parts = (counts, clauses, refusals, errors, objects, beyond, reliability, times, failures)
     return "\n\n".join(filter(None, (part(results) for part in parts)))
 
 
@@ -110,6 +110,50 @@ def errors(results: Sequence[Done]) -> str:
                 f" {f'{high:.2f} {unit}':>10} {f'{bound:g} {unit}: {inside}':>22}"
             )
     return "\n".join(lines)
+
+
+def objects(results: Sequence[Done]) -> str:
+    """Of objects that stood alone: median and 95th percentile of what each goal's errors are."""
+    alone = [done for done in results if done.job.alone]
+    if not alone:
+        return ""
+    lines = [f"{'object':13} {'goal':9} {'runs':>4} {'accepted':>8} {'satisfied':>9}  errors"]
+    names = sorted({done.target for done in alone})
+    for kind in EXACT:
+        each = [(name, [d for d in alone if (d.target, d.kind) == (name, kind)]) for name in names]
+        every = ("all", [done for done in alone if done.kind == kind])
+        lines += [_object(name, kind, some) for name, some in (*each, every) if some]
+    return "\n".join(lines)
+
+
+def _object(name: str, kind: str, results: Sequence[Done]) -> str:
+    accepted = [done for done in results if done.accepted]
+    satisfied = sum(done.status == "done" for done in accepted)
+    told = []
+    for error, (bound, unit) in BOUNDS[kind].items():
+        values = [s.errors[error] for s in _stages(accepted) if error in s.errors]
+        sizes = _UNITS[unit] * np.abs(values)
+        if error == "side":
+            told.append(f"side right {_of(int((sizes <= bound).sum()), len(accepted))}")
+        elif values:
+            middle, high = np.percentile(sizes, [50, 95])
+            told.append(f"{error} {middle:.2f}, {high:.2f} {unit}")
+    shown = f"{name:13} {kind:9} {len(results):>4} {len(accepted):>8} {satisfied:>9}"
+    return f"{shown}  {'; '.join(told)}".rstrip()
+
+
+def beyond(results: Sequence[Done]) -> str:
+    """Of objects that stood alone: the errors beyond what is hoped for."""
+    return "\n".join(
+        f"case {done.job.seed}-{done.job.number} {name} {_UNITS[unit] * error:.1f} {unit}: "
+        f"“{done.text}”"
+        for done in results
+        if done.job.alone
+        for stage in done.stages
+        for name, error in stage.errors.items()
+        for bound, unit in (BOUNDS[stage.goal][name],)
+        if abs(_UNITS[unit] * error) > bound
+    )
 
 
 def reliability(results: Sequence[Done]) -> str:

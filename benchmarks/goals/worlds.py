@@ -4,7 +4,8 @@ Each world holds one to six of the registry's objects that the hand can push. Th
 lie evenly within bounds around what the registry believes (`MASS`, `FRICTION`, …). They stand
 anywhere in `STANDING`, turned by any angle, at least `GAP` apart, so that a hand gets between them;
 one for which no place is found is left out. The first object is the one that will be spoken of: it
-stands in `REACHED`. Of the others some are fragile. A world depends on its seed and number alone.
+stands in `REACHED`. Of the others some are fragile. In the worlds of some cases it stands alone. A
+world depends on its seed and number alone.
 """
 
 from __future__ import annotations
@@ -55,12 +56,14 @@ class Job(NamedTuple):
         seed, number: which world and sentence.
         bias: whether the camera has constant errors too.
         oblique: largest angle between a face and the robot's directions [degrees]; 45 for any.
+        alone: whether one object stands there, and something exact is asked of it.
     """
 
     seed: int
     number: int
     bias: bool = False
     oblique: float = 45.0
+    alone: bool = False
 
 
 @cache
@@ -109,7 +112,7 @@ def drawn(job: Job, rng: Generator, among: Sequence[ObjectModel]) -> Scene:
     """
     first = among[int(rng.integers(len(among)))]
     others = [model for model in pushable() if model is not first]
-    count = int(rng.integers(MOST))
+    count = 0 if job.alone else int(rng.integers(MOST))
     chosen = [others[index] for index in rng.permutation(len(others))[:count].tolist()]
     objects: list[SceneObject] = []
     standing: list[SeenObject] = []

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.goals.cases import Done, run
-from benchmarks.goals.sentences import KINDS, kind_of, said
+from benchmarks.goals.sentences import EXACT, KINDS, kind_of, pairs, said, target_of
 from benchmarks.goals.worlds import (
     CENTRE_OF_MASS,
     FINGER_FRICTION,
@@ -22,6 +22,7 @@ from benchmarks.goals.worlds import (
     pushable,
     standing,
 )
+from grammar import frames as g
 from nlcontrol import Controller, Registry
 from planner.footprints import footprint, overlaps
 
@@ -99,6 +100,43 @@ def test_every_sentence_is_understood_as_its_kind(number: int) -> None:
         case kind:
             assert [frame.goal.kind for frame in frames] == [kind]
             assert not until
+
+
+def test_alone_each_object_takes_its_turn_with_each_goal() -> None:
+    cases = [Job(2, number, alone=True) for number in range(len(pairs()))]
+    asked = {(target_of(job), kind_of(job)) for job in cases}
+    assert len(asked) == len(cases)
+    assert {target for target, _ in asked} == {model.name for model in pushable()}
+    assert {kind for _, kind in asked} == set(EXACT)
+    # What is round is not turned, and what only slides is neither toppled nor tilted.
+    assert {kind for target, kind in asked if target == "mug"} == {"displace", "place"}
+
+
+@pytest.mark.parametrize("number", range(len(pairs())))
+def test_alone_something_exact_is_asked(number: int) -> None:
+    job = Job(2, number, alone=True)
+    scene, sentence = said(job)
+    assert [item.name for item in scene.objects] == [sentence.target] == [target_of(job)]
+    controller = Controller(scene, registry=Registry.built_in())
+    (frame,) = controller.resolve(controller.parse(sentence.text)).frames
+    assert (frame.goal.kind, frame.constraints) == (kind_of(job), ())
+    match frame.goal:
+        case g.Displace(distance=distance, heading=heading):
+            assert heading is not None
+            assert isinstance(distance, float)
+            assert 0.05 <= distance <= 0.30
+        case g.Rotate(angle=angle, sense=sense):
+            assert sense is not None
+            assert angle is not None
+            assert np.radians(10.0) - 1e-9 <= angle <= np.pi + 1e-9  # rounding
+        case g.Place(reference=reference):
+            assert isinstance(reference, g.Point)
+        case g.Tilt(angle=angle, direction=direction):
+            assert direction is not None
+            assert angle is not None
+            assert np.radians(5.0) - 1e-9 <= angle <= np.radians(15.0) + 1e-9  # rounding
+        case g.Topple(direction=direction):
+            assert direction is not None
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -95,7 +96,18 @@ def test_a_place_that_is_said_and_one_that_was_aimed_at() -> None:
 def test_a_tilt_there_and_back() -> None:
     errors = final(frame("tilt {} by 10 degrees"), trace(tilts=math.radians(11.0)), PLAN)
     # The largest of fifty samples of a sine.
-    assert errors == pytest.approx({"angle": math.radians(1.0), "drift": 0.0}, abs=2e-4)
+    assert errors == pytest.approx(
+        {"angle": math.radians(1.0), "back": 0.0, "drift": 0.0}, abs=2e-4
+    )
+
+
+def test_a_tilt_drifts_while_it_is_tilted() -> None:
+    done = trace(x=0.02, tilts=math.radians(11.0))
+    phase = done.phase.copy()
+    phase[30:40] = "look"  # between two pushes, the second of which begins after 40 of 49 parts
+    turned_first = replace(done, phase=phase)
+    errors = final(frame("tilt {} by 10 degrees"), turned_first, PLAN)
+    assert errors["drift"] == pytest.approx(0.02 * 9 / 49)
 
 
 def test_a_topple() -> None:

@@ -7,11 +7,14 @@ import math
 import pytest
 
 from benchmarks.goals.cases import Done, Stage
+from benchmarks.goals.sentences import Kind
 from benchmarks.goals.tables import (
+    beyond,
     clauses,
     counts,
     errors,
     failures,
+    objects,
     refusals,
     reliability,
     report,
@@ -103,6 +106,39 @@ def test_errors_are_sizes_in_the_unit_of_their_bound() -> None:
     assert along.split()[:5] == ["displace", "along", "2", "3.00", "mm"]
     assert "3 mm: 1 of 2" in along
     assert yaw.split()[:5] == ["displace", "yaw", "1", "1.00", "°"]
+
+
+def alone(number: int, target: str, kind: Kind, errors: dict[str, float]) -> Done:
+    """A case of an object that stood alone."""
+    made = case(number, stage(goal=kind, errors=errors))
+    job = Job(0, number, alone=True)
+    return made.model_copy(update={"job": job, "target": target, "kind": kind})
+
+
+def test_each_object_by_itself() -> None:
+    refused = case(9, stage("refused", probability=None, reason="blocked"))
+    results = [
+        alone(0, "mug", "displace", {"along": 0.001, "yaw": math.radians(1.0)}),
+        alone(1, "mug", "displace", {"along": -0.004, "yaw": 0.0}),
+        alone(2, "mug", "place", {"off": 0.002}),
+        alone(3, "bottle", "topple", {"side": 0.1}),
+        alone(4, "bottle", "topple", {"side": 1.0}),
+        alone(5, "bottle", "topple", {}),
+        refused.model_copy(update={"job": Job(0, 9, alone=True), "target": "mug"}),
+    ]
+    _, mug, every, placed, _, toppled, _ = objects([*RESULTS, *results]).splitlines()
+    # Median and 95th percentile of 1 and 4 mm; one of three runs was refused.
+    assert mug.split()[:5] == ["mug", "displace", "3", "2", "2"]
+    assert mug.endswith("along 2.50, 3.85 mm; yaw 0.50, 0.95 °")
+    assert every.split()[1:] == mug.split()[1:]
+    assert placed.endswith("off 2.00, 2.00 mm")
+    # What did not fall fell to no side.
+    assert "side right 1 of 3" in toppled
+    assert [line.split(":")[0] for line in beyond([*RESULTS, *results]).splitlines()] == [
+        "case 0-1 along -4.0 mm",
+        "case 0-4 side 57.3 °",
+    ]
+    assert objects(RESULTS) == ""
 
 
 def test_reliability_by_what_was_stated() -> None:

@@ -206,6 +206,36 @@ def test_until_it_touches_goes_on_to_where_it_would() -> None:
     assert aside.reason == "impossible"
 
 
+def test_it_is_not_turned_into_what_it_is_to_meet() -> None:
+    # A gap of 10 mm, in which a corner would come 18 mm farther.
+    state = world(ice_tea_box=PlanarPose(0.45, 0.0), mug=PlanarPose(0.545, 0.0))
+    text = "push the ice tea box until it touches the mug"
+    askew = Aim(x=0.465, y=0.0, yaw=math.radians(45.0))
+    before = planned(text, state).model_copy(update={"aim": askew, "later": ()})
+    made = plan(frame_of(text), state, RuledReach(), before=before)
+    assert isinstance(made, Plan)
+    assert made.push.ends_on == "turned"
+    assert made.displacement is not None
+    x, y, _ = (state.objects["ice tea box"].pose.p_WB + made.displacement).tolist()
+    there = replace(state.objects["ice tea box"], pose=PlanarPose(x, y, made.push.turn))
+    # Seven tenths of the gap are kept.
+    assert gap(footprint(there), footprint(state.objects["mug"])) > 0.0069
+
+
+def test_it_meets_what_it_is_to_meet_with_its_last_push_only() -> None:
+    state = world(ice_tea_box=PlanarPose(0.45, 0.0, math.radians(30.0)), mug=PlanarPose(0.6, 0.03))
+    made = planned("push the ice tea box away until it touches the mug", state)
+    *first, last = moves(made)
+    assert first
+    here = state.objects["ice tea box"]
+    for move in first:
+        x, y, _ = (here.pose.p_WB + move.push.stroke * np.array(move.push.direction_W)).tolist()
+        here = replace(here, pose=replace(here.pose, x=x, y=y))
+        assert gap(footprint(here), footprint(state.objects["mug"])) > DEFAULTS.clearance - 1e-6
+        assert move.push.until is None
+    assert last.push.until == "touching"
+
+
 # -- turns ------------------------------------------------------------------------------------
 
 

@@ -156,6 +156,15 @@ def test_angles_stop_before_their_limit(
     assert limit - np.radians(2.5) < reached < limit + np.radians(0.3)
 
 
+def test_two_fingers_that_do_not_hold_the_heading_end() -> None:
+    end = _Scripted(_push(), NOISY, turning=0.06).run(4.0)  # 14° in all
+    assert end is not None
+    assert end[0] == "turned_off"
+    # One finger is steered, and what is to be quick is not corrected.
+    for free in (_push(fingers=1), _push(limits=Limits(duration=9.0))):
+        assert _Scripted(free, NOISY, turning=0.06).run(4.0) is None
+
+
 def test_a_push_without_turn_or_tilt_is_left_alone() -> None:
     limits = Limits(turn=np.radians(10.0), tilt=np.radians(5.0))
     assert all(_Scripted(_push(limits=limits), NOISY, seed=s).run(4.0) is None for s in range(5))

@@ -17,7 +17,7 @@ from sim import ArmReach, load_scene, spheres
 from sim.hand import EFFORT, FINGER_LIMITS, FINGERS, JOINT_STIFFNESS, TIP_RADIUS, finger_jacobian
 from sim.hands import hands, strongest
 from sim.reachmap import reach_map
-from sim.scenery import FRAGILE_CLEARANCE, OBJECT_CLEARANCE, Obstacle
+from sim.scenery import FRAGILE_CLEARANCE, OBJECT_CLEARANCE, SPARE, Obstacle
 from sim.stance import Stance
 from sim.transit import along
 from sim.way import Way
@@ -137,6 +137,27 @@ def test_what_stands_halfway_beside_the_stroke_is_in_the_way() -> None:
             # Looked at every 25 mm: 12.5 mm off its nearest, a sphere of 22 mm that keeps 34 mm
             # from a post comes as near as (34² − 12.5²)^½ = 31.6 mm.
             assert distance.min() > OBJECT_CLEARANCE - 0.0025
+
+
+def test_what_was_just_reached_is_reached_from_the_next_look() -> None:
+    state = _alone("ice tea box", 0.5, 0.0)
+    tea = state.objects["ice tea box"]
+    push = _push(tea, 0.0, 0.03, stroke=0.05)
+    wall = BoxModel(name="wall", size=(0.01, 0.6, 0.3), mass=1.0, friction=0.4)
+    behind = float(Way.of(push, tea).start[0])
+
+    def stance(nearer: float, spare: float) -> object:
+        seen = SeenObject("wall", PlanarPose(behind - 0.2 + nearer, 0.0), wall)
+        return REACH.stance(push, WorldState({tea.name: tea, "wall": seen}), spare)
+
+    def reached(nearer: float, spare: float = 0.0) -> bool:
+        return not isinstance(stance(nearer, spare), ReachAnswer)
+
+    # The nearest place of the wall from which the hand still gets there, to half a millimetre.
+    nearer = max(at for at in np.arange(0.0, 0.2, 0.0005).tolist() if reached(at))
+    noise = 0.001  # between two looks
+    assert not reached(nearer + noise)
+    assert reached(nearer + noise, SPARE)
 
 
 def test_a_strong_push_is_refused_with_what_the_hands_there_bear() -> None:
