@@ -283,7 +283,8 @@ def finger_posture(finger: str, flexion: tuple[float, float]) -> Posture:
         finger: one of `FINGERS`.
         flexion: of its proximal and middle joint [rad].
     """
-    return _posture(f"{finger} bent by {flexion[0]:.2f} and {flexion[1]:.2f}", {finger: (0.0, *flexion)})
+    name = f"{finger} bent by {flexion[0]:.2f} and {flexion[1]:.2f}"
+    return _posture(name, {finger: (0.0, *flexion)})
 
 
 @functools.cache

@@ -13,12 +13,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.handling.plan import HandlingPlan
+from planner.handling.plan import FlipOver, HandlingPlan
 from planner.handling.reach import Grip
 from planner.plan import Push
 from planner.reach import ReachAnswer
 from planner.state import WorldState
 from sim.hand import TIP_RADIUS
+from sim.handling.flipsearch import FlipSearch, FlipStance
 from sim.handling.grips import NARROWEST, WIDEST, hand_grip
 from sim.handling.search import HandWay, best_way
 from sim.hands import LARGEST_SKEW, hands, strongest
@@ -78,11 +79,26 @@ class ArmReach:
 
     def handles(self, plan: HandlingPlan, state: WorldState) -> ReachAnswer:
         """Whether arm and hand can carry out a plan, all of its way free."""
+        if plan.grasp is None:
+            return self._flips(plan, state)
         found = self.hand_way(plan, state)
         if isinstance(found, ReachAnswer):
             return found
         numbers = {"strength": found.grip.grip.strongest}
         return ReachAnswer(ok=True, margin=found.room, numbers=numbers)
+
+    def _flips(self, plan: HandlingPlan, state: WorldState) -> ReachAnswer:
+        """Whether a fingertip can carry out a plan in which nothing is held."""
+        (step,) = plan.steps
+        assert isinstance(step, FlipOver), "an empty hand only flips lids"
+        found = self.flip_stance(step, plan.object, state)
+        return found if isinstance(found, ReachAnswer) else found[1]
+
+    def flip_stance(
+        self, step: FlipOver, name: str, state: WorldState
+    ) -> tuple[FlipStance, ReachAnswer] | ReachAnswer:
+        """The best stance that flips the lid of an object, or why there is none."""
+        return FlipSearch(self.mount, self.home, step, name, state).best()
 
     def hand_way(self, plan: HandlingPlan, state: WorldState) -> HandWay | ReachAnswer:
         """The best way of arm and hand through a plan, or why there is none."""

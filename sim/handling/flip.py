@@ -21,15 +21,23 @@ from planner.handling.plan import FlipOver, HandlingPlan
 from planner.reach import ReachAnswer
 from planner.state import SeenObject
 from sim.attractor import attracted
-from sim.handling.flipsearch import FlipSearch, FlipStance
+from sim.hand import RESTING
+from sim.handling.flipsearch import FlipStance
 from sim.handling.lidview import LidView
 from sim.reach import ArmReach
 from sim.recorder import Recorder
 from sim.rotations import Array
 from sim.stance import UnreachableError
-from sim.touch import PAUSE, TOUCH_SPEED, EarlyEndError
+from sim.touch import PAUSE, TOUCH_SPEED
 from sim.trace import EndReason, Trace
-from sim.trip import HAND_ACCELERATION, HAND_SPEED, HandTrip, Progress, silent
+from sim.trip import (
+    HAND_ACCELERATION,
+    HAND_SPEED,
+    Progress,
+    look_around,
+    move_joints,
+    silent,
+)
 
 if TYPE_CHECKING:
     from objectmodels.model import ObjectModel
@@ -222,6 +230,65 @@ class FlipControl:
         self._view.seen(self._recorder.frames)
 
 
+class FlipTrip:
+    """The hand's way to a lid and back home.
+
+    Args:
+        recorder: through which the world is stepped.
+        stance: of arm and hand.
+    """
+
+    def __init__(self, recorder: Recorder, stance: FlipStance) -> None:
+        self._recorder = recorder
+        self._stance = stance
+        self._came: list[Array] = []
+
+    def go(self, tell: Progress) -> None:
+        """Free motion: over the start of the way, then down to it."""
+        recorder, stance = self._recorder, self._stance
+        tell("transit", recorder.world.time, f"moving the hand ({stance.stance.posture.name})")
+        recorder.phase = "transit"
+        recorder.fingers = stance.stance.posture.pushing
+        for q in (*stance.stance.via, stance.joints(self._above, 0.0)):
+            self._came.append(recorder.world.commanded[0])
+            move_joints(recorder, q, stance.stance.posture.joints)
+        tell("approach", recorder.world.time, "down to the lid")
+        recorder.phase = "approach"
+        self._straight(self._above, self._start)
+
+    def come_home(self, tell: Progress) -> None:
+        """The same way back, and some time for everything to come to rest."""
+        recorder = self._recorder
+        recorder.phase = "retreat"
+        self._straight(self._start, self._above)
+        for q in reversed(self._came):
+            last = q is self._came[0]
+            move_joints(recorder, q, RESTING.joints if last else recorder.world.commanded[1])
+        tell("settle", recorder.world.time, "letting everything come to rest")
+        recorder.phase = "settle"
+        for _ in range(round(SETTLE / recorder.world.period)):
+            recorder.step(*recorder.world.commanded)
+
+    @property
+    def _start(self) -> Array:
+        return np.asarray(self._stance.hands.way.points[0])
+
+    @property
+    def _above(self) -> Array:
+        return self._start + np.array([0.0, 0.0, self._stance.lift])
+
+    def _straight(self, start: Array, goal: Array) -> None:
+        recorder, posture = self._recorder, self._stance.stance.posture
+        for point in attracted(
+            start,
+            goal,
+            speed=HAND_SPEED,
+            acceleration=HAND_ACCELERATION,
+            period=recorder.world.period,
+        ):
+            recorder.step(self._stance.joints(point, 0.0), posture.joints)
+
+
 def flip_over(
     plan: HandlingPlan,
     world: DrakeWorld,
@@ -246,35 +313,33 @@ def flip_over(
     assert isinstance(step, FlipOver), "a lid is flipped over"
     tell, reach = progress or silent, reach or ArmReach(world.scene)
     towards = np.array([np.cos(step.heading), np.sin(step.heading), 0.0])
-    trip = HandTrip(towards, world, models, reach, tell)
-    try:
-        end, detail = _flipped(plan.object, step, trip, reach, tell)
-    except EarlyEndError as early:
-        end, detail = early.end, early.detail
-    except UnreachableError as error:
-        end, detail = "unreachable", str(error)
-    trip.come_home(SETTLE)
-    return trip.recorder.trace(plan.object, towards, end=end, detail=detail)
+    recorder = Recorder(world, reach.mount, towards)
+    state = look_around(recorder, models, tell)
+    target = state.objects[plan.object]
+    if target.lid is not None:
+        step = step.model_copy(update={"start": target.lid})
+    found = reach.flip_stance(step, plan.object, state)
+    end: EndReason
+    if isinstance(found, ReachAnswer):
+        end, detail = "unreachable", found.message
+    else:
+        end, detail = _flipped(step, recorder, found[0], target, tell)
+    return recorder.trace(plan.object, towards, end=end, detail=detail)
 
 
 def _flipped(
-    name: str, step: FlipOver, trip: HandTrip, reach: ArmReach, tell: Progress
+    step: FlipOver, recorder: Recorder, stance: FlipStance, target: SeenObject, tell: Progress
 ) -> tuple[EndReason, str]:
-    """Looks, goes there and flips the lid; returns how that ended."""
-    state = trip.look()
-    target = state.objects[name]
-    if target.lid is not None:
-        step = step.model_copy(update={"start": target.lid})
-    found = FlipSearch(reach.mount, reach.home, step, name, state).best()
-    if isinstance(found, ReachAnswer):
-        raise EarlyEndError("unreachable", found.message)
-    stance, _ = found
-    trip.go_to(stance.stance, stance.R_WE @ stance.hands.way.points[0] + stance.p_WE)
-    control = FlipControl(step, trip.recorder, stance, target, tell)
+    """Goes there, flips the lid and comes home; returns how that ended."""
+    trip = FlipTrip(recorder, stance)
+    trip.go(tell)
+    control = FlipControl(step, recorder, stance, target, tell)
+    end: EndReason
     try:
         end, detail = control.flip()
     except UnreachableError as error:
         end, detail = "unreachable", str(error)
-    tell("retreat", trip.recorder.world.time, "leaving the lid")
+    tell("retreat", recorder.world.time, "leaving the lid")
     control.leave(done=end == "handled")
+    trip.come_home(tell)
     return end, detail

@@ -20,6 +20,7 @@ from planner.reach import ReachAnswer
 from planner.state import Held, WorldState
 from sim.attractor import attracted
 from sim.hand import RESTING
+from sim.handling.flip import flip_over
 from sim.handling.grips import HOLDING
 from sim.handling.holding import HandSense, Holding
 from sim.handling.legs import Leg, upright_again
@@ -81,7 +82,8 @@ def handle(
         What happened, also if it ended early. What the hand holds then is `world.holding`.
     """
     reach = reach or ArmReach(world.scene)
-    assert plan.grasp is not None, "something is held"
+    if plan.grasp is None:
+        return flip_over(plan, world, models, reach=reach, progress=progress)
     recorder = Recorder(world, reach.mount, -np.array(plan.grasp.approach_W))
     tell = progress or silent
     state = look_around(recorder, models, tell)
