@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,17 +28,25 @@ class ContactWatch:
     Args:
         plant: whose bodies they are; its world is the table.
         objects: names of the bodies that are objects; the others are the robot's.
+        lids: names of the objects to whom bodies of other names belong. What touches a lid touches
+            its object; a lid that lies on its object or on the table is not told.
 
     Attributes:
         events: touches that began; objects standing on the table are not told.
     """
 
-    def __init__(self, plant: MultibodyPlant, objects: Collection[str]) -> None:
+    def __init__(
+        self,
+        plant: MultibodyPlant,
+        objects: Collection[str],
+        lids: Mapping[str, str] | None = None,
+    ) -> None:
         from pydrake.multibody.tree import BodyIndex
 
         bodies = [plant.get_body(BodyIndex(i)).name() for i in range(1, plant.num_bodies())]
         self._names = [_TABLE, *bodies]
         self._objects = frozenset(objects)
+        self._lids = dict(lids or {})
         self.events: list[ContactEvent] = []
         self._touching: dict[tuple[str, str], float] = {}
         self._by_robot: dict[str, float] = {}
@@ -50,7 +58,7 @@ class ContactWatch:
             if time - self._touching.get(pair, -np.inf) > _SEPARATED:
                 self.events.append(ContactEvent(time, *pair))
             self._touching[pair] = time
-            touched = self._objects.intersection(pair)
+            touched = self._objects.intersection(self._owners(pair))
             if len(touched) == 1:
                 (name,) = touched
                 if time - self._by_robot.get(name, -np.inf) > APART:
@@ -63,5 +71,10 @@ class ContactWatch:
         for i in range(results.num_point_pair_contacts()):
             info = results.point_pair_contact_info(i)
             a, b = sorted(self._names[int(k)] for k in (info.bodyA_index(), info.bodyB_index()))
-            if not (_TABLE in (a, b) and self._objects.intersection((a, b))):
+            owners = self._owners((a, b))
+            if len(owners) == 2 and not (_TABLE in owners and self._objects & owners):
                 yield a, b
+
+    def _owners(self, pair: tuple[str, str]) -> set[str]:
+        """The two bodies, with objects instead of their lids."""
+        return {self._lids.get(name, name) for name in pair}

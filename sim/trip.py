@@ -13,7 +13,7 @@ import numpy as np
 
 from planner.plan import Push
 from planner.reach import ReachAnswer
-from planner.state import SeenObject, WorldState
+from planner.state import WorldState
 from sim.attractor import attracted
 from sim.hand import RESTING
 from sim.reach import ArmReach
@@ -21,6 +21,7 @@ from sim.recorder import Recorder
 from sim.rotations import Array, rot_z
 from sim.stance import Stance, UnreachableError
 from sim.touch import EarlyEndError
+from sim.vision import beheld
 from sim.way import BACK, Way
 
 if TYPE_CHECKING:
@@ -79,14 +80,8 @@ class Trip:
         """Where everything stands now."""
         self._tell("look", self._world.time, "looking where everything stands")
         self.recorder.phase = "look"
-        poses = self.recorder.look(LOOK)
-        fragile = {item.name: item.fragile for item in self._world.scene.objects}
-        return WorldState(
-            {
-                name: SeenObject.lying(name, pose, self._models[name], fragile=fragile[name])
-                for name, pose in poses.items()
-            }
-        )
+        frames = self.recorder.watch(LOOK)
+        return WorldState(beheld(self._world.scene, frames, self._models))
 
     def stance(self, state: WorldState) -> tuple[Stance, Way]:
         """How arm and hand stand, and the fingertips' way.
