@@ -27,14 +27,13 @@ from benchmarks.strokes import (
 from sim.contacts import ContactWatch
 from sim.hand import TIP_RADIUS
 from sim.plant import (
-    ROUGH,
     add_object,
     add_table,
     filter_collisions,
     initial_pose,
-    surface,
 )
 from sim.scene import Scene
+from sim.skin import ROUGH, surface
 
 if TYPE_CHECKING:
     from pydrake.multibody.plant import MultibodyPlant

@@ -23,7 +23,7 @@ from objectmodels import ModelError, ObjectModel, Registry
 from planner.plan import Plan, Reached, Refusal
 from planner.state import PlanarPose, SeenObject, TableState, WorldState
 from sim.scene import Scene, SceneObject, load_scene
-from sim.vision import seen_colours
+from sim.vision import beheld, first_frames
 
 if TYPE_CHECKING:
     from grammar.parser import Parser
@@ -143,20 +143,10 @@ class Controller:
     def look(self) -> WorldState:
         """What the robot believes now: poses from the vision port, models from the registry."""
         if self._world is None:
-            from sim import first_look
-
-            poses: dict[str, PlanarPose] = first_look(self.scene, LOOK, seed=self.seed)
+            frames = first_frames(self.scene, LOOK, seed=self.seed)
         else:
-            poses = self._world.look(LOOK)
-        colours = seen_colours(self.scene)
-        fragile = {item.name: item.fragile for item in self.scene.objects}
-        objects = {
-            name: SeenObject.lying(
-                name, pose, self.models[name], colours[name], fragile=fragile[name]
-            )
-            for name, pose in poses.items()
-        }
-        return WorldState(objects, self.table)
+            frames = self._world.watch(LOOK)
+        return WorldState(beheld(self.scene, frames, self.models), self.table)
 
     def affordances(self, name: str) -> tuple[Affordance, ...]:
         """What this robot can do with an object, and if not, why not.

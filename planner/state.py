@@ -91,23 +91,25 @@ class SeenObject:
         colour: Colour | None = None,
         *,
         fragile: bool = False,
+        fixed: bool = False,
+        lid: float | None = None,
     ) -> SeenObject:
         """An object as it is seen: its pose picks the base that it lies on.
 
         One that leans on something keeps the model that stands upright.
         """
         if pose.attitude is None:
-            return cls(name, pose, model, colour=colour, fragile=fragile)
+            return cls(name, pose, model, colour=colour, fragile=fragile, fixed=fixed, lid=lid)
         try:
             rest = model.lying(pose.R_WB)
         except ModelError:
             here = PlanarPose(pose.x, pose.y, pose.yaw)
             attitude = tuple(pose.R_WB.ravel().tolist())
-            return cls(name, here, model, "nothing flat", colour, fragile, attitude)
+            return cls(name, here, model, "nothing flat", colour, fragile, attitude, fixed, lid)
         R_WN, p_WN = pose.R_WB @ rest.R_BN, pose.p_WB + pose.R_WB @ rest.p_BN
         yaw = float(np.arctan2(R_WN[1, 0], R_WN[0, 0]))
         here = PlanarPose(float(p_WN[0]), float(p_WN[1]), yaw)
-        return cls(name, here, rest.model, rest.face, colour, fragile)
+        return cls(name, here, rest.model, rest.face, colour, fragile, None, fixed, lid)
 
     def bulk(self) -> tuple[NDArray[np.float64], float]:
         """An upright prism around it as it lies: corners in W, shape (k, 2), and height [m]."""

@@ -208,7 +208,7 @@ class _World:
         self._simulator = Simulator(builder.Build())
         self._root = self._simulator.get_mutable_context()
         self._context = self._plant.GetMyMutableContextFromRoot(self._root)
-        model = Standing(self._plant, scene_graph, {name: self._body}, {name: feet})
+        model = Standing(self._plant, scene_graph, {name: self._body}, {name: feet}, {})
         for change in changes_in(model, self._root, scene, seed):
             change.prepare([name], {name: (self.R_WB, X_WB.translation())})
         self._steps = 0

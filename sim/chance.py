@@ -27,6 +27,7 @@ class Stream(IntEnum):
     TRIAL_FRICTION = 8
     CONTENTS = 9
     HIDDEN = 10
+    LID_NOISE = 11
 
 
 def source(seed: int, stream: Stream) -> np.random.Generator:

@@ -6,7 +6,7 @@ costs a twentieth of asking the plant for its contacts, since no forces are solv
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,21 +33,29 @@ class ContactWatch:
     Args:
         plant: whose bodies they are; its world is the table.
         objects: names of the bodies that are objects; the others are the robot's.
+        lids: names of the objects to whom bodies of other names belong. What touches a lid touches
+            its object; a lid that lies on its object or on the table is not told.
 
     Attributes:
         events: touches that began; objects standing on the table are not told.
     """
 
-    def __init__(self, plant: MultibodyPlant, objects: Collection[str]) -> None:
+    def __init__(
+        self,
+        plant: MultibodyPlant,
+        objects: Collection[str],
+        lids: Mapping[str, str] | None = None,
+    ) -> None:
         from pydrake.multibody.tree import BodyIndex
 
         self._shapes = plant.get_geometry_query_input_port()
-        self._owners = {
+        self._names = {
             geometry: plant.get_body(BodyIndex(i)).name() if i else _TABLE
             for i in range(plant.num_bodies())
             for geometry in plant.GetCollisionGeometriesForBody(plant.get_body(BodyIndex(i)))
         }
         self._objects = frozenset(objects)
+        self._lids = dict(lids or {})
         self.events: list[ContactEvent] = []
         self._touching: dict[tuple[str, str], float] = {}
         self._by_robot: dict[str, float] = {}
@@ -64,7 +72,7 @@ class ContactWatch:
             if time - self._touching.get(pair, -np.inf) > _SEPARATED:
                 self.events.append(ContactEvent(time, *pair))
             self._touching[pair] = time
-            touched = self._objects.intersection(pair)
+            touched = self._objects.intersection(self._owners(pair))
             if len(touched) == 1:
                 (name,) = touched
                 if time - self._by_robot.get(name, -np.inf) > APART:
@@ -75,7 +83,11 @@ class ContactWatch:
     def _pairs(self, context: Context) -> Iterator[tuple[str, str]]:
         """Names of the bodies in contact, but for objects on the table."""
         for overlap in self._shapes.Eval(context).ComputePointPairPenetration():
-            a, b = self._owners[overlap.id_A], self._owners[overlap.id_B]
-            standing = (a == _TABLE and b in self._objects) or (b == _TABLE and a in self._objects)
-            if not standing:
-                yield (a, b) if a < b else (b, a)
+            a, b = sorted((self._names[overlap.id_A], self._names[overlap.id_B]))
+            owners = self._owners((a, b))
+            if len(owners) == 2 and not (_TABLE in owners and self._objects & owners):
+                yield a, b
+
+    def _owners(self, pair: tuple[str, str]) -> set[str]:
+        """The two bodies, with objects instead of their lids."""
+        return {self._lids.get(name, name) for name in pair}

@@ -45,7 +45,7 @@ class ShiftingContents:
             shift = truth.contents_shift_m * clipped_normal(self._rng, 3)
             self._present[name] = truth.shifted(shift)
             self._model.bodies[name].SetSpatialInertiaInBodyFrame(
-                self._context, inertia(self._present[name])
+                self._context, inertia(self._present[name].uncovered)
             )
 
     def present(self, name: str, truth: Truth) -> Truth:

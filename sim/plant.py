@@ -4,10 +4,8 @@ Model: point contact, lagged approximation; with "sap" a sliding fingertip chatt
 standard deviation in a push of 3.6 N, against 0.07 N). Objects are boxes, cylinders and prisms
 that touch the table with small spheres at their support points (a solid yields one contact point
 only); the solid itself touches everything but the table.
-
-Drake combines two friction coefficients as 2ab/(a+b). Robot and table are given a huge one, so a
-pair's coefficient is twice the object's own: half of the true coefficient is written to it, and
-each object keeps its own friction against table and fingers.
+Lids are bodies of their own (`sim.lidbodies`), what a holder keeps is welded to the table.
+How bodies touch is in `sim.skin`.
 """
 
 from __future__ import annotations
@@ -20,21 +18,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sim import hand
+from sim.lidbodies import LidBody, add_lid, filter_lids
 from sim.rotations import Array
 from sim.scene import Scene, SceneObject
+from sim.skin import ROUGH, surface
 from sim.truth import Truth
 
 if TYPE_CHECKING:
-    from pydrake.geometry import GeometryId, ProximityProperties, SceneGraph, Shape
+    from pydrake.geometry import GeometryId, SceneGraph, Shape
     from pydrake.math import RigidTransform
     from pydrake.multibody.plant import MultibodyPlant
     from pydrake.multibody.tree import ModelInstanceIndex, RigidBody, SpatialInertia
     from pydrake.systems.framework import DiagramBuilder
 
-ROUGH = 1e9  # with this coefficient on one side, a pair has twice the other side's
 _STICTION = 1e-4  # slip speed up to which friction counts as sticking [m/s]
 _CORNER_RADIUS = 1e-4
-_STIFFNESS, _DISSIPATION = 1e6, 20.0
+_HOLDER = (0.008, 0.03)  # thickness and height of what is drawn of a holder [m]
+_HOLDER_COLOUR = np.array([0.35, 0.37, 0.40, 1.0])
 
 
 @dataclass(frozen=True)
@@ -52,12 +52,13 @@ class Feet:
 
 @dataclass(frozen=True)
 class Standing:
-    """A finalised plant in its builder, and the objects of a scene in it."""
+    """A finalised plant in its builder, and the objects of a scene and their lids in it."""
 
     plant: MultibodyPlant
     scene_graph: SceneGraph
     bodies: Mapping[str, RigidBody]
     feet: Mapping[str, Feet]
+    lids: Mapping[str, LidBody]
 
 
 @dataclass(frozen=True)
@@ -85,12 +86,21 @@ def add_plant(builder: DiagramBuilder, scene: Scene) -> Plant:
     solids: list[GeometryId] = []
     feet: dict[str, Feet] = {}
     bodies = {}
+    lids = {}
     for item in scene.objects:
-        bodies[item.name], solid, feet[item.name] = add_object(plant, item)
+        bare = item.model_copy(update={"truth": item.truth.uncovered})
+        body, solid, feet[item.name] = add_object(plant, bare)
+        bodies[item.name] = body
         solids.append(solid)
+        lid = add_lid(plant, item, body, solid)
+        if lid is not None:
+            lids[item.name] = lid
+        if item.fixed:
+            _hold(plant, item, body)
     plant.Finalize()
     for item in scene.objects:
-        plant.SetDefaultFloatingBaseBodyPose(bodies[item.name], initial_pose(item))
+        if not item.fixed:
+            plant.SetDefaultFloatingBaseBodyPose(bodies[item.name], initial_pose(item))
     robot = [
         geometry
         for instance in (arm, hand_)
@@ -99,7 +109,8 @@ def add_plant(builder: DiagramBuilder, scene: Scene) -> Plant:
     ]
     standing = [foot for each in feet.values() for foot in each.geometries]
     filter_collisions(scene_graph, robot=robot, table=table, solids=solids, feet=standing)
-    return Plant(plant, scene_graph, bodies, feet, arm, hand_)
+    filter_lids(scene_graph, lids.values(), robot=robot, table=table, feet=standing)
+    return Plant(plant, scene_graph, bodies, feet, lids, arm, hand_)
 
 
 def _add_robot(
@@ -167,6 +178,21 @@ def add_object(plant: MultibodyPlant, item: SceneObject) -> tuple[RigidBody, Geo
     return body, solid, Feet(feet, np.array(base + top))
 
 
+def _hold(plant: MultibodyPlant, item: SceneObject, body: RigidBody) -> None:
+    """Keeps an object where it stands, and draws what does so."""
+    from pydrake.geometry import Box, Cylinder
+    from pydrake.math import RigidTransform
+
+    plant.WeldFrames(plant.world_frame(), body.body_frame(), initial_pose(item))
+    thickness, height = _HOLDER
+    outline = np.array(item.truth.outline)
+    x, y = np.ptp(outline, axis=0) + 2.0 * thickness
+    radius = item.truth.radius_m
+    shape = Box(x, y, height) if radius is None else Cylinder(radius + thickness, height)
+    X_BH = RigidTransform(np.array([*outline.mean(axis=0), height / 2]))
+    plant.RegisterVisualGeometry(body, X_BH, shape, "holder", _HOLDER_COLOUR)
+
+
 def _drawn_in(point: tuple[float, float], r: float) -> tuple[float, float]:
     """A corner moved inwards by a radius along each axis, so that a sphere there stays inside."""
     x, y = point
@@ -195,21 +221,6 @@ def inertia(truth: Truth) -> SpatialInertia:
     G_GGcm = solid.get_unit_inertia().ShiftToCenterOfMass(solid.get_com())
     p_BBcm = np.array(truth.centre_of_mass)
     return SpatialInertia(truth.mass_kg, p_BBcm, G_GGcm.ShiftFromCenterOfMass(p_BBcm))
-
-
-def surface(friction: float) -> ProximityProperties:
-    """How a body's skin touches others, with its coefficient of friction."""
-    from pydrake.geometry import AddContactMaterial, ProximityProperties
-    from pydrake.multibody.plant import CoulombFriction
-
-    properties = ProximityProperties()
-    AddContactMaterial(
-        dissipation=_DISSIPATION,
-        point_stiffness=_STIFFNESS,
-        friction=CoulombFriction(friction, friction),
-        properties=properties,
-    )
-    return properties
 
 
 def filter_collisions(

@@ -12,6 +12,8 @@ from sim.trace import Trace
 from sim.vision import averaged
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from planner.state import PlanarPose
     from sim.rotations import Array
     from sim.stance import Mount
@@ -53,10 +55,12 @@ class Recorder:
         self._first = len(world.history)
         self._contacts = len(world.contacts)
         self._newest: dict[str, SeenPose] = {}
+        self._newest_lids: Mapping[str, float] = {}
         self._phases: list[str] = []
         self._limits: list[float] = []
         self._touches: list[Touch | None] = []
         self._seen: list[dict[str, SeenPose]] = []
+        self._seen_lids: list[Mapping[str, float]] = []
 
     def step(self, q_arm: Array, q_hand: Array) -> None:
         """Commands joint angles, lets a control period pass, reads the sensors."""
@@ -64,6 +68,7 @@ class Recorder:
         self.frames = self.world.frames()
         if self.frames:
             self._newest = dict(self.frames[-1].poses)
+            self._newest_lids = self.frames[-1].lids
         if self.fingers:
             self.torques = np.array([self.world.finger_torques(f) for f in self.fingers])
             self.touch = feel(
@@ -73,16 +78,21 @@ class Recorder:
         self._limits.append(self.force_limit)
         self._touches.append(self.touch)
         self._seen.append(self._newest)
+        self._seen_lids.append(self._newest_lids)
 
     def look(self, seconds: float) -> dict[str, PlanarPose]:
         """Waits and averages what the camera shows; see `DrakeWorld.look`."""
+        return averaged(self.watch(seconds))
+
+    def watch(self, seconds: float) -> list[Frame]:
+        """Waits and returns what the camera shows; see `DrakeWorld.watch`."""
         frames = self.world.frames()
         steps = round(seconds / self.world.period)
         while steps > 0 or not frames:
             self.step(*self.world.commanded)
             frames += self.frames
             steps -= 1
-        return averaged(frames)
+        return frames
 
     def trace(self, pushed: str, direction_W: Array, *, end: EndReason, detail: str) -> Trace:
         """Everything since the start as a trace.
@@ -105,6 +115,7 @@ class Recorder:
                 forces[i] = touch.forces
         names = self.world.scene.names
         first = next((seen for seen in self._seen if seen), {})
+        lids = next((seen for seen in self._seen_lids if seen), {})
         return Trace(
             time=np.array([sample.time for sample in samples]),
             phase=np.array(self._phases),
@@ -121,6 +132,14 @@ class Recorder:
             end=end,
             detail=detail,
             seed=self.world.seed,
+            lids={name: np.array([s.lids[name] for s in samples]) for name in samples[0].lids},
+            seen_lids={
+                name: np.array([(seen or lids)[name] for seen in self._seen_lids]) for name in lids
+            },
+            lid_poses={
+                name: np.array([s.lid_poses[name] for s in samples])
+                for name in samples[0].lid_poses
+            },
         )
 
 

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sim.plant import Plant, add_plant
+from sim.rotations import Array
 from sim.scene import Scene
 
 if TYPE_CHECKING:
+    from pydrake.math import RigidTransform
     from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 
     from sim.trace import Trace
@@ -40,18 +42,27 @@ class Stage:
 
     def show(self, trace: Trace, sample: int) -> None:
         """Puts everything where it was at a sample of a trace."""
-        from pydrake.common.eigen_geometry import Quaternion
-        from pydrake.math import RigidTransform, RotationMatrix
-
         plant, context = self._model.plant, self._plant_context
         self.context.SetTime(float(trace.time[sample] - trace.time[0]))
         for name, angle in zip(trace.joint_names, trace.joints[sample], strict=True):
             plant.GetJointByName(name).set_angle(context, angle)
         for name, body in self._model.bodies.items():
-            pose = trace.poses[name][sample]
-            wxyz = pose[:4] / np.linalg.norm(pose[:4])
-            X_WB = RigidTransform(RotationMatrix(Quaternion(wxyz)), pose[4:])
-            plant.SetFreeBodyPose(context, body, X_WB)
+            if body.is_floating_base_body():  # one in a holder stays where it is
+                plant.SetFreeBodyPose(context, body, _pose(trace.poses[name][sample]))
+        for name, lid in self._model.lids.items():
+            if lid.seat is None:
+                lid.joint.SetPositions(context, [trace.lids[name][sample]])
+            else:
+                plant.SetFreeBodyPose(context, lid.body, _pose(trace.lid_poses[name][sample]))
+
+
+def _pose(row: Array) -> RigidTransform:
+    """Pose of a row of a trace: quaternion (w, x, y, z) and position."""
+    from pydrake.common.eigen_geometry import Quaternion
+    from pydrake.math import RigidTransform, RotationMatrix
+
+    wxyz = row[:4] / np.linalg.norm(row[:4])
+    return RigidTransform(RotationMatrix(Quaternion(wxyz)), row[4:])
 
 
 def samples(trace: Trace, rate: float) -> list[int]:

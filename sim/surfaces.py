@@ -21,9 +21,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sim.chance import Stream, source
-from sim.plant import Standing, surface
+from sim.plant import Standing
 from sim.rotations import Array
 from sim.scene import Scene, Table
+from sim.skin import surface
 from sim.truth import Truth
 
 if TYPE_CHECKING:

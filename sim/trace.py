@@ -77,8 +77,10 @@ class Trace:
         seed: what everything random was drawn from.
         contents: per container, true volume in it, shape (n,) [m³].
         lids: per object with a lid, how far that truly is open: the angle of a flip lid [rad], the
-            turn of a cap [rad], the height of one that lifts off [m], shape (n,).
+            turn of a cap [rad], the distance of one that lifts off from its seat [m], shape (n,).
         seen_lids: the same from the vision port.
+        lid_poses: per object whose lid comes off, that lid's pose X_WL as in `poses`; see
+            `sim.lidbodies`.
         spilled: true volume that has run onto the table or elsewhere, shape (n,) [m³].
     """
 
@@ -100,6 +102,7 @@ class Trace:
     contents: dict[str, Array] = field(default_factory=dict)
     lids: dict[str, Array] = field(default_factory=dict)
     seen_lids: dict[str, Array] = field(default_factory=dict)
+    lid_poses: dict[str, Array] = field(default_factory=dict)
     spilled: Array = field(default_factory=lambda: np.zeros(0))
 
     def displacement(self, name: str) -> Array:
@@ -176,6 +179,7 @@ def joined(traces: Sequence[Trace]) -> Trace:
         contents=_one_after_another([trace.contents for trace in traces]),
         lids=_one_after_another([trace.lids for trace in traces]),
         seen_lids=_one_after_another([trace.seen_lids for trace in traces]),
+        lid_poses=_one_after_another([trace.lid_poses for trace in traces]),
         spilled=np.concatenate([trace.spilled for trace in traces]),
     )
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from planner.plan import Push
 from planner.reach import ReachAnswer
-from planner.state import SeenObject, WorldState
+from planner.state import WorldState
 from sim.attractor import attracted
 from sim.hand import RESTING
 from sim.reach import ArmReach
@@ -22,6 +22,7 @@ from sim.rotations import Array, rot_z
 from sim.scenery import SPARE
 from sim.stance import Stance, UnreachableError
 from sim.touch import EarlyEndError
+from sim.vision import beheld
 from sim.way import BACK, Way
 
 if TYPE_CHECKING:
@@ -174,13 +175,9 @@ def look_around(
     world = recorder.world
     tell("look", world.time, "looking where everything stands")
     recorder.phase = "look"
-    poses = recorder.look(LOOK)
-    fragile = {item.name: item.fragile for item in world.scene.objects}
+    frames = recorder.watch(LOOK)
     return WorldState(
-        {
-            name: SeenObject.lying(name, pose, models[name], fragile=fragile[name])
-            for name, pose in poses.items()
-        },
+        beheld(world.scene, frames, models),
         held=world.holding.held if world.holding is not None else None,
     )
 

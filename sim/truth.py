@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
-from objectmodels.base import Polygon
+from objectmodels import lids
+from objectmodels.base import Base, Disc, Polygon
 from objectmodels.parts import Container, Lid
 from sim.parts import Fraction, NonNegative, Part, Point2, Point3, Positive
 
@@ -79,6 +80,10 @@ class Truth(Part):
             raise ValueError(f"centre_of_mass_m {self.centre_of_mass} lies outside the object")
         if self.support_m is not None and len(self.support_m) < 3:
             raise ValueError("support_m needs three points or more")
+        if self.lid is not None and not (
+            self.lid.mass < self.mass_kg and self._contains(self.uncovered.centre_of_mass)
+        ):
+            raise ValueError("mass_kg and centre_of_mass_m include those of the lid")
         return self
 
     def _contains(self, p_B: Point3) -> bool:
@@ -118,6 +123,23 @@ class Truth(Part):
     def centre_of_mass(self) -> Point3:
         """Centre of mass in B [m]."""
         return self.centre_of_mass_m or (0.0, 0.0, self.height / 2)
+
+    @property
+    def rim(self) -> Base:
+        """Outline of its top in B."""
+        return Polygon.convex(self.outline) if self.radius_m is None else Disc(self.radius_m)
+
+    @property
+    def uncovered(self) -> Truth:
+        """What stays of it without its lid, which is a body of its own."""
+        if self.lid is None:
+            return self
+        left = self.mass_kg - self.lid.mass
+        p_BL = lids.middle(self.lid, self.rim, self.height)
+        com = (self.mass_kg * np.array(self.centre_of_mass) - self.lid.mass * p_BL) / left
+        return self.model_copy(
+            update={"mass_kg": left, "centre_of_mass_m": tuple(com.tolist()), "lid": None}
+        )
 
     @property
     def support(self) -> tuple[Point2, ...]:

@@ -3,7 +3,8 @@
 Frames: poses are X_WB; noise on the position is in W, noise on the orientation a rotation about
 W's axes. A bias is constant for each object of a world: a shift in W and a turn about the
 vertical. Every frame shows all objects and draws its noise in their order, so that the same seed
-and the same times give the same frames.
+and the same times give the same frames. How far lids are open is seen with the noise of an
+angle, of one that lifts off with that of a position, drawn from a stream of its own.
 """
 
 from __future__ import annotations
@@ -11,12 +12,14 @@ from __future__ import annotations
 import itertools
 from collections import deque
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from objectmodels.model import ObjectModel
+from objectmodels.parts import Lid, LiftOffLid
 from objectmodels.resting import LEVEL
-from planner.state import Colour, PlanarPose
+from planner.state import Colour, PlanarPose, SeenObject
 from sim.chance import Stream, source
 from sim.rotations import Array, rot_x, rot_y, rot_z, yaw_of
 from sim.scene import Scene, Vision
@@ -40,11 +43,17 @@ class SeenPose:
 
 @dataclass(frozen=True)
 class Frame:
-    """What the camera saw at `time` [s]; it can be read from `arrival` [s] on."""
+    """What the camera saw at `time` [s]; it can be read from `arrival` [s] on.
+
+    Attributes:
+        poses: of all objects.
+        lids: how far each lid is open, as in `sim.trace.Trace.lids`.
+    """
 
     time: float
     arrival: float
     poses: Mapping[str, SeenPose]
+    lids: Mapping[str, float] = field(default_factory=dict)
 
 
 class VisionPort:
@@ -53,12 +62,27 @@ class VisionPort:
     Args:
         vision: noise, bias, rate and delay.
         names: objects, in the order in which noise is drawn.
+        lids: of those that have one, in the same order.
         seed: of the world.
     """
 
-    def __init__(self, vision: Vision, names: Iterable[str], *, seed: int) -> None:
+    def __init__(
+        self,
+        vision: Vision,
+        names: Iterable[str],
+        lids: Mapping[str, Lid] | None = None,
+        *,
+        seed: int,
+    ) -> None:
         self.vision = vision
         self.names = tuple(names)
+        self._lid_noise = {
+            name: vision.position_noise_m
+            if isinstance(lid, LiftOffLid)
+            else np.radians(vision.angle_noise_deg)
+            for name, lid in (lids or {}).items()
+        }
+        self._lid_rng = source(seed, Stream.LID_NOISE)
         self._rng = source(seed, Stream.VISION_NOISE)
         drawn = source(seed, Stream.VISION_BIAS).standard_normal((len(self.names), 4))
         angle = np.radians(vision.angle_bias_deg)
@@ -69,12 +93,27 @@ class VisionPort:
         self._frames: deque[Frame] = deque()
         self._taken = 0
 
-    def observe(self, time: float, poses: Mapping[str, tuple[Array, Array]]) -> None:
-        """Takes a frame if one is due; `poses` are the true R_WB and p_WB at `time`."""
+    def observe(
+        self,
+        time: float,
+        poses: Mapping[str, tuple[Array, Array]],
+        lids: Mapping[str, float] | None = None,
+    ) -> None:
+        """Takes a frame if one is due.
+
+        Args:
+            time: now [s].
+            poses: true R_WB and p_WB.
+            lids: how far lids truly are open; closed if not given.
+        """
         while self._taken / self.vision.rate_hz <= time + _SAME_TIME:
             self._taken += 1
             seen = {name: self._seen(name, *poses[name]) for name in self.names}
-            self._frames.append(Frame(time, time + self.vision.delay_s, seen))
+            opened = {
+                name: (lids or {}).get(name, 0.0) + self._lid_rng.normal(0.0, noise)
+                for name, noise in self._lid_noise.items()
+            }
+            self._frames.append(Frame(time, time + self.vision.delay_s, seen, opened))
 
     def arrived(self, time: float) -> list[Frame]:
         """Frames that can be read by `time` and were not read before."""
@@ -115,7 +154,12 @@ def first_look(scene: Scene, seconds: float, *, seed: int) -> dict[str, PlanarPo
         seconds: how long to look [s].
         seed: of the world.
     """
-    port = VisionPort(scene.vision, scene.names, seed=seed)
+    return averaged(first_frames(scene, seconds, seed=seed))
+
+
+def first_frames(scene: Scene, seconds: float, *, seed: int) -> list[Frame]:
+    """The frames of `first_look`; all lids are closed."""
+    port = VisionPort(scene.vision, scene.names, lids_in(scene), seed=seed)
     poses = {
         item.name: (
             rot_z(np.radians(item.pose.yaw_deg)),
@@ -130,7 +174,38 @@ def first_look(scene: Scene, seconds: float, *, seed: int) -> dict[str, PlanarPo
         frames += port.arrived(time)
         if frames and time + _SAME_TIME > seconds:
             break
-    return averaged(frames)
+    return frames
+
+
+def lids_in(scene: Scene) -> dict[str, Lid]:
+    """The true lids of a scene by the names of their objects."""
+    return {item.name: item.truth.lid for item in scene.objects if item.truth.lid is not None}
+
+
+def beheld(
+    scene: Scene, frames: Iterable[Frame], models: Mapping[str, ObjectModel]
+) -> dict[str, SeenObject]:
+    """The objects of a scene as the robot knows them from frames in which everything stands still.
+
+    Args:
+        scene: for what the robot is told of its objects and what the camera sees of their colours.
+        frames: at least one.
+        models: what the robot believes of every object.
+    """
+    seen = list(frames)
+    poses, lids, colours = averaged(seen), averaged_lids(seen), seen_colours(scene)
+    return {
+        item.name: SeenObject.lying(
+            item.name,
+            poses[item.name],
+            models[item.name],
+            colours[item.name],
+            fragile=item.fragile,
+            fixed=item.fixed,
+            lid=lids.get(item.name),
+        )
+        for item in scene.objects
+    }
 
 
 def seen_colours(scene: Scene) -> dict[str, Colour]:
@@ -142,3 +217,9 @@ def averaged(frames: Iterable[Frame]) -> dict[str, PlanarPose]:
     """Mean pose of each object over frames in which everything stands still."""
     seen = list(frames)
     return {name: mean_pose(f.poses[name] for f in seen) for name in seen[0].poses}
+
+
+def averaged_lids(frames: Iterable[Frame]) -> dict[str, float]:
+    """Mean of how far each lid is open over frames in which everything stands still."""
+    seen = list(frames)
+    return {name: float(np.mean([f.lids[name] for f in seen])) for name in seen[0].lids}

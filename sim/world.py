@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -22,6 +22,7 @@ from sim.contacts import ContactWatch
 from sim.contents import ShiftingContents
 from sim.hand import FINGERS, RESTING, Angles
 from sim.hidden import drawn
+from sim.lids import Lids
 from sim.plant import Standing, add_plant
 from sim.rotations import Array
 from sim.scene import Scene
@@ -29,7 +30,7 @@ from sim.sensors import JointReadings, TorqueReadings
 from sim.surfaces import VaryingFriction
 from sim.trace import ContactEvent
 from sim.truth import Truth
-from sim.vision import Frame, VisionPort, averaged
+from sim.vision import Frame, VisionPort, averaged, lids_in
 
 if TYPE_CHECKING:
     from pydrake.multibody.plant import MultibodyPlant
@@ -47,11 +48,15 @@ class Sample:
         time: [s].
         poses: per object, quaternion (w, x, y, z) and position p_WB [m], shape (7,).
         joints: angles of all robot joints, shape (23,) [rad].
+        lids: how far each lid is open, as in `sim.trace.Trace.lids`.
+        lid_poses: as in `sim.trace.Trace.lid_poses`, shape (7,) each.
     """
 
     time: float
     poses: Mapping[str, Array]
     joints: Array
+    lids: Mapping[str, float] = field(default_factory=dict)
+    lid_poses: Mapping[str, Array] = field(default_factory=dict)
 
 
 class Change(Protocol):
@@ -108,7 +113,7 @@ class DrakeWorld:
         joints = [*self._arm_joints, *(j for f in FINGERS for j in self._finger_joints[f])]
         self.joint_names = tuple(joint.name() for joint in joints)
         self._places = np.array([joint.position_start() for joint in joints])
-        self._vision = VisionPort(scene.vision, scene.names, seed=seed)
+        self._vision = VisionPort(scene.vision, scene.names, lids_in(scene), seed=seed)
         self._impulse = np.zeros(len(hand.JOINT_NAMES))
         self._mean_torques = np.zeros(len(hand.JOINT_NAMES))
         self._torques = TorqueReadings(scene.torque_sensor, self.period, seed)
@@ -116,9 +121,14 @@ class DrakeWorld:
         self._measured = np.zeros(len(joints))
         self._steps = 0
         self.history: list[Sample] = []
-        self._watch = ContactWatch(self._plant, self._model.bodies)
+        self._watch = ContactWatch(
+            self._plant,
+            self._model.bodies,
+            {each.body.name(): name for name, each in self._model.lids.items()},
+        )
         self.contacts: list[ContactEvent] = self._watch.events
-        self._changes = tuple(changes_in(self._model, root, scene, seed))
+        self._lids = Lids(self._model, root)
+        self._changes = (self._lids, *changes_in(self._model, root, scene, seed))
         self._poses: dict[str, tuple[Array, Array]] = {}
         self._touched: list[str] = []
         self._frames: list[Frame] = []
@@ -224,12 +234,25 @@ class DrakeWorld:
         Args:
             seconds: how long [s]; longer if no frame arrives.
         """
+        return averaged(self.watch(seconds))
+
+    def watch(self, seconds: float) -> list[Frame]:
+        """Waits and returns the camera frames that arrive meanwhile.
+
+        Args:
+            seconds: how long [s]; longer if no frame arrives.
+        """
         frames = self.frames()
         until = self._steps + round(seconds / self.period)
         while self._steps < until or not frames:
             self.step(self._q_arm, self._q_hand)
             frames += self.frames()
-        return averaged(frames)
+        return frames
+
+    @property
+    def lids(self) -> dict[str, float]:
+        """How far each lid truly is open now, as in `sim.trace.Trace.lids`; for an observer."""
+        return self._lids.opened()
 
     def truth_now(self, name: str) -> Truth:
         """How an object is at this time; for an observer, never for the robot.
@@ -250,8 +273,9 @@ class DrakeWorld:
             self._poses[name] = (X_WB.rotation().matrix(), p_WB)
         joints = self._plant.GetPositions(self._context)[self._places]
         self._measured = self._angles.read(joints)
-        self.history.append(Sample(self.time, poses, joints))
-        self._vision.observe(self.time, self._poses)
+        lids = self._lids.opened()
+        self.history.append(Sample(self.time, poses, joints, lids, self._lids.poses()))
+        self._vision.observe(self.time, self._poses, lids)
         self._frames += self._vision.arrived(self.time)
         self._touched = self._watch.note(self.time, self._context)
 
