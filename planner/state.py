@@ -148,11 +148,13 @@ class Held:
         name: of the object in the scene.
         grasp: how it is held.
         height: of its base above the table [m].
+        arm: angles of the arm, as it was left [rad]; empty if they are not known.
     """
 
     name: str
     grasp: Grasp
     height: float
+    arm: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,7 @@
 """Carries out a plan in the simulated world: look, go there, touch, push, come back.
 
+What the whole hand does is carried out by `sim.handling`.
+
 The push is the paper's interface to its arm: a movement vector, a force magnitude and a largest
 speed. The fingertips advance along the vector while less than the force is felt, no faster than
 the speed, and end on the stroke, the force, the speed or a guard. Arm and hand are joint
@@ -13,7 +15,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from planner.handling.plan import HandlingPlan
 from planner.plan import Plan
+from sim.handling.handling import handle
 from sim.planned import Errand, PlannedControl
 from sim.push import PushControl
 from sim.reach import ArmReach
@@ -40,7 +44,7 @@ SETTLE = {"stroke": 0.5, "toppled": 1.5}
 
 
 def execute(
-    plan: Plan,
+    plan: Plan | HandlingPlan,
     world: DrakeWorld,
     models: Mapping[str, ObjectModel],
     *,
@@ -59,6 +63,8 @@ def execute(
     Returns:
         What happened, also if it ended early.
     """
+    if isinstance(plan, HandlingPlan):
+        return handle(plan, world, models, reach=reach, progress=progress)
     tell = progress or silent
     trip = Trip(plan.push, world, models, reach or ArmReach(world.scene), tell)
     try:

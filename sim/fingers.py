@@ -47,15 +47,16 @@ def feel(
         world: whose sensors are read.
         mount: of the arm.
         fingers: names of the pushing fingers.
-        inward_W: unit normal into the touched face in W, shape (3,).
+        inward_W: unit normal into the touched face in W, shape (3,), or of each finger, (k, 3).
         torques: of the fingers' joints, their sensors' zero taken off, shape (k, 3) [N·m].
     """
     R_WP, p_WP = mount.palm(world.arm_angles())
     tips, forces = [], []
-    for finger, tau in zip(fingers, torques, strict=True):
+    inwards = np.broadcast_to(inward_W, (len(fingers), 3))
+    for finger, inward, tau in zip(fingers, inwards, torques, strict=True):
         angles = world.finger_angles(finger)
         p_PT = finger_points(finger, angles)[3]
-        J = finger_jacobian(finger, angles, p_PT + TIP_RADIUS * R_WP.T @ inward_W)
+        J = finger_jacobian(finger, angles, p_PT + TIP_RADIUS * R_WP.T @ inward)
         f_P = np.linalg.solve(J.T, tau)
         tips.append(R_WP @ p_PT + p_WP)
         forces.append(R_WP @ f_P)

@@ -93,6 +93,37 @@ def _finger_frame(finger: str, abduction: float) -> Array:
     return np.asarray(_BASE_R[finger] @ rot_x(abduction))
 
 
+@functools.cache
+def _chain() -> tuple[Array, Array]:
+    """Middle flexions, and the tip from the proximal joint with them, along x and z, (n, 2)."""
+    middle = np.linspace(FINGER_LIMITS[2, 1], 0.0, 4001)
+    bends = np.outer(middle, [0.0, 1.0, 2.0])
+    tips = np.stack([np.sin(bends) @ LINKS, np.cos(bends) @ LINKS], axis=-1)
+    return middle, tips
+
+
+def bent_to(finger: str, p_PT: Array) -> Angles | None:
+    """Angles with which a finger that is not spread has its tip somewhere in its own plane.
+
+    Args:
+        finger: one of `FINGERS`.
+        p_PT: the tip's centre in P, shape (3,) [m]; y does not count.
+
+    Returns:
+        None if it is too far, or too near to the finger's base; stops do not count otherwise.
+    """
+    x, _, z = _BASE_R[finger].T @ (p_PT - _BASES[finger])
+    middle, tips = _chain()
+    lengths = np.hypot(*tips.T)
+    distance = float(np.hypot(x, z))
+    if not lengths[0] < distance < lengths[-1]:
+        return None
+    flexion = float(np.interp(distance, lengths, middle))
+    bends = flexion * np.array([0.0, 1.0, 2.0])
+    own = np.arctan2(np.sin(bends) @ LINKS, np.cos(bends) @ LINKS)
+    return 0.0, float(np.arctan2(x, z) - own), flexion
+
+
 def finger_jacobian(finger: str, angles: Angles, p_PC: Array) -> Array:
     """Velocity of points of the distal link per rate of each independent joint.
 
@@ -252,7 +283,8 @@ def finger_posture(finger: str, flexion: tuple[float, float]) -> Posture:
         finger: one of `FINGERS`.
         flexion: of its proximal and middle joint [rad].
     """
-    return _posture(f"{finger} bent by {flexion[0]:.2f} and {flexion[1]:.2f}", {finger: (0.0, *flexion)})
+    name = f"{finger} bent by {flexion[0]:.2f} and {flexion[1]:.2f}"
+    return _posture(name, {finger: (0.0, *flexion)})
 
 
 @functools.cache

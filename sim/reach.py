@@ -13,10 +13,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from planner.handling.plan import FlipOver, HandlingPlan
+from planner.handling.reach import Grip
 from planner.plan import Push
 from planner.reach import ReachAnswer
 from planner.state import WorldState
 from sim.hand import TIP_RADIUS
+from sim.handling.flipsearch import FlipSearch, FlipStance
+from sim.handling.grips import NARROWEST, WIDEST, hand_grip
+from sim.handling.search import HandWay, best_way
 from sim.hands import LARGEST_SKEW, hands, strongest
 from sim.reachmap import reach_map
 from sim.scene import Scene
@@ -37,12 +42,14 @@ class ArmReach:
         max_force: of one fingertip, in the hand that bears most [N].
         force_skew: largest vertical force per force along the push.
         lowest_height: of a contact above the table [m].
+        narrowest, widest: between thumb and fingers of a hand that holds something [m].
     """
 
     fingertip_radius = TIP_RADIUS
     finger_spreads: tuple[float, ...] = FINGER_SPREADS
     force_skew = LARGEST_SKEW
     lowest_height = TIP_RADIUS + 0.015
+    narrowest, widest = NARROWEST, WIDEST
 
     def __init__(self, scene: Scene) -> None:
         self.mount = Mount.of(scene.robot)
@@ -64,6 +71,57 @@ class ArmReach:
         heading = float(np.arctan2(way.inward[1], way.inward[0]))
         ends = (way.touch, way.end)
         return min(self._map.room(push.fingers, push.spread, end, heading) for end in ends)
+
+    def grip(self, width: float) -> Grip | None:
+        """How the hand closes about a width [m]; None if it does not."""
+        found = hand_grip(width)
+        return None if found is None else found.grip
+
+    def handles(self, plan: HandlingPlan, state: WorldState) -> ReachAnswer:
+        """Whether arm and hand can carry out a plan, all of its way free."""
+        if plan.grasp is None:
+            return self._flips(plan, state)
+        found = self.hand_way(plan, state)
+        if isinstance(found, ReachAnswer):
+            return found
+        numbers = {"strength": found.grip.grip.strongest}
+        return ReachAnswer(ok=True, margin=found.room, numbers=numbers)
+
+    def _flips(self, plan: HandlingPlan, state: WorldState) -> ReachAnswer:
+        """Whether a fingertip can carry out a plan in which nothing is held."""
+        (step,) = plan.steps
+        assert isinstance(step, FlipOver), "an empty hand only flips lids"
+        found = self.flip_stance(step, plan.object, state)
+        return found if isinstance(found, ReachAnswer) else found[1]
+
+    def flip_stance(
+        self, step: FlipOver, name: str, state: WorldState
+    ) -> tuple[FlipStance, ReachAnswer] | ReachAnswer:
+        """The best stance that flips the lid of an object, or why there is none."""
+        return FlipSearch(self.mount, self.home, step, name, state).best()
+
+    def hand_way(self, plan: HandlingPlan, state: WorldState) -> HandWay | ReachAnswer:
+        """The best way of arm and hand through a plan, or why there is none."""
+        if plan.grasp is None:
+            return ReachAnswer(False, "kinematics", "nothing is held")
+        grip = hand_grip(plan.grasp.width)
+        if grip is None:
+            least, most = 1e3 * self.narrowest, 1e3 * self.widest
+            return ReachAnswer(
+                False,
+                "width",
+                f"the hand holds what is {least:.0f} to {most:.0f} mm wide",
+                numbers={"width": plan.grasp.width, "narrowest": NARROWEST, "widest": WIDEST},
+            )
+        if plan.grasp.squeeze > grip.grip.strongest:
+            return ReachAnswer(
+                False,
+                "torque",
+                f"the hand squeezes with {grip.grip.strongest:.1f} N there, and "
+                f"{plan.grasp.squeeze:.1f} N are needed",
+                numbers={"strength": grip.grip.strongest, "force": plan.grasp.squeeze},
+            )
+        return best_way(self.mount, self.home, plan, grip, state)
 
     def stance(
         self, push: Push, state: WorldState, spare: float = 0.0

@@ -38,7 +38,7 @@ class Recorder:
         zero: what they read while nothing is touched, of the same shape.
         touch: what the fingers felt last; None until there are any.
         frames: camera frames that arrived with the last step.
-        inward: unit normal into the touched face in W, shape (3,).
+        inward: unit normal into the touched face in W, shape (3,), or of each finger, (k, 3).
     """
 
     def __init__(self, world: DrakeWorld, mount: Mount, normal_W: Array) -> None:

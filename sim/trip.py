@@ -79,10 +79,7 @@ class Trip:
 
     def look(self) -> WorldState:
         """Where everything stands now."""
-        self._tell("look", self._world.time, "looking where everything stands")
-        self.recorder.phase = "look"
-        frames = self.recorder.watch(LOOK)
-        return WorldState(beheld(self._world.scene, frames, self._models))
+        return look_around(self.recorder, self._models, self._tell)
 
     def stance(self, state: WorldState) -> tuple[Stance, Way]:
         """How arm and hand stand, and the fingertips' way.
@@ -106,7 +103,7 @@ class Trip:
         self.recorder.fingers = stance.posture.pushing
         for q in (*stance.via, stance.joints(above)):
             self._way_home.append(self._world.commanded[0])
-            self._move_joints(q, stance.posture.joints)
+            move_joints(self.recorder, q, stance.posture.joints)
         self._tell("approach", self._world.time, "down to the object")
         self.recorder.phase = "approach"
         for point in self._line(above, way.start):
@@ -135,7 +132,7 @@ class Trip:
                 self._go(stance, point, left * turned)
         except UnreachableError:
             # Both ends of the way are reached, so the joints lead from one to the other.
-            self._move_joints(self._descent[-1], self._world.commanded[1])
+            move_joints(self.recorder, self._descent[-1], self._world.commanded[1])
 
     def come_home(self, settle: float) -> None:
         """Back home, and some time for everything to come to rest [s]."""
@@ -144,7 +141,7 @@ class Trip:
             self.recorder.step(q, self._world.commanded[1])
         for q in reversed(self._way_home):
             last = q is self._way_home[0]
-            self._move_joints(q, RESTING.joints if last else self._world.commanded[1])
+            move_joints(self.recorder, q, RESTING.joints if last else self._world.commanded[1])
         self._tell("settle", self._world.time, "letting everything come to rest")
         self.recorder.phase = "settle"
         for _ in range(round(settle / self._world.period)):
@@ -164,16 +161,43 @@ class Trip:
     def _go(self, stance: Stance, tip: Array, turned: float = 0.0) -> None:
         self.recorder.step(stance.joints(tip, turned), stance.posture.joints)
 
-    def _move_joints(self, q_arm: Array, q_hand: Array) -> None:
-        """Free motion of the arm, the hand opening or closing on the way."""
-        start_arm, start_hand = self._world.commanded
-        length = float(np.linalg.norm(q_arm - start_arm))
-        for q in attracted(
-            start_arm,
-            q_arm,
-            speed=JOINT_SPEED,
-            acceleration=JOINT_ACCELERATION,
-            period=self._world.period,
-        ):
-            share = 1.0 - float(np.linalg.norm(q_arm - q)) / length
-            self.recorder.step(q, start_hand + share * (q_hand - start_hand))
+
+def look_around(
+    recorder: Recorder, models: Mapping[str, ObjectModel], tell: Progress
+) -> WorldState:
+    """Where everything stands now, and what the hand holds.
+
+    Args:
+        recorder: through which the world is stepped.
+        models: what the robot believes of every object, by its name in the scene.
+        tell: progress.
+    """
+    world = recorder.world
+    tell("look", world.time, "looking where everything stands")
+    recorder.phase = "look"
+    frames = recorder.watch(LOOK)
+    return WorldState(
+        beheld(world.scene, frames, models),
+        held=world.holding.held if world.holding is not None else None,
+    )
+
+
+def move_joints(recorder: Recorder, q_arm: Array, q_hand: Array) -> None:
+    """Free motion of the arm, the hand opening or closing on the way.
+
+    Args:
+        recorder: through which the world is stepped.
+        q_arm: where the arm goes, shape (7,) [rad].
+        q_hand: and the hand, shape (12,) [rad].
+    """
+    start_arm, start_hand = recorder.world.commanded
+    length = float(np.linalg.norm(q_arm - start_arm))
+    for q in attracted(
+        start_arm,
+        q_arm,
+        speed=JOINT_SPEED,
+        acceleration=JOINT_ACCELERATION,
+        period=recorder.world.period,
+    ):
+        share = 1.0 - float(np.linalg.norm(q_arm - q)) / length
+        recorder.step(q, start_hand + share * (q_hand - start_hand))

@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from pydrake.multibody.tree import ModelInstanceIndex, RevoluteJoint
     from pydrake.systems.framework import Context, DiagramBuilder, OutputPort
 
+    from sim.handling.holding import Holding
+
 
 @dataclass(frozen=True)
 class Sample:
@@ -89,6 +91,7 @@ class DrakeWorld:
         contacts: touches, in order of time.
         joint_names: of `Sample.joints`.
         simulator: of the diagram; for measuring its cost, not for control.
+        holding: what the robot knows to be in its hand, from one execution to the next.
     """
 
     def __init__(self, scene: Scene, *, seed: int = 0) -> None:
@@ -139,6 +142,7 @@ class DrakeWorld:
         self._poses: dict[str, tuple[Array, Array]] = {}
         self._touched: list[str] = []
         self._frames: list[Frame] = []
+        self.holding: Holding | None = None
         self._start()
 
     def _joint(self, name: str) -> RevoluteJoint:

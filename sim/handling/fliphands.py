@@ -25,7 +25,10 @@ from sim.scenery import TABLE_CLEARANCE
 
 _CLEARANCE = 0.003  # of all but the fingertip from the object and its lid [m]
 _FLEXIONS = ((-0.2, 0.9), (0.2, 0.6), (-0.57, 1.1), (0.0, 0.5), (-0.4, 0.7), (0.2, 0.25))
-_LEANS = {True: np.radians(np.arange(0.0, 91.0, 15.0)), False: np.radians(np.arange(-15.0, 91.0, 15.0))}
+_LEANS = {
+    True: np.radians(np.arange(0.0, 91.0, 15.0)),
+    False: np.radians(np.arange(-15.0, 91.0, 15.0)),
+}
 _SIDES = np.radians([0.0, -25.0, 25.0, -50.0, 50.0])
 _TURNS = np.radians([0.0, 35.0, 70.0])
 
@@ -68,7 +71,9 @@ class FlipHands:
         filled = [np.vstack([np.tile(s[:1], (most - len(s), 1)), s]) for s in each]
         about = np.reshape(filled, (len(self), 1, most, 4))
         about = about - np.pad(self.tips, ((0, 0), (0, 1)))[:, None, None]
-        return spheres.placed(about, self.R_EP, np.broadcast_to(self.way.points, self.R_EP.shape[:3]))
+        return spheres.placed(
+            about, self.R_EP, np.broadcast_to(self.way.points, self.R_EP.shape[:3])
+        )
 
 
 @functools.lru_cache(maxsize=16)

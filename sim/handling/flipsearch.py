@@ -48,12 +48,14 @@ class FlipStance:
         stance: at the start.
         hands: the one hand, with its way.
         lid: that is flipped.
+        lift: how far over the start of the way the hand comes down [m].
         R_WE, p_WE: of the hinge, as it was seen.
     """
 
     stance: Stance
     hands: FlipHands
     lid: LidShape
+    lift: float
     R_WE: Array
     p_WE: Array
 
@@ -168,9 +170,9 @@ class FlipSearch:
                     R_WP=self._R_WE @ one.R_EP[0, 0],
                     elbow=float(solved.elbow[k]),
                     branch=int(solved.branch[k]),
-                    lift=float((self._R_WE @ one.way.points[0] + self._p_WE)[2]) + self._lift,
+                    lift=self._lift,
                 )
-                found = FlipStance(stance, one, self._lid, self._R_WE, self._p_WE)
+                found = FlipStance(stance, one, self._lid, self._lift, self._R_WE, self._p_WE)
                 yield found, solved.q[k, 0], float(solved.room[k])
 
     def _poses(
@@ -206,7 +208,10 @@ class FlipSearch:
         """What is continuous all along the way and free, from above the start on."""
         some = hands.some(hand)
         w, d = len(some.way.points), len(_DESCENT)
-        at, lift = [0] * (d - 1) + list(range(w)), np.append(self._lift * _DESCENT[:-1], np.zeros(w))
+        at, lift = (
+            [0] * (d - 1) + list(range(w)),
+            np.append(self._lift * _DESCENT[:-1], np.zeros(w)),
+        )
         q, usable = self._poses(some, at, lift, elbow)
         rows = np.arange(len(hand))
         q, usable = q[rows, :, branch], usable[rows, :, branch]

@@ -131,7 +131,7 @@ class LidWay:
         arc = np.linspace(lid.start, lid.end, _POINTS)
         first, last = arc[:1], arc[-1:]
         if lid.opens:
-            before = lid.tips(first, _GAP) + [STANDOFF, 0.0, 0.0]
+            before = lid.tips(first, _GAP) + np.array([STANDOFF, 0.0, 0.0])
             points = [before, lid.tips(first, _GAP), lid.tips(arc)]
         else:
             before = lid.tips(first, STANDOFF)
@@ -178,4 +178,3 @@ def _lid(target: SeenObject) -> tuple[FlipLid, lids.Hinge]:
 def _rounded(angle: float) -> float:
     """To 5°, so that lids seen a little differently are equal [rad]."""
     return float(np.radians(5.0 * round(np.degrees(angle) / 5.0)))
-
