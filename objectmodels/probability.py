@@ -134,7 +134,7 @@ def likelihood(
 ) -> Likelihood:
     """See `ObjectModel.likelihood`, which checks its arrays."""
     if force is None:
-        draw = draws(model, _nodes(NODES))
+        draw = draws(model, normal_nodes(NODES))
         slide, topple = (
             np.concatenate(parts)
             for parts in zip(*(_at_onset(model, *b, draw) for b in _blocks(p, u)), strict=True)
@@ -227,7 +227,7 @@ def worst_probability(
         outcome: what is asked for.
     """
     shares = directions(p, normals, np.array(model.com), model.finger_friction, SEARCH_RING)
-    few, many = (draws(model, _nodes(k), yaw=yaw) for k in (SEARCH_NODES, NODES))
+    few, many = (draws(model, normal_nodes(k), yaw=yaw) for k in (SEARCH_NODES, NODES))
     worst = np.empty(len(p))
     for i in range(0, len(p), BLOCK):
         block = slice(i, i + BLOCK)
@@ -262,7 +262,7 @@ def normal_cdf(x: Array) -> Array:
 
 
 @cache
-def _nodes(k: int) -> Array:
+def normal_nodes(k: int) -> Array:
     """Standard normal deviates at the first k points of the Halton sequence, shape (k, 4)."""
     inverse = NormalDist().inv_cdf
     return np.array(
