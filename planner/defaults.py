@@ -155,7 +155,7 @@ class Defaults:
         lid_speed: of the fingertip that moves a lid [m/s].
         lid_reserve: factor by which a standing object must resist what opens its lid.
         lid_press: force with which a lid is put on [N].
-        most_grasps: grasps for which one plan asks whether the hand gets there.
+        most_grasps: ways with a whole hand for which one plan asks whether it gets there.
         most_looks: pushes for which one plan asks whether the hand gets there.
         most_pushes: pushes made for one frame before it is given up.
         known_to: relative standard deviation up to which a property counts as known: a question
@@ -245,7 +245,7 @@ class Defaults:
     lid_speed: Speed = 0.05
     lid_reserve: Factor = 1.1
     lid_press: Force = 3.0
-    most_grasps: Count = 24
+    most_grasps: Count = 120
     most_looks: Count = 100
     most_pushes: Count = 12
     known_to: Share = 0.10

@@ -4,8 +4,8 @@ Model: the thumb touches one side, the other fingers the opposite one, on a line
 straight fingers come along the sides, level or from above. A grip is a pattern of contacts about
 its middle (`planner.handling.reach.Grip`); all of them must lie on the sides and between the
 heights at which the model may be touched. Along the sides the middle is where the centre of mass
-is, so that the weight does not turn the object about the line across. What is smaller than the
-pattern (a knob, a cap) is held by the fingers that meet it.
+is, so that the weight does not turn the object about the line across. A knob or a cap is held from
+above, with the fingers around it.
 
 Frame: B of the object.
 """
@@ -13,7 +13,7 @@ Frame: B of the object.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -33,6 +33,7 @@ _HEADINGS = np.radians(np.arange(0.0, 180.0, 22.5))  # in W, across which a roun
 _BORDER = 0.004  # distance of a contact from the border of its side [m]
 _HEIGHTS = 3  # at which each side is tried
 _UP = np.array([0.0, 0.0, 1.0])
+_DOWN = -_UP
 _LEVEL = np.array([1.0, 1.0, 0.0])
 
 
@@ -146,22 +147,12 @@ def of_lid(
     grip = hand.grip(2.0 * radius) if _fits(2.0 * radius, hand) else None
     if grip is None:
         raise refusals.not_that_wide(target, [2.0 * radius], hand, part="lid")
-    grip = _meeting(grip, radius)
     middle = np.array([*lid_middle(target), 0.5 * (low + high)])
     both = np.concatenate((headings, headings + np.pi)) - target.pose.yaw
     return [
-        Candidate("lid", middle, np.array([np.cos(a), np.sin(a), 0.0]), -_UP, 2.0 * radius, grip)
+        Candidate("lid", middle, np.array([np.cos(a), np.sin(a), 0.0]), _DOWN, 2.0 * radius, grip)
         for a in both
     ]
-
-
-def _meeting(grip: Grip, radius: float) -> Grip:
-    """The part of a grip that meets something round; each finger keeps its strength."""
-    meets = np.abs(grip.contacts[:, 1]) < radius
-    share = float(grip.shares[1:][meets[1:]].sum())
-    shares = np.concatenate((grip.shares[:1], grip.shares[1:] / share))
-    strongest = grip.strongest * min(share, 1.0)
-    return replace(grip, contacts=grip.contacts[meets], shares=shares[meets], strongest=strongest)
 
 
 def held_part(target: SeenObject, lid: LiftOffLid | ScrewCap) -> tuple[float, float, float]:
@@ -222,7 +213,7 @@ def _about(
 ) -> Iterator[Candidate]:
     """All ways to hold a pair of sides between two heights."""
     for closing in (pair.normal, -pair.normal):
-        for approach in (pair.along, -pair.along, -_UP):
+        for approach in (pair.along, -pair.along, _DOWN):
             offsets = grip.contacts @ np.array([approach, np.cross(approach, closing)])
             heights = _within((low, high), offsets @ _UP)
             laterals = _within(pair.extent, offsets @ pair.along, _BORDER)

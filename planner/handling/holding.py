@@ -9,15 +9,17 @@ Frames: W is the world, B the object.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from objectmodels.base import Array
-from objectmodels.grasping import Load, holding, squeeze_needed
+from objectmodels.grasping import STRONGEST, Contacts, Lifted
+from objectmodels.thresholds import GRAVITY
 from planner.handling import refusals
 from planner.handling.plan import Grasp, HandlingPlan, HandlingPrediction, HandStep
 from planner.plan import Aim, DefaultUsed, Vector3
@@ -30,20 +32,78 @@ if TYPE_CHECKING:
     from planner.reach import ReachAnswer
 
 _NOTHING = HandlingPrediction()
-_Arrays = tuple[Array, Array, Array, Array, Array]
+_PATCH = np.array([[0.0, 0.0], [0.0, 0.004], [0.0, -0.004]])  # contacts at a knob [m]
+_TILTS = 8  # at which a motion is looked at
+
+ACCELERATION = 1.0
+"""Of what is lifted and carried slowly, with what makes it tremble [m/s²]."""
 
 
 @dataclass(frozen=True)
+class Load:
+    """What a hand bears that is not the object's weight.
+
+    Attributes:
+        force: downwards [N].
+        force_sd: its standard deviation [N].
+    """
+
+    force: float
+    force_sd: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Bearing:
+    """A grasp, and what it has to bear.
+
+    Attributes:
+        candidate: the grasp.
+        load: that hangs on it; the object's weight if None.
+        lean: direction in B in which it is tilted [rad].
+        angle: how far [rad].
+    """
+
+    candidate: Candidate
+    load: Load | None = None
+    lean: float = 0.0
+    angle: float = 0.0
+
+    def lifted(self, model: ObjectModel) -> Lifted:
+        """It in the hand, through its motion."""
+        each = self.candidate
+        closing, approach, contacts = each.closing, each.approach, each.grip.contacts
+        shares = each.grip.shares
+        borne = _slippery(model)
+        if self.load is not None:
+            force = {"mass": self.load.force / GRAVITY, "mass_sd": self.load.force_sd / GRAVITY}
+            borne = borne.model_copy(update=force)
+        if each.part == "lid":
+            # The fingers around a knob do not keep it from swinging until its weight is below.
+            borne = borne.model_copy(update={"com": tuple(each.middle), "com_sd": (0.0, 0.0, 0.0)})
+            contacts, shares = _PATCH, np.array([1.0, 0.5, 0.5])
+        tilts = np.linspace(0.0, self.angle, _TILTS) if self.angle else np.zeros(1)
+        ahead, ones = np.sin(tilts), np.ones(len(tilts))
+        down = np.stack(
+            [ahead * math.cos(self.lean), ahead * math.sin(self.lean), -np.cos(tilts) * ones], -1
+        )
+        R_BG = np.column_stack([closing, np.cross(approach, closing), approach])
+        grasp = Contacts(contacts, shares)
+        return Lifted(borne, grasp, each.middle, R_BG, down, ACCELERATION)
+
+
+@dataclass(frozen=True, eq=False)
 class Hold:
     """A grasp that holds.
 
     Attributes:
         grasp: as a plan states it.
         probability: that it holds.
+        lean: direction in B in which it holds while it is tilted [rad]; None if any will do.
     """
 
     grasp: Grasp
     probability: float
+    lean: float | None = None
 
 
 @dataclass(frozen=True)
@@ -76,43 +136,53 @@ def held_already(task: Task) -> list[Hold]:
     return [] if held is None else [Hold(held.grasp, 1.0)]
 
 
-def holds(task: Task, candidates: Sequence[Candidate], load: Load | None = None) -> list[Hold]:
-    """The candidates that hold, those with most squeeze to spare first.
+def holds(task: Task, bearings: Sequence[Bearing]) -> list[Hold]:
+    """The grasps that hold, those with most squeeze to spare first.
 
     Args:
         task: what is planned for.
-        candidates: ways to hold it.
-        load: what is borne, if that is not the object's weight.
+        bearings: ways to hold it.
 
     Raises:
         RefusedError: none does.
     """
-    model, how, d = task.target.model, task.how, task.defaults
-    load = Load.of(model) if load is None else load
-    worst = _needed(model, candidates, load, d.sigmas)
-    wanted = np.maximum(how.reserve * _needed(model, candidates, load, 0.0), worst)
-    limit = np.array([strongest(task, each) for each in candidates])
+    d, known = task.defaults, _Known(task.target.model)
+    just, worst = (np.array(found) for found in zip(*map(known.needed, bearings), strict=True))
+    wanted = np.maximum(task.how.reserve * just, worst)
+    limit = np.array([strongest(task, each.candidate) for each in bearings])
     spare = limit / wanted
-    if spare.max() < 1.0:
+    if not (spare >= 1.0).any():
         best = int(spare.argmax())
-        raise refusals.too_heavy(task, candidates[best], float(wanted[best]))
-    sure = _probability(model, candidates, load, wanted) >= d.probability
-    squeeze = np.where(sure, np.minimum(wanted, limit), limit)
-    probability = _probability(model, candidates, load, squeeze)
+        mu = friction(task.target.model)
+        raise refusals.too_heavy(task, bearings[best].candidate, float(wanted[best]), mu)
+    squeeze = np.minimum(wanted, limit)
+    probability = np.array(
+        [known.probability(*each) for each in zip(bearings, squeeze, strict=True)]
+    )
+    unsure = probability < d.probability
+    # Where the belief is uncertain, more squeeze may do.
+    squeeze[unsure] = limit[unsure]
+    for i in np.flatnonzero(unsure & (spare >= 1.0)).tolist():
+        probability[i] = known.probability(bearings[i], squeeze[i])
     good = (spare >= 1.0) & (probability >= d.probability)
     if not good.any():
         best = int(np.where(spare >= 1.0, probability, -1.0).argmax())
-        learn = _experiment(model, candidates[best], load, squeeze[best], d.found_to)
+        learn = _experiment(task.target.model, bearings[best], squeeze[best], d.found_to)
         raise refusals.may_slip(task, float(squeeze[best]), float(probability[best]), *learn)
-    crowded = [each.crowded(task.target, task.state) for each in candidates]
-    # Height does not matter to a hold; where the weight is near, nothing swings.
-    swing = [abs(float(each.middle[2]) - load.at[2]) for each in candidates]
+    crowded = [each.candidate.crowded(task.target, task.state) for each in bearings]
+    # Height does not matter to a hold; in the middle there is most room for the hand.
+    heights = np.array([each.candidate.middle[2] for each in bearings])
+    off = np.abs(heights - 0.5 * (heights.min() + heights.max()))
     order = sorted(
         np.flatnonzero(good).tolist(),
-        key=lambda i: (crowded[i], -round(float(spare[i]), 2), swing[i]),
+        key=lambda i: (crowded[i], -round(float(spare[i]), 2), off[i]),
     )
     return [
-        Hold(_grasp(task, candidates[i], float(squeeze[i]), float(worst[i])), float(probability[i]))
+        Hold(
+            _grasp(task, bearings[i].candidate, float(squeeze[i]), float(worst[i])),
+            float(probability[i]),
+            bearings[i].lean if bearings[i].angle else None,
+        )
         for i in order
     ]
 
@@ -124,6 +194,57 @@ def strongest(task: Task, candidate: Candidate) -> float:
     if candidate.part == "lid" or graspable is None:
         return allowed
     return min(allowed, graspable.crush)
+
+
+class _Known:
+    """What is believed of grasps; those that differ by a turn only are looked at once."""
+
+    def __init__(self, model: ObjectModel) -> None:
+        self._model = model
+        self._needed: dict[bytes, tuple[float, float]] = {}
+        self._likely: dict[bytes, float] = {}
+
+    def needed(self, bearing: Bearing) -> tuple[float, float]:
+        """Squeeze with everything as believed, and in the worst case [N]."""
+        lifted = bearing.lifted(self._model)
+        key = self._key(lifted)
+        if key not in self._needed:
+            found = lifted.hold(STRONGEST)
+            self._needed[key] = found.needed, found.worst
+        return self._needed[key]
+
+    def probability(self, bearing: Bearing, squeeze: float) -> float:
+        """That a squeeze holds."""
+        lifted = bearing.lifted(self._model)
+        key = self._key(lifted) + f"{squeeze:.6g}".encode()
+        if key not in self._likely:
+            self._likely[key] = lifted.probability(squeeze)
+        return self._likely[key]
+
+    @staticmethod
+    def _key(lifted: Lifted) -> bytes:
+        """All that a hold depends on, in the frame of the grasp."""
+        R, model = lifted.R_BG, lifted.model
+        spread = R.T @ np.diag(np.square(model.com_sd)) @ R
+        parts = (
+            lifted.contacts.places,
+            (np.array(model.com) - lifted.p_BG) @ R,
+            spread,
+            lifted.down_B @ R,
+            np.array([model.mass, model.mass_sd]),
+        )
+        return b"".join((np.round(part, 7) + 0.0).tobytes() for part in parts)
+
+
+def _slippery(model: ObjectModel) -> ObjectModel:
+    """A model whose fingers have slipped, as far as that is known: what creeps must still hold."""
+    return model.model_copy(update={"finger_friction": friction(model)})
+
+
+def friction(model: ObjectModel) -> float:
+    """The coefficient at the fingers that a hold relies on."""
+    kinetic = model.finger_friction_kinetic
+    return model.finger_friction if kinetic is None else kinetic
 
 
 def _grasp(task: Task, candidate: Candidate, squeeze: float, needed: float) -> Grasp:
@@ -146,55 +267,21 @@ def _tuple(v: Array) -> Vector3:
     return x, y, z
 
 
-def _needed(
-    model: ObjectModel, candidates: Sequence[Candidate], load: Load, sigmas: float
-) -> Array:
-    found = np.empty(len(candidates))
-    for some, arrays in _by_grip(candidates):
-        found[some] = squeeze_needed(model, *arrays, load=load, sigmas=sigmas)
-    return found
-
-
-def _probability(
-    model: ObjectModel, candidates: Sequence[Candidate], load: Load, squeeze: Array
-) -> Array:
-    found = np.empty(len(candidates))
-    for some, arrays in _by_grip(candidates):
-        found[some] = holding(model, *arrays, squeeze[some], load=load)
-    return found
-
-
-def _by_grip(candidates: Sequence[Candidate]) -> Iterator[tuple[list[int], _Arrays]]:
-    """Candidates of one grip each, as the arrays that the physics takes."""
-    for grip in {id(each.grip): each.grip for each in candidates}.values():
-        some = [i for i, each in enumerate(candidates) if each.grip is grip]
-        middles, closing, approach = (
-            np.array([getattr(candidates[i], name) for i in some])
-            for name in ("middle", "closing", "approach")
-        )
-        yield some, (middles, closing, approach, grip.contacts, grip.shares)
-
-
 def _experiment(
-    model: ObjectModel, candidate: Candidate, load: Load, squeeze: float, found_to: float
+    model: ObjectModel, bearing: Bearing, squeeze: float, found_to: float
 ) -> tuple[str, float]:
     """What to find out first, and how likely the hold is then."""
-    slippery = model.model_copy(
-        update={
-            "finger_friction_sd": min(model.finger_friction_sd, found_to * model.finger_friction)
-        }
-    )
-    weighed = replace(load, force_sd=min(load.force_sd, found_to * load.force))
-    then = {
-        f"find out how slippery the {model.name} is to the fingers first": (slippery, load),
-        f"find out the weight of the {model.name} first": (model, weighed),
+    sd = {"finger_friction_sd": model.finger_friction, "mass_sd": model.mass}
+    words = {
+        "finger_friction_sd": f"find out how slippery the {model.name} is to the fingers first",
+        "mass_sd": f"find out the weight of the {model.name} first",
     }
-    likely = {
-        words: float(_probability(known, [candidate], borne, np.array([squeeze]))[0])
-        for words, (known, borne) in then.items()
-    }
-    best = max(likely, key=lambda words: likely[words])
-    return best, likely[best]
+    then = {}
+    for name, mean in sd.items():
+        known = model.model_copy(update={name: min(getattr(model, name), found_to * mean)})
+        then[name] = bearing.lifted(known).probability(squeeze)
+    best = max(then, key=lambda name: then[name])
+    return words[best], then[best]
 
 
 # -- what the hand gets to ----------------------------------------------------------------------

@@ -19,7 +19,15 @@ from planner.aims import aimed, here
 from planner.footprints import footprint, gap, travel_to_edge
 from planner.handling import refusals
 from planner.handling.grasps import of_body
-from planner.handling.holding import Draft, Hold, each_with_each, first_way, held_already, holds
+from planner.handling.holding import (
+    Bearing,
+    Draft,
+    Hold,
+    each_with_each,
+    first_way,
+    held_already,
+    holds,
+)
 from planner.handling.plan import Carry, HandlingPlan, HandStep, LiftUp, SetDown
 from planner.plan import Aim, DefaultUsed
 from planner.refusals import RefusedError
@@ -87,7 +95,10 @@ def _made(task: Task, action: Action, ways: list[Hold], drafts: list[Draft]) -> 
 
 def body_holds(task: Task) -> list[Hold]:
     """How the hand holds an object, or could."""
-    return held_already(task) or holds(task, of_body(task.target, task.hand, task.how))
+    held = held_already(task)
+    if held:
+        return held
+    return holds(task, [Bearing(each) for each in of_body(task.target, task.hand, task.how)])
 
 
 def require_liftable(task: Task) -> None:

@@ -12,13 +12,21 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from objectmodels.grasping import Load
 from objectmodels.opening import FlipArc, Loosening, flip, lift_off, unscrew
 from objectmodels.parts import FlipLid, LiftOffLid, ScrewCap
+from objectmodels.thresholds import GRAVITY
 from planner.handling import lidrefusals
 from planner.handling.aside import spots
 from planner.handling.grasps import held_part, lid_middle, of_lid
-from planner.handling.holding import Draft, each_with_each, first_way, held_already, holds
+from planner.handling.holding import (
+    Bearing,
+    Draft,
+    Load,
+    each_with_each,
+    first_way,
+    held_already,
+    holds,
+)
 from planner.handling.plan import (
     Carry,
     FlipOver,
@@ -157,9 +165,9 @@ def _arc_prediction(arc: FlipArc, end: float) -> HandlingPrediction:
 def _pulled_off(task: Task, lid: LiftOffLid) -> HandlingPlan:
     found = lift_off(task.target.model, lid, fixed=task.target.fixed)
     _require_still(task, found)
-    load = Load(found.needed, lid.retention_sd, _lid_at(task, lid))
+    load = Load(found.needed, lid.retention_sd)
     prediction = HandlingPrediction(lid_force=found.needed, topple_force=_finite(found.held))
-    return _taken_off(task, lid, holds(task, of_lid(task.target, lid, task.hand), load), (),
+    return _taken_off(task, lid, _lid_holds(task, lid, load), (),
                       prediction, found.probability)  # fmt: skip
 
 
@@ -200,8 +208,7 @@ def _put_on(task: Task, lid: LiftOffLid | ScrewCap, after: tuple[HandStep, ...])
         return first_way(task, "close", [(held[0], draft)], 1)
     if target.lid_at is None:
         raise lidrefusals.lid_not_seen(task)
-    weight = Load.of_part(lid.mass, _lid_at(task, lid))
-    ways = holds(task, of_lid(target, lid, task.hand), weight)
+    ways = _lid_holds(task, lid, Load(lid.mass * GRAVITY))
     up = LiftUp(height=target.model.top + d.carry_clearance, hold=0.0)
     draft = Draft((up, Carry(to=Aim(x=x, y=y)), *down))
     return first_way(task, "close", [(way, draft) for way in ways], len(ways))
@@ -231,8 +238,12 @@ def _cap_holds(task: Task, cap: ScrewCap) -> list[Hold]:
     """How a cap is held for turning: friction at its rim bears the torque."""
     radius, *_ = held_part(task.target, cap)
     torque = cap.friction_torque / radius
-    load = Load(torque, cap.friction_torque_sd / radius, _lid_at(task, cap))
-    return holds(task, of_lid(task.target, cap, task.hand), load)
+    return _lid_holds(task, cap, Load(torque, cap.friction_torque_sd / radius))
+
+
+def _lid_holds(task: Task, lid: LiftOffLid | ScrewCap, load: Load) -> list[Hold]:
+    """How a lid is held while something pulls at it."""
+    return holds(task, [Bearing(each, load) for each in of_lid(task.target, lid, task.hand)])
 
 
 def _turn(task: Task, cap: ScrewCap, angle: float) -> TurnCap:
@@ -242,12 +253,6 @@ def _turn(task: Task, cap: ScrewCap, angle: float) -> TurnCap:
 
 def _torques(found: Loosening) -> HandlingPrediction:
     return HandlingPrediction(lid_torque=found.needed, turning_torque=_finite(found.held))
-
-
-def _lid_at(task: Task, lid: LiftOffLid | ScrewCap) -> tuple[float, float, float]:
-    """Where a lid is held, in B [m]: what pulls at it acts straight below."""
-    _, low, high = held_part(task.target, lid)
-    return (*lid_middle(task.target), 0.5 * (low + high))
 
 
 def _retention(lid: LiftOffLid | ScrewCap) -> float:

@@ -13,7 +13,7 @@ Frames: W is the world, B the container that is poured from.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,8 +22,9 @@ from objectmodels.pouring import Catch, Poured, pour, predict, tilt_for
 from planner.directions import heading_of, unit
 from planner.handling import pourrefusals, refusals
 from planner.handling.amounts import Amount, Hollow, amount
-from planner.handling.holding import Draft, first_way
-from planner.handling.lifting import body_holds, over, raised, require_liftable
+from planner.handling.grasps import of_body
+from planner.handling.holding import Bearing, Draft, first_way, held_already, holds
+from planner.handling.lifting import over, raised, require_liftable
 from planner.handling.plan import (
     Carry,
     HandlingPlan,
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from grammar import frames as g
     from objectmodels.base import Array
     from objectmodels.vessel import Vessel
+    from planner.handling.grasps import Candidate
     from planner.handling.holding import Hold
     from planner.handling.task import Task
 
@@ -110,26 +112,39 @@ class _Pouring:
         Raises:
             RefusedError: there is none.
         """
-        ways = sorted(body_holds(self._task), key=_beside)
-        motions = self._motions(ways)
+        task, held = self._task, held_already(self._task)
+        if held:
+            closing = [np.array(held[0].grasp.closing_W) @ task.target.pose.R_WB]
+            motions = self._motions(closing)
+            ways = [replace(held[0], lean=motion.lean) for motion in motions.values()]
+        else:
+            each = of_body(task.target, task.hand, task.how)
+            motions = self._motions([candidate.closing for candidate in each])
+            ways = sorted(holds(task, self._bearings(each, motions)), key=_beside)
         found = []
         for rank, hold in enumerate(ways):
-            for lean in self._leans(hold):
-                motion = motions.get(_key(lean))
-                if motion is None:
-                    continue
-                for times, turn in enumerate(_TURNS.tolist()):
-                    found.append((rank + times, (hold, self._draft(motion, turn))))
+            assert hold.lean is not None, "it is tilted"
+            motion = motions[_key(hold.lean)]
+            for times, turn in enumerate(_TURNS.tolist()):
+                found.append((rank + times, (hold, self._draft(motion, turn))))
         found.sort(key=lambda each: each[0])
-        considered = len(ways) * len(_TURNS)
-        return first_way(self._task, "pour", [way for _, way in found], considered)
+        return first_way(task, "pour", [way for _, way in found], len(found))
 
     # -- how it is tilted -----------------------------------------------------------------------
 
-    def _leans(self, hold: Hold) -> list[float]:
+    def _bearings(self, each: list[Candidate], motions: dict[int, Motion]) -> list[Bearing]:
+        """All ways to hold it through its motion."""
+        found = []
+        for candidate in each:
+            for lean in self._leans(candidate.closing):
+                motion = motions.get(_key(lean))
+                if motion is not None:
+                    found.append(Bearing(candidate, None, motion.lean, motion.angle))
+        return found
+
+    def _leans(self, closing: Array) -> list[float]:
         """Directions in B in which it may lean, held so: along the line across [rad]."""
         opening = np.array([*self._source.container.opening.centre, 0.0])
-        closing = self._task.target.pose.R_WB.T @ np.array(hold.grasp.closing_W)
         off = float(np.linalg.norm(opening))
         return [
             heading_of(side * closing)
@@ -137,9 +152,9 @@ class _Pouring:
             if off < _CENTRED or side * closing @ opening > _TO_THE_SIDE * off
         ]
 
-    def _motions(self, ways: list[Hold]) -> dict[int, Motion]:
+    def _motions(self, closing: list[Array]) -> dict[int, Motion]:
         """The motion for each direction in which it may lean, if it is likely enough."""
-        leans = {_key(lean): lean for hold in ways for lean in self._leans(hold)}
+        leans = {_key(lean): lean for each in closing for lean in self._leans(each)}
         if not leans:
             raise pourrefusals.wrong_side(self._task)
         found = {key: self._motion(lean) for key, lean in leans.items()}
@@ -237,9 +252,9 @@ def _key(lean: float) -> int:
     return round(math.degrees(lean)) % 360
 
 
-def _beside(hold: Hold) -> tuple[bool, float]:
-    """The hand had better be low, and beside what pours."""
-    return hold.grasp.approach_W[2] < -0.5, hold.grasp.p_BG[2]
+def _beside(hold: Hold) -> bool:
+    """The hand had better be beside what pours, not over it."""
+    return hold.grasp.approach_W[2] < -0.5
 
 
 def _all_of_it(vessel: Vessel, volume: float, lean: float, rate: float) -> tuple[float, float]:

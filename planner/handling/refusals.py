@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from objectmodels.grasping import friction
 from planner.plan import Refusal
 from planner.refusals import RefusedError, unsupported
 
@@ -112,14 +111,14 @@ def no_room(target: SeenObject, low: float, high: float, how: Manner) -> Refused
 # -- how hard it must be held -------------------------------------------------------------------
 
 
-def too_heavy(task: Task, candidate: Candidate, wanted: float) -> RefusedError:
+def too_heavy(task: Task, candidate: Candidate, wanted: float, mu: float) -> RefusedError:
     """It takes more squeeze than there is."""
     how, model = task.how, task.target.model
     has = candidate.grip.strongest
     bears = math.inf if model.grasp is None or candidate.part == "lid" else model.grasp.crush
-    numbers = {"needed_force": wanted, "strongest": has, "friction": friction(model)}
+    numbers = {"needed_force": wanted, "strongest": has, "friction": mu}
     what = f"{task.doing} the {task.target.name}"
-    needs = f"{what} needs {wanted:.1f} N of squeeze with μ {friction(model):.2f}; "
+    needs = f"{what} needs {wanted:.1f} N of squeeze with μ {mu:.2f}; "
     if how.most_force <= min(has, bears):
         return refused(
             "impossible",
