@@ -12,7 +12,7 @@ from grammar.errors import ParseError
 from grammar.frames import Span
 from grammar.lexicon import Lexicon, Verb
 from grammar.normalise import Normalised
-from grammar.objectives import Clause, intended
+from grammar.objectives import intended
 from grammar.parts import (
     AmountPart,
     AskPart,
@@ -29,6 +29,7 @@ from grammar.parts import (
     VerbPart,
 )
 from grammar.restrictions import constraints_of, require_same
+from grammar.taking import Clause
 from grammar.things import parted_of
 
 _UP_AND_DOWN: dict[str, g.Direction] = {"up": "away", "down": "toward"}
@@ -116,7 +117,7 @@ class ActionReader:
         span: Span,
     ) -> g.Goal:
         """What should become of the object; every part that is left finds its place in it."""
-        if thing.contents and verb.goal != "pour":
+        if thing.contents and verb.goal not in ("pour", "fill"):
             message = f'the contents of a thing do not go with "{name}"'
             raise ParseError(
                 "does_not_apply", message, thing.span, ("pour the contents of it into …",)
@@ -169,7 +170,7 @@ class ActionReader:
         """Takes "the lid of the cup", when it is opened, for a part of the cup."""
         if not isinstance(goal, g.Open | g.Close):
             return goal, thing
-        parted = parted_of(thing, self._sentence)
+        parted = parted_of(thing, self._lexicon, self._sentence)
         if parted is None or parted[0] not in self._lexicon.parts:
             return goal, thing
         part, span, whole = parted
@@ -215,6 +216,8 @@ def _with_it_bound(frame: g.Frame) -> g.Frame:
         others = goal.reference
     elif isinstance(goal, g.Displace) and isinstance(goal.toward, g.ObjectRef):
         others = (goal.toward,)
+    elif isinstance(goal, g.Pour) and goal.into is not None:
+        others = (goal.into,)
     if len(others) != 1:
         return frame
     bound = tuple(

@@ -14,6 +14,7 @@ _FORBIDDING = {
     "tilt": ("no_tilt",),
     "rotate": ("no_turn",),
     "lift": ("no_lift",),
+    "pour": ("no_tilt",),
     "displace": ("no_slide",),
     "place": ("no_slide",),
 }
@@ -115,6 +116,8 @@ def _others(frame: g.Frame) -> bool:
     goal = frame.goal
     if isinstance(goal, g.Place):
         return isinstance(goal.reference, tuple)
+    if isinstance(goal, g.Pour):
+        return goal.into is not None
     return isinstance(goal, g.Displace) and isinstance(goal.toward, g.ObjectRef)
 
 

@@ -10,6 +10,7 @@ from grammar.vocabulary import (
     Amount,
     Bound,
     Direction,
+    Method,
     ObjectRef,
     Part,
     Point,
@@ -182,10 +183,16 @@ class HandOver(Part):
 
 
 class Parameters(Part):
-    """Find out parameters of the object's model (mass, friction, …); none named means all."""
+    """Find out parameters of the object's model (mass, friction, …).
+
+    Attributes:
+        which: the parameters; none named means all.
+        method: how: by lifting it, or by pushing and tilting it; None if not said.
+    """
 
     kind: Literal["parameters"] = "parameters"
     which: tuple[str, ...] = ()
+    method: Method | None = None
     spans: Spans = ()
 
 

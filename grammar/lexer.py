@@ -21,7 +21,8 @@ from grammar.numerals import DIGITS
 
 _QUOTED = re.compile(r'"[^"]*[^" ][^"]*"(?= |$)')
 _DETERMINERS = frozenset({"THE", "A", "THAT", "VERB"})
-_UNITS = ("LENGTH_UNIT", "ANGLE_UNIT", "FORCE_UNIT", "SPEED_UNIT", "TIME_UNIT", "SIDE_OF_OBJECT")
+_UNITS = ("LENGTH_UNIT", "ANGLE_UNIT", "FORCE_UNIT", "SPEED_UNIT", "TIME_UNIT", "VOLUME_UNIT",
+          "CUPS", "PERCENT", "SIDE_OF_OBJECT")  # fmt: skip
 
 
 class PhraseLexer(Lexer):
@@ -103,16 +104,23 @@ class PhraseLexer(Lexer):
             return True
         if name.determined == "A":
             units = [unit for unit in _UNITS if unit in accepts]
-            return not any(self._phrases.any(unit, text, end - len(word)) for unit in units)
+            return not any(self._measures(unit, text, end - len(word), name) for unit in units)
         if name.adjectival and word in self._adjectives:
             follower = WORD.match(text, end + 1)
             return follower is not None and follower.group() not in self._ends_names
         if name.adjectival and word in self._nobodies:
-            return True
+            return not self._measures("PORTION", text, end - len(word), name)
         return (
             (name.words > 0 or name.determined == "VERB")
             and word in self._openers
             and not self._begins_a_phrase(text, end - len(word), name)
+        )
+
+    def _measures(self, unit: str, text: str, start: int, name: _Name) -> bool:
+        """Whether a unit, or a share, stands here."""
+        return any(
+            unit in kinds and self._ahead.fits(unit, phrase, text, start + len(phrase), name.last)
+            for phrase, kinds in self._phrases.at(text, start)
         )
 
     def _begins_a_phrase(self, text: str, start: int, name: _Name) -> bool:

@@ -71,6 +71,7 @@ class Lexicon:
         adjectives: word of a name → what it tells the object by.
         nobodies: words that stand for an object without naming it.
         parts: parts of objects that may be opened.
+        lids: parts of objects that are taken off and put on.
         names: names of several words that are read as one, whatever their words mean elsewhere.
         numbers: words that number words are made of.
         later_verbs: verbs that are known but not read.
@@ -86,6 +87,7 @@ class Lexicon:
     adjectives: Mapping[str, Quality]
     nobodies: frozenset[str]
     parts: frozenset[str]
+    lids: frozenset[str]
     names: frozenset[str]
     numbers: NumberWords
     later_verbs: frozenset[str]
@@ -116,6 +118,7 @@ class Lexicon:
             adjectives=cast("dict[str, Quality]", _phrases("adjectives", data["adjectives"])),
             nobodies=frozenset(data["nobodies"]),
             parts=frozenset(data["parts"]),
+            lids=frozenset(data["lids"]),
             names=frozenset(),
             numbers=NumberWords.from_data(data["numbers"]),
             later_verbs=frozenset(data["later_verbs"]),
@@ -218,8 +221,9 @@ class Lexicon:
 
     @cached_property
     def first_words(self) -> frozenset[str]:
-        """Words that phrases of the language begin with."""
-        return frozenset(p.split()[0] for known in self.terminals.values() for p in known)
+        """Words that phrases of the language begin with, but for those behind numbers only."""
+        kinds = (known for name, known in self.terminals.items() if name != "CUPS")
+        return frozenset(p.split()[0] for known in kinds for p in known)
 
     @cached_property
     def definite(self) -> frozenset[str]:

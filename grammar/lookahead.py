@@ -14,9 +14,14 @@ from grammar.lexicon import NAME_TERMINALS, Lexicon
 WORD = re.compile(r"[^ ]+")
 """A word of the plain form."""
 
-BEFORE_NUMBERS = frozenset({"BY", "BOUND", "RANGE", "FROM"})
+BEFORE_NUMBERS = frozenset({"BY", "BOUND", "RANGE", "FROM", "IS_AT"})
 """Terminals that stand before quantities only."""
 
+_OF_CONTENTS = ("FILLED", "FILLED_WITH", "TO_LEVEL", "SOME_OF", "PART_OF")
+"""Terminals that say how much is poured or filled in; their words mean other things elsewhere."""
+
+_PERCENT = re.compile(r"[^ %]+ ?(?:%|percent|per cent)(?= |$)")
+_NAMED = re.compile(r" (?:the|my|your|our|its|it|this|that|\")")
 _QUANTITIES = ("THE_SIDE_OF", "BOUND")
 _MULTIPLES = frozenset({"twice", "double", "its"})
 _NAMES_BEGIN = re.compile(r" (?:the|a|an|my|your|its) ")
@@ -41,7 +46,7 @@ class Phrases:
     def __init__(self, lexicon: Lexicon) -> None:
         names = [*lexicon.terminals, *NAME_TERMINALS]
         # "Up to 5 cm" is a bound before it is a place.
-        names.sort(key=lambda name: name not in {*BEFORE_NUMBERS, "TO_DO", "OR"})
+        names.sort(key=lambda name: name not in {*_OF_CONTENTS, *BEFORE_NUMBERS, "TO_DO", "OR"})
         self._kinds: dict[str, list[str]] = {phrase: ["WORD"] for phrase in lexicon.names}
         for name in names:
             for phrase in lexicon.phrases(name):
@@ -83,6 +88,12 @@ class Lookahead:
         self._adjectives = lexicon.adjectives
         self._function_words = lexicon.reserved | lexicon.first_words
         self._determiners = {p for n in ("THE", "A", "THAT", "IT") for p in lexicon.phrases(n)}
+        self._verbs = {
+            form: verb
+            for kind in ("VERB", "VERB_ING")
+            for form, verb in lexicon.verb_words[kind].items()
+        }
+        self._goals = {verb: asks.goal for verb, asks in lexicon.verbs.items()}
         self._rules: dict[str, Rule] = {
             **dict.fromkeys(BEFORE_NUMBERS, self._before_a_number),
             **dict.fromkeys(("REGION", "FACE", "SIDE_QUALITY"), self._not_into_a_name),
@@ -90,16 +101,25 @@ class Lookahead:
                 ("DIRECTION", "TOWARD_REGION", "AWAY_FROM_REGION"), self._not_towards_a_name
             ),
             "AMOUNT": self._no_little_box,
+            "CUPS": self._no_cup,
             "DOES_NOT": self._no_can,
+            "FILLED": self._behind_fill,
+            "FILLED_WITH": self._behind_fill,
+            "ON_TABLE": self._put_there,
+            "PARTICLE": self._not_off_a_thing,
+            "PART_OF": lambda _phrase, _text, _end, last: last == "VOLUME_UNIT",
+            "PORTION": self._of_a_liquid,
+            "TO_LEVEL": lambda _phrase, text, end, _last: bool(_PERCENT.match(text, end + 1)),
             "FROM_SIDE": lambda _phrase, text, end, _last: self._ends(text, end),
             "LENGTH_UNIT": self._no_preposition,
             "NEXT": self._not_next_to,
             "OF": lambda _phrase, text, end, _last: bool(_NAMES_BEGIN.match(text, end)),
             "OR": self._in_a_list,
             "RELATION": self._before_a_thing,
-            "SOME_OF": self._not_of_a_face,
+            "SOME_OF": self._some_of_a_liquid,
             "TOWARD": self._not_to_make,
             "TO_DO": lambda _phrase, text, end, _last: self._any("EVENT_INFINITIVE", text, end + 1),
+            "UNDO": self._not_back_on,
             "WHY_DID": lambda _phrase, text, end, _last: end < len(text),
         }
 
@@ -189,6 +209,47 @@ class Lookahead:
         purpose = self._any("TO_MAKE", text, start) or self._any("EVENT_INFINITIVE", text, end + 1)
         return not (phrase.endswith(" to") and purpose)
 
-    def _not_of_a_face(self, _phrase: str, text: str, end: int, _last: str) -> bool:
-        """A bit of the milk, but not a bit, of its front side."""
-        return not self._any("FACE", text, end - len("of"))
+    def _some_of_a_liquid(self, phrase: str, text: str, end: int, last: str) -> bool:
+        """A bit of the milk, but not a bit, of its front side; pour some milk, no little box."""
+        if phrase.endswith("of"):
+            return not self._any("FACE", text, end - len("of"))
+        poured = last == "FILLED_WITH" or (last == "VERB" and self._goal(text, end) == "pour")
+        return poured and not self._ends(text, end)
+
+    def _of_a_liquid(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """A quarter of the milk, but not a quarter of its width; half the milk, but not half 5."""
+        if phrase.startswith("all"):
+            return True
+        poured = self._goal(text, end) in ("pour", "fill")
+        return poured and (phrase.endswith("of") or bool(_NAMED.match(text, end)))
+
+    def _behind_fill(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """Fill it half with milk, but do not push it with the hand."""
+        return self._goal(text, end - len(phrase)) == "fill"
+
+    def _put_there(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """Put it on the table, but not the box on the table, nor on the table mat."""
+        put = self._goal(text, end - len(phrase)) in ("place", "set_down")
+        return put and self._ends(text, end)
+
+    def _not_off_a_thing(self, phrase: str, text: str, end: int, last: str) -> bool:
+        """Take the lid off, but not off the jar; take off the lid."""
+        if not phrase.endswith(("on", "off")) or last == "VERB":
+            return True
+        follower = WORD.match(text, end + 1)
+        return self._ends(text, end) and not (follower and follower.group() in self._determiners)
+
+    def _not_back_on(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """Put it back, but not back on the book."""
+        onto = any(stands(word, text, end + 1) for word in ("on", "onto"))
+        return not (phrase.endswith("back") and onto)
+
+    def _no_cup(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """A cup of milk to be poured, but not any other cup."""
+        return self._goal(text, end - len(phrase)) in ("pour", "fill")
+
+    def _goal(self, text: str, end: int) -> str | None:
+        """Goal of the last verb before a place in the text."""
+        words = reversed(text[:end].replace("fill level", "").split())
+        verb = next((self._verbs[word] for word in words if word in self._verbs), None)
+        return None if verb is None else self._goals.get(verb)

@@ -13,7 +13,7 @@ from grammar.contradictions import require_consistent
 from grammar.errors import ParseError
 from grammar.lexicon import Lexicon, Verb
 from grammar.normalise import Normalised
-from grammar.objectives import Clause, intended
+from grammar.objectives import intended, method
 from grammar.parts import (
     AmountPart,
     AnglePart,
@@ -39,8 +39,10 @@ from grammar.parts import (
     TowardPart,
     VerbPart,
 )
+from grammar.regrouping import regrouped
 from grammar.restrictions import constraints_of
 from grammar.subjects import NOBODY, subjects
+from grammar.taking import Clause
 from grammar.things import described
 
 _GOES_ON = (DirectionPart, HeadingPart, TowardPart, AwayFromPart, PlacePart, LengthPart, AnglePart,
@@ -83,7 +85,7 @@ class _Reader:
     def __init__(self, parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> None:
         self._lexicon = lexicon
         self._sentence = sentence
-        self._parts = described(parts, lexicon, sentence)
+        self._parts = described(regrouped(parts, lexicon, sentence), lexicon, sentence)
 
     def frames(self) -> list[g.Frame]:
         """The frames of the clause, one for each of its objects."""
@@ -158,15 +160,17 @@ class _Reader:
     # --- questions and remarks ----------------------------------------------------------------
 
     def _explored(self, part: ExplorePart) -> g.Frame:
-        frame = g.Frame(
+        rest, constraints = constraints_of(self._parts, part.thing, self._lexicon, self._sentence)
+        clause = Clause(rest, Verb("explore", "parameters"), self._sentence)
+        how = method(clause)
+        clause.finish("find out")
+        return g.Frame(
             action="explore",
             object=part.thing.ref,
-            goal=g.Parameters(which=part.which, spans=(part.span,)),
+            goal=g.Parameters(which=part.which, method=how, spans=(part.span, *clause.all_spans)),
+            constraints=constraints,
             spans=(part.span,),
         )
-        rest, constraints = constraints_of(self._parts, part.thing, self._lexicon, self._sentence)
-        Clause(rest, Verb("explore", "parameters"), self._sentence).finish("find out")
-        return frame.model_copy(update={"constraints": constraints})
 
     def _asked(self, asks: Sequence[AskPart]) -> g.Frame:
         """A question without a verb: how heavy, what can you do with, why."""

@@ -6,165 +6,31 @@ Every part must find its place; a part that its verb has no use for is an error,
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from typing import Any, TypeVar, cast
+from collections.abc import Callable
+from typing import Any, cast
 
 from grammar import frames as g
+from grammar import handling as by_hand
 from grammar.errors import ParseError
-from grammar.frames import Span
 from grammar.lexicon import Verb
-from grammar.normalise import Normalised
 from grammar.parts import (
     AmountPart,
-    AnglePart,
     AwayFromPart,
-    DiagonalPart,
     DirectionPart,
-    FillerPart,
     HeadingPart,
-    IntoPart,
     LengthPart,
     MePart,
-    Part,
+    MethodPart,
     PlacePart,
     ResultPart,
     SensePart,
     SharePart,
+    TablePart,
     TowardPart,
 )
+from grammar.taking import Clause
 
-P = TypeVar("P", bound=Part)
-
-_OPPOSITES: tuple[set[g.Direction], ...] = ({"away", "toward"}, {"left", "right"})
 _SENSES: dict[g.Direction, g.Sense] = {"left": "ccw", "right": "cw"}
-_MEASURES = (LengthPart, AnglePart)
-
-
-class Clause:
-    """The parts of one clause; each is taken once."""
-
-    def __init__(
-        self,
-        parts: Sequence[Part],
-        verb: Verb,
-        sentence: Normalised,
-        verb_span: Span | None = None,
-    ) -> None:
-        self._left = [part for part in parts if not isinstance(part, FillerPart)]
-        self._sentence = sentence
-        self.verb = verb
-        self.verb_span = verb_span
-        self.spans: list[Span] = []
-
-    def has(self, *kinds: type[Part]) -> bool:
-        """Whether a part of these kinds is left; a direction that is implied does not count."""
-        return any(
-            isinstance(part, kinds) and not (isinstance(part, DirectionPart) and part.implied)
-            for part in self._left
-        )
-
-    def first(self, kind: type[P]) -> P | None:
-        """The first part of a kind, which stays to be taken."""
-        return next((part for part in self._left if isinstance(part, kind)), None)
-
-    def take_all(self, kind: type[P]) -> list[P]:
-        """Takes all parts of a kind; their words become the goal's."""
-        taken = [part for part in self._left if isinstance(part, kind)]
-        self._left = [part for part in self._left if not isinstance(part, kind)]
-        self.spans += [part.span for part in taken]
-        return taken
-
-    def take(self, kind: type[P]) -> P | None:
-        """Takes the only part of a kind."""
-        taken = self.take_all(kind)
-        if len(taken) > 1:
-            raise self.twice(taken[0], taken[1])
-        return taken[0] if taken else None
-
-    def twice(self, first: Part, second: Part) -> ParseError:
-        """Two parts say the same thing."""
-        quotes = self.quote(first), self.quote(second)
-        return ParseError(
-            "said_twice",
-            f"{quotes[0]} and {quotes[1]} say the same thing twice",
-            second.span,
-            (f"leave out one of {quotes[0]} and {quotes[1]}",),
-            spans=(first.span, second.span),
-        )
-
-    def against(self, first: Part, second: Part) -> ParseError:
-        """Two parts contradict each other."""
-        quotes = self.quote(first), self.quote(second)
-        return ParseError(
-            "contradiction",
-            f"{quotes[0]} and {quotes[1]} contradict each other",
-            second.span,
-            tuple(f"say only {quote}" for quote in quotes),
-            spans=(first.span, second.span),
-        )
-
-    def refused(self, part: Part, message: str, *suggestions: str) -> ParseError:
-        """A part that does not apply."""
-        text = f"{self.quote(part)} {message}"
-        return ParseError("does_not_apply", text, part.span, suggestions)
-
-    def quote(self, part: Part) -> str:
-        """The words of a part, in quotation marks."""
-        return f'"{self._sentence.written(part.span)}"'
-
-    def directions(self) -> tuple[g.Direction, ...]:
-        """Takes what is said of the direction: none, one, or two across each other."""
-        parts = self.take_all(DirectionPart)
-        if any(not part.implied for part in parts):
-            self.spans = [s for s in self.spans if s not in {p.span for p in parts if p.implied}]
-            parts = [part for part in parts if not part.implied]
-        for i, part in enumerate(parts):
-            for other in parts[:i]:
-                if {part.value, other.value} in _OPPOSITES:
-                    raise self.against(other, part)
-        said = {part.value for part in parts}
-        diagonal = self.take(DiagonalPart)
-        if diagonal is not None and len(said) < 2:
-            message = "needs two directions"
-            raise self.refused(diagonal, message, "away and to the left", "back and to the right")
-        return tuple(sorted(said, key=("away", "toward", "left", "right").index))
-
-    def drop_implied(self) -> None:
-        """Forgets the direction that a side implies, where another says where to go."""
-        self._left = [p for p in self._left if not (isinstance(p, DirectionPart) and p.implied)]
-
-    def direction(self) -> g.Direction | None:
-        """Takes what is said of the direction, where only a single one makes sense."""
-        last = next((p for p in reversed(self._left) if isinstance(p, DirectionPart)), None)
-        directions = self.directions()
-        if last is not None and len(directions) > 1:
-            message = "is a second direction; a single one is possible here"
-            raise self.refused(last, message, *directions)
-        return directions[0] if directions else None
-
-    def angle(self) -> tuple[float | None, g.Bound]:
-        """Takes an angle and its bound."""
-        part = self.take(AnglePart)
-        return (None, "exact") if part is None else (part.value, part.bound)
-
-    def amount(self) -> g.Amount | None:
-        """Takes "a little", unless a quantity says how much."""
-        measure = next((part for part in self._left if isinstance(part, _MEASURES)), None)
-        part = self.take(AmountPart)
-        if part is not None and measure is not None:
-            raise self.twice(part, measure)
-        return None if part is None else cast(g.Amount, part.value)
-
-    def finish(self, verb: str) -> None:
-        """Refuses parts that were not taken."""
-        for part in self._left:
-            message = f"does not go with {verb!r}" if verb else "says nothing here"
-            raise self.refused(part, message, f"leave out {self.quote(part)}")
-
-    @property
-    def all_spans(self) -> tuple[Span, ...]:
-        """The words of the goal, in the order of the sentence."""
-        return tuple(sorted(set(self.spans)))
 
 
 def _displace(clause: Clause) -> g.Displace | g.Place:
@@ -216,8 +82,10 @@ def _displace(clause: Clause) -> g.Displace | g.Place:
     )
 
 
-def _place(clause: Clause) -> g.Place:
-    place = clause.take(PlacePart)
+def _place(clause: Clause) -> g.Place | g.SetDown:
+    place, table = clause.take(PlacePart), clause.take(TablePart)
+    if place is None and table is not None:
+        return g.SetDown(spans=clause.all_spans)
     if place is None:
         raise ParseError(
             "no_place",
@@ -282,28 +150,6 @@ def _topple(clause: Clause) -> g.Topple:
     return g.Topple(direction=clause.direction(), spans=clause.all_spans)
 
 
-def _lift(clause: Clause) -> g.Lift:
-    amount, height = clause.amount(), clause.take(LengthPart)
-    return g.Lift(
-        height=None if height is None else height.value,
-        bound="exact" if height is None else height.bound,
-        amount=amount,
-        spans=clause.all_spans,
-    )
-
-
-def _pour(clause: Clause) -> g.Pour:
-    into, amount, share = clause.take(IntoPart), clause.amount(), clause.take(SharePart)
-    if share is not None and share.of_way:
-        raise clause.refused(share, "is no part of a liquid", "half of the water")
-    return g.Pour(
-        into=None if into is None else into.target,
-        amount=amount,
-        fraction=None if share is None else share.value,
-        spans=clause.all_spans,
-    )
-
-
 def _hand_over(clause: Clause) -> g.HandOver:
     clause.take(MePart)
     if clause.has(DirectionPart) and clause.direction() != "toward":
@@ -326,8 +172,21 @@ def _contact(clause: Clause) -> g.Displace | g.Place | g.NoGoal:
     return g.NoGoal()
 
 
+def _set_down(clause: Clause) -> g.Place | g.SetDown:
+    if clause.has(PlacePart, TablePart):
+        return _place(clause)
+    return g.SetDown()
+
+
 def _parameters(clause: Clause) -> g.Parameters:
-    return g.Parameters(which=(clause.verb.which,) if clause.verb.which else ())
+    which = (clause.verb.which,) if clause.verb.which else ()
+    return g.Parameters(which=which, method=method(clause), spans=clause.all_spans)
+
+
+def method(clause: Clause) -> g.Method | None:
+    """Takes how something is to be found out: "by lifting it"."""
+    part = clause.take(MethodPart)
+    return None if part is None else part.value
 
 
 GOALS: dict[str, Callable[[Clause], g.Goal]] = {
@@ -338,10 +197,12 @@ GOALS: dict[str, Callable[[Clause], g.Goal]] = {
     "tilt": _tilt,
     "topple": _topple,
     "upright": lambda _: g.Upright(),
-    "lift": _lift,
-    "open": lambda _: g.Open(),
-    "close": lambda _: g.Close(),
-    "pour": _pour,
+    "lift": by_hand.lifted,
+    "set_down": _set_down,
+    "open": by_hand.opened,
+    "close": by_hand.closed,
+    "pour": by_hand.poured,
+    "fill": by_hand.filled,
     "hand_over": _hand_over,
     "parameters": _parameters,
 }

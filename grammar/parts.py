@@ -13,6 +13,7 @@ from grammar.frames import (
     Dialogue,
     Direction,
     Event,
+    Method,
     NoTouch,
     ObjectRef,
     Point,
@@ -197,6 +198,47 @@ class SharePart(Part):
 
     value: float
     of_way: bool
+
+
+@dataclass(frozen=True)
+class VolumePart(Part):
+    """How much of a liquid [m³]."""
+
+    value: float
+
+
+@dataclass(frozen=True)
+class FullPart(Part):
+    """Until it is half full: a share of what can be filled, and of what this is said."""
+
+    value: float
+    subject: ThingPart | None = None
+
+
+@dataclass(frozen=True)
+class FilledWithPart(Part):
+    """What something is filled with."""
+
+    thing: ThingPart
+
+
+@dataclass(frozen=True)
+class LidPart(Part):
+    """A part of an object that is opened or closed."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class TablePart(Part):
+    """On the table, of something that is put there."""
+
+
+@dataclass(frozen=True)
+class MethodPart(Part):
+    """By lifting it: how something is found out."""
+
+    value: Method
 
 
 @dataclass(frozen=True)

@@ -214,6 +214,10 @@ class Questions(Phrases):
         event = cast(g.Event, self._w.value(children, "EVENT_INFINITIVE"))
         return self._ask(children, "predict", event=event)
 
+    def how_much_spills(self, children: Children) -> AskPart:
+        """How much will spill."""
+        return self._ask(children, "predict", event="spills")
+
     def can_you(self, children: Children) -> AskPart:
         """Can you."""
         return self._ask(children, None if str(children[0]) == "can you" else "possible")
@@ -298,7 +302,14 @@ class Questions(Phrases):
 _AVOIDED = ("AVOIDING", "AVOID", "KEEPS", "KEPT", "STAYS")
 
 
-_PROPERTIES = ("HOW", "THE_PROPERTY", "THE_PROPERTY_OF", "THE_SIDE_OF", "ITS_PROPERTY")
+_PROPERTIES = (
+    "HOW",
+    "HOW_MUCH_IN",
+    "THE_PROPERTY",
+    "THE_PROPERTY_OF",
+    "THE_SIDE_OF",
+    "ITS_PROPERTY",
+)
 
 
 def _kinds(children: Children) -> list[str]:

@@ -54,9 +54,9 @@ class Phrasing:
         self.lexicon = lexicon
         self._choose = choose or (lambda phrases: phrases[0])
 
-    def say(self, terminal: str, value: str = "") -> str:
-        """A phrase of the lexicon."""
-        phrases = self.lexicon.says(terminal, value)
+    def say(self, terminal: str, value: str = "", *, ending: str = "") -> str:
+        """A phrase of the lexicon, with that at its end."""
+        phrases = [p for p in self.lexicon.says(terminal, value) if p.endswith(ending)]
         if not phrases:
             raise no_words(f"{value} as {terminal}")
         return _I.sub("I", self._choose(phrases))
@@ -175,9 +175,31 @@ class Phrasing:
                 return self._lift(goal)
             case g.Pour():
                 into = [f"into {self.name(goal.into)}"] if goal.into else []
-                return into + self._amount(goal.amount)
+                return into if goal.fill is None else [*into, self._filled(goal.fill)]
+            case g.Parameters(method=str(method)):
+                return [self.say("METHOD", method)]
             case _:
                 return []
+
+    def portion(self, goal: g.Pour) -> str:
+        """How much is poured, with a space behind it."""
+        if goal.volume is not None:
+            millilitres = _plain(Decimal(repr(goal.volume)) * 1_000_000)
+            return f"{millilitres} {self.say('VOLUME_UNIT', '0.000001')} of "
+        if goal.amount is not None:
+            return f"a {goal.amount if goal.amount == 'little' else 'lot'} of "
+        if goal.fraction is None:
+            return ""
+        if goal.fraction not in _WAYS:
+            raise no_words(f"a share of {goal.fraction}")
+        return f"{self.say('PORTION', _WAYS[goal.fraction], ending='of')} "
+
+    def _filled(self, share: float) -> str:
+        until = f"{self.say('UNTIL')} it"
+        if share in _WAYS:
+            return f"{until} {self.say('IS_FULL', _WAYS[share])}"
+        percent = _plain(Decimal(repr(share)) * 100)
+        return f"{until} {self.say('IS_AT')} {percent} {self.say('PERCENT')}"
 
     def _amount(self, amount: g.Amount | None) -> list[str]:
         return [self.say("AMOUNT", amount)] if amount else []

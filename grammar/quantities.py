@@ -27,6 +27,9 @@ MAX_ANGLE_RAD = 20 * math.pi
 MAX_SPEED = 10.0
 """Largest speed that is taken seriously [m/s]."""
 
+MAX_VOLUME = 0.1
+"""Largest volume that is taken seriously [m³]."""
+
 MAX_TIME_S = 3600.0
 """Longest time that is taken seriously [s]."""
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from decimal import Decimal
 from random import Random
 from typing import Any, NamedTuple, TypeVar
 
@@ -29,7 +30,8 @@ _REGIONS: tuple[g.TableRegion, ...] = (
     "front_left_corner", "front_right_corner", "back_left_corner", "back_right_corner",
 )  # fmt: skip
 _FRACTIONS = (0.25, 0.5, 0.75, 1 / 3, 2 / 3)
-_PROPERTIES = ("mass", "friction", "height", "width", "length", "size", "centre_of_mass")
+_PROPERTIES = ("mass", "friction", "height", "width", "length", "size", "centre_of_mass",
+               "fill")  # fmt: skip
 _SHIFTING = ("push", "pull", "move", "slide")
 
 
@@ -198,17 +200,34 @@ class Sampler:
                     return g.Lift(amount=amount)
                 return g.Lift(height=self._measure(), bound=bound)
             case "place":
-                return self._place() if self._rng.random() < 0.7 else g.Upright()
+                if self._rng.random() < 0.6:
+                    return self._place()
+                return g.Upright() if self._rng.random() < 0.5 else g.SetDown()
             case "pour":
-                into = self._maybe(self._thing, 0.8)
-                return g.Pour(into=into, fraction=self._pick((None, None, 0.5)))
+                return self._pour()
             case "open" | "close":
-                return g.Open() if action == "open" else g.Close()
+                part = self._maybe(lambda: self._pick(sorted(self._lexicon.lids)))
+                return g.Open(part=part) if action == "open" else g.Close(part=part)
             case "hand_over":
                 return g.HandOver()
             case _:
                 which = self._maybe(lambda: (self._pick(_PROPERTIES),), 0.7)
-                return g.Parameters(which=which or ())
+                method: g.Method | None = self._pick((None, None, "lift", "tilt"))
+                return g.Parameters(which=which or (), method=method)
+
+    def _pour(self) -> g.Pour:
+        """Everything, or so much of it; or until what it is poured into is so full."""
+        how_much: dict[str, Any] = self._pick(
+            (
+                {},
+                {"amount": self._pick(("little", "lot"))},
+                {"fraction": self._pick((*_FRACTIONS, 1.0))},
+                {"volume": float(Decimal(self._rng.randint(1, 2000)) / 1_000_000)},
+                {"fill": self._pick((*_FRACTIONS, 1.0, self._rng.randint(1, 100) / 100))},
+            )
+        )
+        into = self._thing() if "fill" in how_much else self._maybe(self._thing, 0.8)
+        return g.Pour(into=into, **how_much)
 
     # --- constraints --------------------------------------------------------------------------
 
@@ -293,7 +312,9 @@ class Sampler:
         frame = self._command()
         while isinstance(frame.goal, g.Parameters):
             frame = self._command()
-        events: tuple[g.Event | None, ...] = (None, "slides", "tips", "tilts", "turns", "moves")
+        events: list[g.Event | None] = [None, "slides", "tips", "tilts", "turns", "moves"]
+        if query == "predict":
+            events += ["spills", "holds"]
         asked = query in ("predict", "how_hard", "where")
         event = self._pick(events) if asked else None
         stops = query in ("how_hard", "where")

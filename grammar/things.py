@@ -37,7 +37,7 @@ from grammar.parts import (
     VerbPart,
 )
 
-_TAKES_PLACE = ("displace", "contact", "place")
+_TAKES_PLACE = ("displace", "contact", "place", "set_down")
 _ELSEWHERE = (HeadingPart, TowardPart, AwayFromPart, LengthPart)
 _TELLING = ("next_to", "left_of", "right_of", "in_front_of", "behind", "between", "touching",
             "on", "nearest")  # fmt: skip
@@ -91,7 +91,7 @@ def _touched(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> P
 
 def _split(thing: ThingPart, lexicon: Lexicon, sentence: Normalised) -> Parts:
     """A thing as it is, but "the top of the box" as the box and where it is touched."""
-    parted = parted_of(thing, sentence)
+    parted = parted_of(thing, lexicon, sentence)
     contact = _contact(parted[0], lexicon) if parted else None
     if parted is None or contact is None:
         return [thing]
@@ -99,7 +99,9 @@ def _split(thing: ThingPart, lexicon: Lexicon, sentence: Normalised) -> Parts:
     return [whole, ConstraintPart(span, contact.model_copy(update={"spans": (span,)}))]
 
 
-def parted_of(thing: ThingPart, sentence: Normalised) -> tuple[str, g.Span, ThingPart] | None:
+def parted_of(
+    thing: ThingPart, lexicon: Lexicon, sentence: Normalised
+) -> tuple[str, g.Span, ThingPart] | None:
     """What "the lid of the cup" is made of: the part, where it stands, and the whole."""
     start, end = thing.span
     match = _OF.fullmatch(sentence.original[start:end])
@@ -107,7 +109,16 @@ def parted_of(thing: ThingPart, sentence: Normalised) -> tuple[str, g.Span, Thin
     if match is None or quoted:
         return None
     span = start + match.start("whole"), end
-    ref = g.ObjectRef(text=sentence.written(span), spans=(span,))
+    text = sentence.written(span)
+    update: dict[str, object] = {"text": text, "spans": (span, *thing.ref.spans[1:])}
+    if thing.ref.qualities:
+        words = text.casefold().replace("-", " ").split()
+        of_part = match["part"].casefold().split()
+        own = sum(word in lexicon.adjectives for word in of_part)
+        nouns = [w for w in words if w not in lexicon.adjectives and w not in lexicon.nobodies]
+        update["qualities"] = thing.ref.qualities[own:]
+        update["noun"] = " ".join(nouns) if update["qualities"] else ""
+    ref = thing.ref.model_copy(update=update)
     part = " ".join(match["part"].casefold().split())
     return part, (start, start + match.end("of")), ThingPart(span, ref, thing.contents)
 
@@ -157,7 +168,9 @@ def _tells(part: PlacePart, parts: Parts, i: int, before: Parts, lexicon: Lexico
         return True
     said = [*parts[:i], *rest]
     directed = any(isinstance(p, DirectionPart) and not p.implied for p in said)
-    return goal != "place" and (directed or any(isinstance(p, _ELSEWHERE) for p in said))
+    return goal not in ("place", "set_down") and (
+        directed or any(isinstance(p, _ELSEWHERE) for p in said)
+    )
 
 
 def _not_avoided(parts: Parts) -> Parts:

@@ -8,6 +8,7 @@ from lark import Token, Transformer, Tree
 
 from grammar import frames as g
 from grammar import quantities as q
+from grammar.contents import Contents
 from grammar.errors import ParseError
 from grammar.lexicon import Lexicon
 from grammar.manners import Manners
@@ -45,7 +46,7 @@ _CAUSED = {"moves": "move", "slides": "slide", "tips": "topple", "tilts": "tilt"
 Children = list[Any]
 
 
-class Parts(Manners, Outcomes, Questions, Transformer[Token, list[Part]]):
+class Parts(Manners, Contents, Outcomes, Questions, Transformer[Token, list[Part]]):
     """Turns the tree of one sentence into its parts, in the order of the sentence."""
 
     def __init__(self, lexicon: Lexicon, sentence: Normalised) -> None:
@@ -275,20 +276,12 @@ class Parts(Manners, Outcomes, Questions, Transformer[Token, list[Part]]):
 
     def amount(self, children: Children) -> AmountPart:
         """A little."""
-        amount = self._w.value(children, "AMOUNT") or self._w.value(children, "SOME_OF")
-        return AmountPart(self._w.span(children), amount)
+        return AmountPart(self._w.span(children), self._w.value(children, "AMOUNT"))
 
     def way(self, children: Children) -> SharePart:
         """Halfway."""
-        return self._share(children, "WAY", of_way=True)
-
-    def portion(self, children: Children) -> SharePart:
-        """Half of."""
-        return self._share(children, "PORTION", of_way=False)
-
-    def _share(self, children: Children, terminal: str, *, of_way: bool) -> SharePart:
-        over, _, under = self._w.value(children, terminal).partition("/")
-        return SharePart(self._w.span(children), float(over) / float(under or 1), of_way)
+        value = self.fraction(self._w.value(children, "WAY"))
+        return SharePart(self._w.span(children), value, of_way=True)
 
     # --- the whole ----------------------------------------------------------------------------
 

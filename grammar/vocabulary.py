@@ -26,7 +26,8 @@ Action = Literal[
 Query = Literal["predict", "possible", "how_hard", "where", "why", "value", "affordances"]
 Dialogue = Literal["undo", "stop", "repeat", "correct", "more"]
 
-Event = Literal["moves", "slides", "tips", "tilts", "turns", "stays_upright"]
+Event = Literal["moves", "slides", "tips", "tilts", "turns", "stays_upright", "spills", "holds"]
+Method = Literal["lift", "tilt"]
 
 Direction = Literal["away", "toward", "left", "right"]
 Amount = Literal["little", "lot"]

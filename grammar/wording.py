@@ -18,6 +18,7 @@ _VERBS = {
     ("turn", "rotate"): "turn",
     ("place", "place"): "put",
     ("place", "upright"): "stand",
+    ("place", "set_down"): "set",
     ("hand_over", "hand_over"): "hand",
     ("explore", "parameters"): "explore",
     **{(verb, "displace"): verb for verb in ("pull", "slide")},
@@ -25,7 +26,7 @@ _VERBS = {
     **{(verb, "place"): verb for verb in ("push", "pull", "move", "slide")},
     **{(verb, verb): verb for verb in ("topple", "tilt", "lift", "open", "close", "pour")},
 }
-_PARTICLES = {"stand": "upright", "hand": "over"}
+_PARTICLES = {"stand": "upright", "set": "down", "hand": "over"}
 _RESULTS = {"topple": "tips", "tilt": "tilts", "rotate": "turns"}
 _LIMITS = ("no_topple", "no_tilt", "no_turn", "no_slide")
 """Constraints with which "how hard" asks for the most, not for the least."""
@@ -97,6 +98,11 @@ class _Speaker:
     def _verb(self, frame: g.Frame) -> tuple[str, list[str]]:
         """The verb, and the result if another outcome than its own is wanted."""
         action, goal = frame.action or "", frame.goal
+        if isinstance(goal, g.Open | g.Close) and goal.part and frame.object is not None:
+            # Only what is called "the …" has a "lid of the …".
+            named = self._p.name(frame.object).startswith("the ")
+            moved = "take" if isinstance(goal, g.Open) else "put"
+            return _VERBS[action, goal.kind] if named else moved, []
         if (action, goal.kind) in _VERBS:
             return _VERBS[action, goal.kind], []
         if (action, "displace") in _VERBS and goal.kind in _RESULTS:
@@ -109,17 +115,12 @@ class _Speaker:
         assert frame.object is not None
         name, goal = self._p.name(frame.object), frame.goal
         if isinstance(goal, g.Open | g.Close) and goal.part:
-            if name.startswith('"'):
-                return f'"{goal.part} of {name[1:]}'
-            if not name.startswith("the "):
+            if name.startswith("the "):
+                return f"the {goal.part} of {name}"
+            if goal.part not in self._p.lexicon.lids:
                 raise no_words(f"the {goal.part} of {name}")
-            return f"the {goal.part} of {name}"
-        if isinstance(goal, g.Pour):
-            share = {None: "", 0.5: "half of ", 1.0: "all of "}.get(goal.fraction)
-            if share is None:
-                raise no_words(f"a share of {goal.fraction}")
-            return f"{share}{name}"
-        return name
+            return f"the {goal.part} {'off' if isinstance(goal, g.Open) else 'on'} {name}"
+        return f"{self._p.portion(goal)}{name}" if isinstance(goal, g.Pour) else name
 
     def _constraints(self, goal: g.Goal, constraints: Sequence[g.Constraint]) -> list[str]:
         said = ("direction", "heading", "toward", "away_from", "reference")
@@ -127,7 +128,8 @@ class _Speaker:
         return self._p.constraints(constraints, directed=directed)
 
     def _explored(self, frame: g.Frame, which: Sequence[str], more: str) -> str:
-        words = [f"find out {self._property(frame, which)}", *([more] if more else [])]
+        words = [f"find out {self._property(frame, which)}", *self._p.goal(frame.goal)]
+        words += [more] if more else []
         return " ".join([*words, *self._constraints(frame.goal, frame.constraints)])
 
     def _property(self, frame: g.Frame, which: Sequence[str]) -> str:

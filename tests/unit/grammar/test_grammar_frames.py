@@ -162,7 +162,7 @@ def pushed(*constraints: Constraint, **goal: Any) -> Frame:
         Frame(object=BOX),
         Frame(action="push", goal=Displace()),
         Frame(action="topple", object=BOX, goal=Displace()),
-        Frame(action="open", object=ObjectRef(text="it", pronoun=True), goal=Open(part="lid")),
+        Frame(action="open", object=ObjectRef(text="it", pronoun=True), goal=Open(part="drawer")),
         Frame(action="pour", object=BOX, goal=Pour(fraction=0.3)),
         Frame(query="affordances"),
         Frame(query="value", object=BOX),

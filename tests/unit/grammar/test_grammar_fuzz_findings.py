@@ -19,7 +19,7 @@ LONGEST_S = 0.05
     [
         ("no, push", "no, push it"),
         ("why can you not pull", "why can you not pull it?"),
-        ("open the lid of thehow large jar", 'open "lid of thehow large jar"'),
+        ("open the lid of thehow large jar", "open the lid of the thehow large jar"),
         (
             "push the tin at half the height of the mug",
             "push the tin at half the height of the mug",

@@ -177,7 +177,7 @@ def test_names_that_are_read_anyway_take_the_parser_that_there_is() -> None:
         {"verbs": [{"says": ["fling"], "action": "throw", "goal": "displace"}]},
         {"verbs": [{"says": ["fling"], "action": "push", "goal": "far"}]},
         {"verbs": [{"says": "fling", "action": "push", "goal": "displace"}]},
-        {"verbs": [{"says": ["fling off"], "action": "push", "goal": "displace"}]},
+        {"verbs": [{"says": ["fling along"], "action": "push", "goal": "displace"}]},
         {"verbs": [{"says": ["Fling"], "action": "push", "goal": "displace"}]},
         {"terminals": {"DIRECTION": {"north": ["northwards"]}}},
         {"terminals": {"DIRECTION": {"away": ["To The North"]}}},
