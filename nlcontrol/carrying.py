@@ -7,6 +7,9 @@ prediction (nothing moved where it should, it tilted where it should slide, it s
 tilt) stops the push, and the next plan knows better. Where a push fails otherwise (nothing was
 touched, the contact was lost), another contact is tried. Clauses are checked over everything that
 happened for the frame.
+
+What a whole hand does is one plan: all its steps are made. Where that fails, the hand has put back
+what it held, and another plan is made, up to `Defaults.most_tries` of them (`nlcontrol.handwork`).
 """
 
 from __future__ import annotations
@@ -19,10 +22,12 @@ from typing import TYPE_CHECKING, Any
 from grammar import frames as g
 from nlcontrol.checks import not_held
 from nlcontrol.errors import NOT_UNDERSTOOD, ControlError, ErrorInfo, refusal_error
+from nlcontrol.handwork import TRIED_AGAIN, believed_after
 from nlcontrol.learning import learned
 from nlcontrol.result import Result, ResultStatus, Step, summary, with_
 from planner.directions import angle_between
 from planner.explain import Basis
+from planner.handling.plan import HandlingPlan
 from planner.plan import Plan, Push, Reached, Refusal
 from planner.reach import Reach, ReachAnswer
 from planner.state import WorldState
@@ -141,7 +146,8 @@ class _Carrying:
 
     def out(self, result: Result, plan_only: bool) -> Result:
         """The result with what came of the frame."""
-        controller, before = self.controller, None
+        controller = self.controller
+        before: Plan | None = None
         for attempt in itertools.count():
             state = self._look()
             try:
@@ -157,9 +163,8 @@ class _Carrying:
                 if attempt == 0 and not plan_only:
                     self.traces.append(controller.watch(self._name))
                 break
-            if attempt == self._budget:
-                pushes = "push" if attempt == 1 else "pushes"
-                self._note(stuck=f"this may take {attempt} {pushes} at most")
+            if attempt == self._budget(made):
+                self._note(stuck=_spent(made, attempt))
                 break
             self._note(plan=self.step.plan or made, plans=(*self.step.plans, made))
             result = with_(result, plan=self.step.plan)
@@ -171,14 +176,15 @@ class _Carrying:
                 return _ended(result, self.step, "planned")
             if self._carried_out(made, state):
                 break
-            before = made
+            before = made if isinstance(made, Plan) else None
         if plan_only:
             return _ended(result, self.step, "planned")
         return self._checked(self._traced(result))
 
-    @property
-    def _budget(self) -> int:
-        """Pushes that may be made; what is to be quick is not corrected."""
+    def _budget(self, made: Plan | HandlingPlan) -> int:
+        """Pushes, or tries of a hand, that may be made; what is to be quick is not corrected."""
+        if isinstance(made, HandlingPlan):
+            return self.controller.defaults.most_tries
         quick = any(isinstance(clause, g.MaxDuration) for clause in self.frame.constraints)
         return 1 if quick else self.controller.defaults.most_pushes
 
@@ -202,10 +208,13 @@ class _Carrying:
         here = replace(basis.target, pose=replace(pose, yaw=self._yaw))
         return replace(state, objects={**state.objects, here.name: here})
 
-    def _carried_out(self, made: Plan, state: WorldState) -> bool:
-        """Makes the first push of a plan; whether nothing is left to be done after it."""
+    def _carried_out(self, made: Plan | HandlingPlan, state: WorldState) -> bool:
+        """Makes the first push of a plan, or all of a hand's; whether nothing is left after it."""
         trace = self.controller.execute(made, self.progress)
         self.traces.append(trace)
+        if isinstance(made, HandlingPlan):
+            self.controller.models |= believed_after(made, self.controller.models, trace)
+            return trace.end not in TRIED_AGAIN
         self._learn(made, state, trace)
         if trace.end in FAILURES:
             self.reach.failed(made.push, trace.detail)
@@ -246,6 +255,13 @@ class _Carrying:
         if missed:
             return _ended(result, self.step, "failed", not_held(missed, trace, self.step.stuck))
         return _ended(result, self.step, "done")
+
+
+def _spent(made: Plan | HandlingPlan, times: int) -> str:
+    """That a frame's budget is used up."""
+    what = "try" if isinstance(made, HandlingPlan) else "push"
+    several = "tries" if isinstance(made, HandlingPlan) else "pushes"
+    return f"this may take {times} {what if times == 1 else several} at most"
 
 
 FAILURES: frozenset[EndReason] = frozenset(

@@ -21,7 +21,7 @@ from nlcontrol.resolve import NOTHING_SAID, Context, resolve
 from nlcontrol.result import Result, with_
 from objectmodels import ModelError, ObjectModel, Registry
 from planner.plan import Plan, Reached, Refusal
-from planner.state import PlanarPose, SeenObject, TableState, WorldState
+from planner.state import Held, PlanarPose, SeenObject, TableState, WorldState
 from sim.scene import Scene, SceneObject, load_scene
 from sim.vision import beheld, first_frames
 
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from nlcontrol.answers import Answer
     from planner.affordances import Affordance
     from planner.defaults import Defaults
+    from planner.handling.plan import HandlingPlan
     from planner.reach import Reach
     from sim import ArmReach, DrakeWorld
     from sim.trace import Trace
@@ -146,7 +147,13 @@ class Controller:
             frames = first_frames(self.scene, LOOK, seed=self.seed)
         else:
             frames = self._world.watch(LOOK)
-        return WorldState(beheld(self.scene, frames, self.models), self.table)
+        return WorldState(beheld(self.scene, frames, self.models), self.table, self.held)
+
+    @property
+    def held(self) -> Held | None:
+        """What the hand holds, as the robot knows; None if nothing."""
+        holding = None if self._world is None else self._world.holding
+        return None if holding is None else holding.held
 
     def affordances(self, name: str) -> tuple[Affordance, ...]:
         """What this robot can do with an object, and if not, why not.
@@ -219,8 +226,8 @@ class Controller:
         *,
         before: Plan | None = None,
         reach: Reach | None = None,
-    ) -> Plan | Reached | Refusal:
-        """The pushes that satisfy a frame, or why there are none.
+    ) -> Plan | HandlingPlan | Reached | Refusal:
+        """What satisfies a frame, by pushes or with a whole hand, or why nothing does.
 
         Args:
             frame: what is asked, its objects resolved.
@@ -238,6 +245,7 @@ class Controller:
             frame,
             state,
             self.reach if reach is None else reach,
+            hand=self.reach,
             defaults=self.defaults,
             before=before,
         )
@@ -245,7 +253,7 @@ class Controller:
             require_checkable(frame)
         return made
 
-    def execute(self, plan: Plan, progress: Progress | None = None) -> Trace:
+    def execute(self, plan: Plan | HandlingPlan, progress: Progress | None = None) -> Trace:
         """Carries out a plan in the simulated world.
 
         Args:

@@ -17,6 +17,7 @@ from nlcontrol.errors import OK, ErrorInfo
 from nlcontrol.exploring import ExplorationReport
 from nlcontrol.learning import Lesson
 from planner.explain import Basis
+from planner.handling.plan import HandlingPlan
 from planner.plan import DefaultUsed, Plan, Vector3
 from planner.rows import Row
 from planner.state import PlanarPose
@@ -73,9 +74,10 @@ class Step(BaseModel):
         frame: its place in `Result.frames`, from 0.
         status: as in `Result`.
         before: where the robot saw the object before it planned.
-        plan: the pushes as they were planned at first.
-        plans: every plan that was made; the first push of each was carried out.
-        stuck: why no further push was made before the aim was reached.
+        plan: the pushes, or what the hand does, as they were planned at first.
+        plans: every plan that was made; the first push of each was carried out, or all steps of
+            the hand.
+        stuck: why nothing more was done before the aim was reached.
         execution: the trace in a few numbers.
         checks: a verdict per clause of this frame.
         lessons: what the pushes taught about the object, in their order.
@@ -90,8 +92,8 @@ class Step(BaseModel):
     frame: int
     status: ResultStatus
     before: PlanarPose | None = None
-    plan: Plan | None = None
-    plans: tuple[Plan, ...] = ()
+    plan: Plan | HandlingPlan | None = None
+    plans: tuple[Plan | HandlingPlan, ...] = ()
     stuck: str | None = None
     execution: Execution | None = None
     checks: tuple[Check, ...] = ()
@@ -115,7 +117,8 @@ class Result(BaseModel):
         paraphrase: what was understood, in words.
         frames: the same as data.
         planned: how many of the frames were planned.
-        plan: the pushes, their predicted outcomes and margins, of the last frame planned.
+        plan: the pushes or the steps of the hand, with what was predicted, of the last frame
+            planned.
         execution: the trace in a few numbers.
         checks: a verdict per clause.
         steps: what came of each frame, in the order in which they were carried out; those after
@@ -139,7 +142,7 @@ class Result(BaseModel):
     paraphrase: str | None = None
     frames: tuple[Frame, ...] = ()
     planned: int = 0
-    plan: Plan | None = None
+    plan: Plan | HandlingPlan | None = None
     execution: Execution | None = None
     checks: tuple[Check, ...] = ()
     steps: tuple[Step, ...] = ()

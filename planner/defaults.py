@@ -156,6 +156,13 @@ class Defaults:
         lid_reserve: factor by which a standing object must resist what opens its lid.
         lid_press: force with which a lid is put on [N].
         most_grasps: ways with a whole hand for which one plan asks whether it gets there.
+        most_tries: times that a whole hand tries what failed, before it is given up.
+        lift_tolerance: of the height to which something is lifted [m].
+        stays_put: what stands by itself while a hand works on it, or pours into it, moves by less
+            than this [m].
+        pour_least: share of what was to be poured in that must arrive, if no volume is said.
+        pour_share: by which the volume that arrives may differ from one that is said.
+        pour_margin: the same as a volume; the larger of the two counts [m³].
         most_looks: pushes for which one plan asks whether the hand gets there.
         most_pushes: pushes made for one frame before it is given up.
         known_to: relative standard deviation up to which a property counts as known: a question
@@ -246,6 +253,12 @@ class Defaults:
     lid_reserve: Factor = 1.1
     lid_press: Force = 3.0
     most_grasps: Count = 120
+    most_tries: Count = 3
+    lift_tolerance: Length = 0.02
+    stays_put: Length = 0.01
+    pour_least: Share = 0.9
+    pour_share: Share = 0.1
+    pour_margin: Volume = 1e-5
     most_looks: Count = 100
     most_pushes: Count = 12
     known_to: Share = 0.10
