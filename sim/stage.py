@@ -56,7 +56,7 @@ class Stage:
                 plant.SetFreeBodyPose(context, body, _pose(trace.poses[name][sample]))
         for name, lid in self._model.lids.items():
             if lid.seat is None:
-                lid.joint.SetPositions(context, [trace.lids[name][sample]])
+                lid.joint.set_angle(context, trace.lids[name][sample])
             else:
                 plant.SetFreeBodyPose(context, lid.body, _pose(trace.lid_poses[name][sample]))
 
