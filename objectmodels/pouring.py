@@ -39,7 +39,7 @@ _NODES = np.polynomial.legendre.leggauss(12)
 _X: Array = 0.5 * (_NODES[0] + 1.0)
 _W: Array = 0.5 * _NODES[1]
 
-_TILTING, _WAITING = 80, 40  # steps of time while it is tilted and afterwards
+_TILTING, _WAITING, _BACK = 80, 40, 30  # steps of time of a pour
 _CONTENTS, _AIMS = 7, 15  # nodes of the contents, and of the aim along each axis
 _ANGLES = 24  # among which the one for a volume is interpolated
 _TINY = 1e-12
@@ -217,27 +217,30 @@ def pour(
     rate: ArrayLike,
     wait: ArrayLike,
 ) -> Pour:
-    """What runs out of a vessel that is tilted at a steady rate and kept tilted; from upright.
+    """What runs out of a vessel that is tilted at a steady rate, kept so, and tilted back.
 
     Args:
         vessel: that is tilted.
         volume: in it, shape (...) [m³].
         heading: direction in B in which it leans [rad].
         angle: largest tilt [rad].
-        rate: of tilting [rad/s].
+        rate: of tilting, there and back [rad/s].
         wait: how long it is kept at that [s].
     """
     volume, heading, angle, rate, wait = np.broadcast_arrays(
         *(np.asarray(x, float) for x in (volume, heading, angle, rate, wait))
     )
     start = np.minimum(vessel.spill_angle(volume, heading), angle)
-    share = np.linspace(0.0, 1.0, _TILTING + 1)
-    tilting = start[..., None] + (angle - start)[..., None] * share
+    way = (angle - start)[..., None]
+    there = start[..., None] + way * np.linspace(0.0, 1.0, _TILTING + 1)
+    back = angle[..., None] - way * np.linspace(0.0, 1.0, _BACK + 1)[1:]
     waiting = wait[..., None] * np.linspace(0.0, 1.0, _WAITING + 1)[1:] ** 2  # slower and slower
-    moving = tilting / rate[..., None]
-    time = np.concatenate([moving, moving[..., -1:] + waiting], axis=-1)
-    tilt = np.concatenate([tilting, np.broadcast_to(angle[..., None], waiting.shape)], axis=-1)
-    return followed(vessel, volume, heading, time, tilt)
+    turned = (angle / rate)[..., None] + wait[..., None]
+    time = [there / rate[..., None], (angle / rate)[..., None] + waiting]
+    time.append(turned + (angle[..., None] - back) / rate[..., None])
+    tilt = [there, np.broadcast_to(angle[..., None], waiting.shape), back]
+    path = np.concatenate(time, axis=-1), np.concatenate(tilt, axis=-1)
+    return followed(vessel, volume, heading, *path)
 
 
 def angle_for(

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from sim.scene import Scene
     from sim.trace import Trace
 
-COLOUR = (0.62, 0.33, 0.10, 0.85)
+COLOUR = (0.62, 0.33, 0.10, 1.0)
 """Of tea: red, green, blue and opacity."""
 
 _LEAST = 1e-7  # volumes that are not worth drawing [m³]

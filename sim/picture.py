@@ -75,8 +75,9 @@ def save_picture(trace: Trace, scene: Scene, path: Path | str) -> None:
 
 
 def _moments(trace: Trace) -> list[int]:
-    """Before, at the touch, halfway and at the end."""
-    pushing = np.flatnonzero(trace.phase == "push")
+    """Before, at the touch, halfway and at the end; of a pour, while it pours."""
+    doing = "pour" if "pour" in trace.phase else "push"
+    pushing = np.flatnonzero(trace.phase == doing)
     if not len(pushing):
         pushing = np.arange(len(trace.time))
     return [0, int(pushing[0]), int(pushing[len(pushing) // 2]), len(trace.time) - 1]

@@ -92,7 +92,8 @@ def test_a_pour_ends_where_the_brim_says() -> None:
 def test_a_pour_takes_the_time_that_fine_steps_take() -> None:
     coarse = pour(CARTON, FULL, **OVER)
     time = np.linspace(0.0, float(coarse.time[-1]), 4000)
-    fine = followed(CARTON, FULL, FORWARDS, time, np.minimum(time * OVER["rate"], OVER["angle"]))
+    tilt = np.interp(time, coarse.time, coarse.tilt)
+    fine = followed(CARTON, FULL, FORWARDS, time, tilt)
     assert coarse.total == pytest.approx(fine.total, abs=0.003 * FULL)
     # Two steps of the coarse one.
     assert coarse.started == pytest.approx(fine.started, abs=0.1)

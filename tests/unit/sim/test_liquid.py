@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from benchmarks.pouring import Prescribed
 from objectmodels.pouring import Catch, caught, pour
 from sim.errors import SceneError
 from sim.liquid import Liquid
-from sim.plant import Standing, add_object
-from sim.scene import Scene, parse_scene
+from sim.scene import parse_scene
 from sim.world import DrakeWorld
 
 Array = NDArray[np.float64]
@@ -52,46 +50,14 @@ FORWARDS = np.pi / 2.0  # to the side where the carton's opening is
 RATE = np.radians(30.0)
 
 
-@dataclass
-class Moved:
-    """A scene whose objects are put where a test wants them."""
-
-    scene: Scene
-    poses: dict[str, tuple[Array, Array]] = field(init=False)
-
-    def __post_init__(self) -> None:
-        from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
-        from pydrake.systems.framework import DiagramBuilder
-
-        builder = DiagramBuilder()
-        self.plant, graph = AddMultibodyPlantSceneGraph(builder, 1e-3)
-        objects = {item.name: add_object(self.plant, item) for item in self.scene.objects}
-        self.plant.Finalize()
-        bodies = {name: body for name, (body, _, _) in objects.items()}
-        feet = {name: feet for name, (_, _, feet) in objects.items()}
-        self.root = builder.Build().CreateDefaultContext()
-        self.context = self.plant.GetMyContextFromRoot(self.root)
-        self.model = Standing(self.plant, graph, bodies, feet, {})
-        self.liquid = Liquid(self.model, self.root, self.scene)
-        self.poses = {
-            item.name: (np.eye(3), np.array([item.pose.x_m, item.pose.y_m, 0.0]))
-            for item in self.scene.objects
-        }
-
-    def lean(self, tilt: float, lip_W: Array) -> None:
-        """Puts the carton where its lip is at a place, leaning forwards, for a control step."""
-        c, s = np.cos(tilt), np.sin(tilt)
-        R_WB = np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
-        vessel = self.scene.object("carton").truth.vessel
-        assert vessel is not None
-        self.poses["carton"] = (R_WB, lip_W - R_WB @ vessel.lip(FORWARDS))
-        self.liquid.prepare((), self.poses)
+class Moved(Prescribed):
+    """A carton that is tilted over a mug."""
 
     def pour_out(self, lip_W: Array, angle: float, wait: float) -> None:
         """Tilts the carton at a steady rate."""
         steps = round(angle / RATE * self.scene.control_rate_hz)
         for i in range(steps + round(wait * self.scene.control_rate_hz)):
-            self.lean(min(i / steps, 1.0) * angle, lip_W)
+            self.lean("carton", min(i / steps, 1.0) * angle, FORWARDS, lip_W)
 
     def inertia(self, name: str) -> tuple[float, Array]:
         """Mass and centre of mass in the plant."""
@@ -151,7 +117,7 @@ def test_what_leans_back_is_as_before() -> None:
     before = moved.inertia("carton")
     moved.pour_out(_over_the_mug(0.03), np.radians(40.0), 0.0)
     assert abs(moved.inertia("carton")[1][1]) > 1e-3
-    moved.lean(0.0, _over_the_mug(0.03))
+    moved.lean("carton", 0.0, FORWARDS, _over_the_mug(0.03))
     assert moved.liquid.contents == {"carton": FULL, "mug": 0.0}
     assert moved.inertia("carton")[0] == before[0]
     assert moved.inertia("carton")[1] == pytest.approx(before[1], abs=1e-12)
@@ -162,8 +128,8 @@ def test_a_fallen_carton_spills_by_where_its_opening_lies(fallen: float) -> None
     """Lying on the side of its opening it runs nearly dry; on the other one it keeps a lot."""
     moved = Moved(parse_scene(SCENE))
     for i in range(1000):
-        tilt = fallen * min(i / 50.0, 1.0) * np.pi / 2.0
-        moved.lean(tilt, np.array([0.0, 0.0, 0.05]))
+        tilt = min(i / 50.0, 1.0) * np.pi / 2.0
+        moved.lean("carton", tilt, fallen * FORWARDS, np.array([0.0, 0.0, 0.05]))
     vessel = moved.scene.object("carton").truth.vessel
     assert vessel is not None
     held = float(vessel.brim(np.pi / 2.0, fallen * FORWARDS))
