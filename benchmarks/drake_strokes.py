@@ -73,7 +73,7 @@ class DrakeBench:
         plant = self._plant
         table = add_table(plant, scene)
         added = {item.name: add_object(plant, item) for item in scene.objects}
-        self._tips = {f"tip {k}": _add_tip(plant, f"tip {k}") for k in range(fingers)}
+        self._tips = {f"tip {k}": add_tip(plant, f"tip {k}") for k in range(fingers)}
         for item in scene.objects:
             if item.name != pushed:
                 frame = added[item.name][0].body_frame()
@@ -173,7 +173,7 @@ class DrakeBench:
         self._simulator.AdvanceTo(self._root.get_time() + seconds)
 
 
-def _add_tip(plant: MultibodyPlant, name: str) -> ModelInstanceIndex:
+def add_tip(plant: MultibodyPlant, name: str) -> ModelInstanceIndex:
     """A fingertip that slides along the axes of W."""
     from pydrake.geometry import Sphere
     from pydrake.math import RigidTransform

@@ -8,15 +8,19 @@ lid's weight m_l g acts at its middle, a(θ) from the hinge horizontally. A fing
     F(θ) = [τ_f + τ_s max(0, 1 − θ/θ_s) + m_l g a(θ)] / ρ      opening
     F(θ) = [τ_f − τ_s max(0, 1 − θ/θ_s) − m_l g a(θ)] / ρ      closing, on its upper side
 
-Object and lid together are pushed by F at the tab; they slide or topple at the thresholds of
-`objectmodels.thresholds` for that point and direction, with the centre of mass where the turned lid
-moves it. A lift-off lid comes off at retention plus its weight, unless what stays is tipped off the
-table first: that is pulled up by the retention alone, at the middle of its top. A screw cap turns
-at its friction torque, unless the standing object turns along: at μ N c̄, N its weight and what the
-hand presses down (a squeeze alone does neither press nor lift).
+Along the lid the fingertip holds the tab where it is, by any share up to its friction of F; that
+force goes through the hinge and opens nothing, but it keeps a cup from tipping back that F alone
+would tip. Object and lid together are pushed by both at the tab; they slide or topple at the
+thresholds of `objectmodels.thresholds` for that point and direction, with the centre of mass where
+the turned lid moves it, and stay if they do at any such share.
 
-Uncertain are the lid's torques or retention and the object's mass, friction, friction radius and
-centre of mass; probabilities are shares of a fixed sample. Frame: everything in B.
+A lift-off lid comes off at retention plus its weight, unless what stays is tipped off the table
+first: that is pulled up by the retention alone, at the middle of its top. A screw cap turns at its
+friction torque, unless the standing object turns along: at μ N c̄, N its weight and what the hand
+presses down (a squeeze alone does neither press nor lift).
+
+Uncertain are the lid's torques or retention and the object's mass, friction coefficients, friction
+radius and centre of mass; probabilities are shares of a fixed sample. Frame: everything in B.
 """
 
 from __future__ import annotations
@@ -34,11 +38,14 @@ from objectmodels.parts import FlipLid, LiftOffLid, ScrewCap
 from objectmodels.probability import Sample, sampled
 from objectmodels.thresholds import GRAVITY, slide_threshold, topple_threshold, yaw_arm
 
-STEPS = 61
+STEPS = 41
 """Angles at which the arc of a flip lid is looked at."""
 
-SAMPLES = 1000
-"""Samples behind a probability: one half is met to 0.016 (a standard deviation)."""
+SAMPLES = 400
+"""Samples behind a probability: one half is met to 0.025 (a standard deviation)."""
+
+SHARES = np.linspace(-1.0, 1.0, 13)
+"""Shares of the finger's friction that are tried along the lid."""
 
 _SEED = 0
 _UP = np.array([0.0, 0.0, 1.0])
@@ -154,7 +161,13 @@ def flip(
             return never, never
         moved = hinge.middle(angles) - hinge.middle(0.0)
         c = of.com[:, None, :] + (lid.mass * GRAVITY / of.weight)[:, None, None] * moved
-        return _given_way(model, of, points, directions, c)
+        held = of.finger_friction[:, None, None] * hinge.along(angles)
+        tried = (directions + share * held for share in SHARES)
+        pairs = zip(*(_given_way(model, of, points, u, c) for u in tried), strict=True)
+        slides, topples = (np.array(each) for each in pairs)
+        best = np.minimum(slides, topples).argmax(axis=0)[None]
+        slide, topple = (np.take_along_axis(each, best, axis=0)[0] for each in (slides, topples))
+        return slide, topple
 
     (slide, topple), needed = thresholds(_mean(model)), force(*_means(lid))
     sample = sampled(model, SAMPLES, _SEED)
@@ -211,7 +224,7 @@ def unscrew(
 
 
 def _given_way(model: ObjectModel, of: Sample, p: Array, u: Array, c: Array) -> tuple[Array, Array]:
-    """Forces at which each of k samples slides and topples at each of n points, (k, n) [N]."""
+    """Forces, in lengths of u, at which k samples slide and topple at n points, (k, n) [N]."""
     weight = of.weight[:, None]
     friction, radius = of.friction[:, None], of.friction_radius[:, None]
     slide = weight * slide_threshold(u, yaw_arm(p, u, c), friction, radius, 1.0)
@@ -224,6 +237,7 @@ def _mean(model: ObjectModel) -> Sample:
     return Sample(
         weight=np.array([model.weight]),
         friction=np.array([model.friction]),
+        finger_friction=np.array([model.finger_friction]),
         friction_radius=np.array([model.friction_radius]),
         com=np.array([model.com]),
     )

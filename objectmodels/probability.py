@@ -176,12 +176,14 @@ class Sample:
     Attributes:
         weight: G, shape (k,) [N].
         friction: at the table, shape (k,).
+        finger_friction: shape (k,).
         friction_radius: shape (k,) [m].
         com: centre of mass in B, over the base, shape (k, 3) [m].
     """
 
     weight: Array
     friction: Array
+    finger_friction: Array
     friction_radius: Array
     com: Array
 
@@ -195,6 +197,7 @@ def sampled(model: ObjectModel, samples: int, seed: int) -> Sample:
     return Sample(
         weight=model.weight / model.mass * x[:, UNCERTAIN.index("mass")],
         friction=x[:, UNCERTAIN.index("friction")],
+        finger_friction=x[:, UNCERTAIN.index("finger_friction")],
         friction_radius=x[:, UNCERTAIN.index("friction_radius")],
         com=np.column_stack((_inside(model, x[:, 4:6]), x[:, 6])),
     )

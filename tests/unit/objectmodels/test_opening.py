@@ -24,7 +24,7 @@ LEVER = 2 * R + 0.7 * 0.02
 def cup(lid: FlipLid = LID, **changes: Any) -> CylinderModel:
     fields: dict[str, Any] = {
         "name": "cup", "radius": R, "height": H, "mass": MASS, "friction": MU, "lid": lid,
-        "com": (0.0, 0.0, 0.045),
+        "com": (0.0, 0.0, 0.045), "finger_friction": 1e-12,
     }  # fmt: skip
     return CylinderModel(**(fields | changes))
 
@@ -65,13 +65,23 @@ def test_the_margin_is_that_of_the_moments_about_the_rim() -> None:
 
 @pytest.mark.parametrize(
     ("changes", "outcome"),
-    [({}, "moves"), ({"mass": 0.15}, "topples"), ({"friction": 0.05, "mass": 0.25}, "slides")],
+    [({}, "moves"), ({"mass": 0.12}, "topples"), ({"friction": 0.05, "mass": 0.25}, "slides")],
 )
 def test_what_happens_first(changes: dict[str, Any], outcome: str) -> None:
     arc = opening.flip(cup(**changes), LID)
     assert arc.outcome == outcome
     assert arc.probability == (1.0 if outcome == "moves" else 0.0)
     assert opening.flip(cup(**changes), LID, fixed=True).outcome == "moves"
+
+
+def test_a_rough_finger_holds_the_cup_by_its_tab() -> None:
+    smooth, rough = (opening.flip(cup(finger_friction=mu), LID) for mu in (1e-12, 0.5))
+    assert rough.topple[0] > smooth.topple[0] == pytest.approx(MASS * G * R / LEVER)
+    assert (rough.margin >= smooth.margin).all()
+    np.testing.assert_array_equal(rough.force, smooth.force)
+    light = cup(finger_friction=0.5, mass=0.18)
+    assert opening.flip(light, LID).outcome == "moves"
+    assert opening.flip(cup(mass=0.16), LID).outcome == "topples"
 
 
 def test_closing_is_helped_by_the_lids_weight_and_by_its_catch() -> None:
@@ -128,8 +138,8 @@ def test_a_doubtful_torque_makes_a_doubtful_opening() -> None:
     )  # fmt: skip
     doubtful = opening.flip(cup(at_margin), at_margin, start=0.1)
     assert doubtful.least_margin == pytest.approx(1.0, abs=1e-3)
-    # Three standard deviations of a thousand samples.
-    assert doubtful.probability == pytest.approx(0.5, abs=0.05)
+    # Three standard deviations of four hundred samples.
+    assert doubtful.probability == pytest.approx(0.5, abs=0.075)
 
 
 def jar(retention: float, sd: float = 0.0, **changes: Any) -> tuple[CylinderModel, LiftOffLid]:
@@ -159,7 +169,7 @@ def test_a_lid_comes_off_if_its_retention_is_less_than_what_stays_weighs() -> No
     c = 0.46 * 0.01 / 0.40
     assert aside.held == pytest.approx(0.06 * G + stays * (0.042 - c) / 0.042)
     assert opening.lift_off(*jar(stays, 0.2), fixed=True).probability == 1.0
-    assert opening.lift_off(*jar(stays, 0.2)).probability == pytest.approx(0.5, abs=0.05)
+    assert opening.lift_off(*jar(stays, 0.2)).probability == pytest.approx(0.5, abs=0.075)
 
 
 def test_a_bottle_turns_along_at_its_friction_torque() -> None:
