@@ -103,7 +103,7 @@ class LidBench:
         self._lids = Lids(self._model, self._root)
         self._time = 0.0
         self._put(np.array([0.0, 0.0, 1.0]))
-        self._wait(_SETTLING)
+        self.wait(_SETTLING)
         self._start = _Start(*self._pose())
 
     @property
@@ -137,13 +137,20 @@ class LidBench:
         for _ in range(round(seconds / PERIOD)):
             R_WB, _ = self._pose()
             self._apply(np.zeros(3), torque * (R_WB @ axis))
-            self._wait(PERIOD)
+            self.wait(PERIOD)
         self._apply(np.zeros(3), np.zeros(3))
         return self.lid
 
     def pull(self, most: float) -> Opened:
         """Pulls the lid up by a force that grows until it is off or the object comes along [N]."""
         return self._grown(np.array([0.0, 0.0, 1.0]), np.zeros(3), _PULL, most)
+
+    def raise_lid(self, force: float, height: float) -> None:
+        """Pulls the lid up by a constant force [N] until it is so far from its seat [m]."""
+        self._apply(np.array([0.0, 0.0, force]), np.zeros(3))
+        while self.lid < height:
+            self.wait(PERIOD)
+        self._apply(np.zeros(3), np.zeros(3))
 
     def turn(self, most: float) -> Opened:
         """Turns the cap by a torque that grows until it or the object gives way [N·m]."""
@@ -155,7 +162,7 @@ class LidBench:
         while size < most:
             size += rate * PERIOD
             self._apply(size * force, size * torque)
-            self._wait(PERIOD)
+            self.wait(PERIOD)
             seen.append(self._moved())
             limit = far if force.any() else much
             if self.lid > limit or self._opened(seen, size).came_along:
@@ -172,7 +179,7 @@ class LidBench:
     def _along(self, before: Array, now: Array) -> tuple[float, float, float]:
         """A step of the fingertip; tilt and shift of the object and the fingertip's force."""
         self._command(now, (now - before) / PERIOD)
-        self._wait(PERIOD)
+        self.wait(PERIOD)
         torques = self._plant.get_net_actuation_output_port(self._tip).Eval(self._context)
         return *self._moved(), float(np.linalg.norm(torques))
 
@@ -204,7 +211,8 @@ class LidBench:
         port = self._plant.get_desired_state_input_port(self._tip)
         port.FixValue(self._context, np.concatenate([place, velocity]))
 
-    def _wait(self, seconds: float) -> None:
+    def wait(self, seconds: float) -> None:
+        """Lets time pass [s]."""
         for _ in range(round(seconds / PERIOD)):
             self._lids.prepare([], {})
             self._time += PERIOD

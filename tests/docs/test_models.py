@@ -10,9 +10,17 @@ from pathlib import Path
 import pytest
 
 from objectmodels import Registry
-from objectmodels.modelfile import BUILT_IN_KINDS, keys
+from objectmodels.modelfile import BUILT_IN_KINDS, keys, load_model
+from objectmodels.parts import Container, FlipLid, Graspable, LiftOffLid, Opening, ScrewCap
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "models.md").read_text(encoding="utf-8")
+
+
+PARTS = {
+    "container": (Container,),
+    "lid": (FlipLid, LiftOffLid, ScrewCap),
+    "grasp": (Graspable,),
+}
 
 
 def _block(language: str) -> str:
@@ -42,6 +50,67 @@ def test_the_python_of_the_guide(crate: Path, monkeypatch: pytest.MonkeyPatch) -
         exec(compile(_block("python"), "models.md", "exec"), {})
     # m g b / h = 1.0 · 9.81 · 0.05 / 0.15
     assert out.getvalue().strip() == "[3.27]"
+
+
+def test_the_blocks_of_the_guide_go_into_a_model_file(tmp_path: Path) -> None:
+    path = tmp_path / "crate.yaml"
+    path.write_text(_block("yaml") + _block("yaml parts"), encoding="utf-8")
+    model = load_model(path)
+    assert isinstance(model.lid, FlipLid)
+    assert model.container is not None
+    assert model.grasp is not None
+    assert (model.lid.tab_heading_deg, model.container.contents_l) == (90.0, 0.24)
+    assert model.grasp.crush == 20.0
+
+
+def test_what_opens_a_lid_is_told() -> None:
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out):
+        exec(compile(_block("python opening"), "models.md", "exec"), {})
+    flip, turn = out.getvalue().strip().split("\n")
+    # 2 R + 0.7 · 20 mm of lever against 20 + 30 mN·m and 20 g at R; see tests of `opening`.
+    assert flip == "0.68 N, margin 1.9, 100%"
+    assert turn == "60 of 44 mN·m"  # μ m g c̄ = 0.3 · 0.52 · 9.81 · 0.029
+
+
+def test_the_tables_of_the_blocks_have_their_keys_and_defaults() -> None:
+    tables = re.findall(r"^\| `(container|lid|grasp)`(?: of kind `(\w+)`)? \| default.*?\n\n",
+                        GUIDE, re.MULTILINE | re.DOTALL)  # fmt: skip
+    assert len(tables) == 5
+    for block, classes in PARTS.items():
+        for part in classes:
+            kind = part.model_fields["kind"].default if "kind" in part.model_fields else None
+            of = rf" of kind `{kind}`" if kind else ""
+            (table,) = re.findall(
+                rf"^\| `{block}`{of} \| default.*?\n\n", GUIDE, re.MULTILINE | re.DOTALL
+            )
+            told = _told(table)
+            fields = {
+                field.alias or name: field
+                for name, field in part.model_fields.items()
+                if name != "kind"
+            }
+            assert set(told) == set(fields)
+            for key, default in told.items():
+                field = fields[key]
+                if field.is_required():
+                    assert default == "required", key
+                else:
+                    assert float(default) == field.default, key
+    assert {"centre_m", "radius_m"} == {
+        field.alias or name for name, field in Opening.model_fields.items()
+    }
+
+
+def _told(table: str) -> dict[str, str]:
+    """Keys of a table and the defaults told of them; one default may stand for several keys."""
+    told: dict[str, str] = {}
+    for row in table.strip().split("\n")[2:]:
+        keys, defaults, _ = (cell.strip() for cell in row.strip("|").split(" | ", 2))
+        names = re.findall(r"`(\w+)`", keys)
+        values = defaults.split(", ")
+        told |= dict(zip(names, values * (len(names) // len(values)), strict=True))
+    return told
 
 
 def test_every_key_of_the_format_is_explained() -> None:

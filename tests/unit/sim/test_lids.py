@@ -1,0 +1,123 @@
+"""Lids of a world: as they stand, as the camera sees them, and as they are drawn again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nlcontrol import Controller
+from sim import DrakeWorld, SceneError, load_scene, save_replay
+from sim.recorder import Recorder
+from sim.scene import Scene, parse_scene
+from sim.stage import Stage
+from sim.stance import Mount
+from sim.trace import Trace, joined
+from sim.vision import averaged_lids, first_frames, lids_in
+
+LIDS = {"jar", "fixed bottle", "free bottle", "ice tea cup"}
+
+
+@pytest.fixture(scope="module")
+def pantry() -> Scene:
+    return load_scene("pantry")
+
+
+@pytest.fixture(scope="module")
+def trace(pantry: Scene) -> Trace:
+    world = DrakeWorld(pantry, seed=1)
+    recorder = Recorder(world, Mount.of(pantry.robot), np.array([1.0, 0.0, 0.0]))
+    recorder.look(0.3)
+    return recorder.trace("jar", np.array([1.0, 0.0, 0.0]), end="handled", detail="looked")
+
+
+def test_closed_lids_stay_closed_and_stand_still(trace: Trace) -> None:
+    assert set(trace.lids) == set(trace.seen_lids) == LIDS
+    assert set(trace.lid_poses) == LIDS - {"ice tea cup"}
+    for name in LIDS:
+        assert np.abs(trace.lids[name]).max() < 1e-4
+        # Twelve frames of 1° or 2 mm; five deviations of one of them.
+        noise = 0.002 if name == "jar" else np.radians(1.0)
+        assert 0.0 < np.abs(trace.seen_lids[name]).max() < 5 * noise
+    for name, poses in trace.poses.items():
+        np.testing.assert_allclose(poses[-1], poses[0], atol=1e-4, err_msg=name)
+    assert trace.contacts == ()
+
+
+def test_traces_of_lids_are_joined(trace: Trace) -> None:
+    twice = joined([trace, trace])
+    assert len(twice.lids["jar"]) == len(twice.seen_lids["jar"]) == 2 * len(trace.time)
+    assert twice.lid_poses["jar"].shape == (2 * len(trace.time), 7)
+
+
+def test_mass_and_centre_of_mass_include_the_lid(pantry: Scene) -> None:
+    cup = pantry.object("ice tea cup").truth
+    assert cup.lid is not None
+    left = cup.uncovered
+    assert left.lid is None
+    assert left.mass_kg + cup.lid.mass == pytest.approx(cup.mass_kg)
+    moment = left.mass_kg * left.centre_of_mass[2] + cup.lid.mass * (0.12 + 0.0015)
+    assert moment == pytest.approx(cup.mass_kg * cup.centre_of_mass[2])
+    assert left.uncovered is left
+    with pytest.raises(SceneError, match="mass_kg"):
+        parse_scene(
+            "version: 1\nname: x\nrobot: {home_deg: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]}\n"
+            "objects:\n- {name: a, model: jar, pose: {x_m: 0.5, y_m: 0.0}, truth: {radius_m: 0.04,"
+            " height_m: 0.1, mass_kg: 0.05, friction_table: 0.3, friction_finger: 0.5,"
+            " lid: {kind: screw, mass_kg: 0.06, friction_torque_nm: 0.1, radius_m: 0.02,"
+            " height_m: 0.02}}}\n"
+        )
+
+
+def test_what_is_seen_of_lids_and_holders(pantry: Scene) -> None:
+    controller = Controller(scene=pantry, seed=3)
+    seen = controller.look().objects
+    assert {name for name, each in seen.items() if each.lid is not None} == LIDS
+    assert {name for name, each in seen.items() if each.fixed} == {"fixed bottle"}
+    world = DrakeWorld(pantry, seed=3)
+    first, then = first_frames(pantry, 1.0, seed=3), world.watch(1.0)
+    expected = averaged_lids(first)
+    for name, value in averaged_lids(then).items():
+        # They settle by micrometres and microradians.
+        assert value == pytest.approx(expected[name], abs=1e-4)
+        assert seen[name].lid == pytest.approx(expected[name], abs=1e-12)
+
+
+def test_noise_on_lids_leaves_that_on_poses_as_it_was(pantry: Scene) -> None:
+    bare = pantry.model_copy(
+        update={
+            "objects": tuple(
+                item.model_copy(update={"truth": item.truth.uncovered}) for item in pantry.objects
+            )
+        }
+    )
+    assert lids_in(bare) == {}
+    with_lids, without = (first_frames(scene, 0.5, seed=4) for scene in (pantry, bare))
+    for one, other in zip(with_lids, without, strict=True):
+        assert one.lids.keys() == LIDS
+        assert other.lids == {}
+        for name in pantry.names:
+            np.testing.assert_array_equal(one.poses[name].p_WB, other.poses[name].p_WB)
+
+
+def test_what_stands_in_a_holder_does_not_move(pantry: Scene) -> None:
+    world = DrakeWorld(pantry, seed=1)
+    body = world._model.bodies["fixed bottle"]
+    assert not body.is_floating_base_body()
+    assert world._model.bodies["free bottle"].is_floating_base_body()
+
+
+def test_a_replay_draws_lids_where_they_were(pantry: Scene, trace: Trace, tmp_path: Path) -> None:
+    trace.lids["ice tea cup"][-1] = 1.5
+    trace.lid_poses["jar"][-1, 4:] = (0.3, 0.3, 0.0)
+    stage = Stage(pantry, lambda builder, model: None)
+    stage.show(trace, len(trace.time) - 1)
+    plant, context = stage._model.plant, stage._plant_context
+    lids = stage._model.lids
+    assert lids["ice tea cup"].joint.GetOnePosition(context) == pytest.approx(1.5)
+    p_WL = plant.EvalBodyPoseInWorld(context, lids["jar"].body).translation()
+    np.testing.assert_allclose(p_WL, (0.3, 0.3, 0.0), atol=1e-12)
+    path = tmp_path / "pantry.html"
+    save_replay(trace, pantry, path)
+    assert path.stat().st_size > 100_000
