@@ -10,6 +10,7 @@ mass and squeeze differ from case to case. It has slipped when a fingertip has m
 from __future__ import annotations
 
 import argparse
+import itertools
 import time
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -64,7 +65,7 @@ class Case:
 def drawn(cases: int, seed: int) -> list[Case]:
     """Random cases, about as many that hold as slip."""
     rng = np.random.default_rng(seed)
-    made = []
+    made: list[Case] = []
     while len(made) < cases:
         case = Case(
             width=float(rng.uniform(0.02, 0.09)),
@@ -250,7 +251,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             print(f"{multiplier:6.2f} {1e3 * far[0]:7.1f} {1e3 * far[1]:7.2f} mm  {case}")
     print("| multiplier | cases | held | slipped |\n|---|---|---|---|")
     edges = [0.0, 0.7, 1.0 - BAND, 1.0, 1.0 + BAND, 1.4, np.inf]
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in itertools.pairwise(edges):
         some = (multipliers >= low) & (multipliers < high)
         print(f"| {low:.1f} to {high:.1f} | {some.sum()} | {held[some].sum()} "
               f"| {(~held[some]).sum()} |")  # fmt: skip

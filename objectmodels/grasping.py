@@ -87,12 +87,12 @@ def normal_loads(contacts: Contacts, squeeze: ArrayLike, force: Array, place: Ar
         force: on what is held, in G, shape (n, 3) [N].
         place: where it acts, in G, shape (n, 3) [m].
     """
-    F_x, F_y, F_z = force.T
+    F_x = force[:, 0]
     _, y, z = place.T
     # Friction bears the tangential load; shared between the sides it has no moment but about x.
     wrench = np.stack([F_x, z * F_x, -y * F_x])
-    return np.asarray(np.outer(contacts.shares, np.ones(len(force))) * squeeze
-                      + contacts.spread_load @ wrench)  # fmt: skip
+    shared = np.outer(contacts.shares, np.broadcast_to(squeeze, len(force)))
+    return np.asarray(shared + contacts.spread_load @ wrench)
 
 
 def critical_friction(contacts: Contacts, squeeze: ArrayLike, force: Array, place: Array) -> Array:

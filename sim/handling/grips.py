@@ -88,11 +88,28 @@ class HandGrip:
         torques = [self._torques(finger, 0.0, 0.0) for finger in FINGERS]
         return np.concatenate(torques) / JOINT_STIFFNESS
 
+    def bearing(self, force_P: Array) -> Array:
+        """Change of the commanded angles with which both sides together exert a force.
+
+        Args:
+            force_P: on what is held, in P, shape (3,) [N].
+
+        Returns:
+            Shape (12,), in the order of `JOINT_NAMES` [rad].
+        """
+        forces = {f: 0.5 * share * force_P for f, share in zip(HOLDING, SHARES, strict=True)}
+        torques = [self._jacobians[f].T @ forces[f] for f in FINGERS]
+        return np.concatenate(torques) / JOINT_STIFFNESS
+
+    @functools.cached_property
+    def _jacobians(self) -> dict[str, Array]:
+        angles = self.posture().angles
+        return {f: finger_jacobian(f, angles[f], self.touching(f)) for f in FINGERS}
+
     def _torques(self, finger: str, along: float, beside: float) -> Array:
         """Torques per squeeze with a tangential load beside it, shape (3,) [m]."""
         load = SHARES[HOLDING.index(finger)] * (inward(finger) + np.array([0.0, beside, along]))
-        J = finger_jacobian(finger, self.posture().angles[finger], self.touching(finger))
-        return np.asarray(J.T @ load)
+        return np.asarray(self._jacobians[finger].T @ load)
 
     @functools.cached_property
     def strongest(self) -> float:

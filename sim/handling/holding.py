@@ -54,16 +54,21 @@ class Holding:
         held: what is held, as plans know it.
         zero: what the torque sensors read before the fingers touched, shape (4, 3) [N·m].
         zero_samples: over how many control steps.
-        squeeze: with which it is held [N].
+        opening: how far each fingertip is commanded to stand off its side [m].
+        wound, borne: squeeze and weight for which the finger springs are wound up [N].
         R_PB, p_PG: how the object was seen in the hand, and the middle of its grasp [m].
+        came: arm angles on the way from home to where it was left, each of shape (7,) [rad].
     """
 
     held: Held
     zero: Array
     zero_samples: int
-    squeeze: float
+    opening: float
+    wound: float
+    borne: float
     R_PB: Array
     p_PG: Array
+    came: tuple[Array, ...]
 
 
 class HandSense:
@@ -168,6 +173,14 @@ class HandSense:
         """From now on it is to stay in the hand as it is, or as it was seen before."""
         self._first = self._now if R_PB is None or p_PG is None else (R_PB, p_PG)
 
+    def untouched(self) -> None:
+        """Nothing is felt: the sensors' zero was taken."""
+        self.thumb = self.fingers = self.weight = 0.0
+
+    def holds(self, squeeze: float) -> bool:
+        """Whether the fingers feel something that they hold with a squeeze [N]."""
+        return self.squeeze >= _LOOSE * squeeze
+
     def forget(self) -> None:
         """It is looked at anew: what was seen before does not count."""
         self._now, self.frames = None, 0
@@ -198,7 +211,7 @@ class HandSense:
         Raises:
             EarlyEndError: it slipped, or is not there any more.
         """
-        if self.squeeze < _LOOSE * squeeze:
+        if not self.holds(squeeze):
             raise EarlyEndError(
                 "slipped", f"the {self._name} was dropped: the fingers feel nothing of it"
             )

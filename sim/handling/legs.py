@@ -212,11 +212,11 @@ def lip(held: SeenObject, lean_B: Array) -> Array:
 
 
 def upright_again(done: Sequence[Leg], leg: Leg, share: float) -> tuple[Leg, ...]:
-    """The way back over legs that were made, and from within one that was not made to its end.
+    """The way back upright after pouring.
 
     Args:
         done: legs that were made.
-        leg: the one that was stopped.
+        leg: the last one, which may have been stopped.
         share: of it that was made.
     """
     R_WB, _ = leg.poses(np.array([share]))

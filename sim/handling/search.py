@@ -2,8 +2,9 @@
 
 Model: the hand goes rigidly with what it holds, so every leg says where the palm is. The arm keeps
 the elbow's angle and one of its eight solutions all along; they are tried together, the ones with
-room to the joint limits first. Hand and held object do not depend on the arm and are looked at once
-for all of them; then the arm, and the way from home and back. What is held is its own obstacle
+room to the joint limits first. Where something is held already, the elbow swings there first while
+the hand stays. Hand and held object do not depend on the arm and are looked at once for all arms;
+then comes the arm, and the way from home and back. What is held is its own obstacle
 before it is touched and after it was let go.
 
 Frames: see `sim.handling.legs`; P is the palm.
@@ -38,7 +39,8 @@ _WRIST_BEND = 0.15  # |q6| stays above this, away from the singularity [rad]
 _LARGEST_STEP = 0.6  # more change of a joint between poses that are looked at is a jump [rad]
 _HOMESICK = 0.1  # room to the limits that a joint's being one radian nearer to home is worth
 _MOST_ARMS, _MOST_TRANSITS = 40, 4
-_SAME = 0.12  # a joint's change up to which an arm is in the pose in which it was left [rad]
+_SAME = 0.15  # a joint's change up to which an arm is in the pose in which it was left [rad]
+_SWING = 5.0  # between elbow angles while it swings [degrees]
 _RAISED = (0.10, 0.20, 0.30)  # of places above the first pose of the hand [m]
 
 
@@ -53,7 +55,8 @@ class HandWay:
         legs: of the approach, of each step, and of the way back.
         elbow: angle of the elbow [rad].
         branch: which of the arm's eight solutions.
-        there, back: arm poses between home and the first pose, and between the last one and home.
+        there, back: arm poses between home and the first pose, and between the last one and home;
+            with something held already, `there` is how the elbow swings to its angle.
         room: least room to the joint limits [rad].
     """
 
@@ -229,14 +232,10 @@ class HandSearch:
         # Few poses sort out most elbows.
         some = np.unique(np.linspace(0, w - 1, 6).astype(int))
         q, good = _followed(R_AF[some], p_AF[some], ELBOWS, np.inf)
-        if self._at is not None:
-            good &= np.abs(q[:, 0] - self._at).max(axis=-1) < _SAME
         elbows = ELBOWS[good.any(axis=1)]
         q, good = _followed(R_AF, p_AF, elbows, _LARGEST_STEP)
-        if self._at is not None:
-            good &= np.abs(q[:, 0] - self._at).max(axis=-1) < _SAME
         room = (arm.LIMITS - np.abs(q)).min(axis=(1, 3))
-        far = np.abs(q[:, 0] - self._home).max(axis=-1)
+        far = np.abs(q[:, 0] - (self._home if self._at is None else self._at)).max(axis=-1)
         score = np.where(good, np.minimum(room, ENOUGH_MARGIN) - _HOMESICK * far, -np.inf)
         best = np.argsort(-score, axis=None, kind="stable")[: int(good.sum())]
         row, branch = np.unravel_index(best, score.shape)
@@ -263,13 +262,41 @@ class HandSearch:
         """The same way with those from home and back; None if they are not free."""
         there: tuple[Array, ...] | None = ()
         back: tuple[Array, ...] | None = ()
-        if not self._plan.held:
+        if self._at is not None:
+            there = self._swing(way)
+        elif not self._plan.held:
             there = self._transit(way, q[0], self._p_WB[0], self._R_WB[0], self._scenery.pushed)
         if there is not None and self._last.any():
             back = self._transit(way, q[-1], self._p_WB[-1], self._R_WB[-1], self._stood)
         if there is None or back is None:
             return None
         return replace(way, there=there, back=back[::-1])
+
+    def _swing(self, way: HandWay) -> tuple[Array, ...] | None:
+        """Arm poses from where it was left to the way's elbow angle, the hand still."""
+        assert self._at is not None, "something is held"
+        steps = np.radians(np.arange(0.0, 360.0, _SWING))
+        here = [replace(way, elbow=float(e)) for e in way.elbow + steps]
+        poses = [one.joints(self._R_WB[:1], self._p_WB[:1]) for one in here]
+        q = np.array([one[0] for one, _ in poses])
+        good = np.array([bool(valid[0]) for _, valid in poses])
+        good &= (np.abs(q) < arm.LIMITS - LIMIT_MARGIN).all(axis=1)
+        near = np.where(good, np.abs(q - self._at).max(axis=1), np.inf)
+        start = int(np.argmin(near))
+        if near[start] > _SAME:
+            return None
+        for way_round in (np.arange(start, -1, -1), np.arange(start, len(q) + 1) % len(q)):
+            swing = q[way_round]
+            steady = np.abs(np.diff(swing, axis=0)).max(initial=0.0) < _LARGEST_STEP
+            if good[way_round].all() and steady and self._is_clear(swing):
+                return tuple(swing)
+        return None
+
+    def _is_clear(self, q: Array) -> bool:
+        """Whether the arm keeps clear of the table and of all others."""
+        robot = spheres.placed(spheres.arm_spheres(q), self._mount.R_WA, self._mount.p_WA)
+        high = spheres.height_above_table(robot).min() >= TABLE_CLEARANCE
+        return bool(high and all(each.is_clear(robot).all() for each in self._scenery.others))
 
     def _transit(
         self, way: HandWay, q: Array, p_WB: Array, R_WB: Array, stands: Obstacle
