@@ -1,8 +1,8 @@
 """Which grasp holds, and which of those that hold the hand gets to.
 
-Model: a grasp must hold in the worst case of what is believed (`Defaults.sigmas`), and exceed what
-just holds by a reserve. Of several the one with most squeeze to spare is asked for first; the hand
-squeezes no harder than that takes, unless the belief is too uncertain for it.
+Model: the hand squeezes harder than what just holds by a reserve, and as hard as the worst case of
+what is believed takes, if it can; that must be likely enough to hold. Of several grasps the one
+with most squeeze to spare is asked for first.
 
 Frames: W is the world, B the object.
 """
@@ -148,14 +148,14 @@ def holds(task: Task, bearings: Sequence[Bearing]) -> list[Hold]:
     """
     d, known = task.defaults, _Known(task.target.model)
     just, worst = (np.array(found) for found in zip(*map(known.needed, bearings), strict=True))
-    wanted = np.maximum(task.how.reserve * just, worst)
+    wanted = task.how.reserve * just
     limit = np.array([strongest(task, each.candidate) for each in bearings])
     spare = limit / wanted
     if not (spare >= 1.0).any():
         best = int(spare.argmax())
         mu = friction(task.target.model)
         raise refusals.too_heavy(task, bearings[best].candidate, float(wanted[best]), mu)
-    squeeze = np.minimum(wanted, limit)
+    squeeze = np.minimum(np.maximum(wanted, worst), limit)
     probability = np.array(
         [known.probability(*each) for each in zip(bearings, squeeze, strict=True)]
     )
@@ -179,7 +179,7 @@ def holds(task: Task, bearings: Sequence[Bearing]) -> list[Hold]:
     )
     return [
         Hold(
-            _grasp(task, bearings[i].candidate, float(squeeze[i]), float(worst[i])),
+            _grasp(task, bearings[i].candidate, float(squeeze[i]), float(just[i])),
             float(probability[i]),
             bearings[i].lean if bearings[i].angle else None,
         )

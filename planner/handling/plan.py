@@ -28,7 +28,7 @@ class Grasp(Value):
         approach_W: unit direction of the straight fingers.
         width: between the touched sides [m].
         squeeze: force of the thumb, and of the other fingers together [N].
-        needed: least squeeze that holds it in the worst case considered [N].
+        needed: squeeze that just holds it through all steps, with everything as believed [N].
         strongest: largest squeeze that the hand has there [N].
     """
 

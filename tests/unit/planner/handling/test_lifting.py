@@ -1,0 +1,194 @@
+"""Lifting, putting down and placing: grasps, steps and refusals."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from planner import plan
+from planner.defaults import DEFAULTS
+from planner.handling.plan import Carry, Grasp, HandlingPlan, LiftUp, SetDown
+from planner.plan import Plan, Refusal
+from planner.state import Held, PlanarPose, WorldState
+from tests.unit.planner.conftest import RuledReach, frame_of, world
+from tests.unit.planner.handling.conftest import RuledHand, planned, refused
+
+LENGTHS = 1e-9  # sums of a few numbers of order one
+
+
+def test_a_carton_is_held_across_its_narrow_sides(table: WorldState, hand: RuledHand) -> None:
+    made = planned("lift the ice tea", table, hand)
+    grasp = made.grasp
+    assert grasp is not None
+    # Its ±x sides, 60 mm apart, look along W's y; 80 mm of the others fit the hand as well.
+    assert grasp.width in (pytest.approx(0.06), pytest.approx(0.08))
+    assert np.dot(grasp.closing_W, grasp.approach_W) == pytest.approx(0.0, abs=LENGTHS)
+    assert grasp.closing_W[2] == pytest.approx(0.0, abs=LENGTHS)
+    assert DEFAULTS.grasp_reserve * grasp.needed <= grasp.squeeze <= min(grasp.strongest, 25.0)
+    assert made.steps == (LiftUp(height=DEFAULTS.lift_height),)
+    assert made.probability >= DEFAULTS.probability
+    assert "lift_height" in [used.name for used in made.defaults]
+
+
+@pytest.mark.parametrize(
+    ("words", "height"),
+    [("5 cm", 0.05), ("a little", DEFAULTS.lift_little), ("at least 5 cm", 0.06)],
+)
+def test_how_far(words: str, height: float, table: WorldState, hand: RuledHand) -> None:
+    (step,) = planned(f"lift the ice tea {words}", table, hand).steps
+    assert isinstance(step, LiftUp)
+    assert step.height == pytest.approx(height)
+
+
+def test_what_is_too_heavy_is_refused_with_both_forces(table: WorldState, hand: RuledHand) -> None:
+    made = refused("lift the ice tea box", table, hand)
+    assert made.reason == "impossible"
+    # 9.76 N at μ 0.57 take 8.6 N; a tenth for what trembles, and half as much again in reserve.
+    assert made.numbers["needed_force"] == pytest.approx(14.2, abs=0.3)
+    assert made.numbers["strongest"] == 11.0
+    assert "needs 14." in made.message
+    assert "the fingers have 11.0 N at 90 mm" in made.message
+    assert not hand.asked
+
+
+def test_what_is_too_wide_is_refused_with_both_widths(table: WorldState, hand: RuledHand) -> None:
+    hand.widest = 0.05
+    made = refused("lift the ice tea", table, hand)
+    assert made.message == "the ice tea is 60 mm wide, the hand opens to 50 mm"
+
+
+def test_a_model_without_a_place_to_hold(hand: RuledHand) -> None:
+    made = refused("lift the cereal box", world(cereal_box=PlanarPose(0.5, 0.0)), hand)
+    assert made.reason == "unsupported"
+    assert "`grasp` block" in made.suggestions[1]
+
+
+def test_a_robot_without_a_hand_says_so(table: WorldState) -> None:
+    made = plan(frame_of("lift the mug"), table, RuledReach())
+    assert isinstance(made, Refusal)
+    assert made.capability == "lifting objects"
+
+
+def test_force_that_the_sentence_does_not_allow(table: WorldState, hand: RuledHand) -> None:
+    made = refused("lift the ice tea with at most 2 N", table, hand)
+    assert made.numbers["allowed_force"] == 2.0
+    assert made.spans
+
+
+def test_gentle_squeezes_less_and_is_slower(table: WorldState, hand: RuledHand) -> None:
+    careful = replace(DEFAULTS, grasp_reserve=2.5)
+    usual = plan(frame_of("lift the ice tea"), table, RuledReach(), hand=hand, defaults=careful)
+    gentle = plan(
+        frame_of("lift the ice tea gently"), table, RuledReach(), hand=hand, defaults=careful
+    )
+    assert isinstance(usual, HandlingPlan)
+    assert isinstance(gentle, HandlingPlan)
+    assert usual.grasp is not None
+    assert gentle.grasp is not None
+    assert gentle.grasp.squeeze < usual.grasp.squeeze
+    assert gentle.speed == DEFAULTS.carry_speed_gentle < usual.speed
+
+
+def test_where_it_is_held(table: WorldState, hand: RuledHand) -> None:
+    grasp = planned("lift the ice tea at the top", table, hand).grasp
+    assert grasp is not None
+    assert grasp.p_BG[2] > 2.0 / 3.0 * 0.16
+
+
+@pytest.mark.parametrize("words", ["within 2 s", "with one finger", "hard"])
+def test_what_no_hand_keeps_is_refused_by_its_words(
+    words: str, table: WorldState, hand: RuledHand
+) -> None:
+    made = refused(f"lift the ice tea {words}", table, hand)
+    assert made.reason == "unsupported"
+    assert made.spans
+
+
+def test_what_stands_in_the_way_is_named(table: WorldState) -> None:
+    made = refused("lift the ice tea", table, RuledHand(lambda _: False, blocker="mug"))
+    assert made.reason == "blocked"
+    assert made.suggestions == ("move the mug",)
+    assert refused("lift the mug", table, RuledHand(lambda _: False)).reason == "out_of_reach"
+
+
+def test_the_hand_looks_at_so_many_ways(table: WorldState) -> None:
+    hand = RuledHand(lambda _: False)
+    few = replace(DEFAULTS, most_grasps=3)
+    plan(frame_of("lift the ice tea"), table, RuledReach(), hand=hand, defaults=few)
+    assert len(hand.asked) == 3
+
+
+# -- what the hand holds ------------------------------------------------------------------------
+
+
+@pytest.fixture
+def holding(table: WorldState, hand: RuledHand) -> WorldState:
+    """The ice tea is held 10 cm above the table."""
+    grasp = planned("lift the ice tea", table, hand).grasp
+    assert isinstance(grasp, Grasp)
+    return replace(table, held=Held("ice tea", grasp, 0.10))
+
+
+def test_what_is_held_is_lifted_on(holding: WorldState, hand: RuledHand) -> None:
+    made = planned("lift the ice tea 5 cm", holding, hand)
+    assert made.held
+    assert holding.held is not None
+    assert made.grasp == holding.held.grasp
+    assert made.steps == (LiftUp(height=0.05),)
+
+
+def test_what_is_held_is_placed_from_there(holding: WorldState, hand: RuledHand) -> None:
+    made = planned("put the ice tea to the left of the ice tea cup", holding, hand)
+    assert [step.kind for step in made.steps] == ["lift_up", "carry", "set_down"]
+    up = made.steps[0]
+    assert isinstance(up, LiftUp)
+    # Over the cup of 0.12 m, from 0.10 m.
+    assert up.height == pytest.approx(0.12 + DEFAULTS.carry_clearance - 0.10)
+
+
+@pytest.mark.parametrize("text", ["lift the mug", "push the mug away", "push the ice tea away"])
+def test_a_hand_that_holds_something_does_nothing_else(
+    text: str, holding: WorldState, hand: RuledHand
+) -> None:
+    made = refused(text, holding, hand)
+    assert made.message == "the hand holds the ice tea: put it down first"
+
+
+# -- placing ------------------------------------------------------------------------------------
+
+
+def test_placing_carries_over_what_is_in_the_way(table: WorldState, hand: RuledHand) -> None:
+    made = planned("put the ice tea to the left of the ice tea cup", table, hand)
+    up, over, down = made.steps
+    assert isinstance(up, LiftUp)
+    assert up.height == pytest.approx(0.12 + DEFAULTS.carry_clearance)
+    assert isinstance(over, Carry)
+    assert over.to == made.aim
+    assert isinstance(down, SetDown)
+
+
+def test_what_cannot_be_held_is_pushed_there(table: WorldState, hand: RuledHand) -> None:
+    text = "put the ice tea box to the left of the ice tea cup"
+    pushed = plan(frame_of(text), table, RuledReach())
+    assert isinstance(pushed, Plan)
+    assert plan(frame_of(text), table, RuledReach(), hand=hand) == pushed
+
+
+def test_what_is_pushed_by_word_is_pushed(table: WorldState, hand: RuledHand) -> None:
+    made = plan(frame_of("push the mug next to the ice tea cup"), table, RuledReach(), hand=hand)
+    assert isinstance(made, Plan)
+    assert not hand.asked
+
+
+def test_a_place_that_is_taken(table: WorldState, hand: RuledHand) -> None:
+    mug = table.objects["mug"]
+    beside = replace(mug, pose=PlanarPose(0.24, 0.3056))
+    taken = replace(table, objects={**table.objects, "mug": beside})
+    held = planned("lift the ice tea", taken, hand).grasp
+    assert held is not None
+    taken = replace(taken, held=Held("ice tea", held, 0.1))
+    made = refused("put the ice tea to the left of the ice tea cup", taken, hand)
+    assert made.reason == "blocked"
+    assert "the mug stands there" in made.message

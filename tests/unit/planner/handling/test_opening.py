@@ -1,0 +1,144 @@
+"""Lids: flipped, lifted off, turned and put back, or refused with the forces that decide."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from objectmodels.parts import FlipLid
+from planner import plan
+from planner.defaults import DEFAULTS
+from planner.handling.plan import Carry, FlipOver, PutOn, TurnCap
+from planner.plan import Reached
+from planner.state import PlanarPose, SeenObject, WorldState
+from tests.unit.planner.conftest import RuledReach, frame_of, world
+from tests.unit.planner.handling.conftest import RuledHand, planned, refused
+
+
+@pytest.fixture
+def pantry() -> WorldState:
+    """A cup with a flip lid, a jar with a lid that lifts off, a bottle with a cap."""
+    return world(
+        ice_tea_cup=PlanarPose(0.30, 0.20, 0.5),
+        jar=PlanarPose(0.45, -0.10),
+        water_bottle=PlanarPose(0.60, 0.30),
+    )
+
+
+def _with(state: WorldState, name: str, **changes: object) -> WorldState:
+    seen: SeenObject = replace(state.objects[name], **changes)  # type: ignore[arg-type]
+    return replace(state, objects={**state.objects, name: seen})
+
+
+def test_a_flip_lid_is_opened_by_a_fingertip(pantry: WorldState, hand: RuledHand) -> None:
+    made = planned("open the ice tea cup", pantry, hand)
+    assert made.grasp is None
+    (step,) = made.steps
+    assert isinstance(step, FlipOver)
+    assert (step.start, step.end) == (0.0, DEFAULTS.lid_open)
+    assert step.heading == pytest.approx(0.5)
+    found = made.prediction
+    assert found.lid_force is not None
+    assert found.slide_force is not None
+    assert found.topple_force is not None
+    assert step.force_limit > found.lid_force
+    assert min(found.slide_force, found.topple_force) > DEFAULTS.lid_reserve * found.lid_force
+    assert made.probability >= DEFAULTS.probability
+
+
+def test_a_cup_too_light_for_its_lid_is_refused_with_both_forces(
+    pantry: WorldState, hand: RuledHand
+) -> None:
+    cup = pantry.objects["ice tea cup"].model
+    lid = cup.lid
+    assert isinstance(lid, FlipLid)
+    stiff = cup.model_copy(update={"lid": lid.model_copy(update={"friction_torque": 0.06})})
+    made = refused("open the ice tea cup", _with(pantry, "ice tea cup", model=stiff), hand)
+    assert made.reason == "impossible"
+    assert made.numbers["margin"] < DEFAULTS.lid_reserve
+    assert made.numbers["lid_force"] > 0.0
+    assert "tips at" in made.message
+    # In a holder it neither slides nor topples.
+    fixed = _with(pantry, "ice tea cup", model=stiff, fixed=True)
+    assert planned("open the ice tea cup", fixed, hand).prediction.topple_force is None
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "lid"),
+    [
+        ("open the ice tea cup", "ice tea cup", math.radians(85.0)),
+        ("close the ice tea cup", "ice tea cup", 0.0),
+        ("open the jar", "jar", 0.3),
+        ("close the jar", "jar", 0.0),
+    ],
+)
+def test_nothing_is_left_to_be_done(
+    text: str, name: str, lid: float, pantry: WorldState, hand: RuledHand
+) -> None:
+    state = _with(pantry, name, lid=lid)
+    assert plan(frame_of(text), state, RuledReach(), hand=hand) == Reached(lid=lid)
+
+
+def test_an_open_flip_lid_is_closed(pantry: WorldState, hand: RuledHand) -> None:
+    (step,) = planned("close the ice tea cup", _with(pantry, "ice tea cup", lid=1.6), hand).steps
+    assert isinstance(step, FlipOver)
+    assert (step.start, step.end) == (1.6, 0.0)
+
+
+def test_a_lid_is_lifted_off_and_put_aside(pantry: WorldState, hand: RuledHand) -> None:
+    made = planned("open the jar", pantry, hand)
+    assert [step.kind for step in made.steps] == ["lift_up", "carry", "set_down"]
+    assert made.grasp is not None
+    assert made.grasp.part == "lid"
+    assert made.grasp.approach_W == (0.0, 0.0, -1.0)
+    carry = made.steps[1]
+    assert isinstance(carry, Carry)
+    jar = pantry.objects["jar"]
+    # Free of the jar: both are 42 mm in radius.
+    assert np.hypot(carry.to.x - jar.pose.x, carry.to.y - jar.pose.y) > 0.084
+    # Retention 1.5 N and the lid's 60 g.
+    assert made.prediction.lid_force == pytest.approx(1.5 + 0.06 * 9.81, abs=1e-3)
+
+
+def test_a_lid_goes_back_from_where_it_lies(pantry: WorldState, hand: RuledHand) -> None:
+    off = _with(pantry, "jar", lid=0.3)
+    assert "not seen" in refused("close the jar", off, hand).message
+    lies = _with(pantry, "jar", lid=0.3, lid_at=(0.6, 0.0, 0.0))
+    made = planned("close the jar", lies, hand)
+    assert [step.kind for step in made.steps] == ["lift_up", "carry", "put_on"]
+    carry, on = made.steps[1:]
+    assert isinstance(carry, Carry)
+    assert (carry.to.x, carry.to.y) == pytest.approx((0.45, -0.10))
+    assert isinstance(on, PutOn)
+    assert on.onto == "jar"
+
+
+def test_a_cap_takes_a_holder(pantry: WorldState, hand: RuledHand) -> None:
+    made = refused("open the water bottle", pantry, hand)
+    assert made.reason == "impossible"
+    assert made.numbers["needed"] == pytest.approx(0.06)
+    # μ G c̄ of the free bottle.
+    assert made.numbers["held"] < made.numbers["needed"]
+    assert "N·m" in made.message
+    known = pantry.objects["water bottle"].model.model_copy(update={"finger_friction_sd": 0.05})
+    fixed = _with(pantry, "water bottle", model=known, fixed=True)
+    opened = planned("open the water bottle", fixed, hand)
+    assert [step.kind for step in opened.steps] == ["turn_cap", "lift_up", "carry", "set_down"]
+    turn = opened.steps[0]
+    assert isinstance(turn, TurnCap)
+    assert turn.angle == pytest.approx(math.tau)
+    assert turn.torque_limit > 0.06
+    assert opened.prediction.turning_torque is None
+
+
+def test_what_has_no_lid(table: WorldState, hand: RuledHand) -> None:
+    assert refused("open the mug", table, hand).message == "the mug has no lid"
+
+
+def test_less_force_than_the_lid_takes(pantry: WorldState, hand: RuledHand) -> None:
+    made = refused("open the ice tea cup with at most 0.2 N", pantry, hand)
+    assert made.numbers["allowed_force"] == 0.2
+    assert made.spans
