@@ -24,7 +24,7 @@ from nlcontrol.remarks import continued, corrected, latest, repeated, settled
 from nlcontrol.resolve import Context
 from nlcontrol.result import with_
 from nlcontrol.text import encodable
-from nlcontrol.undo import Pushed, in_words, way_back
+from nlcontrol.undo import Pushed, done_to, in_words, way_back
 
 if TYPE_CHECKING:
     from nlcontrol.controller import Controller, Progress
@@ -110,7 +110,7 @@ class Conversation:
         self._speak_of(kept.frames)
         for step in kept.steps:
             if step.execution and step.plan and step.before:
-                self.past.append(Pushed(kept, step.plan.push.object, step.before))
+                self.past.append(done_to(kept, step.plan, step.before))
 
     def _speak_of(self, frames: Sequence[g.Frame]) -> None:
         names = [name for frame in reversed(frames) for name in _names(frame)]
@@ -166,7 +166,7 @@ class Conversation:
     def _undo(self, command: g.Command, plan_only: bool, progress: Progress | None) -> Result:
         pushed = self._to_undo(command)
         text = pushed[-1].of.text
-        back = way_back(pushed, self.controller.look().objects, self.controller.defaults)
+        back = way_back(pushed, self.controller.look(), self.controller.defaults)
         if not back.frames:
             self._forget(pushed)
             what = "Everything is" if len(pushed) > 1 else f"The {pushed[0].object} is"

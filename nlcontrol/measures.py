@@ -88,16 +88,40 @@ def midpoint(trace: Trace) -> Array:
 
 def largest_push_speed(trace: Trace) -> float:
     """Largest speed of the fingertips' midpoint while pushing [m/s]."""
+    return _largest_speed(trace, ("push",), midpoint(trace))
+
+
+def _largest_speed(trace: Trace, phases: Sequence[str], points: Array) -> float:
+    """Largest speed of a point, shape (n, 3), during some phases [m/s]."""
     largest = 0.0
-    for i in stretches(trace, ("push",)):
+    for i in stretches(trace, phases):
         if len(i) < 2:
             continue
-        time, p_WT = trace.time[i], midpoint(trace)[i]
+        time, p = trace.time[i], points[i]
         a = np.maximum(time - SPEED_WINDOW / 2, time[0])
         b = np.minimum(time + SPEED_WINDOW / 2, time[-1])
-        travel = [np.interp(b, time, x) - np.interp(a, time, x) for x in p_WT.T]
+        travel = [np.interp(b, time, x) - np.interp(a, time, x) for x in p.T]
         largest = max(largest, float((np.linalg.norm(travel, axis=0) / (b - a)).max()))
     return largest
+
+
+HELD = ("lift", "carry", "pour", "set_down")
+"""Phases in which something is moved in the hand."""
+
+
+def largest_squeeze(trace: Trace) -> float:
+    """Largest force of the thumb on what is held, averaged [N]."""
+    thumb = trace.felt.get("thumb")
+    held = during(trace, ("grasp", *HELD))
+    if thumb is None or not held.any():
+        return 0.0
+    felt = np.linalg.norm(thumb, axis=1)
+    return float(windowed_mean(trace.time, felt, FORCE_WINDOW)[held].max())
+
+
+def largest_held_speed(trace: Trace, name: str) -> float:
+    """Largest speed of what is moved in the hand [m/s]."""
+    return _largest_speed(trace, ("lift", "carry", "set_down"), trace.poses[name][:, 4:])
 
 
 def push_duration(trace: Trace) -> float:
@@ -124,17 +148,20 @@ def rotation(pose: Array) -> Array:
     )
 
 
-def contacts(trace: Trace, name: str) -> list[tuple[Array, Array]]:
-    """Where the fingertips are, seen from the object, when each push begins.
+def contacts(
+    trace: Trace, name: str, phases: Sequence[str] = ("push",)
+) -> list[tuple[Array, Array]]:
+    """Where the fingertips are, seen from the object, when each push begins, or each grasp ends.
 
     Returns:
         Their midpoint p_BT in B [m] and the rotation R_WB, for each push.
     """
     found = []
-    for i in stretches(trace, ("push",)):
-        pose = trace.poses[name][i[0]]
+    for i in stretches(trace, phases):
+        at = i[0] if "push" in phases else i[-1]
+        pose = trace.poses[name][at]
         R_WB = rotation(pose)
-        found.append((R_WB.T @ (midpoint(trace)[i[0]] - pose[4:]), R_WB))
+        found.append((R_WB.T @ (midpoint(trace)[at] - pose[4:]), R_WB))
     return found
 
 

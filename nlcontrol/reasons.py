@@ -6,10 +6,12 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from nlcontrol import handwords
 from nlcontrol.answers import Answer
-from nlcontrol.checks import PLANNED_ENDS
+from nlcontrol.checks import HAND_ENDS, PLANNED_ENDS
 from nlcontrol.text import quantity
 from planner.directions import phrase
+from planner.handling.plan import HandlingPlan
 
 if TYPE_CHECKING:
     from nlcontrol.checks import Check
@@ -31,6 +33,8 @@ def reason(result: Result) -> Answer:
         text = f"{failed}: {result.error.message}.{instead}"
         return Answer(text=text, numbers=result.error.numbers)
     if result.plan:
+        if isinstance(result.plan, HandlingPlan):
+            return Answer(text=_held(result.plan), numbers=handwords.deciding(result.plan))
         return Answer(text=_chosen(result.plan), numbers=_deciding(result.plan))
     if result.answer:
         return result.answer
@@ -55,13 +59,21 @@ def _ended(result: Result) -> Iterator[str]:
     """Why the pushes ended before it was there."""
     execution = result.execution
     if execution is not None and execution.end not in PLANNED_ENDS:
-        yield f"The push ended early: {execution.detail}."
+        what = "The hand stopped" if execution.end in HAND_ENDS else "The push ended early"
+        yield f"{what}: {execution.detail}."
     if result.steps and result.steps[-1].stuck:
-        yield f"No further push was made: {result.steps[-1].stuck}."
+        yield f"Nothing more was done: {result.steps[-1].stuck}."
 
 
 def _measured(missed: list[Check]) -> dict[str, float]:
     return {check.clause: float(c) for check in missed if not isinstance(c := check.measured, str)}
+
+
+def _held(plan: HandlingPlan) -> str:
+    """What the hand does, and the numbers by which that works."""
+    why = handwords.reasons(plan) or handwords.predicted(plan)
+    notes = f" Besides: {'; '.join(plan.notes)}." if plan.notes else ""
+    return f"To {plan.action} the {plan.object}: {handwords.doing(plan)}; {'; '.join(why)}.{notes}"
 
 
 def _chosen(plan: Plan) -> str:

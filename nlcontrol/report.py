@@ -8,13 +8,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from nlcontrol import maps
+from nlcontrol import handwords, maps
 from nlcontrol.answers import Answer
 from nlcontrol.checks import Check
 from nlcontrol.names import listed
 from nlcontrol.result import Result, Step
 from nlcontrol.text import error_lines, quantity, words
 from planner.directions import phrase
+from planner.handling.plan import HandlingPlan
 from planner.plan import Aim, DefaultUsed, Limits, Plan, Push
 
 
@@ -52,13 +53,14 @@ def _step_lines(result: Result, step: Step | Result) -> Iterator[str]:
         yield ""
         yield "It is there already: nothing is to be done."
     if step.checks:
-        pushes = len(step.plans) if isinstance(step, Step) else 1
+        times = len(step.plans) if isinstance(step, Step) else 1
+        what = "tries" if isinstance(step.plan, HandlingPlan) else "pushes"
         yield ""
-        yield "What happened:" if pushes < 2 else f"What happened, in {pushes} pushes:"
+        yield "What happened:" if times < 2 else f"What happened, in {times} {what}:"
         yield from (check_line(result.text, check) for check in step.checks)
     if isinstance(step, Step) and step.lessons:
         yield ""
-        yield "What the pushes taught:"
+        yield f"What {'that' if isinstance(step.plan, HandlingPlan) else 'the pushes'} taught:"
         yield from (f"  {lesson.text}" for lesson in step.lessons)
     if step.answer:
         yield ""
@@ -89,8 +91,11 @@ def default_line(used: DefaultUsed) -> str:
     return f"  not said, by default: {used.name} {quantity(used.value, used.unit)} ({used.reason})"
 
 
-def plan_lines(plan: Plan) -> Iterator[str]:
+def plan_lines(plan: Plan | HandlingPlan) -> Iterator[str]:
     """Where and how hard it will push, why that does what was asked, and what comes after it."""
+    if isinstance(plan, HandlingPlan):
+        yield from handwords.plan_lines(plan)
+        return
     yield f"Plan: {push_line(plan.push)}."
     yield f"  Predicted: {_prediction(plan)}"
     yield f"  Why that is safe: {_safety(plan)}"

@@ -21,6 +21,9 @@ _SCALES: dict[str, tuple[float, str, int]] = {
     "N": (1.0, " N", 1),
     "m/s": (1e3, " mm/s", 0),
     "s": (1.0, " s", 1),
+    "m³": (1e6, " ml", 0),
+    "rad/s": (180.0 / math.pi, "°/s", 0),
+    "N·m": (1e3, " N·mm", 0),
     "": (1.0, "", 3),
 }
 

@@ -20,6 +20,8 @@ from nlcontrol.spread import CERTAIN
 from nlcontrol.text import quantity
 from planner.directions import phrase
 from planner.explain import believed, explain
+from planner.handling.explaining import explain_hand
+from planner.handling.plan import HandlingPlan
 from planner.rows import Clause, Row, Value, clauses, quoted, row
 
 if TYPE_CHECKING:
@@ -55,6 +57,8 @@ def ways(result: Result) -> tuple[Row, ...]:
 
 def _of_frame(frame: g.Frame, step: Step | None, result: Result) -> tuple[Row, ...]:
     if step is not None and step.plan is not None and step.basis is not None:
+        if isinstance(step.plan, HandlingPlan):
+            return explain_hand(frame, step.plan, result.text, step.basis)
         return explain(frame, step.plan, result.text, step.basis)
     answer = step.answer if step else None
     if answer is None and len(result.frames) == 1:

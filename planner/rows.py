@@ -16,8 +16,8 @@ from pydantic import BaseModel, ConfigDict
 from grammar import frames as g
 
 PartName = Literal[
-    "push controller", "controller", "question", "remark", "object model", "wanted outcome",
-    "constraint", "left open", "filler",
+    "push controller", "hand controller", "controller", "question", "remark", "object model",
+    "wanted outcome", "constraint", "left open", "filler",
 ]  # fmt: skip
 
 

@@ -32,8 +32,11 @@ if TYPE_CHECKING:
 
 __all__ = ["Check", "check", "not_held", "require_checkable"]
 
-PLANNED_ENDS = frozenset({"stroke", "turned", "returned", "event", "reached", "toppled"})
-"""Ends of a push that are as they were meant."""
+PLANNED_ENDS = frozenset({"stroke", "turned", "returned", "event", "reached", "toppled", "handled"})
+"""Ends of a push, or of what a hand did, that are as they were meant."""
+
+HAND_ENDS = frozenset({"no_grasp", "slipped", "missed", "nudged"})
+"""Ends of what a whole hand did that are not as they were meant."""
 
 _OF_PUSHES = frozenset(
     {"contact", "effector", "hard", "fast", "force", "min_force", "speed", "min_speed", "duration"}
@@ -87,9 +90,10 @@ def not_held(missed: Sequence[Check], trace: Trace, stuck: str | None = None) ->
     )
     message = f"executed, but this did not hold: {clauses}"
     if trace.end not in PLANNED_ENDS:
-        message += f" (the push ended early: {trace.detail})"
+        what = "the hand stopped" if trace.end in HAND_ENDS else "the push ended early"
+        message += f" ({what}: {trace.detail})"
     if stuck is not None:
-        message += f" (no further push was made: {stuck})"
+        message += f" (nothing more was done: {stuck})"
     spans = missed[0].spans
     return error("clause_not_held", message, span=spans[0] if spans else None).info
 

@@ -11,6 +11,7 @@ from grammar import frames as g
 from nlcontrol import measures
 from nlcontrol.checks.events import until
 from nlcontrol.checks.goals import stands
+from nlcontrol.checks.handling import by_hand
 from nlcontrol.checks.others import met
 from nlcontrol.checks.verdicts import Check, Relation, compare, named
 from planner.directions import face_name
@@ -25,6 +26,9 @@ HAND_SIDE = "right"
 
 
 def _no_topple(clause: g.NoTopple, e: Evidence) -> Iterator[Check]:
+    if by_hand(e):
+        yield from _kept_upright(clause, e)
+        return
     # Half the way to falling is too far for what is to slide, not for what is to tilt.
     tilts = any(isinstance(c, g.Until) and c.event == "about_to_tip" for c in e.frame.constraints)
     if e.frame.goal.kind != "tilt" and not tilts:
@@ -34,8 +38,17 @@ def _no_topple(clause: g.NoTopple, e: Evidence) -> Iterator[Check]:
     yield stands(clause, e)
 
 
+def _kept_upright(clause: g.NoTopple | g.NoTilt, e: Evidence) -> Iterator[Check]:
+    """What a hand holds is upright unless it is poured from, and so it is at the end."""
+    if e.frame.goal.kind != "pour":
+        limit = e.defaults.upright
+        yield compare(clause, "at_most", "largest tilt", limit, e.largest_tilt, 0.0, "rad")
+    _, tilt = measures.tilt_at_end(e.trace, e.name)
+    yield compare(clause, "at_most", "tilt at the end", e.defaults.upright, tilt, 0.0, "rad")
+
+
 def _no_tilt(clause: g.NoTilt, e: Evidence) -> Iterator[Check]:
-    limit = e.defaults.no_tilt
+    limit = e.defaults.upright if by_hand(e) else e.defaults.no_tilt
     yield compare(clause, "at_most", "largest tilt", limit, e.largest_tilt, 0.0, "rad")
 
 
@@ -102,6 +115,8 @@ def _force(relation: Relation) -> Callable[..., Iterator[Check]]:
     def checked(clause: g.MaxForce | g.MinForce | g.Force, e: Evidence) -> Iterator[Check]:
         felt, tolerance = measures.largest_push_force(e.trace), e.defaults.force_tolerance
         quantity = "largest push force felt"
+        if by_hand(e):
+            felt, quantity = measures.largest_squeeze(e.trace), "largest squeeze felt"
         yield compare(clause, relation, quantity, clause.value, felt, tolerance, "N")
 
     return checked
@@ -119,9 +134,16 @@ def _speed(
     def checked(clause: Any, e: Evidence) -> Iterator[Check]:
         speed, tolerance = measures.largest_push_speed(e.trace), e.defaults.speed_tolerance
         quantity = "largest speed of the push"
+        if by_hand(e):
+            quantity = "largest speed in the hand"
+            speed = measures.largest_held_speed(e.trace, e.name)
         yield compare(clause, relation, quantity, asked(clause, e), speed, tolerance, "m/s")
 
     return checked
+
+
+def _gentle(e: Evidence) -> float:
+    return e.defaults.carry_speed_gentle if by_hand(e) else e.defaults.speed_gentle
 
 
 def _max_duration(clause: g.MaxDuration, e: Evidence) -> Iterator[Check]:
@@ -141,7 +163,7 @@ def _max_distance(clause: g.MaxDistance, e: Evidence) -> Iterator[Check]:
 
 def _contact(clause: g.ContactRegion, e: Evidence) -> Iterator[Check]:
     """The first push that touched it elsewhere, if there is one; else the first of all."""
-    touches = measures.contacts(e.trace, e.name)
+    touches = measures.contacts(e.trace, e.name, ("grasp",) if by_hand(e) else ("push",))
     if not touches:
         yield named(clause, "contact", "touched", "never touched")
         return
@@ -204,8 +226,8 @@ CONSTRAINTS: dict[str, Callable[..., Iterator[Check]]] = {
     "max_speed": _speed("at_most", lambda clause, _: clause.value),
     "min_speed": _speed("at_least", lambda clause, _: clause.value),
     "speed": _speed("about", lambda clause, _: clause.value),
-    "gentle": _speed("at_most", lambda _, e: e.defaults.speed_gentle),
-    "slow": _speed("at_most", lambda _, e: e.defaults.speed_gentle),
+    "gentle": _speed("at_most", lambda _, e: _gentle(e)),
+    "slow": _speed("at_most", lambda _, e: _gentle(e)),
     "fast": _speed("at_least", lambda _, e: e.defaults.speed_fast),
     "max_duration": _max_duration,
     "duration": _duration,

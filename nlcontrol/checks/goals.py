@@ -9,6 +9,7 @@ import numpy as np
 
 from grammar import frames as g
 from nlcontrol import measures
+from nlcontrol.checks import handling
 from nlcontrol.checks.verdicts import Check, Clause, Relation, compare, named, placed
 from planner.directions import HEADINGS, angle_between, heading_of
 from planner.displacements import asked_distance, asked_heading
@@ -103,7 +104,10 @@ def _place(goal: g.Place, e: Evidence) -> Iterator[Check]:
         start = e.start.objects[e.name]
         place = share_of_way(place, goal.fraction, start, e.defaults.place_tolerance)
     yield from (placed(goal, measure) for measure in place.measures(e.end.objects[e.name]))
-    yield from _still_stands(goal, e)
+    if handling.by_hand(e):
+        yield from handling.set_down_upright(goal, e)
+    else:
+        yield from _still_stands(goal, e)
 
 
 def _rotate(goal: g.Rotate, e: Evidence) -> Iterator[Check]:
@@ -163,5 +167,10 @@ GOALS: dict[str, Callable[..., Iterator[Check]]] = {
     "tilt": _tilt,
     "topple": _topple,
     "none": _none,
+    "lift": handling.lifted,
+    "set_down": handling.set_down,
+    "open": handling.opened,
+    "close": handling.closed,
+    "pour": handling.poured,
 }
 """The check of each kind of goal; a kind that is missing cannot be checked."""

@@ -50,8 +50,10 @@ def others(e: Evidence) -> Iterator[Check]:
 
 
 def _to_be_touched(e: Evidence) -> Iterator[str]:
-    """Objects that the sentence wants the object to touch."""
+    """Objects that the sentence wants the object to touch, or to be poured into."""
     goal = e.frame.goal
+    if isinstance(goal, g.Pour) and goal.into is not None:
+        yield goal.into.id or goal.into.text
     if isinstance(goal, g.Place) and goal.relation == "touching":
         assert isinstance(goal.reference, tuple)
         yield from (ref.id for ref in goal.reference if ref.id)
@@ -62,5 +64,5 @@ def _to_be_touched(e: Evidence) -> Iterator[str]:
 
 def _begun(trace: Trace) -> float:
     """When the robot began to touch anything [s]."""
-    touching = np.flatnonzero(measures.during(trace, ("touch", "push")))
+    touching = np.flatnonzero(measures.during(trace, ("touch", "push", "grasp", "lid")))
     return float(trace.time[touching[0]]) if len(touching) else float("inf")

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from planner.relations import Measure
 
 Relation = Literal["about", "at_most", "at_least", "is"]
-Unit = Literal["m", "rad", "N", "m/s", "s", ""]
+Unit = Literal["m", "rad", "N", "m/s", "s", "m³", ""]
 
 
 class Clause(Protocol):
