@@ -85,8 +85,7 @@ class Contents(Phrases):
         flat = [p for c in children for p in (c if isinstance(c, list) else [c])]
         thing = next(part for part in flat if isinstance(part, ThingPart))
         others = [part for part in flat if isinstance(part, Part) and part is not thing]
-        opening = self._w.span(children[:1])
-        return [FilledWithPart((opening[0], thing.span[1]), thing), *others]
+        return [FilledWithPart(self._w.span(children[:1]), thing), *others]
 
     # --- where, and how -----------------------------------------------------------------------
 

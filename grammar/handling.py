@@ -3,7 +3,16 @@
 from __future__ import annotations
 
 from grammar import frames as g
-from grammar.parts import FullPart, IntoPart, LengthPart, LidPart, SharePart, ThingPart, VolumePart
+from grammar.parts import (
+    FilledWithPart,
+    FullPart,
+    IntoPart,
+    LengthPart,
+    LidPart,
+    SharePart,
+    ThingPart,
+    VolumePart,
+)
 from grammar.taking import Clause
 
 
@@ -68,6 +77,7 @@ def filled(clause: Clause) -> g.Pour:
     into, share = clause.first(IntoPart), clause.first(SharePart)
     if into and share and share.span < into.span and not share.of_way:
         clause.put(share, FullPart(share.span, share.value))  # fill half of the mug
+    clause.take(FilledWithPart)
     goal = poured(clause)
     said = (goal.amount, goal.fraction, goal.volume, goal.fill)
     return goal if any(said) else goal.model_copy(update={"fill": 1.0})

@@ -71,9 +71,8 @@ def _filled(parts: Sequence[Part], verb: VerbPart) -> Parts:
     if filled is None or any(isinstance(part, IntoPart) for part in parts):
         return list(parts)
     out: Parts = [IntoPart(filled.span, filled.ref) if p is filled else p for p in parts]
-    if not any(isinstance(part, FilledWithPart) for part in parts):
-        return [*out, _it(verb)]
-    return [part.thing if isinstance(part, FilledWithPart) else part for part in out]
+    source = next((part.thing for part in parts if isinstance(part, FilledWithPart)), None)
+    return [*out, source or _it(verb)]
 
 
 def _poured(parts: Sequence[Part], verb: VerbPart) -> Parts:

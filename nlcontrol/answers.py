@@ -118,7 +118,7 @@ def chance(probability: float) -> str:
 
 def affordance_lines(found: Affordance) -> Iterator[str]:
     """One thing that may be done with an object, in up to three lines."""
-    head = f"{'✓' if found.can else '✗'} {found.outcome} {found.direction}"
+    head = f"{'✓' if found.can else '✗'} {found.outcome} {found.direction}".rstrip()
     if found.least_force is None or found.place is None:
         yield f"{head}: {found.message}"
         return

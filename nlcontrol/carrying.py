@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 from grammar import frames as g
 from nlcontrol.checks import not_held
 from nlcontrol.errors import NOT_UNDERSTOOD, ControlError, ErrorInfo, refusal_error
-from nlcontrol.handwork import TRIED_AGAIN, believed_after
+from nlcontrol.handwork import TRIED_AGAIN, believed_after, weighed
 from nlcontrol.learning import learned
 from nlcontrol.result import Result, ResultStatus, Step, summary, with_
 from planner.directions import angle_between
@@ -213,7 +213,7 @@ class _Carrying:
         trace = self.controller.execute(made, self.progress)
         self.traces.append(trace)
         if isinstance(made, HandlingPlan):
-            self.controller.models |= believed_after(made, self.controller.models, trace)
+            self._learn_by_hand(made, trace)
             return trace.end not in TRIED_AGAIN
         self._learn(made, state, trace)
         if trace.end in FAILURES:
@@ -238,6 +238,16 @@ class _Carrying:
         self._note(lessons=(*self.step.lessons, lesson))
         if lesson.contradicts and self.progress is not None:
             self.progress("learn", float(trace.time[-1]), lesson.text)
+
+    def _learn_by_hand(self, made: HandlingPlan, trace: Trace) -> None:
+        """What lifting taught of a weight, and where the contents are now."""
+        models = self.controller.models
+        found = weighed(made, models[made.object], trace)
+        if found is not None:
+            model, lesson = found
+            self.controller.models[made.object] = model
+            self._note(lessons=(*self.step.lessons, lesson))
+        models |= believed_after(made, models, trace)
 
     def _traced(self, result: Result) -> Result:
         """The result with everything that happened for this frame."""

@@ -168,7 +168,7 @@ class Controller:
         from planner.affordances import affordances
 
         seen, state = self.surroundings(name)
-        return affordances(seen, state, self.reach, defaults=self.defaults)
+        return affordances(seen, state, self.reach, hand=self.reach, defaults=self.defaults)
 
     def surroundings(self, name: str) -> tuple[SeenObject, WorldState]:
         """An object and everything about it that is believed.

@@ -15,7 +15,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nlcontrol import measures
-from planner.handling.plan import HandlingPlan, PourOut
+from nlcontrol.learning import Change, Lesson
+from objectmodels.thresholds import GRAVITY
+from planner.handling.plan import HandlingPlan, LiftUp, PourOut
+from sim.handling.weighing import Weight, weight
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
@@ -26,6 +29,8 @@ TRIED_AGAIN: frozenset[EndReason] = frozenset(
 )
 """Ends after which the hand tries once more, if it may."""
 
+_SWUNG = 2.0 / 3.0  # share of the time for which it is held at the end in which it hangs still
+_HELD = 0.4  # least of that time [s]
 _FROM_LEVEL = 0.02  # a share of the contents that always stays unknown
 
 
@@ -51,6 +56,68 @@ def believed_after(
         made.object: refilled(models[made.object], -ended * poured, doubt),
         into: refilled(models[into], ended * received, doubt),
     }
+
+
+def felt_weight(made: HandlingPlan, trace: Trace) -> Weight | None:
+    """What hung on the fingers after the first lift; None if nothing was lifted."""
+    held = next((step.hold for step in made.steps if isinstance(step, LiftUp)), None)
+    lifts = measures.stretches(trace, ("lift",))
+    if held is None or not lifts or trace.end in ("no_grasp", "unreachable"):
+        return None
+    up = lifts[0]
+    # It hangs still in the end; the arm still swings at first.
+    still = up[trace.time[up] > trace.time[up[-1]] - _SWUNG * max(held, _HELD)]
+    vertical = np.sum([force[still, 2] for force in trace.felt.values()], axis=0)
+    return weight(vertical, len(still))
+
+
+def weighed(
+    made: HandlingPlan, model: ObjectModel, trace: Trace
+) -> tuple[ObjectModel, Lesson] | None:
+    """What is believed of an object that was lifted; None if it was not.
+
+    What it weighs otherwise than believed is put down to its contents, as far as these are
+    uncertain.
+
+    Args:
+        made: what was to happen.
+        model: what was believed.
+        trace: what happened.
+    """
+    felt = felt_weight(made, trace)
+    if felt is None or model.mass_sd == 0.0:
+        return None
+    measured, sd = felt.mean / GRAVITY, felt.sd / GRAVITY
+    gain = model.mass_sd**2 / (model.mass_sd**2 + sd**2)
+    more = gain * (measured - model.mass)
+    rest_sd = math.sqrt(1.0 - gain) * model.mass_sd
+    container, after = model.container, model
+    if container is not None and container.contents_sd > 0.0:
+        of_contents = min((container.density * container.contents_sd / model.mass_sd) ** 2, 1.0)
+        after = refilled(model, of_contents * more / container.density)
+        assert after.container is not None
+        known = after.container.model_copy(
+            update={"contents_l_sd": math.sqrt(1.0 - gain) * container.contents_l_sd}
+        )
+        after = after.model_copy(update={"container": known})
+    after = after.model_copy(update={"mass": model.mass + more, "mass_sd": rest_sd})
+    return after, Lesson(
+        object=made.object,
+        moved="lift",
+        force=felt.mean,
+        surprise=(measured - model.mass) / math.hypot(model.mass_sd, sd),
+        contradicts=False,
+        why=None,
+        changes=(
+            Change(
+                parameter="mass",
+                before=model.mass,
+                before_sd=model.mass_sd,
+                after=after.mass,
+                after_sd=after.mass_sd,
+            ),
+        ),
+    )
 
 
 def refilled(model: ObjectModel, more: float, sd: float = 0.0) -> ObjectModel:

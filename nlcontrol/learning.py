@@ -85,11 +85,11 @@ class Change(BaseModel):
 
 
 class Lesson(BaseModel):
-    """What one push taught.
+    """What one push taught, or what hung on the fingers.
 
     Attributes:
         object: its name in the scene.
-        moved: what gave way; `none` if nothing did.
+        moved: what gave way; `none` if nothing did; `lift` if it was lifted.
         force: felt then [N].
         surprise: how far that was from what was predicted, in standard deviations.
         contradicts: whether the push was stopped because it went otherwise than predicted.
@@ -100,7 +100,7 @@ class Lesson(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     object: str
-    moved: Literal["slide", "topple", "slip", "none"]
+    moved: Literal["slide", "topple", "slip", "lift", "none"]
     force: float
     surprise: float
     contradicts: bool
@@ -110,6 +110,9 @@ class Lesson(BaseModel):
     @property
     def text(self) -> str:
         """In a sentence."""
+        if self.moved == "lift":
+            now = "; ".join(change.text for change in self.changes)
+            return f"The {self.object} hung on the fingers with {self.force:.2f} N: {now}"
         moved = {"slide": "slid", "topple": "tilted", "slip": "let the finger slip"}
         what = moved.get(self.moved, "stood still")
         begun = f"{self.why}: the {self.object}" if self.why else f"The {self.object}"

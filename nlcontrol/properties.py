@@ -44,6 +44,8 @@ def value(frame: g.Frame, state: WorldState, position_sd: float) -> Answer:
     for name in which or EVERYTHING:
         if name == "position":
             text, figures = _position(target, position_sd)
+        elif name == "fill" and target.model.vessel is not None:
+            text, figures = _fill(target)
         elif name in _TOLD:
             text, figures = _TOLD[name](target)
         else:
@@ -57,7 +59,9 @@ def value(frame: g.Frame, state: WorldState, position_sd: float) -> Answer:
 
 def _unknown(name: str, target: SeenObject, spans: g.Spans) -> ControlError:
     known = ", ".join(word.replace("_", " ") for word in (*_TOLD, "position"))
-    words = "how full objects are" if name == "fill" else f"the {name.replace('_', ' ')} of objects"
+    words = f"the {name.replace('_', ' ')} of objects"
+    if name == "fill":
+        words = f"what is in the {target.name}"
     return ControlError(
         ErrorInfo(
             code="unsupported",
@@ -85,6 +89,18 @@ def _friction(target: SeenObject) -> Told:
     m = target.model
     text = f"has a friction coefficient of {known(m.friction, m.friction_sd)} on the table"
     return text, {"friction": m.friction, "friction_sd": m.friction_sd}
+
+
+def _fill(target: SeenObject) -> Told:
+    container, vessel = target.model.container, target.model.vessel
+    assert container is not None
+    assert vessel is not None, "what is full or not is hollow"
+    has, sd = container.contents, container.contents_sd
+    spread = f" ± {quantity(sd, 'm³')}" if sd else ""
+    share = has / vessel.capacity
+    text = f"holds {quantity(has, 'm³')}{spread}, {100 * share:.0f} % of what fits into it"
+    figures = {"contents": has, "contents_sd": sd, "fill": share, "capacity": vessel.capacity}
+    return text, figures
 
 
 def _extents(target: SeenObject) -> dict[str, float]:

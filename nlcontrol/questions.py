@@ -15,6 +15,7 @@ from grammar import frames as g
 from nlcontrol.answers import DOES, Answer, Considered, affordance_lines, chance, newtons
 from nlcontrol.checks import require_checkable
 from nlcontrol.errors import ControlError, error
+from nlcontrol.handquestions import WholeReach, asks_for_hand, can, predict_hand, spills
 from nlcontrol.inquiry import EVENTS, Inquiry, inquiry, target_of
 from nlcontrol.limits import figures, how_hard
 from nlcontrol.names import listed
@@ -25,19 +26,19 @@ from nlcontrol.text import quantity
 from planner import plan
 from planner.affordances import TURNING_ARM, affordances
 from planner.directions import HEADINGS, heading_of, phrase
+from planner.handling.plan import HandlingPlan
 from planner.plan import Plan, Reached
 
 if TYPE_CHECKING:
     from planner.affordances import Affordance
     from planner.defaults import Defaults
-    from planner.reach import Reach
     from planner.state import WorldState
 
 
 def answer(
     frame: g.Frame,
     state: WorldState,
-    reach: Callable[[], Reach],
+    reach: Callable[[], WholeReach],
     defaults: Defaults,
     *,
     position_sd: float = 0.0,
@@ -56,6 +57,10 @@ def answer(
             the planner if what is asked about is no push of this robot.
     """
     match frame.query:
+        case "predict" if asks_for_hand(frame):
+            return predict_hand(frame, state, reach(), defaults)
+        case "predict" if frame.event == "spills":
+            return spills(frame, state, defaults)
         case "predict":
             return _predict(frame, state, defaults)
         case "possible":
@@ -126,6 +131,7 @@ def _probability(event: g.Event, found: PushPrediction, turns: bool) -> float:
         "tilts": p["topple"],
         "turns": p["slide"] if turns else 0.0,
         "stays_upright": 1.0 - p["topple"],
+        "holds": 1.0 - p["slide"] - p["topple"],
     }[event]
 
 
@@ -161,16 +167,16 @@ def _reasons(found: PushPrediction) -> str:
 # -- what can be done -------------------------------------------------------------------------
 
 
-def _possible(frame: g.Frame, state: WorldState, reach: Reach, defaults: Defaults) -> Answer:
+def _possible(frame: g.Frame, state: WorldState, reach: WholeReach, defaults: Defaults) -> Answer:
     """Whether the planner finds a push for what is asked, and which one or why not."""
     command = frame.model_copy(update={"query": None, "event": None})
-    made = plan(command, state, reach, defaults=defaults)
-    if isinstance(made, Plan):
+    made = plan(command, state, reach, hand=reach, defaults=defaults)
+    if isinstance(made, Plan | HandlingPlan):
         try:
             require_checkable(command)
         except ControlError as raised:
             return _no(raised.info.code, raised.info.message, raised.info.suggestions, {})
-        return _can(made)
+        return _can(made) if isinstance(made, Plan) else can(made)
     if isinstance(made, Reached):
         return Answer(query="possible", text="Yes: it is there already.", numbers={}, yes=True)
     return _no(made.reason, made.message, made.suggestions, made.numbers)
@@ -219,10 +225,12 @@ def _no(
     )
 
 
-def _affordances(frame: g.Frame, state: WorldState, reach: Reach, defaults: Defaults) -> Answer:
+def _affordances(
+    frame: g.Frame, state: WorldState, reach: WholeReach, defaults: Defaults
+) -> Answer:
     """What can be done with an object: a sentence, and the lines of `nlcontrol affordances`."""
     target = target_of(frame, state)
-    found = affordances(target, state, reach, defaults=defaults)
+    found = affordances(target, state, reach, hand=reach, defaults=defaults)
     can = [each for each in found if each.can]
     done = dict.fromkeys(each.outcome for each in can)
     lacking = dict.fromkeys(each.outcome for each in found if each.outcome not in done)
@@ -240,6 +248,8 @@ def _affordances(frame: g.Frame, state: WorldState, reach: Reach, defaults: Defa
 def _ways(outcome: str, can: list[Affordance]) -> str:
     """One thing that can be done, with its directions and its least force."""
     ways = [a for a in can if a.outcome == outcome]
+    if not ways[0].direction:
+        return f"{outcome} it"
     least = min(a.least_force for a in ways if a.least_force is not None)
     directions = listed([phrase(HEADINGS[a.direction]) for a in ways])
     return f"{outcome} it {directions} (from {newtons(least)} on)"

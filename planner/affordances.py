@@ -2,7 +2,8 @@
 
 For each way of moving it (slide or topple to a side, tilt, turn) two answers: what the object
 allows, from its model (from which face, at what least force, where it is sure), and what the robot
-can do, which is whether the planner makes a plan for it.
+can do, which is whether the planner makes a plan for it. For what a whole hand does with it (lift
+it, open or close its lid) the planner alone is asked, and whether it can be poured from.
 
 Frames: contacts are places on a face of B; directions are the robot's.
 """
@@ -18,6 +19,7 @@ from grammar import frames as g
 from objectmodels.outcomemap import OutcomeMap, outcome_map
 from planner.defaults import DEFAULTS, Defaults
 from planner.directions import HEADINGS, angle_between, face_name, heading_of
+from planner.handling.plan import HandlingPlan
 from planner.plan import Plan, Refusal
 from planner.planning import plan
 
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from objectmodels import Face
+    from planner.handling.reach import HandReach
     from planner.plan import FaceName
     from planner.reach import Reach
     from planner.state import SeenObject, WorldState
@@ -43,8 +46,9 @@ class Affordance:
     """One thing that may be done with an object.
 
     Attributes:
-        outcome: `slide`, `topple`, `tilt` or `turn`.
-        direction: `away`, `toward`, `left`, `right` (for `turn`: which way it turns).
+        outcome: `slide`, `topple`, `tilt`, `turn`, `lift`, `open`, `close` or `pour`.
+        direction: `away`, `toward`, `left`, `right` (for `turn`: which way it turns); empty for
+            what a whole hand does.
         face: face that is pushed, as the robot calls it; None if there is none.
         possible: whether any contact on that face has this outcome at the onset.
         least_force: smallest force at which it begins, nominal [N].
@@ -71,7 +75,12 @@ class Affordance:
 
 
 def affordances(
-    target: SeenObject, state: WorldState, reach: Reach, *, defaults: Defaults = DEFAULTS
+    target: SeenObject,
+    state: WorldState,
+    reach: Reach,
+    *,
+    hand: HandReach | None = None,
+    defaults: Defaults = DEFAULTS,
 ) -> tuple[Affordance, ...]:
     """What can be done with an object.
 
@@ -79,9 +88,45 @@ def affordances(
         target: the object, in `state`.
         state: what the robot believes.
         reach: whether the hand gets somewhere.
+        hand: what it can hold; None of a robot that only pushes.
         defaults: what a clause means when nothing more is said.
     """
-    return tuple(_all(target, state, reach, defaults))
+    pushed = tuple(_all(target, state, reach, defaults))
+    if hand is None:
+        return pushed
+    return (*pushed, *_by_hand(target, state, reach, hand, defaults))
+
+
+def _by_hand(
+    target: SeenObject, state: WorldState, reach: Reach, hand: HandReach, defaults: Defaults
+) -> Iterator[Affordance]:
+    """What a whole hand can do with it; nothing of which its model does not speak."""
+    model, ref = target.model, g.ObjectRef(text=target.name, id=target.name)
+    frames: list[g.Frame] = []
+    if model.grasp is not None:
+        frames.append(g.Frame(action="lift", object=ref, goal=g.Lift()))
+    if model.lid is not None:
+        frames.append(g.Frame(action="open", object=ref, goal=g.Open()))
+        frames.append(g.Frame(action="close", object=ref, goal=g.Close()))
+    if model.grasp is not None and model.container is not None and model.container.contents > 0.0:
+        frames += [
+            g.Frame(action="pour", object=ref, goal=g.Pour(into=g.ObjectRef(text=name, id=name)))
+            for name, seen in state.objects.items()
+            if name != target.name and seen.model.container is not None
+        ][:1]
+    for frame in frames:
+        made = plan(frame, state, reach, hand=hand, defaults=defaults)
+        none = None, True, None, None, None
+        assert frame.action is not None
+        if isinstance(made, Refusal):
+            yield Affordance(
+                frame.action, "", *none, False, made.reason, made.message, made.suggestions
+            )
+        elif isinstance(made, HandlingPlan):
+            told = f"probability {made.probability:.2f}"
+            if made.grasp is not None:
+                told = f"squeezed with {made.grasp.squeeze:.1f} N, {told}"
+            yield Affordance(frame.action, "", *none, True, None, told)
 
 
 def _all(

@@ -72,6 +72,7 @@ class Stage:
     def __init__(
         self, monkeypatch: pytest.MonkeyPatch, controller: Controller, *happens: Happens
     ) -> None:
+        self.holding = None
         self.happens = list(happens)
         self.poses = {name: seen.pose for name, seen in controller.look().objects.items()}
         self.start = self.poses[BOX]
