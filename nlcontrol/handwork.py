@@ -31,6 +31,7 @@ TRIED_AGAIN: frozenset[EndReason] = frozenset(
 
 _SWUNG = 2.0 / 3.0  # share of the time for which it is held at the end in which it hangs still
 _HELD = 0.4  # least of that time [s]
+_ROUNDING = 1e-9
 _FROM_LEVEL = 0.02  # a share of the contents that always stays unknown
 
 
@@ -132,7 +133,8 @@ def refilled(model: ObjectModel, more: float, sd: float = 0.0) -> ObjectModel:
     assert container is not None, "what is poured is in a container"
     assert vessel is not None
     before = container.contents
-    after = float(np.clip(before + more, 0.0, vessel.capacity))
+    most = (1.0 - _ROUNDING) * vessel.capacity  # litres and cubic metres differ in the last digit
+    after = float(np.clip(before + more, 0.0, most))
     spread = min(math.hypot(container.contents_sd, sd, _FROM_LEVEL * abs(more)), after)
     shell = model.mass - container.mass
     mass = shell + container.density * after

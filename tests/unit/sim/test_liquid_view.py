@@ -1,4 +1,4 @@
-"""Liquid that is drawn: as much as there is, where it is, and a stream that reaches what it fills."""
+"""Liquid that is drawn: as much as there is, where it is; a stream reaches what it fills."""
 
 from __future__ import annotations
 

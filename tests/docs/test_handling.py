@@ -1,0 +1,69 @@
+"""The guide to the whole hand: its sentences are read, its runs print what it shows."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from grammar import parse
+from nlcontrol.cli import run
+from planner.defaults import DEFAULTS
+from planner.handling.planning import is_handled
+
+GUIDE = (Path(__file__).parents[2] / "docs" / "handling.md").read_text(encoding="utf-8")
+SECTIONS = dict(re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", GUIDE, re.MULTILINE | re.DOTALL))
+PROMPT = re.compile(r"^\$ nlcontrol (.*)\n", re.MULTILINE)
+
+
+def _blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)
+
+
+def _runs() -> list[tuple[str, str]]:
+    """Each command, and what is shown of its answer."""
+    found = []
+    for block in _blocks("console"):
+        _, *parts = PROMPT.split(block)
+        found += list(zip(parts[::2], parts[1::2], strict=True))
+    return found
+
+
+@pytest.mark.parametrize(("command", "shown"), _runs(), ids=[command for command, _ in _runs()])
+def test_the_guide_shows_what_is_printed(
+    capsys: pytest.CaptureFixture[str], command: str, shown: str
+) -> None:
+    run(shlex.split(command))
+    printed = capsys.readouterr()
+    assert " ".join(shown.split()) in " ".join((printed.out + printed.err).split())
+
+
+@pytest.mark.parametrize("text", re.findall(r"“(.*?)”", SECTIONS["What can be said"])[:-1])
+def test_each_sentence_takes_a_hand(text: str) -> None:
+    """The last one is a remark."""
+    (frame,) = parse(text).frames
+    assert is_handled(frame)
+
+
+def test_the_python_of_the_guide() -> None:
+    (code,) = _blocks("python")
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out):
+        exec(compile(code, "handling.md", "exec"), {})
+    assert out.getvalue().strip() == code.rstrip().rpartition("# ")[2]
+
+
+def test_the_numbers_of_the_checks() -> None:
+    checked = SECTIONS["What is checked"]
+    d = DEFAULTS
+    assert f"within {1e3 * d.lift_tolerance:.0f} mm" in checked
+    assert f"{100 * d.pour_least:.0f} % or more of everything" in checked
+    assert f"within {100 * d.pour_share:.0f} % or {1e6 * d.pour_margin:.0f} ml" in checked
+    assert f"{100 * d.spill_tolerance:.0f} % or less is spilled" in checked
+    assert f"less than {1e3 * d.stays_put:.0f} mm" in checked
+    assert "three times at most (`most_tries`)" in GUIDE
+    assert d.most_tries == 3

@@ -1,0 +1,111 @@
+"""Questions about what a whole hand does, and about what is spilled."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from grammar import frames as g
+from nlcontrol import Controller
+from nlcontrol.errors import ControlError
+
+
+@pytest.fixture(scope="module")
+def kitchen() -> Controller:
+    return Controller("kitchen")
+
+
+def test_too_heavy_with_both_forces(kitchen: Controller) -> None:
+    answer = kitchen.say("can you lift the ice tea box?").answer
+    assert answer is not None
+    assert answer.yes is False
+    assert answer.numbers["needed_force"] > answer.numbers["strongest"] > 0.0
+    held = kitchen.say("will the ice tea box hold if you lift it?").answer
+    assert held is not None
+    assert held.yes is False
+    assert held.text == answer.text
+
+
+def test_what_can_be_lifted_says_how(kitchen: Controller) -> None:
+    answer = kitchen.say("can you lift the ice tea?").answer
+    assert answer is not None
+    assert answer.yes is True
+    assert answer.text.startswith("Yes: lift it by 100 mm and hold it, held from its side")
+    assert answer.numbers["squeeze"] > answer.numbers["needed_squeeze"]
+    held = kitchen.say("will it hold if you lift the ice tea?").answer
+    assert held is not None
+    assert held.probability is not None
+    assert held.probability > 0.95
+
+
+def test_more_than_the_mug_holds(kitchen: Controller) -> None:
+    answer = kitchen.say("can you pour 500 ml of the ice tea into the mug?").answer
+    assert answer is not None
+    assert answer.yes is False
+    assert answer.numbers["volume"] == pytest.approx(5e-4)
+    assert answer.numbers["room"] < 5e-4
+
+
+def test_how_full(kitchen: Controller) -> None:
+    answer = kitchen.say("how much is in the ice tea?").answer
+    vessel = kitchen.models["ice tea"].vessel
+    assert answer is not None
+    assert vessel is not None
+    assert answer.text.startswith("The ice tea holds 300 ml ± 30 ml, ")
+    assert answer.numbers["fill"] == pytest.approx(3e-4 / vessel.capacity)
+
+
+# -- what is spilled ----------------------------------------------------------------------------
+
+
+def test_a_tilt_spills_what_stands_above_the_lip(kitchen: Controller) -> None:
+    answer = kitchen.say("how much will spill if you tilt the ice tea to the left by 100 degrees?")
+    assert answer.answer is not None
+    model, pose = kitchen.models["ice tea"], kitchen.look().objects["ice tea"].pose
+    assert model.vessel is not None
+    brim = float(model.vessel.brim(math.radians(100), math.pi / 2 - pose.yaw))
+    # Both look once; the camera's noise turns the carton by less than a degree.
+    assert answer.answer.numbers["spilled"] == pytest.approx(3e-4 - brim, abs=2e-6)
+    assert answer.answer.yes is True
+    assert " ± " in answer.answer.text
+
+
+def test_a_little_tilt_spills_nothing_and_says_from_when_on(kitchen: Controller) -> None:
+    answer = kitchen.say("will it spill if you tilt the ice tea by 10 degrees?").answer
+    assert answer is not None
+    assert answer.yes is False
+    assert "begins to run out at" in answer.text
+
+
+def test_a_closed_lid_keeps_it_in(kitchen: Controller) -> None:
+    answer = kitchen.say("how much will spill if you tilt the ice tea cup by 80 degrees?").answer
+    assert answer is not None
+    assert answer.yes is False
+    assert "its lid is closed" in answer.text
+
+
+def test_what_topples_lies_on_its_side(kitchen: Controller) -> None:
+    answer = kitchen.say("how much will spill if you topple the ice tea to the left?").answer
+    assert answer is not None
+    # Its opening is in the middle of that side, and what is in it stays below that.
+    assert answer.numbers["brim"] > answer.numbers["contents"]
+    assert "on its side, it would spill nothing: it begins to run out at 9" in answer.text
+    assert answer.push is not None
+
+
+def test_what_is_no_container_is_named(kitchen: Controller) -> None:
+    box = g.ObjectRef(text="cereal box", id="cereal box")
+    frame = g.Frame(
+        query="predict", event="spills", action="tilt", object=box, goal=g.Tilt(angle=0.5)
+    )
+    with pytest.raises(ControlError) as raised:
+        kitchen.answer(frame)
+    assert raised.value.info.capability == "knowing what is in the cereal box"
+
+
+def test_affordances_of_a_hand(kitchen: Controller) -> None:
+    found = {a.outcome: a for a in kitchen.affordances("ice tea") if not a.direction}
+    assert found.keys() == {"lift", "pour"}
+    assert found["lift"].can
+    assert "squeezed with" in found["lift"].message
