@@ -13,6 +13,7 @@ import pytest
 from nlcontrol import cli
 from nlcontrol.cli import output, run
 from nlcontrol.result import Result
+from planner.plan import Plan
 
 SENTENCE = "push the ice tea box away without toppling it"
 
@@ -139,7 +140,7 @@ def test_plan_answers_with_a_valid_result(capsys: pytest.CaptureFixture[str]) ->
     assert status == 0
     result = Result.model_validate(document)
     assert (result.ok, result.status, result.seed) == (True, "planned", 3)
-    assert result.plan is not None
+    assert isinstance(result.plan, Plan)
     assert result.plan.prediction.outcome == "slide"
     assert result.frames[0].object is not None
     assert result.frames[0].object.id == "ice tea box"

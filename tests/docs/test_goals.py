@@ -15,7 +15,7 @@ from nlcontrol import Controller
 from nlcontrol.cli import run
 from nlcontrol.cli.sentences import plan as plan_command
 from planner.defaults import DEFAULTS
-from planner.plan import RefusalReason
+from planner.plan import Plan, RefusalReason
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "goals.md").read_text(encoding="utf-8")
 PLAIN = " ".join(GUIDE.split())
@@ -60,9 +60,9 @@ def test_each_aim_is_planned(kitchen: Controller, text: str) -> None:
 @pytest.mark.parametrize("words", re.findall(r"“(.*?)”", SECTIONS["What stops a push"]))
 def test_each_event_and_limit_stops_a_push(kitchen: Controller, words: str) -> None:
     made = kitchen.say(f"push the ice tea box {words}", plan_only=True).plan
-    assert made is not None
     usual = kitchen.say("push the ice tea box away", plan_only=True).plan
-    assert usual is not None
+    assert isinstance(made, Plan)
+    assert isinstance(usual, Plan)
     # An event ends the last push of a way that takes several.
     push = (made.push, *(move.push for move in made.later))[-1]
     newtons = re.search(r"(\d+) N", words) or re.search(r"(\d+) newtons", words)

@@ -78,7 +78,7 @@ def test_a_remark_becomes_the_frame_that_it_means(
     result = plan(conversation, f"{AWAY} 10 cm", remark)
     assert (result.status, result.text) == ("planned", remark)
     assert goal(result) == (object_, asked)
-    assert result.plan is not None
+    assert isinstance(result.plan, Plan)
     assert result.plan.push.object == object_
 
 
@@ -185,7 +185,7 @@ def test_why_this_push(conversation: Conversation, question: str) -> None:
     assert (result.ok, result.status) == (True, "answered")
     assert result.answer is not None
     planned = conversation.say(AWAY, plan_only=True).plan
-    assert planned is not None
+    assert isinstance(planned, Plan)
     height = planned.prediction.critical_height
     assert height is not None
     assert f"topple only when pushed above {1e3 * height:.0f} mm" in result.answer.text

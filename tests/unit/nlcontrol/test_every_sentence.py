@@ -9,6 +9,7 @@ import pytest
 from grammar.sampling import samples
 from nlcontrol import Controller, Result
 from nlcontrol.errors import CODES
+from planner.plan import Plan
 
 NOUNS = ("ice tea box", "cereal box", "coffee box", "box", "mug")
 """On the table, several of them, and known to the registry alone."""
@@ -79,7 +80,7 @@ def test_what_has_a_controller_is_planned_to_its_end(
 ) -> None:
     result = kitchen.say(text, plan_only=True)
     assert (result.status, result.exit_status) == ("planned", 0)
-    assert result.plan is not None
+    assert isinstance(result.plan, Plan)
     assert result.plan.push.ends_on == ends_on
     assert 1 + len(result.plan.later) >= pushes
     assert (result.plan.aim is None) == (ends_on == "tilted")

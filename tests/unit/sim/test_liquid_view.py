@@ -1,4 +1,4 @@
-"""Liquid that is drawn: as much as there is, where it is; a stream reaches what it fills."""
+"""Liquid that is drawn: as much as there is, where it is; its stream reaches what it fills."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def poured() -> tuple[Moved, Trace]:
         contents.append(dict(moved.liquid.contents))
     n = len(rows)
     trace = Trace(
-        time=0.01 * np.arange(n),
+        time=np.linspace(0.0, 0.01 * (n - 1), n),
         phase=np.full(n, "pour"),
         poses={name: np.array([_pose(*row[name]) for row in rows]) for name in rows[0]},
         seen={}, joints=np.zeros((n, 0)), joint_names=(), tips={}, felt={},
