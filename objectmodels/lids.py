@@ -103,6 +103,22 @@ def height(lid: Lid) -> float:
     return lid.height + (lid.knob_height if isinstance(lid, LiftOffLid) else 0.0)
 
 
+def rise(model: ObjectModel, opened: float) -> float:
+    """How far the object's lid, if it has one, rises above its top [m].
+
+    Args:
+        model: the object.
+        opened: angle of a flip lid [rad]; for others it does not matter.
+    """
+    if model.lid is None:
+        return 0.0
+    up = 0.0
+    if isinstance(model.lid, FlipLid):
+        reach = hinge(model.lid, rim(model), model.top).reach + model.lid.tab
+        up = reach * float(np.sin(np.clip(opened, 0.0, 0.5 * np.pi)))
+    return height(model.lid) + up
+
+
 def middle(lid: Lid, rim: Base, top: float) -> Array:
     """Centre of mass of a closed lid in B, shape (3,) [m]; a knob weighs nothing."""
     if isinstance(lid, FlipLid):

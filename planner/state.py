@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from objectmodels.errors import ModelError
+from objectmodels.lids import rise
 from objectmodels.support import hull
 
 if TYPE_CHECKING:
@@ -121,8 +122,13 @@ class SeenObject:
         return cls(name, here, rest.model, rest.face, colour, fragile, None, fixed, lid)
 
     def bulk(self) -> tuple[NDArray[np.float64], float]:
-        """An upright prism around it as it lies: corners in W, shape (k, 2), and height [m]."""
+        """An upright prism around it as it lies: corners in W, shape (k, 2), and height [m].
+
+        A lid counts as far as it rises above it, not as far as it stands out.
+        """
         outline, top = self.model.outline, self.model.top
+        if self.lid is not None:
+            top += rise(self.model, self.lid)
         if self.attitude is None:
             return outline @ self.pose.R_WB[:2, :2].T + self.pose.p_WB[:2], top
         corners = np.array([[x, y, z] for z in (0.0, top) for x, y in outline])

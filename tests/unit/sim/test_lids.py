@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -82,6 +83,15 @@ def test_what_is_seen_of_lids_and_holders(pantry: Scene) -> None:
         # They settle by micrometres and microradians.
         assert value == pytest.approx(expected[name], abs=1e-4)
         assert seen[name].lid == pytest.approx(expected[name], abs=1e-12)
+
+
+def test_a_lid_rises_above_its_object(pantry: Scene) -> None:
+    seen = Controller(scene=pantry, seed=0).look().objects
+    assert seen["jar"].bulk()[1] == pytest.approx(0.11 + 0.008 + 0.025)
+    assert seen["free bottle"].bulk()[1] == pytest.approx(0.21 + 0.021)
+    cup = replace(seen["ice tea cup"], lid=np.radians(100.0))
+    assert cup.bulk()[1] == pytest.approx(0.12 + 0.003 + 0.07 + 0.02)
+    assert replace(cup, lid=None).bulk()[1] == 0.12
 
 
 def test_noise_on_lids_leaves_that_on_poses_as_it_was(pantry: Scene) -> None:
