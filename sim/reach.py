@@ -18,6 +18,7 @@ from planner.handling.reach import Grip
 from planner.plan import Push
 from planner.reach import ReachAnswer
 from planner.state import WorldState
+from sim import spheres
 from sim.hand import TIP_RADIUS
 from sim.handling.flipsearch import FlipSearch, FlipStance
 from sim.handling.grips import NARROWEST, WIDEST, hand_grip
@@ -25,6 +26,7 @@ from sim.handling.search import HandWay, best_way
 from sim.hands import LARGEST_SKEW, hands, strongest
 from sim.reachmap import reach_map
 from sim.scene import Scene
+from sim.scenery import TABLE_CLEARANCE
 from sim.search import Search
 from sim.stance import Mount, Stance
 from sim.way import Way
@@ -43,6 +45,7 @@ class ArmReach:
         force_skew: largest vertical force per force along the push.
         lowest_height: of a contact above the table [m].
         narrowest, widest: between thumb and fingers of a hand that holds something [m].
+        lowest_level: height above the table of the middle of a grasp from beside [m].
     """
 
     fingertip_radius = TIP_RADIUS
@@ -50,6 +53,7 @@ class ArmReach:
     force_skew = LARGEST_SKEW
     lowest_height = TIP_RADIUS + 0.015
     narrowest, widest = NARROWEST, WIDEST
+    lowest_level = spheres.ARM_RADIUS + TABLE_CLEARANCE
 
     def __init__(self, scene: Scene) -> None:
         self.mount = Mount.of(scene.robot)

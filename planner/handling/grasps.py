@@ -122,7 +122,9 @@ def of_body(target: SeenObject, hand: HandReach, how: Manner) -> list[Candidate]
     if not closing:
         raise refusals.not_that_wide(target, [pair.width for pair in sides], hand)
     found = [
-        candidate for pair, grip in closing for candidate in _about(target, pair, grip, low, high)
+        candidate
+        for pair, grip in closing
+        for candidate in _about(target, pair, grip, (low, high), hand.lowest_level)
     ]
     if not found:
         raise refusals.no_room(target, low, high, how)
@@ -209,16 +211,20 @@ def _opposite(one: Face, other: Face) -> _Sides | None:
 
 
 def _about(
-    target: SeenObject, pair: _Sides, grip: Grip, low: float, high: float
+    target: SeenObject, pair: _Sides, grip: Grip, limits: tuple[float, float], level: float
 ) -> Iterator[Candidate]:
-    """All ways to hold a pair of sides between two heights."""
+    """All ways to hold a pair of sides between two heights, from beside not below a level."""
     for closing in (pair.normal, -pair.normal):
         for approach in (pair.along, -pair.along, _DOWN):
             offsets = grip.contacts @ np.array([approach, np.cross(approach, closing)])
-            heights = _within((low, high), offsets @ _UP)
+            heights = _within(limits, offsets @ _UP)
             laterals = _within(pair.extent, offsets @ pair.along, _BORDER)
             if heights is None or laterals is None:
                 continue
+            if approach[2] == 0.0:
+                heights = (max(heights[0], level), heights[1])
+                if heights[0] > heights[1]:
+                    continue
             balanced = (np.array(target.model.com) - pair.middle) @ pair.along
             at = pair.middle + float(np.clip(balanced, *laterals)) * pair.along
             for height in np.unique(np.linspace(*heights, _HEIGHTS)):

@@ -44,6 +44,9 @@ class HandReach(Protocol):
     widest: float
     """Largest width [m]."""
 
+    lowest_level: float
+    """Least height above the table of the middle of a grasp from beside [m]."""
+
     def grip(self, width: float) -> Grip | None:
         """How it closes about that width [m]; None if it does not."""
         ...

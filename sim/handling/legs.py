@@ -136,7 +136,8 @@ def legs_of(
     there = _straight("approach", R_WB, p_WB + off, p_WB, REACH_SPEED, free=True)
     made: list[tuple[Leg, ...]] = [() if plan.held else (there,)]
     for step in plan.steps:
-        made.append(tuple(_step(step, held, R_WB, p_WB)))
+        legs = _step(step, held, R_WB, p_WB)
+        made.append(tuple(replace(leg, speed=min(leg.speed, plan.speed)) for leg in legs))
         if made[-1]:
             R_WB, p_WB = made[-1][-1].ends
     if not isinstance(plan.steps[-1], SetDown):

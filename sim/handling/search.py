@@ -119,6 +119,7 @@ class HandSearch:
         self._R_BP, self._p_BP = R_BG, p_BG - R_BG @ grip.middle
         self._closed, self._open = grip.posture(), grip.posture(grip.opening)
         self._scenery = Scenery.of(state, plan.object)
+        self._kept = dict(plan.clear_of)
         flat = [leg for some in self._legs for leg in some]
         self._free = np.concatenate([np.full(len(leg.sampled()), leg.free) for leg in flat])
         self._last = np.concatenate(
@@ -215,6 +216,7 @@ class HandSearch:
         into = {step.into for step in self._plan.steps if isinstance(step, PourOut)}
         for each in self._scenery.others:
             clearance = HELD_CLEARANCE if each.name in into else each.clearance
+            clearance = max(clearance, self._kept.get(each.name, 0.0))
             # What stands close already is not hit by being lifted.
             near = each.distance(body[:1]).min(initial=np.inf)
             if not each.is_clear(body, min(clearance, max(0.0, 0.9 * near))).all():

@@ -27,6 +27,7 @@ class RuledHand:
     rule: Callable[[HandlingPlan], bool] = lambda _: True
     narrowest: float = 0.008
     widest: float = 0.100
+    lowest_level: float = 0.0
     strongest: float = 11.0
     blocker: str | None = None
     asked: list[HandlingPlan] = field(default_factory=list)
