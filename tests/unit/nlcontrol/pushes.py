@@ -15,6 +15,7 @@ from nlcontrol import Controller
 from planner.plan import Plan
 from planner.state import PlanarPose
 from sim.trace import Trace
+from sim.vision import Frame, SeenPose
 
 TraceMaker = Callable[..., Trace]
 Happens = Callable[[Plan], Trace]
@@ -81,8 +82,8 @@ class Stage:
         monkeypatch.setattr("sim.execute", self.execute)
         monkeypatch.setattr("sim.DrakeWorld", lambda *_, **__: self)
 
-    def look(self, _: float) -> dict[str, PlanarPose]:
-        return dict(self.poses)
+    def watch(self, _: float) -> list[Frame]:
+        return [Frame(0.0, 0.0, {n: SeenPose(x.R_WB, x.p_WB) for n, x in self.poses.items()})]
 
     def execute(self, plan: Plan, *_: object, progress: Any = None, **__: object) -> Trace:
         if progress is not None:
