@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -61,6 +61,11 @@ def _headed(yaw: float, q: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.column_stack([c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w])
 
 
+def shown(poses: Mapping[str, PlanarPose]) -> list[Frame]:
+    """What a perfect camera shows of objects."""
+    return [Frame(0.0, 0.0, {name: SeenPose(at.R_WB, at.p_WB) for name, at in poses.items()})]
+
+
 class Stage:
     """Plays the world: what comes of a push is made up, and the object stands where that left it.
 
@@ -83,7 +88,7 @@ class Stage:
         monkeypatch.setattr("sim.DrakeWorld", lambda *_, **__: self)
 
     def watch(self, _: float) -> list[Frame]:
-        return [Frame(0.0, 0.0, {n: SeenPose(x.R_WB, x.p_WB) for n, x in self.poses.items()})]
+        return shown(self.poses)
 
     def execute(self, plan: Plan, *_: object, progress: Any = None, **__: object) -> Trace:
         if progress is not None:

@@ -18,7 +18,7 @@ from nlcontrol.errors import ControlError
 from nlcontrol.result import Result
 from objectmodels import Registry
 from planner.plan import Plan, Refusal
-from tests.unit.nlcontrol.pushes import BOX, FORWARDS, Happens, Stage, TraceMaker
+from tests.unit.nlcontrol.pushes import BOX, FORWARDS, Happens, Stage, TraceMaker, shown
 
 SENTENCE = "push the ice tea box away without toppling it"
 
@@ -74,7 +74,7 @@ def test_what_fell_is_not_pushed_on(
     stage = Stage(monkeypatch, controller, goes(end="guard", tilt=math.radians(90)))
     fallen = replace(stage.poses[BOX], attitude=FORWARDS)
     monkeypatch.setattr(
-        stage, "look", lambda _: stage.poses | ({BOX: fallen} if stage.executed else {})
+        stage, "watch", lambda _: shown(stage.poses | ({BOX: fallen} if stage.executed else {}))
     )
     result = controller.say(SENTENCE)
     assert (result.status, len(stage.executed)) == ("failed", 1)
