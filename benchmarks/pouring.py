@@ -7,7 +7,7 @@ step by step, into the cylinder or beside it (`sim.liquid`). The prediction know
 and aim, and takes the tilting as steady and the lip as still (`objectmodels.pouring`). A share of
 the contents is asked for, by which the prediction picks the tilt.
 
-    python -m benchmarks.pouring [--cases 200] [--seed 0]
+    python -m benchmarks.pouring [--cases 120] [--seed 0] [--processes 2]
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import argparse
 import math
 import time
 from collections.abc import Mapping
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -254,17 +255,17 @@ class Result:
     off: Mapping[str, float]
 
 
-def run(cases: int, seed: int) -> list[Result]:
-    """Random pours, predicted and simulated."""
+def one(seed: tuple[int, int]) -> Result:
+    """A random pour, predicted and simulated.
+
+    Args:
+        seed: of the benchmark, and of the case in it.
+    """
     rng = np.random.default_rng(seed)
-    results = []
-    for _ in range(cases):
-        case = random_case(rng)
-        said, ran = predicted(case), simulated(case, rng)
-        contents = case.source[1]
-        off = {name: (said[name] - ran[name]) / contents for name in QUANTITIES}
-        results.append(Result(case, ran, off))
-    return results
+    case = random_case(rng)
+    said, ran = predicted(case), simulated(case, rng)
+    contents = case.source[1]
+    return Result(case, ran, {name: (said[name] - ran[name]) / contents for name in QUANTITIES})
 
 
 def table(results: list[Result]) -> str:
@@ -276,6 +277,8 @@ def table(results: list[Result]) -> str:
     groups = [(q, "all", results) for q in QUANTITIES]
     groups += [("poured", kind, [r for r in results if r.case.kind == kind]) for kind in KINDS]
     for quantity, which, members in groups:
+        if not members:
+            continue
         off = 100.0 * np.abs([r.off[quantity] for r in members])
         within = (off <= 100.0 * PROMISED).mean()
         lines.append(
@@ -288,11 +291,13 @@ def table(results: list[Result]) -> str:
 def main() -> None:
     """Prints the table."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--cases", type=int, default=200)
+    parser.add_argument("--cases", type=int, default=120)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--processes", type=int, default=2)
     given = parser.parse_args()
     start = time.perf_counter()
-    results = run(given.cases, given.seed)
+    with ProcessPoolExecutor(given.processes) as pool:
+        results = list(pool.map(one, [(given.seed, i) for i in range(given.cases)]))
     print(table(results))
     contents = np.array([r.case.source[1] for r in results])
     shares = {q: np.array([r.volumes[q] for r in results]) / contents for q in QUANTITIES}

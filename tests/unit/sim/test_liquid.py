@@ -179,6 +179,25 @@ def test_a_world_tells_its_observer() -> None:
     assert truth.container.contents == FULL
 
 
+def test_a_carton_that_falls_over_spills() -> None:
+    """Let go beyond its angle of no return, towards its opening; the mug stands aside."""
+    from pydrake.math import RigidTransform, RotationMatrix
+
+    world = DrakeWorld(parse_scene(SCENE.replace("y_m: 0.15", "y_m: -0.2")))
+    tilt = np.radians(35.0)
+    X_WB = RigidTransform(RotationMatrix.MakeXRotation(-tilt), [0.5, 0.0, 0.04 * np.sin(tilt)])
+    plant, body = world._plant, world._model.bodies["carton"]
+    plant.SetFreeBodyPose(world._context, body, X_WB)
+    for _ in range(150):
+        world.step(*world.commanded)
+    last = world.history[-1]
+    # It lies on its side; in a second and a half half of it is out.
+    assert last.poses["carton"][1] == pytest.approx(-np.sqrt(0.5), abs=0.05)
+    assert last.spilled > 0.3 * FULL
+    assert last.spilled + sum(last.contents.values()) == pytest.approx(FULL)
+    assert world.truth_now("carton").mass_kg == pytest.approx(0.34 - 1000.0 * last.spilled)
+
+
 def test_a_world_without_containers_has_no_liquid() -> None:
     world = DrakeWorld(parse_scene(PLAIN))
     world.step(*world.commanded)
