@@ -1,7 +1,7 @@
 """Where a hand could hold an object: between two sides that look away from each other.
 
 Model: the thumb touches one side, the other fingers the opposite one, on a line across. The
-straight fingers come along the sides, level or from above. A grip is a pattern of contacts about
+straight fingers come along the sides, level or from above, or askew where that does not do. A grip is a pattern of contacts about
 its middle (`planner.handling.reach.Grip`); all of them must lie on the sides and between the
 heights at which the model may be touched. Along the sides the middle is where the centre of mass
 is, so that the weight does not turn the object about the line across. A knob or a cap is held from
@@ -12,8 +12,10 @@ Frame: B of the object.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -31,6 +33,8 @@ if TYPE_CHECKING:
 
 _HEADINGS = np.radians(np.arange(0.0, 180.0, 22.5))  # in W, across which a round side is held
 _BORDER = 0.004  # distance of a contact from the border of its side [m]
+_SQUARE = np.array([0.0, math.pi / 2.0])  # pitches at which the fingers come: level, from above
+_ASKEW = np.radians([30.0, 45.0, 60.0])
 _HEIGHTS = 3  # at which each side is tried
 _UP = np.array([0.0, 0.0, 1.0])
 _DOWN = -_UP
@@ -89,7 +93,7 @@ class _Sides:
         along: ẑ × normal, shape (3,).
         middle: of the line across, shape (3,) at height 0 [m].
         width: between them [m].
-        extent: how far they go on along `along`, both ways from the middle [m].
+        extent: between which they may be touched along `along`, from the middle [m].
     """
 
     normal: Array
@@ -121,12 +125,14 @@ def of_body(target: SeenObject, hand: HandReach, how: Manner) -> list[Candidate]
     closing = [(pair, grip) for pair, grip in grips if grip is not None]
     if not closing:
         raise refusals.not_that_wide(target, [pair.width for pair in sides], hand)
-    found = [
-        candidate
-        for pair, grip in closing
-        for candidate in _about(target, pair, grip, (low, high), hand.lowest_level)
-    ]
-    if not found:
+    found: list[Candidate] = []
+    # Where neither level nor upright fingers find room, those that come down askew may.
+    for pitches in (_SQUARE, _ASKEW):
+        for pair, grip in closing:
+            found += _about(target, pair, grip, (low, high), hand.lowest_level, pitches)
+        if found:
+            break
+    else:
         raise refusals.no_room(target, low, high, how)
     return found
 
@@ -206,35 +212,48 @@ def _opposite(one: Face, other: Face) -> _Sides | None:
         return None
     across = 0.5 * (a @ n + b @ n)
     middle = across * n + 0.5 * (low + high) * along
-    half = 0.5 * float(high - low)
+    half = 0.5 * float(high - low) - _BORDER
     return _Sides(n, along, middle * _LEVEL, float((a - b) @ n), (-half, half))
 
 
 def _about(
-    target: SeenObject, pair: _Sides, grip: Grip, limits: tuple[float, float], level: float
+    target: SeenObject,
+    pair: _Sides,
+    grip: Grip,
+    limits: tuple[float, float],
+    level: float,
+    pitches: Array,
 ) -> Iterator[Candidate]:
     """All ways to hold a pair of sides between two heights, from beside not below a level."""
-    for closing in (pair.normal, -pair.normal):
-        for approach in (pair.along, -pair.along, _DOWN):
-            offsets = grip.contacts @ np.array([approach, np.cross(approach, closing)])
-            heights = _within(limits, offsets @ _UP)
-            laterals = _within(pair.extent, offsets @ pair.along, _BORDER)
-            if heights is None or laterals is None:
+    for closing, approach in product((pair.normal, -pair.normal), _approaches(pair, pitches)):
+        offsets = grip.contacts @ np.array([approach, np.cross(approach, closing)])
+        heights = _within(limits, offsets @ _UP)
+        laterals = _within(pair.extent, offsets @ pair.along)
+        if heights is None or laterals is None:
+            continue
+        if approach[2] == 0.0:
+            heights = (max(heights[0], level), heights[1])
+            if heights[0] > heights[1]:
                 continue
-            if approach[2] == 0.0:
-                heights = (max(heights[0], level), heights[1])
-                if heights[0] > heights[1]:
-                    continue
-            balanced = (np.array(target.model.com) - pair.middle) @ pair.along
-            at = pair.middle + float(np.clip(balanced, *laterals)) * pair.along
-            for height in np.unique(np.linspace(*heights, _HEIGHTS)):
-                yield Candidate("body", at + height * _UP, closing, approach, pair.width, grip)
+        balanced = (np.array(target.model.com) - pair.middle) @ pair.along
+        at = pair.middle + float(np.clip(balanced, *laterals)) * pair.along
+        for height in np.unique(np.linspace(*heights, _HEIGHTS)):
+            yield Candidate("body", at + height * _UP, closing, approach, pair.width, grip)
 
 
-def _within(
-    limits: tuple[float, float], offsets: Array, border: float = 0.0
-) -> tuple[float, float] | None:
+def _approaches(pair: _Sides, pitches: Array) -> list[Array]:
+    """Directions of the straight fingers, as steep as some pitches."""
+    found = [
+        math.cos(pitch) * along - math.sin(pitch) * _UP
+        for pitch in pitches.tolist()
+        for along in (pair.along, -pair.along)
+        if pitch < math.pi / 2.0
+    ]
+    return [*found, _DOWN] if math.pi / 2.0 in pitches else found
+
+
+def _within(limits: tuple[float, float], offsets: Array) -> tuple[float, float] | None:
     """Where the middle of some contacts may be so that all of them lie between limits."""
-    low = limits[0] + border - float(offsets.min())
-    high = limits[1] - border - float(offsets.max())
+    low = limits[0] - float(offsets.min())
+    high = limits[1] - float(offsets.max())
     return (low, high) if low <= high else None

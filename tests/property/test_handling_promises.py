@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 from hypothesis import given, settings
@@ -46,7 +45,7 @@ def _state(yaw: float, scale: float, slippery: float) -> WorldState:
     return WorldState(objects, TableState(-0.2, 1.2, -0.8, 0.8))
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(
     text=st.sampled_from(TEXTS),
     yaw=st.floats(-math.pi, math.pi),
@@ -68,7 +67,7 @@ def test_an_accepted_plan_keeps_its_promises(
         return  # pushed there, since it is too heavy to be held
     assert made.probability >= DEFAULTS.probability
     if made.grasp is not None:
-        _keeps_hold(made, state)
+        _keeps_hold(made, state, 1.2 if "gently" in text else 1.5)
     _stands_free(made, state)
     found = made.prediction
     if found.lid_force is not None and found.topple_force is not None:
@@ -78,10 +77,10 @@ def test_an_accepted_plan_keeps_its_promises(
         assert found.spilled <= DEFAULTS.spill_tolerance * found.received
 
 
-def _keeps_hold(made: HandlingPlan, state: WorldState) -> None:
+def _keeps_hold(made: HandlingPlan, state: WorldState, reserve: float) -> None:
     grasp = made.grasp
     assert grasp is not None
-    assert DEFAULTS.grasp_reserve_gentle * grasp.needed <= grasp.squeeze * (1.0 + 1e-9)
+    assert reserve * grasp.needed <= grasp.squeeze * (1.0 + 1e-9)
     assert grasp.squeeze <= grasp.strongest * (1.0 + 1e-9)
     graspable = state.objects[made.object].model.grasp
     assert graspable is not None
@@ -96,7 +95,6 @@ def _stands_free(made: HandlingPlan, state: WorldState) -> None:
     """Where something is put, nothing else stands."""
     for step in made.steps:
         if isinstance(step, Carry) and made.action == "place":
-            target = moved(state.objects[made.object], np.array([step.to.x, step.to.y]))
-            there = replace(target)
+            there = moved(state.objects[made.object], np.array([step.to.x, step.to.y]))
             others = (seen for name, seen in state.objects.items() if name != made.object)
             assert all(gap(footprint(there), footprint(seen)) > 0.0 for seen in others)
