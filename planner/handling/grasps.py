@@ -1,11 +1,11 @@
 """Where a hand could hold an object: between two sides that look away from each other.
 
 Model: the thumb touches one side, the other fingers the opposite one, on a line across. The
-straight fingers come along the sides, level or from above, or askew where that does not do. A grip is a pattern of contacts about
-its middle (`planner.handling.reach.Grip`); all of them must lie on the sides and between the
-heights at which the model may be touched. Along the sides the middle is where the centre of mass
-is, so that the weight does not turn the object about the line across. A knob or a cap is held from
-above, with the fingers around it.
+straight fingers come along the sides, level or from above, or askew where that does not do. A grip
+is a pattern of contacts about its middle (`planner.handling.reach.Grip`); all of them must lie on
+the sides and between the heights at which the model may be touched. Along the sides the middle is
+where the centre of mass is, so that the weight does not turn the object about the line across. A
+knob or a cap is held from above, with the fingers around it.
 
 Frame: B of the object.
 """

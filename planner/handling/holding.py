@@ -173,6 +173,9 @@ def holds(task: Task, bearings: Sequence[Bearing]) -> list[Hold]:
     # Height does not matter to a hold; in the middle there is most room for the hand.
     heights = np.array([each.candidate.middle[2] for each in bearings])
     off = np.abs(heights - 0.5 * (heights.min() + heights.max()))
+    # Except for a hand that comes down askew: its palm is low.
+    steep = np.array([-each.candidate.approach[2] for each in bearings])
+    off = np.where((steep > 0.0) & (steep < 1.0), heights.max() - heights, off)
     order = sorted(
         np.flatnonzero(good).tolist(),
         key=lambda i: (crowded[i], -round(float(spare[i]), 2), off[i]),
