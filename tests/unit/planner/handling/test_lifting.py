@@ -54,9 +54,9 @@ def test_what_is_too_heavy_is_refused_with_both_forces(table: WorldState, hand: 
 
 
 def test_what_is_too_wide_is_refused_with_both_widths(table: WorldState, hand: RuledHand) -> None:
-    hand.widest = 0.05
+    hand.widest = 0.04
     made = refused("lift the ice tea", table, hand)
-    assert made.message == "the ice tea is 60 mm wide, the hand opens to 50 mm"
+    assert made.message == "the ice tea is 44 mm wide, the hand opens to 40 mm"
 
 
 def test_a_model_without_a_place_to_hold(hand: RuledHand) -> None:
@@ -192,3 +192,17 @@ def test_a_place_that_is_taken(table: WorldState, hand: RuledHand) -> None:
     made = refused("put the ice tea to the left of the ice tea cup", taken, hand)
     assert made.reason == "blocked"
     assert "the mug stands there" in made.message
+
+
+def test_a_low_mug_is_held_by_fingers_that_come_down_askew(
+    table: WorldState, hand: RuledHand
+) -> None:
+    hand.lowest_level = 0.06  # where the mug may not be touched by all three fingers any more
+    grasp = planned("lift the mug", table, hand).grasp
+    assert grasp is not None
+    assert -1.0 < grasp.approach_W[2] < 0.0
+    assert np.dot(grasp.closing_W, grasp.approach_W) == pytest.approx(0.0, abs=LENGTHS)
+    # Steeply enough that three fingers side by side, 27 mm apart, lie within its 15 to 70 mm.
+    rise = 0.027 * np.hypot(*grasp.approach_W[:2])
+    assert grasp.p_BG[2] - rise >= 0.015 - LENGTHS
+    assert grasp.p_BG[2] + rise <= 0.07 + LENGTHS

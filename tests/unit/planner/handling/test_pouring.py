@@ -22,10 +22,12 @@ MUG = 3.285e-4  # what the mug of the registry holds [m³]
 
 @pytest.fixture
 def known(table: WorldState) -> WorldState:
-    """The carton's contents are known to 15 ml, so that the mug surely takes them."""
+    """0.30 l are in the carton, known to 15 ml, so that the mug surely takes them."""
     carton = table.objects["ice tea"]
     assert carton.model.container is not None
-    container = carton.model.container.model_copy(update={"contents_l_sd": 0.015})
+    container = carton.model.container.model_copy(
+        update={"contents_l": 0.3, "contents_l_sd": 0.015}
+    )
     model = carton.model.model_copy(update={"container": container})
     return replace(table, objects={**table.objects, "ice tea": replace(carton, model=model)})
 
