@@ -21,6 +21,7 @@ from nlcontrol.exploring import (
 )
 from nlcontrol.inquiry import target_of
 from nlcontrol.names import listed
+from nlcontrol.weighing import by_lifting, weigh
 from objectmodels.identification.design import precisions, reached
 
 if TYPE_CHECKING:
@@ -117,6 +118,8 @@ def find_out(
     Raises:
         ControlError: `unsupported`, `not_on_table`, `not_explorable`.
     """
+    if by_lifting(frame):
+        return None, weigh(controller, _on_table(controller, frame), frame, progress)
     name, parameters = _on_table(controller, frame), wanted(frame)
     precision, model = controller.defaults.found_to, controller.models[name]
     question = frame.model_copy(update={"query": "value", "action": None, "constraints": ()})
@@ -141,7 +144,9 @@ def announced(controller: Controller, frame: g.Frame, state: WorldState) -> str:
     Raises:
         ControlError: as for `find_out`.
     """
-    _on_table(controller, frame)
+    name = _on_table(controller, frame)
+    if by_lifting(frame):
+        return f"the {name} would be lifted, weighed in the hand and set down again"
     kinds = kinds_for(wanted(frame))
     target = target_of(frame, state)
     share = f"{100.0 * controller.defaults.found_to:.0f} %"

@@ -77,7 +77,7 @@ def test_what_a_push_teaches() -> None:
         "object", "moved", "force", "surprise", "contradicts", "why", "changes"
     ]  # fmt: skip
     assert _definition("Lesson")["properties"]["moved"]["enum"] == [
-        "slide", "topple", "slip", "none"
+        "slide", "topple", "slip", "lift", "none"
     ]  # fmt: skip
     assert list(_definition("Change")["properties"]) == [
         "parameter", "before", "before_sd", "after", "after_sd"

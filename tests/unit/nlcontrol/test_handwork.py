@@ -141,7 +141,26 @@ def test_what_was_opened_is_closed_and_what_was_poured_stays(kitchen: Controller
     assert poured.notes == ("what was poured from the ice tea is not poured back",)
 
 
+def test_only_the_weight_is_found_out_by_lifting(kitchen: Controller) -> None:
+    result = kitchen.say("find out the friction of the ice tea by lifting it")
+    assert result.error is not None
+    assert result.error.capability == "finding out more than the weight by lifting"
+    assert kitchen.say("weigh the ice tea box by lifting it").status == "refused"
+    note = kitchen.say("weigh the ice tea by lifting it", plan_only=True).notes
+    assert note == ("the ice tea would be lifted, weighed in the hand and set down again",)
+
+
 # -- in the simulated world ---------------------------------------------------------------------
+
+
+def test_weighed_in_the_hand_and_set_down() -> None:
+    controller = Controller("kitchen", seed=2)
+    answer = controller.say("weigh the ice tea by lifting it").answer
+    assert answer is not None
+    # The levers of the fingertips are known to 1 %, and the hand hangs still for half a second.
+    assert answer.numbers["mass"] == pytest.approx(0.34, rel=0.05)
+    assert answer.numbers["mass_now_sd"] < 0.5 * answer.numbers["believed_sd"]
+    assert controller.held is None
 
 
 def test_what_was_lifted_stays_in_the_hand() -> None:
