@@ -381,7 +381,7 @@ def test_why_a_clause_failed(
     )
     assert "ended early" in result.answer.text
     assert failed.steps[0].stuck is not None
-    assert f"No further push was made: {failed.steps[0].stuck}." in result.answer.text
+    assert f"Nothing more was done: {failed.steps[0].stuck}." in result.answer.text
 
 
 # --- frames ----------------------------------------------------------------------------------
