@@ -21,7 +21,7 @@ from planner.state import WorldState
 from sim import spheres
 from sim.hand import TIP_RADIUS
 from sim.handling.flipsearch import FlipSearch, FlipStance
-from sim.handling.grips import NARROWEST, WIDEST, hand_grip
+from sim.handling.grips import NARROWEST, WIDEST, hand_grip, pinch
 from sim.handling.search import HandWay, best_way
 from sim.hands import LARGEST_SKEW, hands, strongest
 from sim.reachmap import reach_map
@@ -108,7 +108,8 @@ class ArmReach:
         """The best way of arm and hand through a plan, or why there is none."""
         if plan.grasp is None:
             return ReachAnswer(False, "kinematics", "nothing is held")
-        grip = hand_grip(plan.grasp.width)
+        closes = hand_grip if plan.grasp.part == "body" else pinch
+        grip = closes(plan.grasp.width)
         if grip is None:
             least, most = 1e3 * self.narrowest, 1e3 * self.widest
             return ReachAnswer(

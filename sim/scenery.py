@@ -95,7 +95,7 @@ class Obstacle:
         """Which poses of the robot keep the clearance, shape (...) for spheres (..., k, 4)."""
         least = self.clearance if clearance is None else clearance
         room = robot[..., 3] + least
-        near = robot[..., 2] < room + self.height
+        near = robot[..., 2] < room + self.p_WB[2] + self.height
         if near.any():
             # Nothing but the spheres near it is looked at closely.
             x, y = robot[..., 0] - self.middle[0], robot[..., 1] - self.middle[1]

@@ -69,6 +69,15 @@ def whole_hand(posture: Posture) -> Array:
     return np.vstack([hand_spheres(posture), tip_spheres(posture)])
 
 
+def bare_hand(posture: Posture) -> Array:
+    """Spheres of the whole hand in P, its fingers as thin as they are, shape (n, 4)."""
+    fingers = [finger_points(finger, posture.angles[finger]) for finger in FINGERS]
+    links = [
+        row(a, b, LINK_RADIUS, _SPACING) for each in fingers for a, b in itertools.pairwise(each)
+    ]
+    return np.vstack([_palm_spheres(), *links])
+
+
 def _palm_spheres() -> Array:
     y, z = np.meshgrid(np.linspace(-0.036, 0.036, 4), np.linspace(0.010, 0.105, 5))
     palm = np.column_stack([np.zeros(y.size), y.ravel(), z.ravel()])

@@ -82,6 +82,7 @@ class HandSense:
         state: where everything stood.
 
     Attributes:
+        holding: the fingers that touch, the thumb first.
         thumb, fingers: force with which the thumb presses, and the others together [N].
         weight: force upwards on what is held [N].
         frames: camera frames in which it was seen in the hand.
@@ -93,6 +94,7 @@ class HandSense:
         self._recorder = recorder
         self._mount = mount
         self._name = name
+        self.holding: tuple[str, ...] = HOLDING
         self._p_BG = p_BG
         self._period = recorder.world.period
         self._past: deque[tuple[float, Array, Array]] = deque()
@@ -136,7 +138,7 @@ class HandSense:
     def width(self) -> float:
         """Between thumb and fingers, as the joints' angles tell [m]."""
         world = self._recorder.world
-        tips = [finger_points(f, world.finger_angles(f))[3, 0] for f in HOLDING]
+        tips = [finger_points(f, world.finger_angles(f))[3, 0] for f in self.holding]
         return float(tips[0] - np.mean(tips[1:]) - 2.0 * TIP_RADIUS)
 
     # -- the camera -----------------------------------------------------------------------------
@@ -147,7 +149,8 @@ class HandSense:
         while self._past[0][0] < world.time - _KEPT:
             self._past.popleft()
         for frame in frames:
-            self._see_held(frame.time, frame.poses[self._name])
+            if self._name in frame.poses:
+                self._see_held(frame.time, frame.poses[self._name])
             for other, (p_W, up) in self._others.items():
                 seen = frame.poses[other]
                 place = np.append(seen.p_WB[:2], 0.0)
@@ -186,9 +189,8 @@ class HandSense:
         self._now, self.frames = None, 0
 
     @property
-    def seen(self) -> tuple[Array, Array]:
-        """R_PB and p_PG as it was remembered."""
-        assert self._first is not None, "it was seen in the hand"
+    def seen(self) -> tuple[Array, Array] | None:
+        """R_PB and p_PG as it was remembered; None of a lid, which the camera does not show so."""
         return self._first
 
     @property

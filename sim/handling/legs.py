@@ -15,8 +15,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from planner.handling.plan import Carry, Grasp, HandlingPlan, HandStep, LiftUp, PourOut, SetDown
+from planner.handling.plan import (
+    Carry,
+    Grasp,
+    HandStep,
+    LiftUp,
+    PourOut,
+    PutOn,
+    SetDown,
+    TurnCap,
+)
 from planner.state import SeenObject
+from sim.handling.handled import THREAD, Handled
 from sim.rotations import Array, axis_rotation, wrap
 
 BEYOND = 0.03
@@ -32,6 +42,8 @@ _LOWERS = (np.radians(52.0), np.radians(74.0))  # tilts between which the lip co
 _LOWERS_SHARE = (0.55, 0.85)  # of the largest tilt, if that is little
 _HALF_HAND = 0.04  # of index and ring about the middle finger, with their thickness [m]
 _DOWN = 0.7  # of an approach from above
+_STROKE = np.radians(125.0)  # by which a wrist turns a cap at most before it grips anew
+_LETS_GO = (SetDown, PutOn, TurnCap)  # if it is the last step
 _STEP, _TURN_STEP = 0.025, np.radians(8.0)  # between poses that are looked at
 
 
@@ -116,31 +128,27 @@ def withdrawals(grasp: Grasp, held: SeenObject) -> tuple[Array, ...]:
     return (back,) if approach[2] < -_DOWN else (back, up)
 
 
-def legs_of(
-    plan: HandlingPlan, held: SeenObject, height: float, off: Array
-) -> tuple[tuple[Leg, ...], ...]:
+def legs_of(handled: Handled, off: Array) -> tuple[tuple[Leg, ...], ...]:
     """The legs of a plan: of the approach, of each step, and of the way back.
 
     Args:
-        plan: with a grasp.
-        held: what is to be held, as it is seen.
-        height: of its base [m], if the hand holds it already.
+        handled: what is held, and the plan.
         off: the way of the open hand off it, in W, shape (3,) [m].
 
     Returns:
         Of the approach and of the way back there is one, or none where the hand holds it already,
         or still does.
     """
-    assert plan.grasp is not None, "something is held"
-    R_WB, p_WB = held.pose.R_WB, held.pose.p_WB + np.array([0.0, 0.0, height])
+    plan, held = handled.plan, handled.held
+    R_WB, p_WB = held.pose.R_WB, held.pose.p_WB + np.array([0.0, 0.0, handled.height])
     there = _straight("approach", R_WB, p_WB + off, p_WB, REACH_SPEED, free=True)
     made: list[tuple[Leg, ...]] = [() if plan.held else (there,)]
     for step in plan.steps:
-        legs = _step(step, held, R_WB, p_WB)
+        legs = _step(step, handled, R_WB, p_WB)
         made.append(tuple(replace(leg, speed=min(leg.speed, plan.speed)) for leg in legs))
         if made[-1]:
             R_WB, p_WB = made[-1][-1].ends
-    if not isinstance(plan.steps[-1], SetDown):
+    if not isinstance(plan.steps[-1], _LETS_GO):
         return (*made, ())
     # The hand may have turned about the vertical meanwhile.
     away = R_WB @ held.pose.R_WB.T @ off
@@ -148,7 +156,7 @@ def legs_of(
     return (*made, (back,))
 
 
-def _step(step: HandStep, held: SeenObject, R_WB: Array, p_WB: Array) -> Iterator[Leg]:
+def _step(step: HandStep, handled: Handled, R_WB: Array, p_WB: Array) -> Iterator[Leg]:
     """The legs of a step that begins somewhere."""
     if isinstance(step, LiftUp):
         up = np.array([0.0, 0.0, step.height])
@@ -156,9 +164,14 @@ def _step(step: HandStep, held: SeenObject, R_WB: Array, p_WB: Array) -> Iterato
     elif isinstance(step, Carry):
         yield _carry(step, R_WB, p_WB)
     elif isinstance(step, PourOut):
-        yield from _pour(step, held, R_WB, p_WB)
+        yield from _pour(step, handled.held, R_WB, p_WB)
     elif isinstance(step, SetDown):
         yield _straight("set_down", R_WB, p_WB, p_WB * [1.0, 1.0, 0.0], LIFT_SPEED)
+    elif isinstance(step, PutOn):
+        on = np.array([*p_WB[:2], handled.seat])
+        yield _straight("lid", R_WB, p_WB, on, LIFT_SPEED)
+    elif isinstance(step, TurnCap):
+        yield from _turns(step, handled.pitch, R_WB, p_WB)
 
 
 def _straight(
@@ -166,6 +179,19 @@ def _straight(
 ) -> Leg:
     up = np.array([0.0, 0.0, 1.0])
     return Leg(phase, R_WB, np.zeros(3), start, end, up, 0.0, speed, TURN_SPEED, free)
+
+
+def _turns(step: TurnCap, pitch: float, R_WB: Array, p_WB: Array) -> Iterator[Leg]:
+    """Turns of the held cap, and of the open hand back between them."""
+    strokes = max(1, int(np.ceil(abs(step.angle) / _STROKE)))
+    turn = step.angle / strokes
+    rise = np.array([0.0, 0.0, pitch * turn / THREAD])
+    for k in range(strokes):
+        leg = replace(_straight("lid", R_WB, p_WB, p_WB + rise, LIFT_SPEED), turn=turn)
+        yield leg
+        _, p_WB = leg.ends
+        if k < strokes - 1:
+            yield leg.back(start=p_WB, end=p_WB, free=True)
 
 
 def _carry(step: Carry, R_WB: Array, p_WB: Array) -> Leg:

@@ -24,6 +24,7 @@ from sim import arm, spheres
 from sim.armposes import ELBOWS, ENOUGH_MARGIN
 from sim.handling.covering import surface
 from sim.handling.grips import HandGrip
+from sim.handling.handled import Handled
 from sim.handling.legs import Leg, grasp_frame, legs_of, withdrawals
 from sim.rotations import Array
 from sim.scenery import OBJECT_CLEARANCE, TABLE_CLEARANCE, Obstacle, Scenery
@@ -33,6 +34,8 @@ from sim.transit import LIMIT_MARGIN, drawn_places, free_way
 HELD_CLEARANCE = 0.004
 """Least distance of what is held from the object into which it is poured [m]."""
 
+_OWNER_CLEARANCE = 0.0003  # of the hand from the object whose lid it holds [m]
+_LID_CLEARANCE = 0.0015  # of a hand that puts a lid aside from the table [m]
 _FACE_CLEARANCE = 0.002  # of the open hand from what it is about to hold [m]
 _OFF_TABLE = 0.002  # of what is tilted over the table [m]
 _WRIST_BEND = 0.15  # |q6| stays above this, away from the singularity [rad]
@@ -95,30 +98,28 @@ class HandSearch:
         self,
         mount: Mount,
         home: Array,
-        plan: HandlingPlan,
+        handled: Handled,
         grip: HandGrip,
-        state: WorldState,
         off: Array,
     ) -> None:
-        assert plan.grasp is not None, "something is held"
         self._mount = mount
         self._home = home
-        self._plan = plan
         self._grip = grip
-        self._held = state.objects[plan.object]
-        self._state = state
+        plan, state = handled.plan, handled.state
+        self._plan = plan
+        self._held = handled.held
+        self._owner = handled.owner
         already = state.held if plan.held else None
         self._at = np.array(already.arm) if already is not None and already.arm else None
-        height = already.height if already is not None else 0.0
-        self._legs = legs_of(plan, self._held, height, off)
+        self._legs = legs_of(handled, off)
         R_BG, p_BG = grasp_frame(
-            plan.grasp,
+            handled.grasp,
             self._held.pose.R_WB,
             self._held.pose.p_WB,
         )
         self._R_BP, self._p_BP = R_BG, p_BG - R_BG @ grip.middle
         self._closed, self._open = grip.posture(), grip.posture(grip.opening)
-        self._scenery = Scenery.of(state, plan.object)
+        self._scenery = self._around_it(Scenery.of(state, plan.object), handled)
         self._kept = dict(plan.clear_of)
         flat = [leg for some in self._legs for leg in some]
         self._free = np.concatenate([np.full(len(leg.sampled()), leg.free) for leg in flat])
@@ -129,13 +130,23 @@ class HandSearch:
         self._R_WB = np.concatenate([R for R, _ in poses])
         self._p_WB = np.concatenate([p for _, p in poses])
         # Where it stands in the end, for the hand that lets go of it there.
-        held = self._scenery.pushed
+        held = self._about = handled.about
         self._stood = replace(held, p_WB=held.p_WB)
         if self._last.any():
             k = int(np.flatnonzero(self._last)[0])
             turned = self._R_WB[k] @ held.R_WB.T
             angle = float(np.arctan2(turned[1, 0], turned[0, 0]))
-            self._stood = held.taken(held.p_WB, self._p_WB[k] * [1.0, 1.0, 0.0], angle)
+            self._stood = held.taken(held.p_WB, self._p_WB[k], angle)
+
+    def _around_it(self, scenery: Scenery, handled: Handled) -> Scenery:
+        """What the hand must not touch: a lid's object it may come near to."""
+        others = (
+            replace(each, clearance=_OWNER_CLEARANCE) if each.name == self._owner else each
+            for each in scenery.others
+        )
+        lifted = np.array([0.0, 0.0, handled.height if handled.owner else 0.0])
+        pushed = replace(scenery.pushed, p_WB=scenery.pushed.p_WB + lifted)
+        return Scenery(pushed, tuple(others))
 
     def best(self) -> HandWay | ReachAnswer:
         """The best way, or why there is none."""
@@ -180,7 +191,7 @@ class HandSearch:
             some = self._free == is_open
             hand = spheres.placed(self._around(is_open=is_open), R_WP[some], p_WP[some])
             low = spheres.height_above_table(hand).min(initial=np.inf)
-            if low < TABLE_CLEARANCE:
+            if low < (TABLE_CLEARANCE if self._owner is None else _LID_CLEARANCE):
                 up = 1e3 * float(low)
                 return _no("table", f"the hand would come to {up:.0f} mm over the table")
             for each in self._scenery.others:
@@ -189,18 +200,20 @@ class HandSearch:
         free = np.flatnonzero(self._free)
         hand = spheres.placed(self._around(is_open=True), R_WP[free], p_WP[free])
         for k, one in zip(free, hand, strict=True):
-            stands = self._stood if self._last[k] else self._scenery.pushed
+            stands = self._stood if self._last[k] else self._about
             if (stands.distance(one) < _FACE_CLEARANCE).any():
                 return _no("object", f"the open hand does not get around {what}")
         inside = spheres.hand_spheres(self._closed)
         own = spheres.placed(inside, self._R_BP, self._p_BP)
-        if (_in_itself(self._scenery.pushed).distance(own) < 0.0).any():
+        if (_in_itself(self._about).distance(own) < 0.0).any():
             return _no("object", f"the hand would hit {what} with more than its fingertips")
         return self._held_blocked()
 
     def _around(self, *, is_open: bool) -> Array:
         """Spheres of the hand in P, with its fingertips."""
-        return spheres.whole_hand(self._open if is_open else self._closed)
+        posture = self._open if is_open else self._closed
+        # Fingers about a knob are near to what it stands on.
+        return spheres.whole_hand(posture) if self._owner is None else spheres.bare_hand(posture)
 
     def _held_blocked(self) -> ReachAnswer | None:
         """What is in the way of the held object."""
@@ -215,6 +228,8 @@ class HandSearch:
             return _no("table", f"{what} would hit the table while it is tilted")
         into = {step.into for step in self._plan.steps if isinstance(step, PourOut)}
         for each in self._scenery.others:
+            if each.name == self._owner:
+                continue
             clearance = HELD_CLEARANCE if each.name in into else each.clearance
             clearance = max(clearance, self._kept.get(each.name, 0.0))
             # What stands close already is not hit by being lifted.
@@ -335,10 +350,10 @@ def best_way(
         grip: of the hand.
         state: what is believed.
     """
-    assert plan.grasp is not None, "something is held"
     first: ReachAnswer | None = None
-    for off in withdrawals(plan.grasp, state.objects[plan.object]):
-        found = HandSearch(mount, home, plan, grip, state, off).best()
+    handled = Handled.of(plan, state)
+    for off in withdrawals(handled.grasp, handled.held):
+        found = HandSearch(mount, home, handled, grip, off).best()
         if isinstance(found, HandWay):
             return found
         first = first or found
