@@ -19,7 +19,7 @@ from sim.handling.grips import HOLDING
 from sim.handling.handled import Handled
 from sim.handling.holding import HandSense
 from sim.handling.legs import Leg, upright_again
-from sim.handling.motion import HandMotion
+from sim.handling.motion import ACCELERATES, HandMotion
 from sim.handling.search import HandWay
 from sim.handling.weighing import Weight, weight
 from sim.recorder import Recorder
@@ -42,6 +42,8 @@ _LIFTED = 0.35  # share of the believed weight that must hang on the fingers
 _SLOW_DOWN = 0.015  # height over the table at which setting down becomes slow [m]
 _FEELING_SPEED = 0.015  # of what is set down then [m/s]
 _INTO = 0.006  # how far below the table it is looked for [m]
+_RIGHTED = 0.25  # time after which nothing runs out any more, once it is tilted back [s]
+_SLOWEST_POUR = 0.12  # share of the rate of tilting just before enough has run out
 _STANDS = 0.5  # share of its weight with which it stands
 _PRESSES = 0.4  # or with so much less [N]
 
@@ -246,18 +248,63 @@ class HandTrip:
         self._motion.go(first)
         container = self._held.model.container
         assert container is not None, "only a container is poured from"
-        poured = GRAVITY * container.density * (np.inf if step.volume is None else step.volume)
-        enough = self._weigh(_STILL).mean - poured
-        done, share = [first], 1.0
-        for leg in tilting:
-            share = self._motion.go(leg, until=enough)
-            done.append(leg)
-            if share < 1.0:
-                break
-        else:
+        full = self._weigh(_STILL).mean
+        if step.volume is None:
+            for leg in tilting:
+                self._motion.go(leg)
             self._motion.wait(step.wait)
+            done, share = [first, *tilting], 1.0
+        else:
+            out = GRAVITY * container.density * step.volume
+            done, share = self._pour_some(tilting, full, out, step.wait)
+            done = [first, *done]
         for leg in upright_again(done[:-1], done[-1], share):
             self._motion.go(leg)
+        poured = (full - self._weigh(_STILL).mean) / (GRAVITY * container.density)
+        self._tell("pour", f"{1e6 * poured:.0f} ml have run out, as the weight tells")
+
+    def _pour_some(
+        self, legs: list[Leg], full: float, out: float, wait: float
+    ) -> tuple[list[Leg], float]:
+        """Tilts the slower the more has run out, until it is enough.
+
+        Args:
+            legs: on which it tilts.
+            full: what it weighs before [N].
+            out: weight that is to run out [N].
+            wait: at the largest tilt [s].
+
+        Returns:
+            Legs that were made, and the share of the last one.
+        """
+        period, pace = self._world.period, 0.0
+        done: list[Leg] = []
+        for leg in legs:
+            done.append(leg)
+            share = 0.0
+            while share < 1.0:
+                left = 1.0 - self._run_out(full) / out
+                if left < 0.0:
+                    return done, share
+                faster = pace + period / ACCELERATES
+                pace = min(float(np.clip(left, _SLOWEST_POUR, 1.0)), faster)
+                share = min(1.0, share + pace * leg.fastest * period)
+                self._motion.reach(leg, share)
+        for _ in range(round(wait / period)):
+            if self._run_out(full) > out:
+                break
+            self._motion.stay()
+        return done, 1.0
+
+    def _run_out(self, full: float) -> float:
+        """Weight that will have run out once it is tilted back [N].
+
+        What is still to come is no more than what has come: a motion that sets in shakes the hand.
+        """
+        sense = self._sense
+        gone = max(full - sense.weight, 0.0)
+        coming = sense.weight - sense.weight_ahead(_RIGHTED)
+        return gone + float(np.clip(coming, 0.0, gone))
 
     def _set_down(self, leg: Leg) -> None:
         """Down until it stands, then lets go."""

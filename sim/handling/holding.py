@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 FELT = 0.04
 """Time constant of the felt squeeze [s]."""
 
-WEIGHED = 0.25
-"""Time constant of the felt weight [s]."""
+WEIGHED, WEIGHED_SOON = 0.25, 0.10
+"""Time constants of the felt weight, and of one that is noisier and not so late [s]."""
 
 SLIP, SLIP_ANGLE = 0.012, float(np.radians(20.0))
 """Slip in the hand at which it is no more held as it should be [m], [rad]."""
@@ -84,7 +84,7 @@ class HandSense:
     Attributes:
         holding: the fingers that touch, the thumb first.
         thumb, fingers: force with which the thumb presses, and the others together [N].
-        weight: force upwards on what is held [N].
+        weight, weight_soon: force upwards on what is held, filtered [N].
         frames: camera frames in which it was seen in the hand.
     """
 
@@ -104,7 +104,7 @@ class HandSense:
             if other != name and seen.attitude is None
         }
         self._stood = dict(self._others)
-        self.thumb = self.fingers = self.weight = 0.0
+        self.untouched()
         self.frames = 0
         self._now: tuple[Array, Array] | None = None
         self._first: tuple[Array, Array] | None = None
@@ -120,7 +120,10 @@ class HandSense:
             share = min(1.0, self._period / FELT)
             self.thumb += share * (float(presses[0]) - self.thumb)
             self.fingers += share * (float(presses[1:].sum()) - self.fingers)
-            self.weight += min(1.0, self._period / WEIGHED) * (self.vertical - self.weight)
+            vertical = self.vertical
+            self.weight += min(1.0, self._period / WEIGHED) * (vertical - self.weight)
+            soon = min(1.0, self._period / WEIGHED_SOON)
+            self.weight_soon += soon * (vertical - self.weight_soon)
         self._see(recorder.frames)
 
     @property
@@ -178,7 +181,24 @@ class HandSense:
 
     def untouched(self) -> None:
         """Nothing is felt: the sensors' zero was taken."""
-        self.thumb = self.fingers = self.weight = 0.0
+        self.thumb = self.fingers = 0.0
+        self.weighs(0.0)
+
+    def weighs(self, weight: float) -> None:
+        """What hangs on the fingers is known [N]."""
+        self.weight = self.weight_soon = weight
+
+    def weight_ahead(self, seconds: float) -> float:
+        """What the weight will be if it goes on to fall as it does [N].
+
+        Each filter lags behind a steady fall by its time constant, so that their difference tells
+        how fast that is.
+
+        Args:
+            seconds: from now [s].
+        """
+        fall = (self.weight - self.weight_soon) / (WEIGHED - WEIGHED_SOON)
+        return self.weight - fall * (WEIGHED + seconds)
 
     def holds(self, squeeze: float) -> bool:
         """Whether the fingers feel something that they hold with a squeeze [N]."""

@@ -104,13 +104,12 @@ class Leg:
         return replace(there, **changes)  # type: ignore[arg-type]
 
 
-def grasp_frame(grasp: Grasp, R_WB: Array, p_WB: Array) -> tuple[Array, Array]:
+def grasp_frame(grasp: Grasp, R_WB: Array) -> tuple[Array, Array]:
     """R_BG, shape (3, 3), whose axes are those of the palm, and p_BG, shape (3,) [m].
 
     Args:
         grasp: whose directions are in W.
         R_WB: how the object stands then, shape (3, 3).
-        p_WB: where, shape (3,) [m].
     """
     closing, approach = np.array(grasp.closing_W), np.array(grasp.approach_W)
     R_WG = np.column_stack([closing, np.cross(approach, closing), approach])

@@ -32,7 +32,9 @@ CLOSING_SPEED = 0.020
 WINDING = 10.0
 """Rate at which the squeeze rises and falls [N/s]."""
 
-_ACCELERATES = 0.35  # time in which a leg comes to its speed [s]
+ACCELERATES = 0.35
+"""Time in which a leg comes to its speed [s]."""
+
 _SWING_SPEED = 0.5  # of the arm's joints together, near objects [rad/s]
 _SWING_STEP = 0.02  # between arm poses that are kept for the way back [rad]
 _PRESSES = 2.0  # force down on what is held at which it stands on something [N]
@@ -107,7 +109,8 @@ class HandMotion:
         self.opening, self.wound = holding.opening, holding.wound
         self.zero_samples = holding.zero_samples
         self.came = [*holding.came, self._world.commanded[0]]
-        self._borne[2] = self._sense.weight = holding.borne
+        self._borne[2] = holding.borne
+        self._sense.weighs(holding.borne)
         self.bears = True
 
     def holding(self, held: Held, R_PB: Array, p_PG: Array) -> Holding:
@@ -149,17 +152,25 @@ class HandMotion:
         Raises:
             EarlyEndError: a guard stopped it.
         """
-        self._recorder.phase = leg.phase
         made = 0.0
         for share in self._shares(1.0, leg.fastest):
-            q, valid = self._way.joints(*leg.poses(np.array([share])))
-            if not valid[0]:
-                raise EarlyEndError("unreachable", "the arm does not get along its way")
-            self._command(q[0])
+            self.reach(leg, share)
             made = share
             if self._sense.weight < until:
                 break
         return made
+
+    def reach(self, leg: Leg, share: float) -> None:
+        """To a place on a leg, for one control step.
+
+        Raises:
+            EarlyEndError: a guard stopped it.
+        """
+        self._recorder.phase = leg.phase
+        q, valid = self._way.joints(*leg.poses(np.array([share])))
+        if not valid[0]:
+            raise EarlyEndError("unreachable", "the arm does not get along its way")
+        self._command(q[0])
 
     def swing(self, poses: Array, *, stop: bool = False) -> None:
         """The arm through poses without a pause; may stop where what is held stands."""
@@ -216,7 +227,7 @@ class HandMotion:
             np.zeros(1),
             np.array([far]),
             speed=speed,
-            acceleration=speed / _ACCELERATES,
+            acceleration=speed / ACCELERATES,
             period=self._world.period,
         ):
             yield float(share)

@@ -112,11 +112,7 @@ class HandSearch:
         already = state.held if plan.held else None
         self._at = np.array(already.arm) if already is not None and already.arm else None
         self._legs = legs_of(handled, off)
-        R_BG, p_BG = grasp_frame(
-            handled.grasp,
-            self._held.pose.R_WB,
-            self._held.pose.p_WB,
-        )
+        R_BG, p_BG = grasp_frame(handled.grasp, self._held.pose.R_WB)
         self._R_BP, self._p_BP = R_BG, p_BG - R_BG @ grip.middle
         self._closed, self._open = grip.posture(), grip.posture(grip.opening)
         self._scenery = self._around_it(Scenery.of(state, plan.object), handled)

@@ -1,0 +1,95 @@
+"""The hand closes about widths: where its fingertips are, and what its joints bear."""
+
+import numpy as np
+import pytest
+
+from sim.hand import (
+    EFFORT,
+    EFFORT_SHARE,
+    FINGERS,
+    JOINT_STIFFNESS,
+    TIP_RADIUS,
+    bent_to,
+    finger_jacobian,
+    finger_points,
+)
+from sim.handling.grips import HOLDING, NARROWEST, WIDEST, HandGrip, hand_grip, inward
+
+WIDTHS = (NARROWEST, 0.03, 0.06, 0.09, WIDEST)
+
+
+def _grip(width: float) -> HandGrip:
+    grip = hand_grip(width)
+    assert grip is not None
+    return grip
+
+
+@pytest.mark.parametrize("finger", FINGERS)
+def test_a_finger_bends_to_where_its_tip_was(finger: str) -> None:
+    tip = finger_points(finger, (0.0, 0.2, 0.7))[3]
+    bent = bent_to(finger, tip)
+    assert bent is not None
+    # The bend is interpolated between a few thousand.
+    assert bent == pytest.approx((0.0, 0.2, 0.7), abs=1e-5)
+
+
+def test_a_finger_does_not_bend_beyond_its_length() -> None:
+    assert bent_to("middle", np.array([0.0, 0.0, 0.30])) is None
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_fingertips_touch_two_sides_a_width_apart(width: float) -> None:
+    grip = _grip(width)
+    for finger in FINGERS:
+        side = grip.middle - width / 2.0 * inward(finger)
+        x, _, z = grip.touching(finger)
+        assert x == pytest.approx(side[0], abs=1e-6)
+        assert z == pytest.approx(grip.middle[2], abs=1e-6)
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_the_open_hand_stands_off_both_sides(width: float) -> None:
+    grip = _grip(width)
+    opened = grip.posture(grip.opening)
+    for finger in FINGERS:
+        x = finger_points(finger, opened.angles[finger])[3, 0] + TIP_RADIUS * inward(finger)[0]
+        off = (grip.middle[0] - x) * inward(finger)[0] - width / 2.0
+        assert off == pytest.approx(grip.opening, abs=1e-6)
+
+
+def test_no_grip_where_the_hand_does_not_close() -> None:
+    assert hand_grip(0.9 * NARROWEST) is None
+    assert hand_grip(1.1 * WIDEST) is None
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_no_joint_is_overloaded_by_the_strongest_squeeze(width: float) -> None:
+    grip = _grip(width)
+    torques = JOINT_STIFFNESS * grip.pressing * grip.grip.strongest
+    assert np.abs(torques).max() <= EFFORT_SHARE * EFFORT + 1e-9
+    assert grip.grip.strongest > 10.0  # what the hand was made for [N]
+
+
+def _forces(grip: HandGrip, commanded: np.ndarray) -> np.ndarray:
+    """What the fingers exert if their springs are wound up so, in P, shape (4, 3) [N]."""
+    torques = dict(zip(FINGERS, JOINT_STIFFNESS * commanded.reshape(4, 3), strict=True))
+    angles = grip.posture().angles
+    return np.array([
+        np.linalg.solve(finger_jacobian(f, angles[f], grip.touching(f)).T, torques[f])
+        for f in HOLDING
+    ])  # fmt: skip
+
+
+def test_a_squeeze_pushes_nothing_aside() -> None:
+    grip = _grip(0.06)
+    forces = _forces(grip, 5.0 * grip.pressing)
+    np.testing.assert_allclose(forces.sum(axis=0), 0.0, atol=1e-9)
+    assert forces[0, 0] == pytest.approx(-5.0)
+    assert forces[1:, 0].sum() == pytest.approx(5.0)
+
+
+def test_springs_that_bear_a_weight_exert_it() -> None:
+    grip = _grip(0.06)
+    wanted = np.array([0.5, 3.0, -1.0])
+    forces = _forces(grip, grip.bearing(wanted))
+    np.testing.assert_allclose(forces.sum(axis=0), wanted, atol=1e-9)
