@@ -32,6 +32,9 @@ FELT = 0.04
 WEIGHED, WEIGHED_SOON = 0.25, 0.10
 """Time constants of the felt weight, and of one that is noisier and not so late [s]."""
 
+FALLS = 0.4
+"""Time constant of the rate at which the weight is felt to fall [s]."""
+
 SLIP, SLIP_ANGLE = 0.012, float(np.radians(20.0))
 """Slip in the hand at which it is no more held as it should be [m], [rad]."""
 
@@ -124,6 +127,9 @@ class HandSense:
             self.weight += min(1.0, self._period / WEIGHED) * (vertical - self.weight)
             soon = min(1.0, self._period / WEIGHED_SOON)
             self.weight_soon += soon * (vertical - self.weight_soon)
+            # Each filter lags behind a steady fall by its time constant.
+            fall = (self.weight - self.weight_soon) / (WEIGHED - WEIGHED_SOON)
+            self._fall += min(1.0, self._period / FALLS) * (fall - self._fall)
         self._see(recorder.frames)
 
     @property
@@ -187,18 +193,15 @@ class HandSense:
     def weighs(self, weight: float) -> None:
         """What hangs on the fingers is known [N]."""
         self.weight = self.weight_soon = weight
+        self._fall = 0.0
 
     def weight_ahead(self, seconds: float) -> float:
         """What the weight will be if it goes on to fall as it does [N].
 
-        Each filter lags behind a steady fall by its time constant, so that their difference tells
-        how fast that is.
-
         Args:
             seconds: from now [s].
         """
-        fall = (self.weight - self.weight_soon) / (WEIGHED - WEIGHED_SOON)
-        return self.weight - fall * (WEIGHED + seconds)
+        return self.weight - self._fall * (WEIGHED + seconds)
 
     def holds(self, squeeze: float) -> bool:
         """Whether the fingers feel something that they hold with a squeeze [N]."""
