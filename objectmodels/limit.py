@@ -106,7 +106,7 @@ def about_a_point(loads: Array, along: Array, left: Array) -> Limit:
         x, y = along - along[j], left - left[j]
         r = np.hypot(x, y)
         r[j] = 1.0
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             turn = 1.0 / left[j]
             d_x, d_y = -np.sign(turn) * y / r, np.sign(turn) * x / r
             r[j] = d_x[j] = d_y[j] = 0.0

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from objectmodels.box import BoxModel
@@ -63,6 +63,7 @@ def test_a_weight_straight_onto_the_thumb_cannot_slip() -> None:
     assert np.isinf(slip_multiplier(CONTACTS, 8.0, 0.5, force, MIDDLE))[0]
 
 
+@settings(max_examples=30)
 @given(
     st.floats(0.2, 1.0),
     st.floats(-np.pi, np.pi),
