@@ -25,6 +25,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from pydantic import Field
 
 from benchmarks.goals.worlds import as_believed
 from benchmarks.record import Kept, carried_out
@@ -33,7 +34,7 @@ from nlcontrol.checks import PLANNED_ENDS, Check
 from nlcontrol.handwork import refilled
 from nlcontrol.measures import tilt_at_end
 from objectmodels import ObjectModel
-from objectmodels.parts import Lid
+from objectmodels.parts import Lid, LiftOffLid
 from sim.scene import Pose, Scene, SceneObject, load_scene
 from sim.truth import Truth
 
@@ -70,8 +71,8 @@ class Task(NamedTuple):
 TASKS = {
     "open": Task("kitchen", "open the ice tea cup", "ice tea cup"),
     "pour": Task("kitchen", "pour the contents of the ice tea into the mug", _POURED),
-    "lift": Task("kitchen", "lift the mug", "mug"),
-    "place": Task("kitchen", "pick up the mug and put it next to the ice tea cup", "mug"),
+    "lift": Task("kitchen", "lift the ice tea cup", "ice tea cup"),
+    "place": Task("kitchen", "pick up the ice tea cup and put it next to the mug", "ice tea cup"),
     "jar": Task("pantry", "take the lid off the jar", "jar"),
     "bottle": Task("pantry", "unscrew the cap of the fixed bottle", "fixed bottle"),
 }
@@ -104,7 +105,7 @@ class Done(Kept[Job]):
     tries: int = 0
     stuck: bool = False
     missed: tuple[str, ...] = ()
-    figures: dict[str, float] = {}
+    figures: dict[str, float] = Field(default_factory=dict)
     simulated: float = 0.0
     processor: float = 0.0
 
@@ -168,8 +169,10 @@ def _harder(lid: Lid, factor: float) -> Lid:
 def run(job: Job) -> Done:
     """Says a sentence in its world; what it stumbles over is a result too."""
     task, start = TASKS[job.sentence], time.process_time()
+    scene = world(job)
+    lid = scene.object(task.object).truth.lid
     try:
-        result = Controller(world(job), seed=job.seed).say(task.text)
+        result = Controller(scene, seed=job.seed).say(task.text)
     except Exception:  # one case that breaks must not end the run
         return Done(job=job, status="crashed", message=traceback.format_exc(limit=-3))
     return Done(
@@ -180,7 +183,7 @@ def run(job: Job) -> Done:
         tries=sum(len(step.plans) for step in result.steps),
         stuck=any(step.stuck is not None for step in result.steps),
         missed=tuple(_missed(check) for check in result.checks if not check.ok),
-        figures={} if result.trace is None else figures(task, result.trace),
+        figures={} if result.trace is None else figures(task, result.trace, lid),
         simulated=result.execution.duration if result.execution else 0.0,
         processor=time.process_time() - start,
     )
@@ -194,30 +197,34 @@ def _missed(check: Check) -> str:
     return f"{check.quantity} {measured} {check.unit}, asked {check.relation} {expected}"
 
 
-def figures(task: Task, trace: Trace) -> dict[str, float]:
+def figures(task: Task, trace: Trace, lid: Lid | None) -> dict[str, float]:
     """What truly became of the object of a sentence, and of what it was poured into.
 
-    Those of a lid [degrees or m], of the object moved [mm] and tilted at the end [degrees], of the
-    contents that arrived and were spilled [%], and of the mug moved [mm].
+    Args:
+        task: what was said.
+        trace: what happened.
+        lid: of the object.
     """
     name = task.object
     found = {
-        "moved": 1e3 * float(np.linalg.norm(trace.displacement(name)[:2])),
-        "tilt": math.degrees(tilt_at_end(trace, name)[1]),
+        "moved [mm]": 1e3 * float(np.linalg.norm(trace.displacement(name)[:2])),
+        "tilt at the end [°]": math.degrees(tilt_at_end(trace, name)[1]),
     }
-    if name in trace.lids:
-        found["lid"] = float(trace.lids[name][-1])
+    if isinstance(lid, LiftOffLid):
+        found["lid [mm]"] = 1e3 * float(trace.lids[name][-1])
+    elif lid is not None:
+        found["lid [°]"] = math.degrees(trace.lids[name][-1])
     if name == _POURED:
-        before = trace.contents[name][0]
-        there = trace.contents[_INTO]
-        found["arrived"] = 100.0 * float((there[-1] - there[0]) / before)
-        found["spilled"] = 100.0 * float(trace.spilled[-1] / before)
-        found["mug moved"] = 1e3 * float(np.linalg.norm(trace.displacement(_INTO)[:2]))
+        before, there = trace.contents[name][0], trace.contents[_INTO]
+        found["was in it [ml]"] = 1e6 * float(before)
+        found["arrived [%]"] = 100.0 * float((there[-1] - there[0]) / before)
+        found["spilled [%]"] = 100.0 * float(trace.spilled[-1] / before)
+        found["mug moved [mm]"] = 1e3 * float(np.linalg.norm(trace.displacement(_INTO)[:2]))
     return found
 
 
 def table(results: Sequence[Done]) -> str:
-    """What came of each sentence, then the figures, then the worlds in which it was not satisfied."""
+    """What came of each sentence, the figures, and the worlds in which it was not satisfied."""
     lines = [
         "| sentence | runs | satisfied | refused | told | silent | crashed | tries | simulated "
         "| processor |",
