@@ -107,7 +107,9 @@ class FlipSearch:
         target = state.objects[name]
         self._lid = lid_shape(step, target)
         self._R_WE, self._p_WE = hinge_pose(target)
-        self._scenery = Scenery.of(state, name)
+        # The lid is looked at where it is, not as what rises above the object.
+        bare = {**state.objects, name: replace(target, lid=None)}
+        self._scenery = Scenery.of(replace(state, objects=bare), name)
         self._hands = flip_hands(self._lid)
         # Behind an open lid it is above everything before.
         self._lift = _LIFT[self._lid.opens]

@@ -37,6 +37,7 @@ class Handled:
         seat: height of its base once it is on its rim again [m]; 0 for an object.
         owner: name of the object whose lid it is; None for an object.
         pitch: by which it rises per turn [m].
+        opened: how far the lid is seen to be open; 0 for an object.
     """
 
     asked: Grasp
@@ -48,6 +49,7 @@ class Handled:
     seat: float = 0.0
     owner: str | None = None
     pitch: float = 0.0
+    opened: float = 0.0
 
     @classmethod
     def of(cls, plan: HandlingPlan, state: WorldState) -> Handled:
@@ -65,9 +67,14 @@ class Handled:
         x, y, z = plan.grasp.p_BG
         grasp = plan.grasp.model_copy(update={"p_BG": (x, y, z - seat)})
         changed = plan.model_copy(update={"object": held.name, "grasp": grasp})
-        known = replace(state, objects={**state.objects, held.name: held})
+        # Without its lid the object is no higher than its rim.
+        bare = {target.name: replace(target, lid=None), held.name: held}
+        known = replace(state, objects={**state.objects, **bare})
         height = height if already is None else already.height
-        return cls(plan.grasp, changed, grasp, known, held, height, seat, target.name, pitch)
+        opened = target.lid or 0.0
+        return cls(
+            plan.grasp, changed, grasp, known, held, height, seat, target.name, pitch, opened
+        )
 
     @property
     def name(self) -> str:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from sim.hand import TIP_RADIUS
 from sim.handling.handled import Handled
 from sim.handling.holding import HandSense
 from sim.handling.lidview import LidView
@@ -43,7 +44,7 @@ class LidSense(HandSense):
         self._lid_way = way
         self.holding = way.grip.holding
         self._owner = handled.state.objects[handled.name]
-        self._view = LidView(self._owner, self._owner.lid or 0.0)
+        self._view = LidView(self._owner, handled.opened)
         self.most_torque = np.inf
         self.torque = 0.0
 
@@ -61,6 +62,8 @@ class LidSense(HandSense):
             return
         R_WP, p_WP = self._mount.palm(q_arm)
         arms = touch.tips - (p_WP + R_WP @ self._lid_way.grip.middle)
+        # A fingertip touches something round on the line to its middle.
+        arms *= 1.0 - TIP_RADIUS / np.linalg.norm(arms, axis=1, keepdims=True)
         turning = arms[:, 0] * touch.forces[:, 1] - arms[:, 1] * touch.forces[:, 0]
         share = min(1.0, self._period / _TURNING)
         self.torque += share * (float(turning.sum()) - self.torque)

@@ -12,7 +12,7 @@ import numpy as np
 
 from objectmodels.parts import LiftOffLid
 from planner.handling.plan import HandStep, LiftUp, PutOn, SetDown, TurnCap
-from sim.handling.handled import Handled
+from sim.handling.handled import THREAD, Handled
 from sim.handling.handtrip import HandTrip
 from sim.handling.legs import Leg
 from sim.handling.lidsense import LidSense
@@ -23,6 +23,8 @@ from sim.trip import Progress
 
 _FOLLOWS = 0.5  # share of a lift that a lid which comes along is seen lifted
 _LOOKS = 0.4  # time after a lift in which the camera shows it [s]
+_MORE_STROKES = 6  # for what slips through the fingers
+_TURNED = float(np.radians(4.0))  # less than that is missing of no turn [rad]
 _SLOW_DOWN = 0.012  # height over the rim at which putting it on becomes slow [m]
 _SLOWLY = 0.015  # [m/s]
 _INTO = 0.008  # how far below the rim it is pressed at most [m]
@@ -63,21 +65,26 @@ class LidTrip(HandTrip):
             self._holds = False
 
     def _turn(self, step: TurnCap, legs: tuple[Leg, ...]) -> None:
-        """Turns the cap, gripping anew between the strokes."""
-        before = self._feels.lid
+        """Turns the cap, gripping anew between the strokes, until it is seen turned."""
+        before, first = self._feels.lid, legs[0]
         self._tell("lid", f"turning the cap by {np.degrees(step.angle):.0f}°")
-        for leg in legs:
-            if leg.free:
-                self._feels.most_torque = np.inf
+        for stroke in range(len(legs) + _MORE_STROKES):
+            turned = self._feels.lid - before
+            if abs(step.angle) - abs(turned) < _TURNED:
+                self._tell("lid", f"the cap is seen turned by {np.degrees(turned):.0f}°")
+                return
+            up = np.array([0.0, 0.0, self._handled.pitch * turned / THREAD])
+            leg = replace(first, start=first.start + up, end=first.end + up)
+            if stroke:
                 self._motion.let_go()
-                self._motion.go(leg)
+                self._motion.go(leg.back(start=leg.start, free=True))
                 self._take_hold()
-            else:
-                self._feels.torque, self._feels.most_torque = 0.0, step.torque_limit
-                self._motion.go(leg)
-        self._feels.most_torque = np.inf
-        turned = np.degrees(self._feels.lid - before)
-        self._tell("lid", f"the cap is seen turned by {turned:.0f}°")
+            self._feels.torque, self._feels.most_torque = 0.0, step.torque_limit
+            self._motion.go(leg)
+            self._motion.wait(_LOOKS)
+            self._feels.most_torque = np.inf
+        seen = np.degrees(self._feels.lid - before)
+        raise EarlyEndError("missed", f"the cap is seen turned by {seen:.0f}° only")
 
     def _require_off(self, step: LiftUp) -> None:
         """The lid came along with the hand.

@@ -1,0 +1,240 @@
+"""A flip lid under a fingertip: its way, the hands and arms that go it, and what comes of it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from objectmodels import Registry
+from objectmodels.lids import THICKNESS
+from planner.handling.plan import FlipOver, HandlingPlan, HandlingPrediction
+from planner.reach import ReachAnswer
+from planner.state import PlanarPose, SeenObject, WorldState
+from sim.arm import LIMITS
+from sim.execution import execute
+from sim.hand import TIP_RADIUS
+from sim.handling.fliphands import flip_hands
+from sim.handling.lidarc import LidShape, LidWay
+from sim.handling.lidview import LidView
+from sim.reach import ArmReach
+from sim.scene import Pose, Scene, SceneObject, load_scene
+from sim.trace import Trace
+from sim.truth import Truth
+from sim.vision import Frame, SeenPose
+from sim.world import DrakeWorld
+
+OPEN = math.radians(100.0)
+CUP = "ice tea cup"
+
+
+def _lid(start: float, end: float) -> LidShape:
+    return LidShape(0.07, 0.035, 0.02, 0.12, start, end)
+
+
+def _state(x: float, y: float, yaw: float, *others: SeenObject, opened: float = 0.0) -> WorldState:
+    cup = SeenObject(CUP, PlanarPose(x, y, yaw), Registry.built_in().get(CUP), lid=opened)
+    return WorldState({CUP: cup} | {each.name: each for each in others})
+
+
+def _plan(start: float, end: float, *, heading: float = 0.0, limit: float = 1.5) -> HandlingPlan:
+    step = FlipOver(start=start, end=end, speed=0.05, force_limit=limit, heading=heading)
+    return HandlingPlan(
+        action="open" if end > start else "close",
+        object=CUP,
+        grasp=None,
+        steps=(step,),
+        prediction=HandlingPrediction(),
+        speed=0.1,
+    )
+
+
+@given(st.floats(0.0, 1.9), st.booleans())
+def test_a_fingertip_on_its_way_touches_the_lid_where_it_is(angle: float, opens: bool) -> None:
+    lid = _lid(0.0, 1.9) if opens else _lid(1.9, 0.0)
+    (tip,), (into,) = lid.tips(np.array([angle])), lid.normals(np.array([angle]))
+    sphere = np.append(tip, TIP_RADIUS)
+    # Tangent to the plate: rounding only.
+    assert lid.distance(sphere[None], np.array(angle)) == pytest.approx(0.0, abs=1e-9)
+    # A little further in the lid would be pushed.
+    sphere[:3] += 1e-3 * into
+    assert lid.distance(sphere[None], np.array(angle)) == pytest.approx(-1e-3, abs=1e-6)
+    assert lid.angle(tip) == pytest.approx(angle, abs=1e-9)
+
+
+def test_a_lid_is_a_plate_with_a_tab() -> None:
+    lid = _lid(0.0, 1.9)
+    above = np.array([[0.035, 0.0, THICKNESS + 0.02, 0.01], [0.08, 0.0, THICKNESS + 0.02, 0.01]])
+    beside = np.array([[0.085, 0.03, 0.0, 0.01]])
+    assert lid.distance(above, np.array(0.0)) == pytest.approx([0.01, 0.01])
+    assert lid.distance(beside, np.array(0.0))[0] > 0.0  # beside the tab and beyond the plate
+    # Opened upright it stands at the hinge.
+    upright = np.array([[-0.02, 0.0, 0.05, 0.005]])
+    assert lid.distance(upright, np.array(math.pi / 2)) == pytest.approx(0.02 - THICKNESS - 0.005)
+
+
+@pytest.mark.parametrize("way", [(0.0, OPEN), (OPEN, 0.0)])
+def test_hands_touch_with_nothing_but_a_fingertip(way: tuple[float, float]) -> None:
+    lid = _lid(*way)
+    hands = flip_hands(lid)
+    assert len(hands) > 100
+    rest = hands.robot[:, :, :-1]  # the fingertip comes last
+    angles = np.broadcast_to(hands.way.angles, rest.shape[:2])
+    assert lid.distance(rest, angles).min() > 0.0
+    assert (rest[..., 2] - rest[..., 3]).min() > -lid.height
+
+
+def test_the_way_begins_and_ends_off_the_lid() -> None:
+    for lid in (_lid(0.0, OPEN), _lid(OPEN, 0.0)):
+        way = LidWay.of(lid)
+        tips = np.column_stack([way.points, np.full(len(way.points), TIP_RADIUS)])
+        gaps = lid.distance(tips[:, None], way.angles)[:, 0]
+        assert gaps[way.touching] == pytest.approx(0.0, abs=1e-9)
+        assert gaps[[0, -3, -1]].min() > 0.02
+        assert way.points[-1] == pytest.approx(way.points[0])
+
+
+@pytest.mark.parametrize("heading", np.radians(np.arange(-180.0, 180.0, 60.0)).tolist())
+@pytest.mark.parametrize("way", [(0.0, OPEN), (OPEN, 0.0)])
+def test_a_cup_beside_the_arm_is_opened_and_closed_whichever_way_it_faces(
+    heading: float, way: tuple[float, float]
+) -> None:
+    reach = ArmReach(load_scene("kitchen"))
+    plan, state = _plan(*way), _state(0.24, 0.20, heading, opened=way[0])
+    answer = reach.handles(plan, state)
+    assert answer.ok
+    assert answer.margin > 0.08
+    found = reach.flip_stance(plan.steps[0], CUP, state)  # type: ignore[arg-type]
+    assert not isinstance(found, ReachAnswer)
+    stance, _ = found
+    fingertip = []
+    for point, share in zip(stance.hands.way.points, stance.hands.way.shares, strict=True):
+        q = stance.joints(point, float(share))
+        assert (np.abs(q) < LIMITS).all()
+        R_WP, p_WP = reach.mount.palm(q)
+        fingertip.append(p_WP + R_WP @ stance.stance.posture.tips[0])
+    wanted = stance.hands.way.points @ stance.R_WE.T + stance.p_WE
+    assert np.array(fingertip) == pytest.approx(wanted, abs=1e-9)
+
+
+def test_what_stands_where_the_hand_must_be_is_named() -> None:
+    reach = ArmReach(load_scene("kitchen"))
+    cereal = Registry.built_in().get("cereal box")
+    walls = [
+        SeenObject(
+            f"box {k}", PlanarPose(0.24 + 0.14 * np.cos(a), 0.2 + 0.14 * np.sin(a), a), cereal
+        )
+        for k, a in enumerate(np.radians([0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0]))
+    ]
+    answer = reach.handles(_plan(0.0, OPEN), _state(0.24, 0.20, 0.0, *walls))
+    assert not answer.ok
+    assert answer.reason == "obstacle"
+    assert answer.blocker in {each.name for each in walls}
+
+
+def test_out_of_reach_is_told() -> None:
+    reach = ArmReach(load_scene("kitchen"))
+    answer = reach.handles(_plan(0.0, OPEN), _state(2.0, 0.0, 0.0))
+    assert not answer.ok
+    assert answer.reason == "kinematics"
+
+
+def test_the_view_follows_what_is_seen() -> None:
+    cup = _state(0.24, 0.2, 0.1).objects[CUP]
+    view = LidView(cup, 0.0)
+    lean = np.array(
+        [[math.cos(0.1), 0.0, math.sin(0.1)], [0, 1, 0], [-math.sin(0.1), 0, math.cos(0.1)]]
+    )
+    pose = SeenPose(lean @ cup.pose.R_WB, cup.pose.p_WB + np.array([0.003, 0.004, 0.0]))
+    view.seen([Frame(0.0, 0.0, {CUP: pose}, {CUP: 1.0})] * 60)
+    # After 60 frames an exponential mean has forgotten all but a millionth of the start.
+    assert view.lid == pytest.approx(1.0, abs=1e-5)
+    assert view.tilt == pytest.approx(0.1, abs=1e-5)
+    assert view.moved == pytest.approx(0.005, abs=1e-5)
+
+
+# -- in the simulated world ----------------------------------------------------------------------
+
+
+def _scene(*, yaw_deg: float, mass: float = 0.3, snap: float = 0.03) -> Scene:
+    """The cup alone in the kitchen."""
+    lid = Registry.built_in().get(CUP).lid
+    assert lid is not None
+    truth = Truth(
+        radius_m=0.035,
+        base_radius_m=0.033,
+        height_m=0.12,
+        mass_kg=mass,
+        friction_table=0.36,
+        friction_finger=0.6,
+        centre_of_mass_m=(0.0, 0.0, 0.045),
+        lid=lid.model_copy(update={"snap_torque": snap}),
+    )
+    cup = SceneObject(
+        name=CUP, model=CUP, pose=Pose(x_m=0.245, y_m=0.195, yaw_deg=yaw_deg), truth=truth
+    )
+    return load_scene("kitchen").model_copy(update={"objects": (cup,)})
+
+
+def _done(plan: HandlingPlan, world: DrakeWorld) -> Trace:
+    return execute(plan, world, {CUP: Registry.built_in().get(CUP)})
+
+
+def _motion(trace: Trace) -> tuple[float, float]:
+    """Largest displacement [m] and tilt [rad] of the cup."""
+    poses = trace.poses[CUP]
+    up = 1.0 - 2.0 * (poses[:, 1] ** 2 + poses[:, 2] ** 2)
+    far = np.linalg.norm(poses[:, 4:6] - poses[0, 4:6], axis=1).max()
+    return float(far), float(np.arccos(np.clip(up, -1.0, 1.0)).max())
+
+
+@pytest.mark.slow
+def test_a_lid_is_opened_and_closed_on_a_cup_that_stays_where_it_is() -> None:
+    world = DrakeWorld(_scene(yaw_deg=25.0), seed=3)
+    opened = _done(_plan(0.0, OPEN, heading=math.radians(25.0)), world)
+    assert opened.end == "handled"
+    assert math.degrees(opened.lids[CUP][-1]) == pytest.approx(100.0, abs=4.0)  # seen to 2°
+    closed = _done(_plan(OPEN, 0.0, heading=math.radians(25.0)), world)
+    assert closed.end == "handled"
+    assert math.degrees(closed.lids[CUP][-1]) == pytest.approx(0.0, abs=0.5)
+    for trace in (opened, closed):
+        moved, tilt = _motion(trace)
+        assert moved < 0.001
+        assert tilt < math.radians(0.5)
+
+
+@pytest.mark.slow
+def test_a_cup_too_light_for_its_lid_is_let_go_at_once() -> None:
+    world = DrakeWorld(_scene(yaw_deg=0.0, mass=0.07, snap=0.06), seed=0)
+    trace = _done(_plan(0.0, OPEN), world)
+    assert trace.end in {"tilted", "slid"}
+    assert _motion(trace)[1] < math.radians(10.0)  # far from 30°, where it would fall
+    poses = trace.poses[CUP][-1]
+    assert 1.0 - 2.0 * (poses[1] ** 2 + poses[2] ** 2) > math.cos(math.radians(0.5))
+
+
+@pytest.mark.slow
+def test_a_catch_that_does_not_give_way_is_told_with_its_force() -> None:
+    world = DrakeWorld(_scene(yaw_deg=0.0, mass=0.9, snap=0.3), seed=0)
+    trace = _done(_plan(0.0, OPEN, limit=1.2), world)
+    assert trace.end == "force"
+    assert "does not move with 1." in trace.detail
+    assert trace.lids[CUP][-1] == pytest.approx(0.0, abs=0.01)
+
+
+@pytest.mark.slow
+def test_a_lid_that_does_not_follow_is_missed(monkeypatch: pytest.MonkeyPatch) -> None:
+    world = DrakeWorld(_scene(yaw_deg=0.0), seed=0)
+    frames = world.frames
+
+    def stays_shut() -> list[Frame]:
+        return [replace(frame, lids={CUP: 0.0}) for frame in frames()]
+
+    monkeypatch.setattr(world, "frames", stays_shut)
+    trace = _done(_plan(0.0, OPEN), world)
+    assert trace.end == "missed"
+    assert "does not follow" in trace.detail
