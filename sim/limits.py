@@ -41,6 +41,7 @@ _MET = -0.001  # seen gap at which two objects surely touch [m]
 _NEAR = 0.015  # seen gap below which a rising force tells that they do [m]
 _STEP, _STEP_SHARE = 0.15, 0.05  # rise of the force that does [N], and as a share of it
 _SLIDING = 0.5  # time constant of the force while it slides freely [s]
+_CLEARLY_MOVED = 1.5 * MOVED  # so that it has moved by that in spite of what fingers give way [m]
 _SURELY_MOVED = 5.0 * MOVED  # travel of the fingertips that no deflection explains [m]
 
 
@@ -207,7 +208,8 @@ class LimitGuards:
     def _moves(self) -> End | None:
         travel = self.follower.travel @ self._u
         come = travel + self.follower.slipped @ self._u
-        if travel > MOVED and (come > MOVED + self._doubt or travel > _SURELY_MOVED):
+        clearly = come > _CLEARLY_MOVED + self._doubt or travel > _SURELY_MOVED
+        if travel > _CLEARLY_MOVED and clearly:
             return "event", f"the object moves: {1e3 * travel:.0f} mm so far"
         return None
 

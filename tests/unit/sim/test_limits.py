@@ -185,7 +185,8 @@ def test_it_ends_when_the_object_moves(seed: int) -> None:
     end = scripted.run(1.0)
     assert end is not None
     assert end[0] == "event"
-    assert 0.001 < scripted.come < 0.006
+    # Checks ask for 2 mm; it stands a camera's delay and noise later.
+    assert 0.002 < scripted.come < 0.007
     assert _Scripted(_push(until="moves"), NOISY, standing=True, seed=seed).run(3.0) is None
 
 
