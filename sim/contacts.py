@@ -55,7 +55,8 @@ class ContactWatch:
             for geometry in plant.GetCollisionGeometriesForBody(plant.get_body(BodyIndex(i)))
         }
         self._objects = frozenset(objects)
-        self._lids = dict(lids or {})
+        self._owner = {name: name for name in objects} | dict(lids or {})
+        self._untold = frozenset(self._standing())
         self.events: list[ContactEvent] = []
         self._touching: dict[tuple[str, str], float] = {}
         self._by_robot: dict[str, float] = {}
@@ -80,14 +81,19 @@ class ContactWatch:
                 self._by_robot[name] = time
         return begun
 
+    def _standing(self) -> Iterator[tuple[str, str]]:
+        """Pairs of bodies whose contact is nothing to tell: what belongs together, or stands."""
+        for name, owner in self._owner.items():
+            yield from ((name, _TABLE), (_TABLE, name))
+            yield from ((name, other) for other, its in self._owner.items() if its == owner)
+
     def _pairs(self, context: Context) -> Iterator[tuple[str, str]]:
-        """Names of the bodies in contact, but for objects on the table."""
+        """Names of the bodies in contact, but for what only stands."""
         for overlap in self._shapes.Eval(context).ComputePointPairPenetration():
-            a, b = sorted((self._bodies[overlap.id_A], self._bodies[overlap.id_B]))
-            owners = self._owners((a, b))
-            if len(owners) == 2 and not (_TABLE in owners and self._objects & owners):
-                yield a, b
+            a, b = self._bodies[overlap.id_A], self._bodies[overlap.id_B]
+            if (a, b) not in self._untold:
+                yield (a, b) if a < b else (b, a)
 
     def _owners(self, pair: tuple[str, str]) -> set[str]:
         """The two bodies, with objects instead of their lids."""
-        return {self._lids.get(name, name) for name in pair}
+        return {self._owner.get(name, name) for name in pair}
