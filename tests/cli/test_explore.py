@@ -140,7 +140,7 @@ def test_what_is_known_well_enough_is_not_touched(capsys: pytest.CaptureFixture[
     [
         ([], 2, "usage", "OBJECT"),
         (["iced tee bocks"], 3, "unknown_object", "ice tea box"),
-        (["mug"], 3, "not_on_table", "kitchen"),
+        (["soup can"], 3, "not_on_table", "kitchen"),
         (["box"], 3, "ambiguous_object", "cereal box"),
         (["ice tea box", "--parameters", "mas"], 2, "usage", "did you mean 'mass'"),
         (["ice tea box", "--parameters", "colour"], 2, "usage", "centre_of_mass"),

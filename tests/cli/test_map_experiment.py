@@ -169,7 +169,7 @@ def test_the_robot_pushes_where_it_reaches(
 @pytest.mark.parametrize(
     ("args", "status", "code", "words"),
     [
-        (["map", "mug", "--experiment"], 3, "not_on_table", "--scene counter"),
+        (["map", "soup can", "--experiment"], 3, "not_on_table", "--scene counter"),
         (["map", "box", "--experiment"], 3, "ambiguous_object", "cereal box"),
         (["map", "mugg", "--experiment"], 3, "unknown_object", "mug"),
         ([*COARSE, "--by", "magic"], 2, "usage", "robot"),

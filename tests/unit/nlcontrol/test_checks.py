@@ -656,7 +656,8 @@ def test_ends_that_were_meant_are_not_early(
 @pytest.mark.parametrize(
     "frame",
     [
-        _frame(g.Lift(height=0.1)),
+        _frame(g.Upright()),
+        _frame(g.HandOver()),
         _frame(g.Place(relation="on", reference=(MUG,))),
     ],
 )
@@ -668,7 +669,7 @@ def test_what_cannot_be_checked_is_an_error(frame: g.Frame) -> None:
 
 def test_the_words_of_an_uncheckable_clause_are_named() -> None:
     with pytest.raises(ControlError) as raised:
-        require_checkable(_frame(g.Lift(height=0.1, spans=((3, 9),))))
+        require_checkable(_frame(g.Upright(spans=((3, 9),))))
     assert raised.value.info.span == (3, 9)
 
 

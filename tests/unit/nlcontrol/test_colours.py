@@ -49,12 +49,19 @@ def test_plain_colours_and_a_tie(colour: tuple[float, ...], names: tuple[str, ..
 
 
 def test_the_built_in_scenes() -> None:
-    seen = seen_colours(load_scene("kitchen")) | seen_colours(load_scene("counter"))
-    assert {name: colour_names(colour) for name, colour in seen.items()} == {
-        "ice tea box": ("yellow",),
-        "cereal box": ("red",),
-        "coffee box": ("brown",),
-        "soup can": ("red",),
-        "mug": ("blue",),
-        "tea tin": ("green",),
+    seen = {
+        (scene, name): colour_names(colour)
+        for scene in ("kitchen", "counter")
+        for name, colour in seen_colours(load_scene(scene)).items()
+    }
+    assert seen == {
+        ("kitchen", "ice tea box"): ("yellow",),
+        ("kitchen", "cereal box"): ("red",),
+        ("kitchen", "coffee box"): ("brown",),
+        ("kitchen", "ice tea"): ("orange",),
+        ("kitchen", "ice tea cup"): ("blue",),
+        ("kitchen", "mug"): ("grey",),
+        ("counter", "soup can"): ("red",),
+        ("counter", "mug"): ("blue",),
+        ("counter", "tea tin"): ("green",),
     }

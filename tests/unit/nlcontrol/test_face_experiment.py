@@ -178,7 +178,7 @@ def test_an_object_by_its_name(name: str) -> None:
     ("name", "code", "words"),
     [
         ("box", "ambiguous_object", "ice tea box"),
-        ("mug", "not_on_table", "--scene counter"),
+        ("soup can", "not_on_table", "--scene counter"),
         ("mugg", "unknown_object", "mug"),
     ],
 )

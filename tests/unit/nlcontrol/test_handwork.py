@@ -39,7 +39,7 @@ POUR = HandlingPlan(
         SetDown(),
     ),
     prediction=HandlingPrediction(
-        holds=0.99, poured=290 * ML, received=280 * ML, spilled=10 * ML, left=10 * ML
+        holds=0.99, poured=190 * ML, received=180 * ML, spilled=10 * ML, left=10 * ML
     ),
     speed=0.1,
 )  # fmt: skip
@@ -58,21 +58,21 @@ def carton(kitchen: Controller) -> ObjectModel:
 # -- the weight ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("mass", [0.30, 0.34, 0.38])
+@pytest.mark.parametrize("mass", [0.20, 0.24, 0.28])
 def test_what_hung_on_the_fingers_is_believed(carton: ObjectModel, mass: float) -> None:
     trace = hand_trace("ice tea", up=0.1, weighs=mass * GRAVITY)
     found = weighed(LIFT, carton, trace)
     assert found is not None
     model, lesson = found
-    # Known to 1 %, against 10 % before: what is believed is what was felt, to a tenth of that.
+    # Known to 1 %, against 15 % before: what is believed is what was felt, to a tenth of that.
     assert model.mass == pytest.approx(mass, abs=0.002)
     assert model.mass_sd < 0.2 * carton.mass_sd
     assert "hung on the fingers" in lesson.text
     assert carton.container is not None
     assert model.container is not None
     more = model.container.contents - carton.container.contents
-    # Most of what was not known of the mass is the contents (30 of 34 g).
-    assert more == pytest.approx(0.78 * (mass - carton.mass) / 1000.0, abs=3 * ML)
+    # Most of what was not known of the mass is the contents (30 of 36 g).
+    assert more == pytest.approx((30 / 36) ** 2 * (mass - carton.mass) / 1000.0, abs=3 * ML)
 
 
 def test_nothing_is_learned_of_what_was_not_held(carton: ObjectModel) -> None:
@@ -83,11 +83,11 @@ def test_nothing_is_learned_of_what_was_not_held(carton: ObjectModel) -> None:
 
 
 def test_an_emptied_carton_is_its_shell(carton: ObjectModel) -> None:
-    empty = refilled(carton, -300 * ML)
+    empty = refilled(carton, -200 * ML)
     assert empty.mass == pytest.approx(0.04)
     assert empty.container is not None
     assert empty.container.contents == pytest.approx(0.0, abs=1e-12)
-    back = refilled(empty, 300 * ML)
+    back = refilled(empty, 200 * ML)
     assert (back.mass, *back.com) == pytest.approx((carton.mass, *carton.com))
 
 
@@ -105,7 +105,7 @@ def test_what_was_poured_is_in_the_other_one(kitchen: Controller) -> None:
     object.__setattr__(trace, "phase", phase)
     after = believed_after(POUR, kitchen.models, trace)
     contents = {n: m.container.contents / ML for n, m in after.items() if m.container}
-    assert contents == pytest.approx({"ice tea": 10.0, "mug": 280.0})
+    assert contents == pytest.approx({"ice tea": 10.0, "mug": 180.0})
 
 
 def test_what_was_never_tilted_holds_what_it_held(kitchen: Controller) -> None:
@@ -153,12 +153,19 @@ def test_only_the_weight_is_found_out_by_lifting(kitchen: Controller) -> None:
 # -- in the simulated world ---------------------------------------------------------------------
 
 
+def _true_mass(controller: Controller) -> float:
+    """Of the carton, which is not what is believed [kg]."""
+    truth = controller.scene.object("ice tea").truth
+    assert truth.mass_kg != controller.registry.get("ice tea").mass
+    return truth.mass_kg
+
+
 def test_weighed_in_the_hand_and_set_down() -> None:
     controller = Controller("kitchen", seed=2)
     answer = controller.say("weigh the ice tea by lifting it").answer
     assert answer is not None
     # The levers of the fingertips are known to 1 %, and the hand hangs still for half a second.
-    assert answer.numbers["mass"] == pytest.approx(0.34, rel=0.05)
+    assert answer.numbers["mass"] == pytest.approx(_true_mass(controller), rel=0.05)
     assert answer.numbers["mass_now_sd"] < 0.5 * answer.numbers["believed_sd"]
     assert controller.held is None
 
@@ -173,8 +180,9 @@ def test_what_was_lifted_stays_in_the_hand() -> None:
     assert held.name == "ice tea"
     assert "Plan: hold the ice tea from its side" in result.report()
     (lesson,) = result.steps[0].lessons
-    # The carton truly weighs 0.34 kg; the levers of the fingertips are known to 1 %.
-    assert conversation.controller.models["ice tea"].mass == pytest.approx(0.34, rel=0.05)
+    # The levers of the fingertips are known to 1 %.
+    true = _true_mass(conversation.controller)
+    assert conversation.controller.models["ice tea"].mass == pytest.approx(true, rel=0.05)
     assert lesson.moved == "lift"
     rows = {row.parameter: row.value for row in result.explained()}
     assert rows["controller"] == "with the whole hand: lift up"

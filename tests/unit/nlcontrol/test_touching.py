@@ -58,7 +58,7 @@ def test_what_touching_does_not_tell_is_said(
 
 
 def test_what_is_not_on_the_table_cannot_be_touched(kitchen: Controller) -> None:
-    result = kitchen.say("find out how heavy the mug is")
+    result = kitchen.say("find out how heavy the soup can is")
     assert result.error is not None
     assert (result.error.code, result.exit_status) == ("not_on_table", 3)
 
