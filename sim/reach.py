@@ -81,6 +81,11 @@ class ArmReach:
         found = hand_grip(width)
         return None if found is None else found.grip
 
+    def pinch(self, width: float) -> Grip | None:
+        """How it closes about a knob or a cap of that width [m]; None if it does not."""
+        found = pinch(width)
+        return None if found is None else found.grip
+
     def handles(self, plan: HandlingPlan, state: WorldState) -> ReachAnswer:
         """Whether arm and hand can carry out a plan, all of its way free."""
         if plan.grasp is None:

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 _HEADINGS = np.radians(np.arange(0.0, 180.0, 22.5))  # in W, across which a round side is held
 _BORDER = 0.004  # distance of a contact from the border of its side [m]
+_OVER = 0.0015  # between fingertips and what a knob stands on [m]
 _SQUARE = np.array([0.0, math.pi / 2.0])  # pitches at which the fingers come: level, from above
 _ASKEW = np.radians([30.0, 45.0, 60.0])
 _HEIGHTS = 3  # at which each side is tried
@@ -149,13 +150,17 @@ def of_lid(
         headings: directions in W across which it may be held [rad].
 
     Raises:
-        RefusedError: the hand does not close about it.
+        RefusedError: the hand does not close about it, or it is too low for the fingers.
     """
     radius, low, high = held_part(target, lid)
-    grip = hand.grip(2.0 * radius) if _fits(2.0 * radius, hand) else None
+    grip = hand.pinch(2.0 * radius) if _fits(2.0 * radius, hand) else None
     if grip is None:
         raise refusals.not_that_wide(target, [2.0 * radius], hand, part="lid")
-    middle = np.array([*lid_middle(target), 0.5 * (low + high)])
+    # The fingertips stay above what a knob stands on, and below its upper end.
+    height = max(0.5 * (low + high), low + grip.ahead + _OVER)
+    if height > high - _BORDER:
+        raise refusals.low_lid(target, high - low, grip.ahead + _OVER + _BORDER)
+    middle = np.array([*lid_middle(target), height])
     both = np.concatenate((headings, headings + np.pi)) - target.pose.yaw
     return [
         Candidate("lid", middle, np.array([np.cos(a), np.sin(a), 0.0]), _DOWN, 2.0 * radius, grip)

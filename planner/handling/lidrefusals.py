@@ -114,7 +114,7 @@ def _both(task: Task, found: Loosening) -> str:
     assert task.target.model.lid is not None, "only lids are loosened"
     if task.target.model.lid.kind == "screw":
         return (
-            f"turning the cap of the {name} takes {found.needed:.3f} N·m; the free {name} turns "
+            f"turning the cap of the {name} takes {found.needed:.3f} N·m; the standing {name} turns "
             f"along at {found.held:.3f} N·m"
         )
     return (

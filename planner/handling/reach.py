@@ -19,20 +19,22 @@ class Grip:
     """How the hand closes about something of a width.
 
     Attributes:
-        contacts: of thumb, index, middle and ring, in the plane across the closing direction, from
-            the middle of the grasp: along the approach, and along approach × closing,
-            shape (4, 2) [m].
+        contacts: of the fingers that touch, the thumb first, in the plane across the closing
+            direction, from the middle of the grasp: along the approach, and along
+            approach × closing, shape (k, 2) [m].
         shares: of the squeeze that each of them bears; the thumb's is 1, the others' sum to 1,
-            shape (4,).
+            shape (k,).
         strongest: largest squeeze, with a tangential load as large beside it [N].
         room: free length beyond the fingers' side that the knuckles need, and beyond the thumb's,
             along the closing direction [m].
+        ahead: how far the fingers reach beyond the middle, along the approach [m].
     """
 
     contacts: NDArray[np.float64]
     shares: NDArray[np.float64]
     strongest: float
     room: tuple[float, float]
+    ahead: float = 0.0
 
 
 class HandReach(Protocol):
@@ -49,6 +51,10 @@ class HandReach(Protocol):
 
     def grip(self, width: float) -> Grip | None:
         """How it closes about that width [m]; None if it does not."""
+        ...
+
+    def pinch(self, width: float) -> Grip | None:
+        """How it closes about a knob or a cap of that width [m]; None if it does not."""
         ...
 
     def handles(self, plan: HandlingPlan, state: WorldState) -> ReachAnswer:

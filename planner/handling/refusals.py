@@ -82,6 +82,18 @@ def not_that_wide(
     )
 
 
+def low_lid(target: SeenObject, tall: float, needed: float) -> RefusedError:
+    """The fingers find no room about what its lid is held by."""
+    return refused(
+        "impossible",
+        f"the {target.name}'s lid can be held over {mm(tall)} of its height, the fingers need "
+        f"{mm(needed)}",
+        (),
+        height=tall,
+        needed=needed,
+    )
+
+
 def no_such_height(target: SeenObject, graspable: Graspable, how: Manner) -> RefusedError:
     """The sentence leaves no height at which it may be held."""
     return refused(

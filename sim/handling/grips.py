@@ -201,7 +201,8 @@ def _as_known(found: HandGrip) -> Grip:
     around = np.vstack([spheres.hand_spheres(found.posture(o)) for o in (0.0, found.opening)])
     low, high = (around[:, 0] - around[:, 3]).min(), (around[:, 0] + around[:, 3]).max()
     room = (float(x - found.width / 2.0 - low), float(high - x - found.width / 2.0))
-    return Grip(contacts, found.shares[found.shares > 0.0], found.strongest, room)
+    ahead = float((around[:, 2] + around[:, 3]).max() - z)
+    return Grip(contacts, found.shares[found.shares > 0.0], found.strongest, room, ahead)
 
 
 @functools.lru_cache(maxsize=4096)

@@ -36,6 +36,9 @@ class RuledHand:
         shares = np.array([1.0, 1 / 3, 1 / 3, 1 / 3])
         return Grip(CONTACTS, shares, self.strongest, (0.09, 0.04))
 
+    def pinch(self, width: float) -> Grip | None:
+        return Grip(np.zeros((2, 2)), np.ones(2), self.strongest, (0.09, 0.06), 0.014)
+
     def handles(self, plan: HandlingPlan, state: WorldState) -> ReachAnswer:
         self.asked.append(plan)
         if self.rule(plan):
