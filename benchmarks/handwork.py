@@ -71,8 +71,8 @@ class Task(NamedTuple):
 TASKS = {
     "open": Task("kitchen", "open the ice tea cup", "ice tea cup"),
     "pour": Task("kitchen", "pour the contents of the ice tea into the mug", _POURED),
-    "lift": Task("kitchen", "lift the ice tea cup", "ice tea cup"),
-    "place": Task("kitchen", "pick up the ice tea cup and put it next to the mug", "ice tea cup"),
+    "lift": Task("kitchen", "lift the mug", "mug"),
+    "place": Task("kitchen", "pick up the mug and put it next to the ice tea cup", "mug"),
     "jar": Task("pantry", "take the lid off the jar", "jar"),
     "bottle": Task("pantry", "unscrew the cap of the fixed bottle", "fixed bottle"),
 }

@@ -51,9 +51,8 @@ def _held(plan: HandlingPlan) -> str:
 
 def grasp_words(grasp: Grasp) -> str:
     """Where and how hard it is held: "from its side, 60 mm above its base, with 4.5 N"."""
-    above = "from above" if grasp.approach_W[2] < -0.5 else "from its side"
     where = f"{quantity(grasp.p_BG[2], 'm')} above its base"
-    return f"{above}, {where}, with {quantity(grasp.squeeze, 'N')}"
+    return f"{grasp.way}, {where}, with {quantity(grasp.squeeze, 'N')}"
 
 
 def doing(plan: HandlingPlan) -> str:
@@ -125,19 +124,32 @@ def reasons(plan: HandlingPlan) -> list[str]:
             f"{quantity(grasp.strongest, 'N')} at {quantity(grasp.width, 'm')}"
         )
     if p.lid_force is not None:
-        gives = [
-            f"{verb} from {quantity(force, 'N')} on"
-            for verb, force in (("slides", p.slide_force), ("topples", p.topple_force))
-            if force is not None
-        ]
-        but = f", the {plan.object} {listed(gives)}" if gives else ""
-        told.append(f"the lid takes up to {quantity(p.lid_force, 'N')}{but}")
+        told.append(f"the lid takes up to {quantity(p.lid_force, 'N')}")
+        told += _stands(plan)
     if p.lid_torque is not None:
         turns = ""
         if p.turning_torque is not None:
             turns = f", the {plan.object} turns along from {quantity(p.turning_torque, 'N·m')} on"
         told.append(f"the cap takes {quantity(p.lid_torque, 'N·m')}{turns}")
     return told
+
+
+def _stands(plan: HandlingPlan) -> Iterator[str]:
+    """What the standing object bears while its lid is opened."""
+    p = plan.prediction
+    if p.lifting_force is not None:
+        yield f"the {plan.object} is lifted from {quantity(p.lifting_force, 'N')} on"
+    gives = [
+        f"{verb} from {quantity(force, 'N')} on"
+        for verb, force in (("slides", p.slide_force), ("topples", p.topple_force))
+        if force is not None
+    ]
+    if gives and p.nearest_angle is not None and p.nearest_force is not None:
+        yield (
+            f"at {quantity(p.nearest_angle, 'rad')}, where the {plan.object} comes nearest to "
+            f"giving way, it takes {quantity(p.nearest_force, 'N')}, and the {plan.object} "
+            f"{listed(gives)}"
+        )
 
 
 def deciding(plan: HandlingPlan) -> dict[str, float]:

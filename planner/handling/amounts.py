@@ -90,7 +90,7 @@ def amount(task: Task, source: Hollow, into: Hollow, goal: g.Pour) -> Amount | N
     if goal.fill is not None and wanted < _DROP:
         return None
     if wanted > room:
-        raise pourrefusals.does_not_fit(into.seen, wanted, room, goal.spans)
+        raise pourrefusals.does_not_fit(into.seen, wanted, room, has, goal.spans)
     if wanted > has:
         raise pourrefusals.not_so_much(task, wanted, has, goal.spans)
     everything = goal.volume is None and goal.fill is None and wanted > has - _DROP

@@ -47,9 +47,8 @@ def _controller(plan: HandlingPlan) -> Iterator[Value]:
         yield Value("controller", f"with a fingertip: {steps}")
         return
     yield Value("controller", f"with the whole hand: {steps}")
-    way = "from above" if grasp.approach_W[2] < -0.5 else "from its side"
     part = "its lid " if grasp.part == "lid" else ""
-    yield Value("grasp", f"{part}{way}, {shown(grasp.p_BG[2], 'm')} above its base")
+    yield Value("grasp", f"{part}{grasp.way}, {shown(grasp.p_BG[2], 'm')} above its base")
     least, most = f"{grasp.needed:.1f} N just hold", f"the fingers have {grasp.strongest:.1f} N"
     yield Value("squeeze", f"{grasp.squeeze:.1f} N; {least}, {most}")
 

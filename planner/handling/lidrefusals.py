@@ -114,8 +114,8 @@ def _both(task: Task, found: Loosening) -> str:
     assert task.target.model.lid is not None, "only lids are loosened"
     if task.target.model.lid.kind == "screw":
         return (
-            f"turning the cap of the {name} takes {found.needed:.3f} N·m; the standing {name} turns "
-            f"along at {found.held:.3f} N·m"
+            f"turning the cap of the {name} takes {found.needed:.3f} N·m; the standing {name} "
+            f"turns along at {found.held:.3f} N·m"
         )
     return (
         f"pulling the lid off the {name} takes {found.needed:.1f} N; the {name} itself is lifted "

@@ -153,6 +153,8 @@ def _arc_prediction(arc: FlipArc, end: float) -> HandlingPrediction:
     slide, topple = (float(force[near]) for force in (arc.slide, arc.topple))
     return HandlingPrediction(
         lid_force=arc.largest_force,
+        nearest_angle=float(arc.angles[near]),
+        nearest_force=float(arc.force[near]),
         slide_force=slide if math.isfinite(slide) else None,
         topple_force=topple if math.isfinite(topple) else None,
         lid_angle=end,
@@ -166,7 +168,7 @@ def _pulled_off(task: Task, lid: LiftOffLid) -> HandlingPlan:
     found = lift_off(task.target.model, lid, fixed=task.target.fixed)
     _require_still(task, found)
     load = Load(found.needed, lid.retention_sd)
-    prediction = HandlingPrediction(lid_force=found.needed, topple_force=_finite(found.held))
+    prediction = HandlingPrediction(lid_force=found.needed, lifting_force=_finite(found.held))
     return _taken_off(task, lid, _lid_holds(task, lid, load), (),
                       prediction, found.probability)  # fmt: skip
 

@@ -16,6 +16,8 @@ from pydantic import Field
 
 from planner.plan import Aim, DefaultUsed, Value, Vector3
 
+_UPRIGHT, _LEVEL = 0.95, 0.05  # of an approach, how much it goes down
+
 
 class Grasp(Value):
     """How a hand holds an object, or its lid.
@@ -40,6 +42,14 @@ class Grasp(Value):
     squeeze: float
     needed: float
     strongest: float
+
+    @property
+    def way(self) -> str:
+        """How the fingers come to it, in words."""
+        down = -self.approach_W[2]
+        if down > _UPRIGHT:
+            return "from above"
+        return "from its side" if down < _LEVEL else "askew from above"
 
 
 class LiftUp(Value):
@@ -153,8 +163,10 @@ class HandlingPrediction(Value):
         left: volume that stays in it [m³].
         level_after: share of the other object's volume that is filled afterwards.
         lid_force: largest force at the fingertip, or that pulls the lid off, over the way [N].
-        slide_force, topple_force: at which the standing object would give way to that force,
-            where it comes nearest to it [N].
+        nearest_angle: of the lid where the standing object comes nearest to giving way [rad].
+        nearest_force: at the fingertip there [N].
+        slide_force, topple_force: at which the standing object would give way there [N].
+        lifting_force: at which it would come up with a lid that is pulled off [N].
         lid_torque: that turns the cap [N·m].
         turning_torque: at which the standing object would turn along [N·m].
         lid_angle: of a flip lid at the end [rad].
@@ -167,8 +179,11 @@ class HandlingPrediction(Value):
     left: float | None = None
     level_after: float | None = None
     lid_force: float | None = None
+    nearest_angle: float | None = None
+    nearest_force: float | None = None
     slide_force: float | None = None
     topple_force: float | None = None
+    lifting_force: float | None = None
     lid_torque: float | None = None
     turning_torque: float | None = None
     lid_angle: float | None = None

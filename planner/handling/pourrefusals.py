@@ -55,16 +55,20 @@ def is_empty(task: Task) -> RefusedError:
     return refused("impossible", f"the {task.target.name} is empty", (), contents=0.0)
 
 
-def does_not_fit(into: SeenObject, wanted: float, room: float, spans: Spans) -> RefusedError:
-    """It would run over."""
-    fits = max(room, 0.0)
+def does_not_fit(
+    into: SeenObject, wanted: float, room: float, has: float, spans: Spans
+) -> RefusedError:
+    """It would run over, whether or not there is so much."""
+    fits = min(max(room, 0.0), has)
+    most = f"pour up to {ml(fits)}" + ("" if has > room else ", which is all there is to pour")
     return refused(
         "impossible",
-        f"{ml(wanted)} do not fit into the {into.name}: it has room for {ml(fits)}",
+        f"{ml(wanted)} do not fit into the {into.name}: it has room for {ml(max(room, 0.0))}",
         spans,
-        *((f"pour up to {ml(fits)}",) if fits > 0.0 else ()),
+        *((most,) if fits > 0.0 else ()),
         volume=wanted,
-        room=fits,
+        room=max(room, 0.0),
+        contents=has,
     )
 
 

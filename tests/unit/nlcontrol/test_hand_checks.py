@@ -163,7 +163,9 @@ def test_what_was_spilled_and_shoved_and_not_set_down(kitchen: Controller) -> No
     wet = _checks(kitchen, goal, _poured(280, spilled=7))
     assert [k for k, c in wet.items() if not c.ok] == ["pour: spilled"]
     asked = _checks(kitchen, goal, _poured(280, spilled=7), g.NoSpill())
-    assert [k for k, c in asked.items() if not c.ok] == ["no_spill: spilled"]
+    assert [k for k, c in asked.items() if not c.ok] == [
+        "no_spill: share of the contents that was spilled"
+    ]
     shoved = _checks(kitchen, goal, _poured(280, others={"mug": (0.02, 0.0)}))
     assert [k for k, c in shoved.items() if not c.ok] == ["pour: mug was moved by"]
     held = _checks(kitchen, goal, _poured(280, at_end=0.2))

@@ -53,7 +53,7 @@ def test_how_full(kitchen: Controller) -> None:
     vessel = kitchen.models["ice tea"].vessel
     assert answer is not None
     assert vessel is not None
-    assert answer.text.startswith("The ice tea holds 200 ml ± 30 ml, ")
+    assert answer.text.startswith("The ice tea holds 200 ml ± 70 ml, ")
     assert answer.numbers["fill"] == pytest.approx(2e-4 / vessel.capacity)
 
 

@@ -126,8 +126,8 @@ def test_more_than_fits_is_refused_with_the_most_that_does(
     made = _pour(known, hand, volume=5e-4)
     assert isinstance(made, Refusal)
     assert made.message == "500 ml do not fit into the mug: it has room for 329 ml"
-    assert made.numbers == pytest.approx({"volume": 5e-4, "room": MUG}, rel=1e-3)
-    assert made.suggestions == ("pour up to 329 ml",)
+    assert made.numbers == pytest.approx({"volume": 5e-4, "room": MUG, "contents": 3e-4}, rel=1e-3)
+    assert made.suggestions == ("pour up to 300 ml, which is all there is to pour",)
 
 
 def test_more_than_there_is(known: WorldState, hand: RuledHand) -> None:
