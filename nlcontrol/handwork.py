@@ -16,6 +16,7 @@ import numpy as np
 
 from nlcontrol import measures
 from nlcontrol.learning import Change, Lesson
+from objectmodels.contents import holding, reweighed
 from objectmodels.thresholds import GRAVITY
 from planner.handling.plan import HandlingPlan, LiftUp, PourOut
 from sim.handling.weighing import Weight, weight
@@ -31,7 +32,6 @@ TRIED_AGAIN: frozenset[EndReason] = frozenset(
 
 _SWUNG = 2.0 / 3.0  # share of the time for which it is held at the end in which it hangs still
 _HELD = 0.4  # least of that time [s]
-_ROUNDING = 1e-9
 _FROM_LEVEL = 0.02  # a share of the contents that always stays unknown
 
 
@@ -92,16 +92,12 @@ def weighed(
     gain = model.mass_sd**2 / (model.mass_sd**2 + sd**2)
     more = gain * (measured - model.mass)
     rest_sd = math.sqrt(1.0 - gain) * model.mass_sd
-    container, after = model.container, model
-    if container is not None and container.contents_sd > 0.0:
-        of_contents = min((container.density * container.contents_sd / model.mass_sd) ** 2, 1.0)
-        after = refilled(model, of_contents * more / container.density)
-        assert after.container is not None
-        known = after.container.model_copy(
-            update={"contents_l_sd": math.sqrt(1.0 - gain) * container.contents_l_sd}
-        )
-        after = after.model_copy(update={"container": known})
-    after = after.model_copy(update={"mass": model.mass + more, "mass_sd": rest_sd})
+    after, held = model, reweighed(model, model.mass + more, rest_sd)
+    if held is not None and model.container is not None:
+        after = refilled(model, held.contents - model.container.contents)
+    after = after.model_copy(
+        update={"container": held, "mass": model.mass + more, "mass_sd": rest_sd}
+    )
     return after, Lesson(
         object=made.object,
         moved="lift",
@@ -133,15 +129,14 @@ def refilled(model: ObjectModel, more: float, sd: float = 0.0) -> ObjectModel:
     assert container is not None, "what is poured is in a container"
     assert vessel is not None
     before = container.contents
-    most = (1.0 - _ROUNDING) * vessel.capacity  # litres and cubic metres differ in the last digit
-    after = float(np.clip(before + more, 0.0, most))
-    spread = min(math.hypot(container.contents_sd, sd, _FROM_LEVEL * abs(more)), after)
+    spread = math.hypot(container.contents_sd, sd, _FROM_LEVEL * abs(more))
+    held = holding(model, before + more, min(spread, max(before + more, 0.0)))
+    after = held.contents
     shell = model.mass - container.mass
     mass = shell + container.density * after
     middles = [vessel.centroid(volume, 0.0, 0.0) for volume in (before, after)]
     moment = model.mass * np.array(model.com) - container.mass * middles[0]
     com = (moment + container.density * after * middles[1]) / mass
-    held = container.model_copy(update={"contents_l": 1e3 * after, "contents_l_sd": 1e3 * spread})
     mass_sd = math.hypot(model.mass_sd, container.density * sd)
     return model.model_copy(
         update={"container": held, "mass": mass, "mass_sd": mass_sd, "com": tuple(com.tolist())}

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.base import Array
+from objectmodels.contents import reweighed
 from objectmodels.errors import ModelError
 from objectmodels.model import ObjectModel
 from objectmodels.parameters import UNCERTAIN
@@ -44,7 +45,8 @@ def units(values: Array) -> Array:
 def with_values(model: ObjectModel, values: Array) -> ObjectModel:
     """The model with other values of the uncertain parameters, in the order of `UNCERTAIN`.
 
-    Kinetic coefficients keep their ratio to the static ones: no trial tells them apart.
+    Kinetic coefficients keep their ratio to the static ones: no trial tells them apart. What a
+    container weighs otherwise is put down to its contents.
 
     Raises:
         ModelError: `not_possible` if an object with them would not stand.
@@ -66,6 +68,7 @@ def with_values(model: ObjectModel, values: Array) -> ObjectModel:
             "finger_friction": finger,
             "friction_radius": radius,
             "com": tuple(com),
+            "container": reweighed(model, m, model.mass_sd),
             "friction_kinetic": _in_ratio(model.friction_kinetic, friction, model.friction),
             "finger_friction_kinetic": _in_ratio(
                 model.finger_friction_kinetic, finger, model.finger_friction
@@ -95,6 +98,7 @@ def with_belief(model: ObjectModel, covariance: Array) -> ObjectModel:
             "finger_friction_sd": finger,
             "friction_radius_sd": radius,
             "com_sd": tuple(com),
+            "container": reweighed(model, model.mass, mass),
             "correlations": tuple(pairs),
         }
     )

@@ -180,11 +180,15 @@ def test_affordances_of_the_ice_tea_box(capsys: pytest.CaptureFixture[str]) -> N
     status, document = answer(capsys, "affordances", "ice tea box")
     assert status == 0
     found = {(a["outcome"], a["direction"]): a for a in document["affordances"]}
-    assert len(found) == 14
+    assert len(found) == 16
     away = found["slide", "away"]
     assert (away["can"], away["face"]) == (True, "front")
     assert away["least_force"] == pytest.approx(0.378 * 0.9952 * 9.81, rel=1e-6)
     assert found["topple", "left"]["face"] == "right"
+    # A hand would get around it, but it is too heavy to be held.
+    lift = found["lift", None]
+    assert (lift["possible"], lift["can"]) == (True, False)
+    assert "needs 14." in lift["message"]
     turning = found["turn", "left"]
     assert (turning["possible"], turning["can"], turning["reason"]) == (True, True, None)
     assert turning["message"].startswith("3 pushes, first one finger")

@@ -256,7 +256,7 @@ def terminal() -> Iterator[Terminal]:
 
 def test_a_terminal_completes_keeps_and_leaves_quietly(terminal: Terminal, state: Path) -> None:
     terminal.prompt()
-    terminal.type("push the ice t\taway\r")
+    terminal.type("push the ice tea b\taway\r")
     assert "ice tea box away" in terminal.until("I understood: push the ice tea box away")
     terminal.prompt()
     terminal.type("push the")

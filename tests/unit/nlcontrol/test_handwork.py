@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller, Conversation
+from nlcontrol.handwords import reasons
 from nlcontrol.handwork import believed_after, refilled, weighed
 from nlcontrol.undo import Pushed, in_words, way_back
 from objectmodels import ObjectModel
 from objectmodels.thresholds import GRAVITY
 from planner.defaults import DEFAULTS
 from planner.handling.plan import (
+    FlipOver,
     Grasp,
     HandlingPlan,
     HandlingPrediction,
@@ -58,7 +60,7 @@ def carton(kitchen: Controller) -> ObjectModel:
 # -- the weight ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("mass", [0.20, 0.24, 0.28])
+@pytest.mark.parametrize("mass", [0.06, 0.20, 0.24, 0.28])
 def test_what_hung_on_the_fingers_is_believed(carton: ObjectModel, mass: float) -> None:
     trace = hand_trace("ice tea", up=0.1, weighs=mass * GRAVITY)
     found = weighed(LIFT, carton, trace)
@@ -139,6 +141,32 @@ def test_what_was_opened_is_closed_and_what_was_poured_stays(kitchen: Controller
     poured = way_back([Pushed(said, "ice tea", pose, "pour")], state, DEFAULTS)
     assert not poured.frames
     assert poured.notes == ("what was poured from the ice tea is not poured back",)
+
+
+def test_a_lid_is_compared_with_its_object_where_both_forces_act() -> None:
+    """What the lid takes most is told by itself: it may be more than the object bears elsewhere."""
+    prediction = HandlingPrediction(
+        lid_force=0.7,
+        nearest_angle=0.0,
+        nearest_force=0.2,
+        slide_force=0.9,
+        topple_force=0.4,
+        lid_angle=1.5,
+    )
+    flip = FlipOver(start=0.0, end=1.5, speed=0.5, force_limit=0.8, heading=0.0)
+    made = LIFT.model_copy(
+        update={"action": "open", "grasp": None, "steps": (flip,), "prediction": prediction}
+    )
+    assert reasons(made) == [
+        "the lid takes up to 0.7 N",
+        "at 0.0°, where the ice tea comes nearest to giving way, it takes 0.2 N, and the ice tea "
+        "slides from 0.9 N on and topples from 0.4 N on",
+    ]
+    pulled = HandlingPrediction(lid_force=0.7, lifting_force=2.0)
+    assert reasons(made.model_copy(update={"prediction": pulled})) == [
+        "the lid takes up to 0.7 N",
+        "the ice tea is lifted from 2.0 N on",
+    ]
 
 
 def test_only_the_weight_is_found_out_by_lifting(kitchen: Controller) -> None:

@@ -52,6 +52,9 @@ def test_a_flip_lid_is_opened_by_a_fingertip(pantry: WorldState, hand: RuledHand
     assert arc.least_margin >= DEFAULTS.lid_reserve
     # Where the cup comes nearest to giving way, which need not be where the lid takes most.
     assert found.topple_force == pytest.approx(arc.topple[arc.nearest])
+    assert found.nearest_force == pytest.approx(arc.force[arc.nearest])
+    assert found.nearest_force is not None
+    assert found.nearest_force < found.topple_force
     assert made.probability >= DEFAULTS.probability
 
 
