@@ -60,7 +60,9 @@ def believed_after(
 
 
 def felt_weight(made: HandlingPlan, trace: Trace) -> Weight | None:
-    """What hung on the fingers after the first lift; None if nothing was lifted."""
+    """What hung on the fingers after the first lift; None if no object was lifted."""
+    if made.grasp is None or made.grasp.part == "lid":
+        return None
     held = next((step.hold for step in made.steps if isinstance(step, LiftUp)), None)
     lifts = measures.stretches(trace, ("lift",))
     if held is None or not lifts or trace.end in ("no_grasp", "unreachable"):

@@ -119,6 +119,33 @@ def rise(model: ObjectModel, opened: float) -> float:
     return height(model.lid) + up
 
 
+def called(name: str) -> str:
+    """What the lid of an object of a name is called."""
+    return f"{name} lid"
+
+
+def loose(model: ObjectModel, name: str) -> CylinderModel | None:
+    """A lid that is off as an object of its own, as wide all the way up; None of one that stays on.
+
+    Its B is at the middle of the lid's lower side.
+
+    Args:
+        model: the object that it belongs to.
+        name: of that object in the scene.
+    """
+    lid = model.lid
+    if lid is None or isinstance(lid, FlipLid):
+        return None
+    return CylinderModel(
+        name=called(name),
+        mass=lid.mass,
+        radius=lid.radius,
+        height=height(lid),
+        friction=model.friction,
+        finger_friction=model.finger_friction,
+    )
+
+
 def middle(lid: Lid, rim: Base, top: float) -> Array:
     """Centre of mass of a closed lid in B, shape (3,) [m]; a knob weighs nothing."""
     if isinstance(lid, FlipLid):

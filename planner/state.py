@@ -72,7 +72,7 @@ class SeenObject:
         fixed: whether a holder on the table keeps it where it stands.
         lid: how far its lid is seen to be open, as in `sim.trace.Trace.lids`; None without one.
         lid_at: where the middle of a lid that is off lies in W, its lower side [m]; None if it is
-            on, in the hand, or not seen.
+            on, or does not lie level.
     """
 
     name: str

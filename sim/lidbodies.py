@@ -95,7 +95,7 @@ def add_lid(
     lid = item.truth.lid
     if lid is None:
         return None
-    name = lid_name(item.name)
+    name = lids.called(item.name)
     model = plant.AddModelInstance(name)
     if isinstance(lid, FlipLid):
         return _add_flip_lid(plant, item, lid, body, solid, model)
@@ -111,11 +111,6 @@ def add_lid(
     return LidBody(lid, covering, model, joint, seat, weld, solids, feet, solid)
 
 
-def lid_name(name: str) -> str:
-    """What the body of an object's lid is called."""
-    return f"{name} lid"
-
-
 def _add_flip_lid(
     plant: MultibodyPlant,
     item: SceneObject,
@@ -128,7 +123,7 @@ def _add_flip_lid(
     from pydrake.math import RigidTransform, RotationMatrix
     from pydrake.multibody.tree import RevoluteJoint
 
-    name, rim = lid_name(item.name), item.truth.rim
+    name, rim = lids.called(item.name), item.truth.rim
     hinge = lids.hinge(lid, rim, item.truth.height)
     covering = plant.AddRigidBody(name, model, _disc_inertia(lid, hinge))
     axis = np.cross(hinge.out, [0.0, 0.0, 1.0])

@@ -95,6 +95,12 @@ class Lids:
             return bool(self._moved(each) > _FREE)
         return name in self._off
 
+    def loose(self) -> dict[str, tuple[Array, Array]]:
+        """R_WL and p_WL of the lids that are off, by the names of their objects."""
+        off = {name: each for name, each in self._lids.items() if name in self._off}
+        poses = {n: self._plant.EvalBodyPoseInWorld(self._context, e.body) for n, e in off.items()}
+        return {n: (X_WL.rotation().matrix(), X_WL.translation()) for n, X_WL in poses.items()}
+
     def poses(self) -> dict[str, Array]:
         """Poses X_WL of the lids that come off, quaternion (w, x, y, z) and p_WL, shape (7,)."""
         poses = {}

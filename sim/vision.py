@@ -4,7 +4,8 @@ Frames: poses are X_WB; noise on the position is in W, noise on the orientation 
 W's axes. A bias is constant for each object of a world: a shift in W and a turn about the
 vertical. Every frame shows all objects and draws its noise in their order, so that the same seed
 and the same times give the same frames. How far lids are open is seen with the noise of an
-angle, of one that lifts off with that of a position, drawn from a stream of its own.
+angle, of one that lifts off with that of a position, drawn from a stream of its own; so is the
+noise on the pose of a lid that is off, which has the bias of its object.
 """
 
 from __future__ import annotations
@@ -12,10 +13,11 @@ from __future__ import annotations
 import itertools
 from collections import deque
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from objectmodels.lids import called, loose
 from objectmodels.model import ObjectModel
 from objectmodels.parts import Lid, LiftOffLid
 from objectmodels.resting import LEVEL
@@ -46,7 +48,7 @@ class Frame:
     """What the camera saw at `time` [s]; it can be read from `arrival` [s] on.
 
     Attributes:
-        poses: of all objects.
+        poses: of all objects, and of lids that are off by their own names.
         lids: how far each lid is open, as in `sim.trace.Trace.lids`.
     """
 
@@ -98,6 +100,7 @@ class VisionPort:
         time: float,
         poses: Mapping[str, tuple[Array, Array]],
         lids: Mapping[str, float] | None = None,
+        loose: Mapping[str, tuple[Array, Array]] | None = None,
     ) -> None:
         """Takes a frame if one is due.
 
@@ -105,14 +108,17 @@ class VisionPort:
             time: now [s].
             poses: true R_WB and p_WB.
             lids: how far lids truly are open; closed if not given.
+            loose: true R_WL and p_WL of lids that are off, by the names of their objects.
         """
         while self._taken / self.vision.rate_hz <= time + _SAME_TIME:
             self._taken += 1
-            seen = {name: self._seen(name, *poses[name]) for name in self.names}
+            seen = {name: self._seen(name, *poses[name], self._rng) for name in self.names}
             opened = {
                 name: (lids or {}).get(name, 0.0) + self._lid_rng.normal(0.0, noise)
                 for name, noise in self._lid_noise.items()
             }
+            for name, pose in (loose or {}).items():
+                seen[called(name)] = self._seen(name, *pose, self._lid_rng)
             self._frames.append(Frame(time, time + self.vision.delay_s, seen, opened))
 
     def arrived(self, time: float) -> list[Frame]:
@@ -122,10 +128,11 @@ class VisionPort:
             ready.append(self._frames.popleft())
         return ready
 
-    def _seen(self, name: str, R_WB: Array, p_WB: Array) -> SeenPose:
+    def _seen(self, name: str, R_WB: Array, p_WB: Array, rng: np.random.Generator) -> SeenPose:
+        """A pose of an object or of its lid, with its bias and with noise."""
         turned, moved = self._bias[name]
-        shift = self._rng.normal(0.0, self.vision.position_noise_m, 3)
-        x, y, z = self._rng.normal(0.0, np.radians(self.vision.angle_noise_deg), 3)
+        shift = rng.normal(0.0, self.vision.position_noise_m, 3)
+        x, y, z = rng.normal(0.0, np.radians(self.vision.angle_noise_deg), 3)
         return SeenPose(rot_z(z) @ rot_y(y) @ rot_x(x) @ turned @ R_WB, p_WB + moved + shift)
 
 
@@ -187,6 +194,8 @@ def beheld(
 ) -> dict[str, SeenObject]:
     """The objects of a scene as the robot knows them from frames in which everything stands still.
 
+    A lid that is off is one more object.
+
     Args:
         scene: for what the robot is told of its objects and what the camera sees of their colours.
         frames: at least one.
@@ -194,7 +203,7 @@ def beheld(
     """
     seen = list(frames)
     poses, lids, colours = averaged(seen), averaged_lids(seen), seen_colours(scene)
-    return {
+    found = {
         item.name: SeenObject.lying(
             item.name,
             poses[item.name],
@@ -206,6 +215,20 @@ def beheld(
         )
         for item in scene.objects
     }
+    for name, seen_object in list(found.items()):
+        lid = loose(models[name], name)
+        if lid is not None and lid.name in poses:
+            found[name] = replace(seen_object, lid_at=_lid_at(seen, lid.name, poses[lid.name]))
+            found[lid.name] = SeenObject.lying(lid.name, poses[lid.name], lid)
+    return found
+
+
+def _lid_at(frames: list[Frame], name: str, pose: PlanarPose) -> tuple[float, float, float] | None:
+    """Where a lid that is off lies; None if it does not lie level."""
+    if pose.attitude is not None:
+        return None
+    heights = [frame.poses[name].p_WB[2] for frame in frames if name in frame.poses]
+    return pose.x, pose.y, max(0.0, float(np.mean(heights)))
 
 
 def seen_colours(scene: Scene) -> dict[str, Colour]:
@@ -216,7 +239,9 @@ def seen_colours(scene: Scene) -> dict[str, Colour]:
 def averaged(frames: Iterable[Frame]) -> dict[str, PlanarPose]:
     """Mean pose of each object over frames in which everything stands still."""
     seen = list(frames)
-    return {name: mean_pose(f.poses[name] for f in seen) for name in seen[0].poses}
+    return {
+        name: mean_pose(f.poses[name] for f in seen if name in f.poses) for name in seen[-1].poses
+    }
 
 
 def averaged_lids(frames: Iterable[Frame]) -> dict[str, float]:

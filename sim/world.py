@@ -295,7 +295,7 @@ class DrakeWorld:
                 self._lids.poses(),
             )
         )
-        self._vision.observe(self.time, self._poses, lids)
+        self._vision.observe(self.time, self._poses, lids, self._lids.loose())
         self._frames += self._vision.arrived(self.time)
         self._touched = self._watch.note(self.time, self._context)
 

@@ -23,6 +23,17 @@ def lid_not_seen(task: Task) -> RefusedError:
     return refused("impossible", f"the lid of the {task.target.name} is not seen anywhere", ())
 
 
+def thread(task: Task) -> RefusedError:
+    """The cap is off."""
+    name = task.target.name
+    return refused(
+        "unsupported",
+        f"the cap of the {name} is off, and this hand cannot set it on its thread again: it takes "
+        "off caps, and closes those that are still on the thread",
+        (),
+    )
+
+
 def too_weak(task: Task, needed: float) -> RefusedError:
     """The sentence does not allow as much force as the lid takes."""
     allowed = task.how.most_force

@@ -24,7 +24,6 @@ from planner.handling.holding import (
     Load,
     each_with_each,
     first_way,
-    held_already,
     holds,
 )
 from planner.handling.plan import (
@@ -81,7 +80,7 @@ def close_lid(task: Task) -> HandlingPlan | Reached:
                 return Reached(lid=seen)
             return _flipped(task, lid, "close", 0.0)
         case LiftOffLid():
-            return _put_on(task, lid, ()) if is_off(lid, seen) else Reached(lid=seen)
+            return _put_on(task, lid) if is_off(lid, seen) else Reached(lid=seen)
         case ScrewCap():
             if seen <= task.defaults.lid_closed:
                 return Reached(lid=seen)
@@ -195,35 +194,34 @@ def _taken_off(
         drafts.append(Draft(steps, prediction, probability))
     if not drafts:
         raise lidrefusals.no_room_aside(task, lid.radius)
-    ways = held_already(task) or ways
     return first_way(task, "open", each_with_each(ways, drafts), len(ways) * len(drafts))
 
 
-def _put_on(task: Task, lid: LiftOffLid | ScrewCap, after: tuple[HandStep, ...]) -> HandlingPlan:
-    """A lid that lies aside, or is held, put on its rim."""
+def _put_on(task: Task, lid: LiftOffLid) -> HandlingPlan:
+    """A lid that lies aside put on its rim."""
     target, d = task.target, task.defaults
     x, y, _ = (target.pose.R_WB @ [*lid_middle(target), 0.0] + target.pose.p_WB).tolist()
-    down = (PutOn(onto=target.name, press=max(_retention(lid), d.lid_press)), *after)
-    held = held_already(task)
-    if held:
-        draft = Draft((Carry(to=Aim(x=x, y=y)), *down))
-        return first_way(task, "close", [(held[0], draft)], 1)
     if target.lid_at is None:
         raise lidrefusals.lid_not_seen(task)
     ways = _lid_holds(task, lid, Load(lid.mass * GRAVITY))
-    up = LiftUp(height=target.model.top + d.carry_clearance, hold=0.0)
-    draft = Draft((up, Carry(to=Aim(x=x, y=y)), *down))
+    up = max(target.model.top - target.lid_at[2], 0.0) + d.carry_clearance
+    down = PutOn(onto=target.name, press=max(lid.retention, d.lid_press))
+    draft = Draft((LiftUp(height=up, hold=0.0), Carry(to=Aim(x=x, y=y)), down))
     return first_way(task, "close", [(way, draft) for way in ways], len(ways))
 
 
 def _screwed_on(task: Task, cap: ScrewCap, seen: float) -> HandlingPlan:
-    """A cap that is put on and turned, or only turned if it is on."""
+    """A cap that is turned back.
+
+    Raises:
+        RefusedError: it is off, and no hand gets a thread to catch.
+    """
+    if is_off(cap, seen):
+        raise lidrefusals.thread(task)
     found = unscrew(task.target.model, cap, fixed=task.target.fixed)
     _require_still(task, found)
-    turn = _turn(task, cap, -min(seen, math.tau * cap.turns))
-    if is_off(cap, seen):
-        return _put_on(task, cap, (turn,))
-    ways = held_already(task) or _cap_holds(task, cap)
+    turn = _turn(task, cap, -seen)
+    ways = _cap_holds(task, cap)
     draft = Draft((turn,), _torques(found), found.probability)
     return first_way(task, "close", [(way, draft) for way in ways], len(ways))
 
@@ -255,11 +253,6 @@ def _turn(task: Task, cap: ScrewCap, angle: float) -> TurnCap:
 
 def _torques(found: Loosening) -> HandlingPrediction:
     return HandlingPrediction(lid_torque=found.needed, turning_torque=_finite(found.held))
-
-
-def _retention(lid: LiftOffLid | ScrewCap) -> float:
-    """Force with which a lid goes on [N]."""
-    return lid.retention if isinstance(lid, LiftOffLid) else 0.0
 
 
 def _finite(value: float) -> float | None:

@@ -66,7 +66,9 @@ def _target(frame: g.Frame, state: WorldState) -> SeenObject:
             raise refusals.holds_nothing()
         name = held.name
     assert name is not None, "objects are resolved by now"
-    if held is not None and held.name != name:
+    # A hand that holds an object has none left for its lid.
+    by_lid = isinstance(frame.goal, g.Open | g.Close)
+    if held is not None and (held.name != name or by_lid):
         raise RefusedError(pushing.holds(held.name))
     target = state.objects[name]
     if target.lies_on != "bottom":

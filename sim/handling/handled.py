@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from objectmodels import lids
-from objectmodels.cylinder import CylinderModel
-from objectmodels.parts import LiftOffLid, ScrewCap
+from objectmodels.parts import ScrewCap
 from planner.handling.plan import Grasp, HandlingPlan
 from planner.state import PlanarPose, SeenObject, WorldState
 from sim.scenery import Obstacle
@@ -61,9 +60,8 @@ class Handled:
             height = 0.0 if already is None else already.height
             return cls(plan.grasp, plan, plan.grasp, state, target, height)
         lid, seat = target.model.lid, target.model.top
-        assert isinstance(lid, LiftOffLid | ScrewCap), "a lid that is held comes off"
         pitch = lid.pitch if isinstance(lid, ScrewCap) else 0.0
-        held, height = _lying(target, lid, pitch)
+        held, height = _lying(target, pitch)
         x, y, z = plan.grasp.p_BG
         grasp = plan.grasp.model_copy(update={"p_BG": (x, y, z - seat)})
         changed = plan.model_copy(update={"object": held.name, "grasp": grasp})
@@ -91,20 +89,11 @@ class Handled:
         return replace(there, radius=0.5 * self.grasp.width, around=0.5 * self.grasp.width)
 
 
-def _lying(
-    target: SeenObject, lid: LiftOffLid | ScrewCap, pitch: float
-) -> tuple[SeenObject, float]:
+def _lying(target: SeenObject, pitch: float) -> tuple[SeenObject, float]:
     """A lid as an object of its own, and the height of its base [m]."""
-    believed = target.model
-    model = CylinderModel(
-        name=f"{target.name} lid",
-        mass=lid.mass,
-        radius=lid.radius,
-        height=lids.height(lid),
-        friction=believed.friction,
-        finger_friction=believed.finger_friction,
-    )
-    pose, height = target.pose, believed.top + pitch * (target.lid or 0.0) / THREAD
+    model = lids.loose(target.model, target.name)
+    assert model is not None, "a lid that is held comes off"
+    pose, height = target.pose, target.model.top + pitch * (target.lid or 0.0) / THREAD
     if target.lid_at is not None:
         x, y, height = target.lid_at
         pose = PlanarPose(x, y, target.pose.yaw)

@@ -53,6 +53,11 @@ class LidSense(HandSense):
         """How far the lid is seen to be open."""
         return self._view.lid
 
+    @property
+    def is_off(self) -> bool:
+        """Whether the lid is seen to be off."""
+        return self._view.is_off
+
     def step(self, q_arm: Array, q_hand: Array) -> None:
         """Commands joint angles, and takes in what is felt and seen then."""
         super().step(q_arm, q_hand)

@@ -22,7 +22,7 @@ from sim.touch import EarlyEndError
 from sim.trip import Progress
 
 _FOLLOWS = 0.5  # share of a lift that a lid which comes along is seen lifted
-_LOOKS = 0.4  # time after a lift in which the camera shows it [s]
+_LOOKS = 0.4  # time after which the camera shows what came of it [s]
 _MORE_STROKES = 6  # for what slips through the fingers
 _TURNED = float(np.radians(4.0))  # less than that is missing of no turn [rad]
 _SLOW_DOWN = 0.012  # height over the rim at which putting it on becomes slow [m]
@@ -63,6 +63,8 @@ class LidTrip(HandTrip):
         elif isinstance(step, TurnCap | PutOn) and step is self._plan.steps[-1]:
             self._motion.let_go()
             self._holds = False
+        if isinstance(step, PutOn):
+            self._require_on(step)
 
     def _turn(self, step: TurnCap, legs: tuple[Leg, ...]) -> None:
         """Turns the cap, gripping anew between the strokes, until it is seen turned."""
@@ -96,6 +98,16 @@ class LidTrip(HandTrip):
         seen = self._feels.lid
         if isinstance(self._lid, LiftOffLid) and seen < _FOLLOWS * step.height:
             raise EarlyEndError("missed", f"the lid is seen lifted by {1e3 * seen:.0f} mm only")
+
+    def _require_on(self, step: PutOn) -> None:
+        """The lid sits on its rim.
+
+        Raises:
+            EarlyEndError: the camera shows it off.
+        """
+        self._motion.wait(_LOOKS)
+        if self._feels.is_off:
+            raise EarlyEndError("missed", f"the lid does not sit on the {step.onto}")
 
     def _put_on(self, step: PutOn, leg: Leg) -> None:
         """Down onto the rim, until it presses."""

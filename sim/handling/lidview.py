@@ -10,6 +10,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from objectmodels.lids import called
 from planner.state import SeenObject
 from sim.rotations import wrap, yaw_of
 from sim.vision import Frame
@@ -26,10 +27,12 @@ class LidView:
 
     Attributes:
         lid: how far it is open.
+        is_off: whether it is off its object.
     """
 
     def __init__(self, target: SeenObject, lid: float) -> None:
         self.lid = lid
+        self.is_off = target.lid_at is not None
         self._name = target.name
         self._before = target.pose
         self._up = np.array([0.0, 0.0, 1.0])
@@ -40,6 +43,7 @@ class LidView:
         """Takes in what arrived."""
         for frame in frames:
             pose = frame.poses[self._name]
+            self.is_off = called(self._name) in frame.poses
             self.lid += _LID_SHARE * (frame.lids[self._name] - self.lid)
             self._up = self._up + _POSE_SHARE * (pose.R_WB[:, 2] - self._up)
             self._p_WB = self._p_WB + _POSE_SHARE * (pose.p_WB - self._p_WB)
