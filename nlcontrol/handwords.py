@@ -45,7 +45,7 @@ def _held(plan: HandlingPlan) -> str:
         return f"the {plan.object} is in the hand already"
     part = f"the {plan.object}"
     if plan.grasp.part == "lid":
-        part = f"the lid of the {plan.object}"
+        return f"hold the lid of {part} from above, with {quantity(plan.grasp.squeeze, 'N')}"
     return f"hold {part} {grasp_words(plan.grasp)}"
 
 

@@ -26,7 +26,17 @@ if TYPE_CHECKING:
     from sim.trace import EndReason, Trace
 
 TRIED_AGAIN: frozenset[EndReason] = frozenset(
-    {"no_grasp", "slipped", "missed", "nudged", "no_touch", "guard", "force", "tilted"}
+    {
+        "no_grasp",
+        "slipped",
+        "missed",
+        "nudged",
+        "no_touch",
+        "guard",
+        "force",
+        "tilted",
+        "unreachable",
+    }
 )
 """Ends after which the hand tries once more, if it may."""
 

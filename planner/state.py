@@ -127,7 +127,7 @@ class SeenObject:
         A lid counts as far as it rises above it, not as far as it stands out.
         """
         outline, top = self.model.outline, self.model.top
-        if self.lid is not None:
+        if self.lid is not None and self.lid_at is None:
             top += rise(self.model, self.lid)
         if self.attitude is None:
             return outline @ self.pose.R_WB[:2, :2].T + self.pose.p_WB[:2], top

@@ -109,8 +109,16 @@ class ArmReach:
         """The best stance that flips the lid of an object, or why there is none."""
         return FlipSearch(self.mount, self.home, step, name, state).best()
 
-    def hand_way(self, plan: HandlingPlan, state: WorldState) -> HandWay | ReachAnswer:
-        """The best way of arm and hand through a plan, or why there is none."""
+    def hand_way(
+        self, plan: HandlingPlan, state: WorldState, spare: float = 0.0
+    ) -> HandWay | ReachAnswer:
+        """The best way of arm and hand through a plan, or why there is none.
+
+        Args:
+            plan: what is to be done.
+            state: what is believed.
+            spare: by how much less than its clearance each of the others may be away [m].
+        """
         if plan.grasp is None:
             return ReachAnswer(False, "kinematics", "nothing is held")
         closes = hand_grip if plan.grasp.part == "body" else pinch
@@ -131,7 +139,7 @@ class ArmReach:
                 f"{plan.grasp.squeeze:.1f} N are needed",
                 numbers={"strength": grip.grip.strongest, "force": plan.grasp.squeeze},
             )
-        return best_way(self.mount, self.home, plan, grip, state)
+        return best_way(self.mount, self.home, plan, grip, state, spare)
 
     def stance(
         self, push: Push, state: WorldState, spare: float = 0.0

@@ -203,9 +203,11 @@ def _put_on(task: Task, lid: LiftOffLid) -> HandlingPlan:
     x, y, _ = (target.pose.R_WB @ [*lid_middle(target), 0.0] + target.pose.p_WB).tolist()
     if target.lid_at is None:
         raise lidrefusals.lid_not_seen(task)
-    ways = _lid_holds(task, lid, Load(lid.mass * GRAVITY))
+    press = max(lid.retention, d.lid_press)
+    # Pressed on, it must not slide through the fingers.
+    ways = _lid_holds(task, lid, Load(max(press, lid.mass * GRAVITY)))
     up = max(target.model.top - target.lid_at[2], 0.0) + d.carry_clearance
-    down = PutOn(onto=target.name, press=max(lid.retention, d.lid_press))
+    down = PutOn(onto=target.name, press=press)
     draft = Draft((LiftUp(height=up, hold=0.0), Carry(to=Aim(x=x, y=y)), down))
     return first_way(task, "close", [(way, draft) for way in ways], len(ways))
 

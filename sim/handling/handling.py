@@ -19,6 +19,7 @@ from sim.handling.handtrip import HandTrip
 from sim.handling.lidtrip import LidTrip
 from sim.reach import ArmReach
 from sim.recorder import Recorder
+from sim.scenery import SPARE
 from sim.touch import EarlyEndError
 from sim.trace import EndReason, Trace
 from sim.trip import Progress, look_around, silent
@@ -54,7 +55,7 @@ def handle(
     recorder = Recorder(world, reach.mount, -np.array(plan.grasp.approach_W))
     tell = progress or silent
     state = look_around(recorder, models, tell)
-    way = reach.hand_way(plan, state)
+    way = reach.hand_way(plan, state, SPARE)
     end: EndReason = "handled"
     detail = "all steps were made"
     if isinstance(way, ReachAnswer):

@@ -120,4 +120,8 @@ class LidTrip(HandTrip):
         hangs = self._weigh(_LOOKS).mean
         self._motion.bears = False
         into = leg.end - np.array([0.0, 0.0, _INTO])
-        self._motion.go(replace(leg, start=near, end=into, speed=_SLOWLY), until=hangs - step.press)
+        down = replace(leg, start=near, end=into, speed=_SLOWLY)
+        made = self._motion.go(down, until=hangs - step.press)
+        # Fingers that press while they open would drag it along.
+        _, (here,) = down.poses(np.array([made]))
+        self._motion.go(replace(leg, start=here, speed=_SLOWLY))

@@ -34,7 +34,7 @@ from sim.transit import LIMIT_MARGIN, drawn_places, free_way
 HELD_CLEARANCE = 0.004
 """Least distance of what is held from the object into which it is poured [m]."""
 
-_OWNER_CLEARANCE = 0.0003  # of the hand from the object whose lid it holds [m]
+_OWNER_CLEARANCE = 0.0023  # of the hand from the object whose lid it holds [m]
 _LID_CLEARANCE = 0.0015  # of a hand that puts a lid aside from the table [m]
 _FACE_CLEARANCE = 0.002  # of the open hand from what it is about to hold [m]
 _OFF_TABLE = 0.002  # of what is tilted over the table [m]
@@ -88,10 +88,10 @@ class HandSearch:
     Args:
         mount: of the arm.
         home: arm angles from which it comes, shape (7,) [rad].
-        plan: with a grasp.
+        handled: what is held, and the plan.
         grip: of the hand.
-        state: what is believed.
         off: the way of the open hand off the object, in W, shape (3,) [m].
+        spare: by how much less than its clearance each of the others may be away [m].
     """
 
     def __init__(
@@ -101,6 +101,7 @@ class HandSearch:
         handled: Handled,
         grip: HandGrip,
         off: Array,
+        spare: float = 0.0,
     ) -> None:
         self._mount = mount
         self._home = home
@@ -115,7 +116,8 @@ class HandSearch:
         R_BG, p_BG = grasp_frame(handled.grasp, self._held.pose.R_WB)
         self._R_BP, self._p_BP = R_BG, p_BG - R_BG @ grip.middle
         self._closed, self._open = grip.posture(), grip.posture(grip.opening)
-        self._scenery = self._around_it(Scenery.of(state, plan.object), handled)
+        self._spare = spare
+        self._scenery = self._around_it(Scenery.of(state, plan.object, spare), handled)
         self._kept = dict(plan.clear_of)
         flat = [leg for some in self._legs for leg in some]
         self._free = np.concatenate([np.full(len(leg.sampled()), leg.free) for leg in flat])
@@ -137,7 +139,9 @@ class HandSearch:
     def _around_it(self, scenery: Scenery, handled: Handled) -> Scenery:
         """What the hand must not touch: a lid's object it may come near to."""
         others = (
-            replace(each, clearance=_OWNER_CLEARANCE) if each.name == self._owner else each
+            replace(each, clearance=_OWNER_CLEARANCE - self._spare)
+            if each.name == self._owner
+            else each
             for each in scenery.others
         )
         lifted = np.array([0.0, 0.0, handled.height if handled.owner else 0.0])
@@ -226,8 +230,8 @@ class HandSearch:
         for each in self._scenery.others:
             if each.name == self._owner:
                 continue
-            clearance = HELD_CLEARANCE if each.name in into else each.clearance
-            clearance = max(clearance, self._kept.get(each.name, 0.0))
+            clearance = HELD_CLEARANCE - self._spare if each.name in into else each.clearance
+            clearance = max(clearance, self._kept.get(each.name, 0.0) - self._spare)
             # What stands close already is not hit by being lifted.
             near = each.distance(body[:1]).min(initial=np.inf)
             if not each.is_clear(body, min(clearance, max(0.0, 0.9 * near))).all():
@@ -335,7 +339,12 @@ class HandSearch:
 
 
 def best_way(
-    mount: Mount, home: Array, plan: HandlingPlan, grip: HandGrip, state: WorldState
+    mount: Mount,
+    home: Array,
+    plan: HandlingPlan,
+    grip: HandGrip,
+    state: WorldState,
+    spare: float = 0.0,
 ) -> HandWay | ReachAnswer:
     """The best way through a plan, or why there is none.
 
@@ -345,11 +354,12 @@ def best_way(
         plan: with a grasp.
         grip: of the hand.
         state: what is believed.
+        spare: by how much less than its clearance each of the others may be away [m].
     """
     first: ReachAnswer | None = None
     handled = Handled.of(plan, state)
     for off in withdrawals(handled.grasp, handled.held):
-        found = HandSearch(mount, home, handled, grip, off).best()
+        found = HandSearch(mount, home, handled, grip, off, spare).best()
         if isinstance(found, HandWay):
             return found
         first = first or found
