@@ -9,13 +9,15 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller
+from planner.state import SeenObject
 from sim import DrakeWorld, SceneError, load_scene, save_replay
 from sim.recorder import Recorder
+from sim.rotations import rot_x
 from sim.scene import Scene, parse_scene
 from sim.stage import Stage
 from sim.stance import Mount
 from sim.trace import Trace, joined
-from sim.vision import averaged_lids, first_frames, lids_in
+from sim.vision import VisionPort, averaged_lids, beheld, first_frames, lids_in
 
 LIDS = {"jar", "fixed bottle", "free bottle", "ice tea cup"}
 
@@ -92,6 +94,35 @@ def test_a_lid_rises_above_its_object(pantry: Scene) -> None:
     cup = replace(seen["ice tea cup"], lid=np.radians(100.0))
     assert cup.bulk()[1] == pytest.approx(0.12 + 0.003 + 0.07 + 0.02)
     assert replace(cup, lid=None).bulk()[1] == 0.12
+
+
+def _seen_off(scene: Scene, X_WL: tuple[np.ndarray, np.ndarray]) -> dict[str, SeenObject]:
+    """The pantry with the jar's lid off."""
+    port = VisionPort(scene.vision, scene.names, lids_in(scene), seed=2)
+    poses = {
+        item.name: (np.eye(3), np.array([item.pose.x_m, item.pose.y_m, 0.0]))
+        for item in scene.objects
+    }
+    for k in range(100):
+        port.observe(0.01 * k, poses, {"jar": 0.2}, {"jar": X_WL})
+    return beheld(scene, port.arrived(2.0), Controller(scene=scene).models)
+
+
+def test_a_lid_that_is_off_is_seen_where_it_lies(pantry: Scene) -> None:
+    seen = _seen_off(pantry, (np.eye(3), np.array([0.4, -0.3, 0.0])))
+    assert seen.keys() == {*pantry.names, "jar lid"}
+    # Thirty frames of 2 mm; five deviations of their mean.
+    assert seen["jar"].lid_at == pytest.approx((0.4, -0.3, 0.0), abs=5 * 0.002 / np.sqrt(30))
+    assert seen["jar"].bulk()[1] == pytest.approx(0.11)
+    outline, height = seen["jar lid"].bulk()
+    assert height == pytest.approx(0.033)
+    assert np.ptp(outline, axis=0) == pytest.approx(0.084, rel=0.02)  # a polygon about a disc
+
+
+def test_a_lid_that_leans_is_not_taken_for_one_that_lies(pantry: Scene) -> None:
+    seen = _seen_off(pantry, (rot_x(np.pi / 2.0), np.array([0.4, -0.3, 0.042])))
+    assert seen["jar"].lid_at is None
+    assert "jar lid" in seen
 
 
 def test_noise_on_lids_leaves_that_on_poses_as_it_was(pantry: Scene) -> None:

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from objectmodels.opening import flip
-from objectmodels.parts import FlipLid
+from objectmodels.parts import FlipLid, LiftOffLid
 from planner import plan
 from planner.defaults import DEFAULTS
 from planner.handling.plan import Carry, FlipOver, PutOn, TurnCap
 from planner.plan import Reached
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.state import Held, PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, world
 from tests.unit.planner.handling.conftest import RuledHand, planned, refused
 
@@ -123,6 +123,43 @@ def test_a_lid_goes_back_from_where_it_lies(pantry: WorldState, hand: RuledHand)
     assert (carry.to.x, carry.to.y) == pytest.approx((0.45, -0.10))
     assert isinstance(on, PutOn)
     assert on.onto == "jar"
+    # Fingers of a friction of 0.55 bear the 3 N that press it on.
+    assert made.grasp is not None
+    assert made.grasp.squeeze > on.press / (2 * 0.55)
+
+
+def test_a_cap_that_is_off_is_not_set_on_its_thread(pantry: WorldState, hand: RuledHand) -> None:
+    off = _with(pantry, "water bottle", fixed=True, lid=math.tau)
+    made = refused("screw the cap back on the water bottle", off, hand)
+    assert made.status == "unsupported"
+    assert "thread" in made.message
+    loose = _with(pantry, "water bottle", fixed=True, lid=2.0)
+    (step,) = planned("close the water bottle", loose, hand).steps
+    assert isinstance(step, TurnCap)
+    assert step.angle == pytest.approx(-2.0)
+
+
+def test_a_hand_that_holds_the_object_does_not_open_it(pantry: WorldState, hand: RuledHand) -> None:
+    body = planned("lift the jar", pantry, hand).grasp
+    assert body is not None
+    lifted = replace(pantry, held=Held("jar", body, 0.1))
+    made = refused("open the jar", lifted, hand)
+    assert made.message == "the hand holds the jar: put it down first"
+
+
+def test_a_lid_is_held_where_the_fingertips_find_room(pantry: WorldState, hand: RuledHand) -> None:
+    jar = pantry.objects["jar"].model
+    assert isinstance(jar.lid, LiftOffLid)
+    grasp = planned("open the jar", pantry, hand).grasp
+    assert grasp is not None
+    grip = hand.pinch(grasp.width)
+    assert grip is not None
+    assert grasp.p_BG[2] > jar.top + jar.lid.height + grip.ahead
+    flat = jar.model_copy(update={"lid": jar.lid.model_copy(update={"knob_height": 0.015})})
+    made = refused("open the jar", _with(pantry, "jar", model=flat), hand)
+    assert made.reason == "impossible"
+    assert made.numbers["height"] == pytest.approx(0.015)
+    assert made.numbers["needed"] > 0.015
 
 
 def test_a_cap_takes_a_holder(pantry: WorldState, hand: RuledHand) -> None:

@@ -1,0 +1,51 @@
+"""Lids that come off, by what is said: a jar's lid and back on, the cap of a bottle in a holder."""
+
+import numpy as np
+import pytest
+
+from nlcontrol import Controller
+from nlcontrol.dialogue import Conversation
+from nlcontrol.result import Result
+from sim import load_scene
+
+pytestmark = pytest.mark.slow
+
+
+def _alone(name: str) -> Conversation:
+    """One thing of the pantry, where it stands there."""
+    scene = load_scene("pantry")
+    return Conversation(
+        Controller(scene.model_copy(update={"objects": (scene.object(name),)}), seed=1)
+    )
+
+
+def _off(result: Result, name: str) -> np.ndarray:
+    """Where the lid is at the end, from its object [m]."""
+    assert result.trace is not None
+    trace = result.trace
+    return np.asarray(trace.lid_poses[name][-1, 4:] - trace.poses[name][-1, 4:])
+
+
+def test_the_lid_of_a_jar_comes_off_and_goes_back_on() -> None:
+    talk = _alone("jar")
+    opened = talk.say("take the lid off the jar")
+    assert opened.status == "done", opened.error
+    x, y, z = _off(opened, "jar")
+    assert np.hypot(x, y) > 0.084  # beside the jar: both are 42 mm in radius
+    assert z == pytest.approx(0.0, abs=1e-3)
+    closed = talk.say("put the lid back on")
+    assert closed.status == "done", closed.error
+    # It is on its rim again, and the jar is where it was.
+    assert _off(closed, "jar") == pytest.approx((0.0, 0.0, 0.11), abs=1e-3)
+    assert closed.trace is not None
+    assert np.linalg.norm(closed.trace.displacement("jar")) < 0.003
+
+
+def test_a_cap_is_turned_off_where_a_holder_keeps_the_bottle() -> None:
+    opened = _alone("fixed bottle").say("open the bottle")
+    assert opened.status == "done", opened.error
+    assert opened.trace is not None
+    assert opened.trace.lids["fixed bottle"][-1] == pytest.approx(2.0 * np.pi, abs=0.05)
+    x, y, z = _off(opened, "fixed bottle")
+    assert np.hypot(x, y) > 0.05
+    assert z == pytest.approx(0.0, abs=1e-3)
