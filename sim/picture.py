@@ -10,7 +10,7 @@ import numpy as np
 from sim.errors import PictureError
 from sim.rotations import Array
 from sim.scene import Scene
-from sim.stage import Stage, samples
+from sim.stage import Stage, samples, view
 from sim.trace import Trace
 
 if TYPE_CHECKING:
@@ -23,7 +23,9 @@ FRAME_RATE = 10.0
 """Frames per second of a moving picture."""
 
 _SIZE = (640, 480)
-_EYE, _LOOK_AT = np.array([-0.35, -1.15, 0.62]), np.array([0.45, 0.0, 0.20])
+_LOOK_AT, _FROM = np.array([0.45, 0.0, 0.20]), np.array([-0.80, -1.15, 0.42])
+_CHARACTER = ("pour", "lid", "carry", "lift", "push")  # of phases, the most telling first
+_WELL_INTO = 0.55  # share of it that has gone by
 _LIBRARIES = ("libEGL.so.1", "libGL.so.1")
 _PACKAGES = "libegl1 libegl-mesa0 libgl1-mesa-dri"
 
@@ -64,7 +66,7 @@ def save_picture(trace: Trace, scene: Scene, path: Path | str) -> None:
             f"pictures of a run need {', '.join(missing)}, which this machine lacks",
             (f"on Debian or Ubuntu: apt-get install {_PACKAGES}", "--replay needs none of it"),
         )
-    camera = _Camera(scene)
+    camera = _Camera(scene, *view(trace, _LOOK_AT, _FROM))
     if kind == ".png":
         frames = [camera.frame(trace, sample) for sample in _moments(trace)]
         _side_by_side(frames).save(path, format="PNG")
@@ -75,12 +77,17 @@ def save_picture(trace: Trace, scene: Scene, path: Path | str) -> None:
 
 
 def _moments(trace: Trace) -> list[int]:
-    """Before, at the touch, halfway and at the end; of a pour, while it pours."""
-    doing = "pour" if "pour" in trace.phase else "push"
-    pushing = np.flatnonzero(trace.phase == doing)
-    if not len(pushing):
-        pushing = np.arange(len(trace.time))
-    return [0, int(pushing[0]), int(pushing[len(pushing) // 2]), len(trace.time) - 1]
+    """Before, at the start of what it is about, well into that, and at the end."""
+    about = next((phase for phase in _CHARACTER if phase in trace.phase), None)
+    during = np.flatnonzero(trace.phase == about)
+    if not len(during):
+        during = np.arange(len(trace.time))
+    return [
+        0,
+        int(during[0]),
+        int(during[round(_WELL_INTO * (len(during) - 1))]),
+        len(trace.time) - 1,
+    ]
 
 
 def _side_by_side(frames: list[Image]) -> Image:
@@ -94,10 +101,11 @@ def _side_by_side(frames: list[Image]) -> Image:
 
 
 class _Camera:
-    """Draws a scene as it was at samples of a trace."""
+    """Draws a scene as it was at samples of a trace, from an eye that looks at a point."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, eye: Array, at: Array) -> None:
         self._sensor: Any = None
+        self._eye, self._at = eye, at
         self._stage = Stage(scene, self._furnish)
 
     def _furnish(self, builder: DiagramBuilder, model: Plant) -> None:
@@ -134,7 +142,7 @@ class _Camera:
         self._sensor = builder.AddSystem(
             RgbdSensor(
                 model.scene_graph.world_frame_id(),
-                RigidTransform(RotationMatrix(_looking(_EYE, _LOOK_AT)), _EYE),
+                RigidTransform(RotationMatrix(_looking(self._eye, self._at)), self._eye),
                 ColorRenderCamera(core),
                 DepthRenderCamera(core, DepthRange(0.1, 9.0)),
             )

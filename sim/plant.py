@@ -36,6 +36,7 @@ _CORNER_RADIUS = 1e-4
 _HOLDER = (0.008, 0.03)  # thickness and height of what is drawn of a holder [m]
 _HOLDER_COLOUR = np.array([0.35, 0.37, 0.40, 1.0])
 _SHELL = 0.35  # opacity of a container, so that one sees what is inside
+_OFF_TABLE = 5e-4  # of the lower side of a shell as it is drawn [m]
 
 
 @dataclass(frozen=True)
@@ -160,7 +161,10 @@ def add_object(plant: MultibodyPlant, item: SceneObject) -> tuple[RigidBody, Geo
     shape, X_BG = _shape(truth)
     body = plant.AddRigidBody(item.name, plant.AddModelInstance(item.name), inertia(truth))
     opacity = 1.0 if truth.container is None else _SHELL
-    plant.RegisterVisualGeometry(body, X_BG, shape, "solid", np.array([*truth.colour, opacity]))
+    # The floor that is seen through a shell must not lie in the plane of the table top.
+    X_BV = RigidTransform(np.array([0.0, 0.0, 0.0 if truth.container is None else _OFF_TABLE]))
+    colour = np.array([*truth.colour, opacity])
+    plant.RegisterVisualGeometry(body, X_BV @ X_BG, shape, "solid", colour)
     solid = plant.RegisterCollisionGeometry(
         body, X_BG, shape, "solid", surface(truth.friction_finger / 2)
     )

@@ -13,7 +13,7 @@ import numpy as np
 from sim.liquidview import COLOUR, parts, triangles
 from sim.rotations import Array
 from sim.scene import Scene
-from sim.stage import Stage, samples
+from sim.stage import Stage, samples, view
 from sim.trace import Trace
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ FRAME_RATE = 24.0
 """Frames per second of the recording."""
 
 _SAME = 2e-4  # liquid that differs by less keeps its mesh [m]
-_CAMERA, _LOOK_AT = (-0.45, -0.95, 0.65), (0.45, 0.0, 0.30)
+_LOOK_AT, _FROM = np.array([0.45, 0.0, 0.30]), np.array([-0.90, -0.95, 0.35])
 
 
 @contextlib.contextmanager
@@ -110,7 +110,7 @@ def save_replay(trace: Trace, scene: Scene, path: Path | str) -> None:
     meshcat.SetProperty("/Background", "bottom_color", [0.80, 0.84, 0.88])
     for hidden in ("/Grid", "/Axes"):
         meshcat.SetProperty(hidden, "visible", value=False)
-    meshcat.SetCameraPose(np.array(_CAMERA), np.array(_LOOK_AT))
+    meshcat.SetCameraPose(*view(trace, _LOOK_AT, _FROM))
     visualizers = []
 
     def furnish(builder: DiagramBuilder, model: Plant) -> None:

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
     from sim.trace import Trace
 
+_BY_HAND = ("lift", "carry", "pour", "lid")
+_NEARER = 0.7  # share of the distance from which the work of a hand is looked at
+
 
 class Stage:
     """A diagram without motion of its own.
@@ -96,3 +99,19 @@ def samples(trace: Trace, rate: float) -> list[int]:
     """Samples of a trace nearest to a frame rate [1/s], the first and the last among them."""
     wanted = np.append(np.arange(trace.time[0], trace.time[-1], 1.0 / rate), trace.time[-1])
     return [int(i) for i in np.searchsorted(trace.time, wanted - 1e-9)]
+
+
+def view(trace: Trace, at: Array, off: Array) -> tuple[Array, Array]:
+    """Where an eye is and what it looks at: nearer to what a whole hand does than to a push.
+
+    Args:
+        trace: what is looked at.
+        at: what it looks at by default, in W, shape (3,) [m].
+        off: the eye from there, shape (3,) [m].
+    """
+    if "push" in trace.phase or not np.isin(trace.phase, _BY_HAND).any():
+        return at + off, at
+    changed = [name for name, volume in trace.contents.items() if volume[0] != volume[-1]]
+    places = np.array([trace.poses[n][[0, -1], 4:6] for n in {trace.pushed, *changed}])
+    near = np.array([*places.mean(axis=(0, 1)), at[2]])
+    return near + _NEARER * off, near
