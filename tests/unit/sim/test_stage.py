@@ -22,7 +22,7 @@ def _trace(*phases: str) -> Trace:
     """A carton and a mug that stand still, with phases that last equally long."""
     poses = {"carton": _still(0.2, -0.2), "mug": _still(0.2, -0.4), "box": _still(0.7, 0.4)}
     return Trace(
-        time=0.1 * np.arange(N),
+        time=np.linspace(0.0, 4.0, N, dtype=np.float64),
         phase=np.repeat(phases, N // len(phases)),
         poses=poses,
         seen=poses,
