@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -325,7 +326,8 @@ class Controller:
 
         result = self.begun(command.text, command)
         try:
-            command = self.resolve(command, context)
+            held = None if self.held is None else self.held.name
+            command = self.resolve(command, replace(context, held=held))
         except ControlError as raised:
             return with_(result, status="not_understood", error=raised.info)
         return carry_out(self, command, result, plan_only=plan_only, progress=progress)

@@ -36,9 +36,11 @@ class Context:
 
     Attributes:
         last: names of the objects that were spoken of, the most recent first.
+        held: name of the object in the hand; None if it holds nothing.
     """
 
     last: tuple[str, ...] = ()
+    held: str | None = None
 
 
 NOTHING_SAID = Context()
@@ -73,10 +75,18 @@ def resolve(
     spoken = context.last
     frames = []
     for frame in command.frames:
-        frames.append(_resolved(frame, around, spoken))
+        frames.append(_resolved(frame, around, _meant(frame, spoken, context.held)))
         said = spoken_of(frames[-1])
         spoken = (*said, *(name for name in spoken if name not in said))
     return command.model_copy(update={"frames": tuple(frames)})
+
+
+def _meant(frame: Frame, spoken: tuple[str, ...], held: str | None) -> tuple[str, ...]:
+    """What pronouns mean, the likeliest first: what is put somewhere is what the hand holds."""
+    puts_it = frame.action == "place" and frame.object is not None and frame.object.pronoun
+    if held is None or not puts_it:
+        return spoken
+    return (held, *(name for name in spoken if name != held))
 
 
 def spoken_of(frame: Frame) -> tuple[str, ...]:

@@ -8,7 +8,9 @@ Frames: W is the world, B the object.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
     from planner.handling.task import Task
     from planner.state import SeenObject
 
+_ALONG = math.cos(math.radians(20.0))  # between the line across and the opening's side
 _CLOSER = 0.5  # share of a wanted gap that must be left where something is put
 _AXES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 
@@ -52,7 +55,7 @@ def lift(task: Task, goal: g.Lift) -> HandlingPlan:
     require_liftable(task)
     height, used = _height(task, goal)
     draft = Draft((LiftUp(height=height),), defaults=used)
-    return _made(task, "lift", body_holds(task), [draft])
+    return _made(task, "lift", sorted(body_holds(task), key=partial(_turned, task)), [draft])
 
 
 def set_down(task: Task) -> HandlingPlan:
@@ -91,6 +94,16 @@ def place(task: Task, frame: g.Frame) -> HandlingPlan:
 
 def _made(task: Task, action: Action, ways: list[Hold], drafts: list[Draft]) -> HandlingPlan:
     return first_way(task, action, each_with_each(ways, drafts), len(ways) * len(drafts))
+
+
+def _turned(task: Task, hold: Hold) -> bool:
+    """Whether an object, held so, would not lean to where its opening is: it pours beside it."""
+    container = task.target.model.container
+    if container is None:
+        return False
+    opening = np.array([*container.opening.centre, 0.0])
+    closing = np.array(hold.grasp.closing_W) @ task.target.pose.R_WB
+    return bool(abs(closing @ opening) < _ALONG * np.linalg.norm(opening))
 
 
 def body_holds(task: Task) -> list[Hold]:

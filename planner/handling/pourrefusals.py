@@ -85,11 +85,14 @@ def not_so_much(task: Task, wanted: float, has: float, spans: Spans) -> RefusedE
 
 
 def wrong_side(task: Task) -> RefusedError:
-    """Held as it can be, it does not lean to where its opening is."""
+    """Held as it can be, or is, it does not lean to where its opening is."""
+    held = task.state.held is not None
+    as_it_is = "is held" if held else "can be held"
     return refused(
         "impossible",
-        f"held as it can be, the {task.target.name} does not lean to the side of its opening",
+        f"as it {as_it_is}, the {task.target.name} does not lean to the side of its opening",
         (),
+        *((f"put the {task.target.name} down, then pour from it",) if held else ()),
     )
 
 
