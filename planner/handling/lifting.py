@@ -41,7 +41,9 @@ if TYPE_CHECKING:
     from planner.handling.task import Task
     from planner.state import SeenObject
 
-_ALONG = math.cos(math.radians(20.0))  # between the line across and the opening's side
+TO_THE_SIDE = math.cos(math.radians(50.0))
+"""Least cosine between a lean along the line across and the side of the opening."""
+
 _CLOSER = 0.5  # share of a wanted gap that must be left where something is put
 _AXES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 
@@ -103,7 +105,7 @@ def _turned(task: Task, hold: Hold) -> bool:
         return False
     opening = np.array([*container.opening.centre, 0.0])
     closing = np.array(hold.grasp.closing_W) @ task.target.pose.R_WB
-    return bool(abs(closing @ opening) < _ALONG * np.linalg.norm(opening))
+    return bool(abs(closing @ opening) < TO_THE_SIDE * np.linalg.norm(opening))
 
 
 def body_holds(task: Task) -> list[Hold]:

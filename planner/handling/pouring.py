@@ -24,7 +24,7 @@ from planner.handling import pourrefusals, refusals
 from planner.handling.amounts import Amount, Hollow, amount
 from planner.handling.grasps import of_body
 from planner.handling.holding import Bearing, Draft, first_way, held_already, holds
-from planner.handling.lifting import over, raised, require_liftable
+from planner.handling.lifting import TO_THE_SIDE, over, raised, require_liftable
 from planner.handling.plan import (
     Carry,
     HandlingPlan,
@@ -49,7 +49,6 @@ _LEAST_LEFT = 0.01  # share that may stay where everything is poured
 _SOON = 1.0  # everything has run out so soon after the tilt [s]
 _PART_WAIT = 2.0  # a part of it has run out so soon after the tilt [s]
 _CENTRED = 0.001  # an opening so near to the middle has no side [m]
-_TO_THE_SIDE = math.cos(math.radians(50.0))
 
 
 @dataclass(frozen=True)
@@ -149,7 +148,7 @@ class _Pouring:
         return [
             heading_of(side * closing)
             for side in (1.0, -1.0)
-            if off < _CENTRED or side * closing @ opening > _TO_THE_SIDE * off
+            if off < _CENTRED or side * closing @ opening > TO_THE_SIDE * off
         ]
 
     def _motions(self, closing: list[Array]) -> dict[int, Motion]:
