@@ -77,6 +77,13 @@ def test_what_hung_on_the_fingers_is_believed(carton: ObjectModel, mass: float) 
     assert more == pytest.approx((70 / 71) ** 2 * (mass - carton.mass) / 1000.0, abs=3 * ML)
 
 
+def test_the_weight_of_a_lid_says_nothing_of_its_object(carton: ObjectModel) -> None:
+    trace = hand_trace("ice tea", up=0.1, weighs=0.5)
+    lid = LIFT.model_copy(update={"grasp": GRASP.model_copy(update={"part": "lid"})})
+    assert weighed(LIFT, carton, trace) is not None
+    assert weighed(lid, carton, trace) is None
+
+
 def test_nothing_is_learned_of_what_was_not_held(carton: ObjectModel) -> None:
     assert weighed(LIFT, carton, hand_trace("ice tea", end="no_grasp")) is None
 

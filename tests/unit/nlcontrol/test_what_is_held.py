@@ -1,0 +1,23 @@
+"""What "it" means while the hand holds something."""
+
+import pytest
+
+from nlcontrol import Controller
+from nlcontrol.resolve import Context
+
+
+@pytest.mark.parametrize(
+    ("text", "held", "meant"),
+    [
+        ("put it down", "mug", "mug"),
+        ("put it next to the cereal box", "mug", "mug"),
+        ("put it next to the cereal box", None, "ice tea box"),
+        ("push it away", "mug", "ice tea box"),
+    ],
+)
+def test_what_is_put_down_is_what_the_hand_holds(text: str, held: str | None, meant: str) -> None:
+    controller = Controller("kitchen")
+    said = Context(("ice tea box", "mug"), held)
+    (frame,) = controller.resolve(controller.parse(text), said).frames
+    assert frame.object is not None
+    assert frame.object.id == meant
