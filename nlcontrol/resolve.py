@@ -82,9 +82,9 @@ def resolve(
 
 
 def _meant(frame: Frame, spoken: tuple[str, ...], held: str | None) -> tuple[str, ...]:
-    """What pronouns mean, the likeliest first: what is put somewhere is what the hand holds."""
-    puts_it = frame.action == "place" and frame.object is not None and frame.object.pronoun
-    if held is None or not puts_it:
+    """What pronouns mean, the likeliest first: what is put or poured is what the hand holds."""
+    is_held = frame.action in ("place", "pour") and frame.object and frame.object.pronoun
+    if held is None or not is_held:
         return spoken
     return (held, *(name for name in spoken if name != held))
 

@@ -183,12 +183,15 @@ def no_reach(task: Task, answers: Sequence[ReachAnswer]) -> RefusedError:
     blockers = [a for a in answers if a.reason == "obstacle" and a.blocker]
     last = (blockers or answers)[0]
     ways = "one way" if len(answers) == 1 else f"{len(answers)} ways"
+    other = f"move the {blockers[0].blocker}" if blockers else "move it to another place"
+    if task.state.held is not None:
+        other = f"put the {task.target.name} down, then it may be held otherwise"
     return refused(
         "blocked" if blockers else "out_of_reach",
         f"there {'is' if len(answers) == 1 else 'are'} {ways} of {task.doing} the "
         f"{task.target.name}, but the hand does not get there: {last.message}",
         (),
-        *((f"move the {blockers[0].blocker}",) if blockers else ("move it to another place",)),
+        other,
         **{"ways": float(len(answers)), **last.numbers},
     )
 
