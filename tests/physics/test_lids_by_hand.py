@@ -42,10 +42,22 @@ def test_the_lid_of_a_jar_comes_off_and_goes_back_on() -> None:
 
 
 def test_a_cap_is_turned_off_where_a_holder_keeps_the_bottle() -> None:
-    opened = _alone("fixed bottle").say("open the bottle")
+    # A quarter of a turn takes two strokes: the fingers give way by some degrees in each.
+    scene = load_scene("pantry")
+    item = scene.object("fixed bottle")
+    lid = item.truth.lid
+    assert lid is not None
+    quarter = {"lid": lid.model_copy(update={"turns": 0.25})}
+    item = item.model_copy(update={"truth": item.truth.model_copy(update=quarter)})
+    controller = Controller(scene.model_copy(update={"objects": (item,)}), seed=1)
+    believed = controller.models["fixed bottle"]
+    assert believed.lid is not None
+    quarter = {"lid": believed.lid.model_copy(update={"turns": 0.25})}
+    controller.models["fixed bottle"] = believed.model_copy(update=quarter)
+    opened = controller.say("open the bottle")
     assert opened.status == "done", opened.error
     assert opened.trace is not None
-    assert opened.trace.lids["fixed bottle"][-1] == pytest.approx(2.0 * np.pi, abs=0.05)
+    assert opened.trace.lids["fixed bottle"][-1] == pytest.approx(0.5 * np.pi, abs=0.05)
     x, y, z = _off(opened, "fixed bottle")
     assert np.hypot(x, y) > 0.05
     assert z == pytest.approx(0.0, abs=1e-3)
