@@ -27,6 +27,7 @@ DOES = {
     "stays_upright": "stays upright",
     "slide": "slides",
     "topple": "topples",
+    "holds": "stays where it is",
 }
 """Events and outcomes as what "it" does."""
 

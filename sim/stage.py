@@ -58,6 +58,8 @@ class Stage:
             if body.is_floating_base_body():  # one in a holder stays where it is
                 plant.SetFreeBodyPose(context, body, _pose(trace.poses[name][sample]))
         for name, lid in self._model.lids.items():
+            if name not in trace.lids:
+                continue  # nobody looked: it stays closed
             if lid.seat is None:
                 lid.joint.set_angle(context, trace.lids[name][sample])
             else:

@@ -70,7 +70,7 @@ def test_what_opens_a_lid_is_told() -> None:
     flip, turn = out.getvalue().strip().split("\n")
     # 2 R + 0.7 · 20 mm of lever against 20 + 30 mN·m and 20 g at R; see tests of `opening`.
     assert flip == "0.68 N, margin 1.9, 100%"
-    assert turn == "60 of 44 mN·m"  # μ m g c̄ = 0.3 · 0.52 · 9.81 · 0.029
+    assert turn == "60 of 47 mN·m"  # μ m g c̄ = 0.3 · 0.55 · 9.81 · 0.029
 
 
 def test_the_tables_of_the_blocks_have_their_keys_and_defaults() -> None:
