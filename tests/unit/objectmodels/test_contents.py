@@ -78,4 +78,8 @@ def test_whatever_it_weighs_is_a_model(
 ) -> None:
     model = carton(contents_sd, mass_sd, shell)
     after = reweighed(model, mass, now)
-    BoxModel(name="carton", size=model.size, mass=mass, mass_sd=now, friction=0.4, container=after)
+    made = BoxModel(
+        name="carton", size=model.size, mass=mass, mass_sd=now, friction=0.4, container=after
+    )
+    assert made.container is not None
+    assert made.container.mass < made.mass

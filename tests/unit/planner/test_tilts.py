@@ -135,4 +135,6 @@ def test_until_it_tips_is_a_topple(kitchen: WorldState, reach: RuledReach) -> No
 def test_without_toppling_it_is_what_a_tilt_does_anyway(
     kitchen: WorldState, reach: RuledReach
 ) -> None:
-    _planned("tilt the ice tea box by 10 degrees without toppling it", kitchen, reach)
+    tilt = "tilt the ice tea box by 10 degrees"
+    careful = _planned(f"{tilt} without toppling it", kitchen, reach)
+    assert careful.push == _planned(tilt, kitchen, reach).push
