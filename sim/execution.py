@@ -63,10 +63,10 @@ def execute(
     Returns:
         What happened, also if it ended early.
     """
+    tell, reach = progress or silent, reach or ArmReach(world.scene)
     if isinstance(plan, HandlingPlan):
-        return handle(plan, world, models, reach=reach, progress=progress)
-    tell = progress or silent
-    trip = Trip(plan.push, world, models, reach or ArmReach(world.scene), tell)
+        return handle(plan, world, models, reach, tell)
+    trip = Trip(plan.push, world, models, reach, tell)
     try:
         end, detail = _push(plan, trip, tell)
     except EarlyEndError as early:

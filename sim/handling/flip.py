@@ -36,7 +36,6 @@ from sim.trip import (
     Progress,
     look_around,
     move_joints,
-    silent,
 )
 
 if TYPE_CHECKING:
@@ -293,9 +292,8 @@ def flip_over(
     plan: HandlingPlan,
     world: DrakeWorld,
     models: Mapping[str, ObjectModel],
-    *,
-    reach: ArmReach | None = None,
-    progress: Progress | None = None,
+    reach: ArmReach,
+    tell: Progress,
 ) -> Trace:
     """Carries out a plan whose only step flips a lid.
 
@@ -303,15 +301,14 @@ def flip_over(
         plan: what to do.
         world: where; it moves on.
         models: what the robot believes of every object, by its name in the scene.
-        reach: of the world's robot, if there is one already.
-        progress: told of the phase, the simulated time [s] and what happens.
+        reach: of the world's robot.
+        tell: progress.
 
     Returns:
         What happened, also if it ended early.
     """
     (step,) = plan.steps
     assert isinstance(step, FlipOver), "a lid is flipped over"
-    tell, reach = progress or silent, reach or ArmReach(world.scene)
     towards = np.array([np.cos(step.heading), np.sin(step.heading), 0.0])
     recorder = Recorder(world, reach.mount, towards)
     state = look_around(recorder, models, tell)

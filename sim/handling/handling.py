@@ -22,7 +22,7 @@ from sim.recorder import Recorder
 from sim.scenery import SPARE
 from sim.touch import EarlyEndError
 from sim.trace import EndReason, Trace
-from sim.trip import Progress, look_around, silent
+from sim.trip import Progress, look_around
 
 if TYPE_CHECKING:
     from objectmodels.model import ObjectModel
@@ -33,9 +33,8 @@ def handle(
     plan: HandlingPlan,
     world: DrakeWorld,
     models: Mapping[str, ObjectModel],
-    *,
-    reach: ArmReach | None = None,
-    progress: Progress | None = None,
+    reach: ArmReach,
+    tell: Progress,
 ) -> Trace:
     """Carries out a plan of the whole hand.
 
@@ -43,17 +42,15 @@ def handle(
         plan: what to do.
         world: where; it moves on.
         models: what the robot believes of every object, by its name in the scene.
-        reach: of the world's robot, if there is one already.
-        progress: told of the phase, the simulated time [s] and what happens.
+        reach: of the world's robot.
+        tell: progress.
 
     Returns:
         What happened, also if it ended early. What the hand holds then is `world.holding`.
     """
-    reach = reach or ArmReach(world.scene)
     if plan.grasp is None:
-        return flip_over(plan, world, models, reach=reach, progress=progress)
+        return flip_over(plan, world, models, reach, tell)
     recorder = Recorder(world, reach.mount, -np.array(plan.grasp.approach_W))
-    tell = progress or silent
     state = look_around(recorder, models, tell)
     way = reach.hand_way(plan, state, SPARE)
     end: EndReason = "handled"
