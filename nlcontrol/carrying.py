@@ -287,11 +287,12 @@ class Untried:
 
     Args:
         reach: of the robot.
+        failed: pushes that went wrong, and why.
     """
 
-    def __init__(self, reach: Reach) -> None:
+    def __init__(self, reach: Reach, failed: list[tuple[Push, str]] | None = None) -> None:
         self._reach = reach
-        self._failed: list[tuple[Push, str]] = []
+        self._failed = [] if failed is None else failed
 
     def failed(self, push: Push, detail: str) -> None:
         """Takes note that a push went wrong there."""
@@ -304,6 +305,10 @@ class Untried:
             if near and (before.fingers, before.ends_on) == (push.fingers, push.ends_on):
                 return ReachAnswer(ok=False, reason="failed", message=f"tried before: {detail}")
         return self._reach(push, state)
+
+    def thorough(self) -> Untried:
+        """The same, which looks longer."""
+        return Untried(self._reach.thorough(), self._failed)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._reach, name)

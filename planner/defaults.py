@@ -163,7 +163,11 @@ class Defaults:
         pour_least: share of what was to be poured in that must arrive, if no volume is said.
         pour_share: by which the volume that arrives may differ from one that is said.
         pour_margin: the same as a volume; the larger of the two counts [m³].
-        most_looks: pushes for which one plan asks whether the hand gets there.
+        most_contacts: of one push, with as many fingertips, for which it is asked whether the hand
+            gets there.
+        most_contacts_last: the same before it is refused that the hand gets there.
+        most_looks: pushes for which one plan asks whether the hand gets there, and as many again
+            before it is refused.
         most_pushes: pushes made for one frame before it is given up.
         known_to: relative standard deviation up to which a property counts as known: a question
             about it is then answered without touching the object.
@@ -259,6 +263,8 @@ class Defaults:
     pour_least: Share = 0.9
     pour_share: Share = 0.1
     pour_margin: Volume = 1e-5
+    most_contacts: Count = 6
+    most_contacts_last: Count = 24
     most_looks: Count = 100
     most_pushes: Count = 12
     known_to: Share = 0.10

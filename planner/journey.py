@@ -71,7 +71,7 @@ class Journey:
         self._asked, self._aim, self._target, self._state = asked, aim, target, state
         self._reach, self._defaults = reach, defaults
         self._largest = grip(target, defaults.sigmas)
-        self._apart = _clearances(asked, target, state, defaults)
+        self._apart = clearances(asked, target, state, defaults)
         # What it is to meet is come near only by the push that ends as they touch.
         self._clearances = {k: apart for k, apart in self._apart.items() if k != asked.meets}
         # What is turned may be displaced a little more than what is brought somewhere.
@@ -297,10 +297,10 @@ def _cost(way: tuple[Leg, ...]) -> float:
     return sum(leg.distance for leg in way) + ANOTHER_PUSH * len(way)
 
 
-def _clearances(
+def clearances(
     asked: Asked, target: SeenObject, state: WorldState, defaults: Defaults
 ) -> dict[str, float]:
-    """Distance kept from each other object on the way [m]."""
+    """Distance that an object keeps from each other one on its way [m]."""
     kept, said, near = {}, dict(asked.limits.clear_of), dict(asked.near)
     if asked.meets is not None:
         near[asked.meets] = gap(footprint(target), footprint(state.objects[asked.meets]))

@@ -37,8 +37,7 @@ if TYPE_CHECKING:
 UNCLEAR_FACE = math.radians(40.0)
 """A face turned by more from the direction of its name is within 5° of the next name."""
 
-_ASKED = 4  # contacts of one case that the reach is asked for
-_ASKED_IN_ALL = 6  # after so many with a number of fingers it counts as out of reach
+_OF_A_CASE = 0.6  # share of the contacts asked for that may be equally sure
 _FALLING = math.radians(11.0)  # beyond the angle of no return a toppling box is let go
 _FLAT = math.radians(85.0)  # a box that leans so far lies
 _SLACK = 0.03  # travel of a topple beyond what the model says, for what it does not know [m]
@@ -85,11 +84,38 @@ def best_push(
     """
     try:
         sides = _sides(asked, target, defaults) if side is None else [side]
-        if asked.outcome == "topple":
-            sides = _with_room(sides, asked, target, state, defaults)
-        return _best(sides, asked, target, state, reach, defaults)
+        if asked.outcome == "slide":
+            return _best(sides, asked, target, state, reach, defaults)
+        return _over(sides, asked, target, state, reach, defaults)
     except RefusedError as refused:
         return refused.refusal
+
+
+def _over(
+    sides: list[Side],
+    asked: Asked,
+    target: SeenObject,
+    state: WorldState,
+    reach: Reach,
+    defaults: Defaults,
+) -> Found | Refusal:
+    """The best contact on a face from which the object falls, or leans over, hitting nothing."""
+    free, hindered = [], []
+    for side in sides:
+        refusal = _hindered(side, asked, target, state, defaults)
+        if refusal is None:
+            free.append(side)
+        else:
+            hindered.append((side, refusal))
+    if not free:
+        return hindered[0][1]
+    found = _best(free, asked, target, state, reach, defaults)
+    if isinstance(found, Refusal) and found.reason == "impossible":
+        for side, refusal in hindered:
+            # From there it would fall, if there were room.
+            if any(rated(target.model, [side], asked, reach, defaults)):
+                return refusal
+    return found
 
 
 def _best(
@@ -106,12 +132,12 @@ def _best(
         return misplaced.no_place(asked, target, sides, reach)
     asked = _in_time(asked, target, defaults)
     answers: list[ReachAnswer] = []
-    asking = _Asking(reach, state)
+    asking = _Asking(reach, state, defaults.most_contacts)
     least, doubted = math.inf, False
     for found in rated(model, sides, asked, reach, defaults):
         strong, needed = _strong_enough(found, asked, target, reach, defaults)
         least = min(least, needed)
-        for contacts, k in _in_order(strong, asked):
+        for contacts, k in _in_order(strong, asked, math.ceil(_OF_A_CASE * defaults.most_contacts)):
             if not confirmed(contacts, k, asked, target, reach):
                 doubted = True
                 continue
@@ -151,17 +177,18 @@ class _Asking:
     Args:
         reach: that is asked.
         state: in which.
+        most: contacts with as many fingertips.
     """
 
-    def __init__(self, reach: Reach, state: WorldState) -> None:
-        self._reach, self._state = reach, state
+    def __init__(self, reach: Reach, state: WorldState, most: int) -> None:
+        self._reach, self._state, self._most = reach, state, most
         self._asked: dict[int, set[Vector3]] = {1: set(), 2: set()}
         self._hopeless: set[int] = set()
 
     def answer(self, push: Push) -> ReachAnswer | None:
         """The answer for a push; None if it is not worth asking for."""
         before = self._asked[push.fingers]
-        if push.p_BC in before or len(before) == _ASKED_IN_ALL:
+        if push.p_BC in before or len(before) == self._most:
             return None
         if self._reach.prospect(push, self._state) == 0.0:
             # A glance is not sure, so one such push is asked for.
@@ -214,16 +241,27 @@ def _sides(asked: Asked, target: SeenObject, defaults: Defaults) -> list[Side]:
         raise RefusedError(refusals.no_side(asked, target))
     if asked.heading is None:
         return sides
-    straightest = min(sides, key=lambda s: abs(angle_between(s.heading, asked.heading or 0.0)))
-    oblique = angle_between(asked.heading, straightest.heading)
+    side = _straightest(sides, asked.heading)
+    oblique = angle_between(asked.heading, side.heading)
     # An object that slides straight presses back along the push: that must be in the friction cone.
     # What topples or tilts is pushed square to its face, and goes about where it was meant to.
     largest = grip(target, defaults.sigmas)
     if asked.outcome == "topple":
         largest = 0.5 * defaults.side_tolerance
     if abs(oblique) > largest:
-        raise RefusedError(refusals.askew(asked, target, straightest, oblique, largest))
-    return [straightest]
+        raise RefusedError(refusals.askew(asked, target, side, oblique, largest))
+    return [side]
+
+
+def straightest(target: SeenObject, heading: float) -> Side:
+    """The side of an object that is most square to a push along a heading in W [rad]."""
+    faces = target.model.faces(np.array([heading - target.pose.yaw]))
+    inward = [Side(f, heading_of(-target.pose.R_WB @ np.array(f.normal))) for f in faces]
+    return _straightest(inward, heading)
+
+
+def _straightest(sides: list[Side], heading: float) -> Side:
+    return min(sides, key=lambda side: abs(angle_between(side.heading, heading)))
 
 
 def _pushed_along(asked: Asked) -> np.ndarray:
@@ -243,23 +281,14 @@ def _direction(asked: Asked, side: Side) -> np.ndarray:
     return unit(side.heading)
 
 
-def _with_room(
-    sides: list[Side], asked: Asked, target: SeenObject, state: WorldState, defaults: Defaults
-) -> list[Side]:
-    """The faces from which the object falls, or leans over, without hitting anything."""
-    free, refusal = [], None
-    for side in sides:
-        u = _direction(asked, side)
-        if asked.tilt is None:
-            refusal = _fall_blocked(target, state, u, defaults)
-        else:
-            refusal = tilts.hindered(target, state, side.face.normal, u, asked.tilt, defaults)
-        if refusal is None:
-            free.append(side)
-    if not free:
-        assert refusal is not None
-        raise RefusedError(refusal)
-    return free
+def _hindered(
+    side: Side, asked: Asked, target: SeenObject, state: WorldState, defaults: Defaults
+) -> Refusal | None:
+    """What the object would hit if it fell, or leaned over, from a face; None if nothing."""
+    u = _direction(asked, side)
+    if asked.tilt is None:
+        return _fall_blocked(target, state, u, defaults)
+    return tilts.hindered(target, state, side.face.normal, u, asked.tilt, defaults)
 
 
 def _fall_blocked(
@@ -314,14 +343,14 @@ def _strong_enough(
 # -- the push ---------------------------------------------------------------------------------
 
 
-def _in_order(found: list[Contacts], asked: Asked) -> list[tuple[Contacts, int]]:
-    """Contacts of all faces by rank, in turn over the faces, as many as the reach is asked for."""
+def _in_order(found: list[Contacts], asked: Asked, most: int) -> list[tuple[Contacts, int]]:
+    """So many contacts of all faces by rank, in turn over the faces."""
     order = []
     for number, contacts in enumerate(found):
         # A fall that may go anywhere goes away from the robot if it can.
         aside = abs(contacts.side.heading) if asked.heading is None else 0.0
         order += [(rank, aside, number) for rank in range(len(contacts.chosen))]
-    return [(found[number], rank) for rank, _, number in sorted(order)][:_ASKED]
+    return [(found[number], rank) for rank, _, number in sorted(order)][:most]
 
 
 def _push(

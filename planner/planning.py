@@ -3,16 +3,15 @@
 What takes a whole hand (lifting, pouring, opening) is planned in `planner.handling`, if the robot
 has one; what is to be placed is lifted where it can be, and pushed where not. All else is pushed.
 
-What is asked (`planner.asked`) is one push that topples or tilts (`planner.onepush`), or an aim on
-the table, to which the object goes by several (`planner.journey`). All pushes together must be
-likely enough.
+What is asked (`planner.asked`) is a fall or a tilt (`planner.falls`), or an aim on the table, to
+which the object goes by several pushes (`planner.journey`). All pushes together must be likely
+enough. Where the hand does not get to what would do, it is asked once more, to look thoroughly.
 
 Frames: W is the world, B the object.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, overload
 
@@ -20,26 +19,22 @@ from grammar import frames as g
 from planner import refusals
 from planner.asked import Asked, read
 from planner.defaults import DEFAULTS, Defaults
+from planner.falls import fall, fall_otherwise
 from planner.handling.planning import handle, is_handled
 from planner.journey import Journey
-from planner.onepush import Found, best_push
 from planner.plan import Aim, Plan, Push, Reached, Refusal
 from planner.reach import GivenUpError, Patient
 from planner.refusals import RefusedError
 from planner.relations import region
-from planner.ways import obliqueness
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from planner.handling.plan import HandlingPlan
     from planner.handling.reach import HandReach
+    from planner.onepush import Found
     from planner.reach import Reach
     from planner.state import SeenObject, WorldState
-
-
-_ASKEW = math.radians(5.0)  # a fall less askew than this is not made straighter
-_FORESIGHT = 0.015  # more room that a fall needs which is foreseen behind a turn [m]
 
 
 @overload
@@ -112,7 +107,6 @@ def _is_there(frame: g.Frame, state: WorldState, defaults: Defaults) -> bool:
 def _pushes(
     frame: g.Frame, state: WorldState, reach: Reach, defaults: Defaults, before: Plan | None
 ) -> Plan | Reached | Refusal:
-    patient = Patient(reach, defaults.most_looks)
     try:
         asked = read(frame, state, defaults)
         assert frame.object is not None
@@ -124,10 +118,43 @@ def _pushes(
             raise RefusedError(refusals.lies(target))
     except RefusedError as refused:
         return refused.refusal
+    patient = Patient(reach, defaults.most_looks, state)
+    made = _patiently(asked, target, state, patient, defaults, before)
+    if isinstance(made, Refusal) and patient.denied:
+        persistent = replace(defaults, most_contacts=defaults.most_contacts_last)
+        again = _patiently(asked, target, state, patient.thorough(), persistent, before)
+        # A search that was given up says less than one that came to its end.
+        if not isinstance(again, Refusal) or again.reason != "out_of_time":
+            made = again
+    if isinstance(made, Refusal) and not asked.aims:
+        made = _otherwise(asked, target, state, patient.thorough(), defaults) or made
+    return made
+
+
+def _patiently(
+    asked: Asked,
+    target: SeenObject,
+    state: WorldState,
+    reach: Patient,
+    defaults: Defaults,
+    before: Plan | None,
+) -> Plan | Reached | Refusal:
     try:
-        return _planned(asked, target, state, patient, defaults, before)
+        return _planned(asked, target, state, reach, defaults, before)
     except GivenUpError as given_up:
         return refusals.given_up(target, given_up.answers)
+
+
+def _otherwise(
+    asked: Asked, target: SeenObject, state: WorldState, reach: Patient, defaults: Defaults
+) -> Plan | None:
+    """The fall of what does not fall square to the side where it stands, if there is one."""
+    try:
+        found = fall_otherwise(asked, target, state, reach, defaults)
+    except GivenUpError:
+        return None
+    made = None if found is None else _together(found, asked, None, target, defaults)
+    return made if isinstance(made, Plan) else None
 
 
 def _planned(
@@ -140,50 +167,12 @@ def _planned(
 ) -> Plan | Reached | Refusal:
     foreseen = () if before is None else tuple(move.push for move in before.later)
     if not asked.aims:
-        found = _over(asked, target, state, reach, defaults, foreseen)
+        found = fall(asked, target, state, reach, defaults, foreseen)
         if isinstance(found, Refusal):
             return found
         return _together(found, asked, None, target, defaults)
     aims = asked.aims if before is None or before.aim is None else (before.aim,)
     return _to_an_aim(asked, aims, target, state, reach, defaults, foreseen)
-
-
-def _over(
-    asked: Asked,
-    target: SeenObject,
-    state: WorldState,
-    reach: Reach,
-    defaults: Defaults,
-    foreseen: tuple[Push, ...],
-) -> list[Found] | Refusal:
-    """The push that topples or tilts an object; turned first if none of its faces looks there."""
-    askew = 0.0 if asked.heading is None else obliqueness(target, asked.heading)
-    if abs(askew) <= 0.5 * defaults.side_tolerance or asked.face is not None:
-        found = best_push(asked, target, state, reach, defaults)
-        if not isinstance(found, Refusal):
-            return [found]
-        # Square to the direction it may still find room.
-        if abs(askew) < _ASKEW or asked.face is not None or asked.region is not None:
-            return found
-    if asked.region is not None:
-        return refusals.turned_first(asked, target, askew)
-    square = target.pose.yaw + askew
-    aim = Aim(x=target.pose.x, y=target.pose.y, yaw=square)
-    on_its_base = replace(asked, outcome="slide", rotates=True, aims=(aim,), tilt=None)
-    pushes = Journey(on_its_base, aim, target, state, reach, defaults, foreseen).pushes()
-    assert not isinstance(pushes, Reached), "it stands askew"
-    if isinstance(pushes, Refusal):
-        return pushes
-    there = replace(target, pose=replace(target.pose, yaw=square))
-    after = replace(state, objects={**state.objects, target.name: there})
-    # It will not stand exactly there.
-    careful = replace(
-        defaults,
-        clearance=defaults.clearance + _FORESIGHT,
-        clearance_fragile=defaults.clearance_fragile + _FORESIGHT,
-    )
-    then = best_push(asked, there, after, reach, careful)
-    return then if isinstance(then, Refusal) else [*pushes, then]
 
 
 def _to_an_aim(

@@ -20,7 +20,8 @@ class ReachAnswer:
     Attributes:
         ok: the whole way (approach, touch, stroke, retreat) is free and within joint limits.
         reason: if not ok, what stops it: `kinematics`, `table`, `object` (the pushed one),
-            `obstacle` (another one), `approach`, `torque` (it gets there, but is too weak there).
+            `obstacle` (another one), `approach`, `torque` (it gets there, but is too weak there),
+            `failed` (a push there went wrong before).
         message: the same in words.
         blocker: name of the obstacle, if one is in the way.
         margin: if ok, smallest distance to a joint limit on the way [rad].
@@ -62,6 +63,10 @@ class Reach(Protocol):
         """Room to the joint limits at a glance [rad]; a push without may still be possible."""
         ...
 
+    def thorough(self) -> Reach:
+        """The same, which looks longer and lets the hand pass nearer: for when all else fails."""
+        ...
+
 
 class GivenUpError(Exception):
     """Too many questions; it never leaves the planner.
@@ -81,17 +86,29 @@ class Patient:
     Args:
         reach: of the robot.
         most: questions.
+        now: what is believed when the plan is made.
+        foreseen: answers for pushes of an object that will stand elsewhere by then; the same reach
+            if not given.
     """
 
-    def __init__(self, reach: Reach, most: int) -> None:
+    def __init__(
+        self, reach: Reach, most: int, now: WorldState, foreseen: Reach | None = None
+    ) -> None:
         self._reach = reach
         self._most = most
+        self._now = now
+        self._foreseen = foreseen or reach
         self._answers: list[ReachAnswer] = []
         self.fingertip_radius = reach.fingertip_radius
         self.finger_spreads = reach.finger_spreads
         self.max_force = reach.max_force
         self.force_skew = reach.force_skew
         self.lowest_height = reach.lowest_height
+
+    @property
+    def denied(self) -> bool:
+        """Whether the hand did not get to something that it has not tried before."""
+        return any(not answer.ok and answer.reason != "failed" for answer in self._answers)
 
     def __call__(self, push: Push, state: WorldState) -> ReachAnswer:
         """Answers for one push.
@@ -101,9 +118,18 @@ class Patient:
         """
         if len(self._answers) == self._most:
             raise GivenUpError(self._answers)
-        self._answers.append(self._reach(push, state))
+        here = state.objects[push.object].pose == self._now.objects[push.object].pose
+        answer = self._reach(push, state) if here else self._foreseen(push, state)
+        self._answers.append(answer)
         return self._answers[-1]
 
     def prospect(self, push: Push, state: WorldState) -> float:
         """At a glance, which does not count."""
         return self._reach.prospect(push, state)
+
+    def thorough(self) -> Patient:
+        """As many questions to one that looks longer.
+
+        What is foreseen will not stand exactly there: then the hand must get there as usual.
+        """
+        return Patient(self._reach.thorough(), self._most, self._now, self._reach)

@@ -40,7 +40,8 @@ Loaded along the push, a slanted finger also presses up or down. Pressing down m
 heavier on the table, which makes it move in jerks."""
 
 _TILTS = np.radians(np.arange(-60.0, 83.0, 7.5))
-_SIDES = {1: np.radians([0.0, -30.0, 30.0]), 2: np.radians([0.0])}
+_SIDES = np.radians([0.0, -30.0, 30.0])
+_FINE_SIDES = np.radians([0.0, -15.0, 15.0, -30.0, 30.0, -45.0, 45.0, -60.0, 60.0])
 
 # 1 / lever with which the sensors feel the push [1/m]: 60 makes 1.6 mN·m a noise of 0.1 N.
 _COARSEST_FEELING = 60.0
@@ -122,11 +123,17 @@ class Hands:
 
 
 @functools.cache
-def hands(fingers: int, spread: float) -> Hands:
-    """Everything in which a hand may push with so many fingers."""
+def hands(fingers: int, spread: float, *, fine: bool = False) -> Hands:
+    """Everything in which a hand may push with so many fingers.
+
+    Args:
+        fingers: one, which lets the palm lean to its sides, or two, which do not.
+        spread: distance between two fingertips [m].
+        fine: whether it may lean by small angles and large ones.
+    """
+    sides = np.zeros(1) if fingers == 2 else _FINE_SIDES if fine else _SIDES
     tilt, side, roll = (
-        a.ravel()
-        for a in np.meshgrid(_TILTS, _SIDES[fingers], np.array([0.0, np.pi]), indexing="ij")
+        a.ravel() for a in np.meshgrid(_TILTS, sides, np.array([0.0, np.pi]), indexing="ij")
     )
     # At zero tilt the fingers point down; a positive tilt leans the hand back, behind the push.
     upright = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])

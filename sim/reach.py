@@ -27,7 +27,7 @@ from sim.hands import LARGEST_SKEW, hands, strongest
 from sim.reachmap import reach_map
 from sim.scene import Scene
 from sim.scenery import TABLE_CLEARANCE
-from sim.search import Search
+from sim.search import THOROUGH, USUAL, Effort, Search
 from sim.stance import Mount, Stance
 from sim.way import Way
 
@@ -55,7 +55,8 @@ class ArmReach:
     narrowest, widest = NARROWEST, WIDEST
     lowest_level = spheres.ARM_RADIUS + TABLE_CLEARANCE
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, effort: Effort = USUAL) -> None:
+        self._scene, self._effort = scene, effort
         self.mount = Mount.of(scene.robot)
         self.home = np.radians(scene.robot.home_deg)
         self.max_force = strongest(1, 0.0)
@@ -75,6 +76,10 @@ class ArmReach:
         heading = float(np.arctan2(way.inward[1], way.inward[0]))
         ends = (way.touch, way.end)
         return min(self._map.room(push.fingers, push.spread, end, heading) for end in ends)
+
+    def thorough(self) -> ArmReach:
+        """The same, which looks at more hands and lets them pass nearer."""
+        return ArmReach(self._scene, THOROUGH)
 
     def grip(self, width: float) -> Grip | None:
         """How the hand closes about a width [m]; None if it does not."""
@@ -157,8 +162,8 @@ class ArmReach:
                 False, "table", f"the finger would touch the table {height:.0f} mm up"
             )
         way = Way.of(push, state.objects[push.object])
-        search = Search(self.mount, self.home, push, way, state, spare)
-        every = hands(push.fingers, push.spread)
+        search = Search(self.mount, self.home, push, way, state, self._effort, spare)
+        every = hands(push.fingers, push.spread, fine=self._effort.fine)
         strong = every.strength * push.fingers >= push.force_limit
         found = search.best(every[strong])
         if strong.all() or not isinstance(found, ReachAnswer):

@@ -25,8 +25,11 @@ TABLE_CLEARANCE = 0.005
 OBJECT_CLEARANCE = 0.012
 """Least distance of hand and arm from an object that they must not touch [m]."""
 
+LEAST_CLEARANCE = 0.006
+"""The same where no other way is left: as near as look and hand are sure of [m]."""
+
 FRAGILE_CLEARANCE = 0.030
-"""The same from one that is said to be fragile [m]."""
+"""The same from one that is said to be fragile, always [m]."""
 
 SPARE = 0.002
 """How much nearer the hand may get than was planned, as two looks differ by their noise [m]."""
@@ -119,16 +122,23 @@ class Scenery:
     others: tuple[Obstacle, ...]
 
     @classmethod
-    def of(cls, state: WorldState, pushed: str, spare: float = 0.0) -> Scenery:
+    def of(
+        cls,
+        state: WorldState,
+        pushed: str,
+        spare: float = 0.0,
+        clearance: float = OBJECT_CLEARANCE,
+    ) -> Scenery:
         """What the robot sees.
 
         Args:
             state: what it sees.
             pushed: name of the object that is to be pushed.
             spare: by how much less than its clearance each of the others may be away [m].
+            clearance: from what is not fragile [m].
         """
         others = [
-            Obstacle.of(seen, (FRAGILE_CLEARANCE if seen.fragile else OBJECT_CLEARANCE) - spare)
+            Obstacle.of(seen, (FRAGILE_CLEARANCE if seen.fragile else clearance) - spare)
             for name, seen in state.objects.items()
             if name != pushed
         ]

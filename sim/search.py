@@ -26,7 +26,13 @@ from sim import arm, spheres
 from sim.armposes import ENOUGH_MARGIN, ArmPoses, Solved, descent, in_range
 from sim.hands import Hands
 from sim.rotations import Array, rot_z
-from sim.scenery import TABLE_CLEARANCE, Obstacle, Scenery
+from sim.scenery import (
+    LEAST_CLEARANCE,
+    OBJECT_CLEARANCE,
+    TABLE_CLEARANCE,
+    Obstacle,
+    Scenery,
+)
 from sim.stance import Mount, Stance, UnreachableError
 from sim.transit import LIMIT_MARGIN, along, drawn_places, free_way
 from sim.way import BACK, Way
@@ -37,10 +43,30 @@ _OVER = 0.47  # height of T in places over the table [m]
 _RAISED = (0.4, 0.8, 1.2)  # how far the arm swings up halfway [rad]
 
 _AT_ONCE, _ASKED = 48, 12  # hands that are looked at together, and the arm is asked for
-_MOST_HANDS = 60  # clear hands that the arm is asked for in all
 _BACK_POINTS = 4  # places on the way back from a turned face that are looked at
-_MOST_TRANSITS = 2  # stances of some hands for which a way from home is looked for
-_LAST_RESORTS = 3  # of all, for which it is looked for thoroughly
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How long a stance is looked for, and how near the hand may come to things.
+
+    Attributes:
+        clearance: of hand and arm from what is neither pushed nor fragile [m].
+        fine: whether the palm may lean to its sides by small angles and large ones.
+        most_hands: that are clear and for which the arm is asked.
+        most_transits: stances of some hands for which a way from home is looked for.
+        last_resorts: stances of all hands for which it is looked for among more places.
+    """
+
+    clearance: float
+    fine: bool
+    most_hands: int
+    most_transits: int
+    last_resorts: int
+
+
+USUAL = Effort(OBJECT_CLEARANCE, fine=False, most_hands=60, most_transits=2, last_resorts=3)
+THOROUGH = Effort(LEAST_CLEARANCE, fine=True, most_hands=600, most_transits=10, last_resorts=10)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +98,7 @@ class Search:
         push: what is to be done.
         way: of the fingertips.
         state: what is believed.
+        effort: that is made.
         spare: by how much less than its clearance each of the others may be away [m].
     """
 
@@ -82,8 +109,10 @@ class Search:
         push: Push,
         way: Way,
         state: WorldState,
+        effort: Effort,
         spare: float = 0.0,
     ) -> None:
+        self._effort = effort
         self._mount = mount
         self._home = home
         self._push = push
@@ -93,7 +122,7 @@ class Search:
         self._arms = ArmPoses(mount, home, push, self._points, self._R_WD)
         table = state.table
         self._centre = 0.5 * np.array([table.x_min + table.x_max, table.y_min + table.y_max])
-        self._scenery = Scenery.of(state, push.object, spare)
+        self._scenery = Scenery.of(state, push.object, spare, effort.clearance)
         # From the touch on, the pushed object goes where the fingertips take it.
         touch = self._points[1]
         self._pushed = [
@@ -119,15 +148,17 @@ class Search:
             asked += len(some)
             least = LIMIT_MARGIN if best is None else best.room
             stances = (found for found in self._stances(some, least) if self._comes_off(found))
-            for found in itertools.islice(stances, _MOST_TRANSITS):
+            for found in itertools.islice(stances, self._effort.most_transits):
                 via = self._way_there(found, self._places(found))
                 if via is not None:
                     best = found.by(via)
                     break
                 blocked.append(found)
-            if asked >= _MOST_HANDS or (best is not None and best.room >= ENOUGH_MARGIN):
+            if best is not None and best.room >= ENOUGH_MARGIN:
                 break
-        for found in blocked[:_LAST_RESORTS] if best is None else ():
+            if asked >= self._effort.most_hands:
+                break
+        for found in blocked[: self._effort.last_resorts] if best is None else ():
             via = self._way_there(found, drawn_places(self._home, found.above))
             if via is not None:
                 best = found.by(via)

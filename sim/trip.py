@@ -87,13 +87,14 @@ class Trip:
         Raises:
             EarlyEndError: the hand does not get there.
         """
-        answer = self._reach.stance(self._push, state)
-        if isinstance(answer, ReachAnswer):
+        for reach in (self._reach, self._reach.thorough()):
             # It was reached from where things were seen before.
-            answer = self._reach.stance(self._push, state, SPARE)
-        if isinstance(answer, ReachAnswer):
-            raise EarlyEndError("unreachable", answer.message)
-        return answer[0], Way.of(self._push, state.objects[self._push.object])
+            for spare in (0.0, SPARE):
+                answer = reach.stance(self._push, state, spare)
+                if not isinstance(answer, ReachAnswer):
+                    return answer[0], Way.of(self._push, state.objects[self._push.object])
+                why = answer.message
+        raise EarlyEndError("unreachable", why)
 
     def approach(self, stance: Stance, way: Way) -> None:
         """Free motion: over the start, then down to it."""

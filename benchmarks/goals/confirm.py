@@ -2,11 +2,11 @@
 
 | refused as | confirmed if |
 |---|---|
-| `impossible`, `out_of_time` | no strokes do it in the world as it truly is, whoever pushes |
+| `impossible` | no strokes do it in the world as it truly is, whoever pushes |
 | `too_uncertain` | the best strokes for the object as it is believed succeed, over objects drawn from the belief, less often than was asked |
-| `out_of_reach`, `blocked` | no strokes do it that touch nothing else and that some posture of hand and arm can make |
+| `out_of_reach`, `blocked`, `out_of_time` | no strokes do it that some posture of hand and arm can make |
 
-The search is that of `benchmarks.goals.search`, postures are those of `benchmarks.goals.postures`.
+Strokes keep what every push of the robot keeps: they touch nothing else. The search is that of `benchmarks.goals.search`, postures are those of `benchmarks.goals.postures`.
 It may miss what there is: a confirmed refusal is one for which nothing was found.
 """  # noqa: E501
 
@@ -25,7 +25,7 @@ import numpy as np
 
 from benchmarks.goals.cases import Done, Watched
 from benchmarks.goals.postures import reachable
-from benchmarks.goals.search import Asked, Found, repeated, search
+from benchmarks.goals.search import Asked, Found, repeated, search, seen
 from benchmarks.goals.sentences import said
 from benchmarks.goals.worlds import Generator, Job, as_believed, believed
 from benchmarks.record import Kept, carried_out
@@ -33,7 +33,7 @@ from benchmarks.strokes import Array, heading_of, upright
 from nlcontrol.checks import require_checkable
 from nlcontrol.errors import ControlError
 from objectmodels import ObjectModel
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.state import WorldState
 from sim.scene import Pose, Scene
 
 Verdict = Literal["confirmed", "unconfirmed", "not looked for"]
@@ -159,7 +159,7 @@ def confirm(doubt: Doubt) -> Confirmation:
     now = _as_it_stands(robot.world.scene, asked.name, poses)
     if doubt.reason == "too_uncertain":
         verdict, found = _uncertain(now, asked, robot.defaults.probability, doubt.tries, rng)
-    elif doubt.reason in ("out_of_reach", "blocked"):
+    elif doubt.reason in ("out_of_reach", "blocked", "out_of_time"):
         verdict, found = _unreachable(now, asked, robot.models, doubt.tries, rng)
     else:
         verdict, found = _impossible(now, asked, doubt.tries, rng)
@@ -224,7 +224,7 @@ def _with(scene: Scene, name: str, model: ObjectModel, off: Array) -> Scene:
 def _unreachable(
     scene: Scene, asked: Asked, models: dict[str, ObjectModel], tries: int, rng: Generator
 ) -> tuple[Verdict, str]:
-    found, rolled = search(scene, asked, tries, rng, enough=POSTURED, alone=True)
+    found, rolled = search(scene, asked, tries, rng, enough=POSTURED)
     for each in found:
         if _postured(scene, each, models, rng):
             return "unconfirmed", f"{_told(each)} do it, and a hand can make them"
@@ -241,12 +241,7 @@ def _postured(scene: Scene, found: Found, models: dict[str, ObjectModel], rng: G
 
 def _seen(poses: Mapping[str, Array], models: dict[str, ObjectModel]) -> WorldState:
     """Everything where it truly stands."""
-    return WorldState(
-        {
-            name: SeenObject(name, PlanarPose(pose[4], pose[5], heading_of(pose)), models[name])
-            for name, pose in poses.items()
-        }
-    )
+    return WorldState({name: seen(name, models[name], pose) for name, pose in poses.items()})
 
 
 def _told(found: Found) -> str:

@@ -1,9 +1,10 @@
 """Is there any hand at all that stands behind a fingertip, clear of everything?
 
 Finer than the robot's own search, and less strict: finger angles and orientations of the palm are
-drawn anywhere within their limits, elbows lie 5° apart, and the hand only has to be clear, by no
-distance, at the beginning, in the middle and at the end of a stroke. How it gets there, how well it
-feels the push and how much room the joints have is not asked.
+drawn anywhere within their limits, elbows lie 5° apart, and the hand only has to be clear at the
+beginning, in the middle and at the end of a stroke: of the others by what a look may be off, else
+by no distance. How it gets there, how well it feels the push and how much room the joints have is
+not asked.
 
 Frames: see `sim.stance`.
 """
@@ -21,8 +22,11 @@ from sim import arm, spheres
 from sim.hand import FINGER_LIMITS, RESTING, Posture, two_finger_postures
 from sim.reach import FINGER_SPREADS
 from sim.rotations import rot_x, rot_y, rot_z
-from sim.scene import Robot
+from sim.scene import Robot, Vision
 from sim.stance import Mount
+
+UNSEEN = Vision().position_noise_m
+"""A distance that no single look tells from none [m]."""
 
 POSTURES, ORIENTATIONS = 80, 250
 """Random finger angles, and orientations for each of them."""
@@ -87,7 +91,7 @@ def _clear_hands(
         placed = spheres.placed(parts, R_WP, point - R_WP @ middle)
         free &= spheres.height_above_table(placed).min(axis=-1) > 0.0
         for name in _in_the_way(state, pushed, k):
-            free &= _distance(placed, state, name).min(axis=-1) > 0.0
+            free &= _distance(placed, state, name).min(axis=-1) > _apart(name, pushed)
     return free
 
 
@@ -114,7 +118,7 @@ def _arm_reaches(
         links = spheres.placed(spheres.arm_spheres(q[rows]), mount.R_WA, mount.p_WA)
         clear = spheres.height_above_table(links).min(axis=-1) > 0.0
         for name in _in_the_way(state, pushed, k):
-            clear &= _distance(links, state, name).min(axis=-1) > 0.0
+            clear &= _distance(links, state, name).min(axis=-1) > _apart(name, pushed)
         ok[rows] = clear
     return bool(ok.any())
 
@@ -122,6 +126,11 @@ def _arm_reaches(
 def _in_the_way(state: WorldState, pushed: str, point: int) -> list[str]:
     """The objects; the one that is pushed has moved on after the first point."""
     return [name for name in state.objects if name != pushed or point == 0]
+
+
+def _apart(name: str, pushed: str) -> float:
+    """By what the hand is clear of an object [m]."""
+    return 0.0 if name == pushed else UNSEEN
 
 
 def _distance(placed: Array, state: WorldState, name: str) -> Array:

@@ -3,9 +3,10 @@
 Model: `benchmarks.strokes`, in Drake. A sentence is searched for by rounds, each of which goes on
 from the best stroke of the round before. Of the strokes of a round the first are drawn at random,
 the others are variations of the best so far. What counts are the checks of the sentence alone, by
-how far they are missed in all; of the goal a search knows no more than the direction. Strokes are
-slow enough for speed not to matter, so a slower one is rolled out at `QUICK` and its time is
-stretched.
+how far they are missed in all, and what every push of the robot keeps: only fingertips touch the
+object, and it stays away from the others. Of the goal a search knows no more than the direction.
+Strokes are slow enough for speed not to matter, so a slower one is rolled out at `QUICK` and its
+time is stretched.
 """
 
 from __future__ import annotations
@@ -33,7 +34,8 @@ from nlcontrol.checks import Check, check
 from objectmodels import ObjectModel
 from planner.defaults import DEFAULTS
 from planner.directions import HEADINGS, bisector
-from planner.state import TableState
+from planner.footprints import footprint, gap, overlaps
+from planner.state import PlanarPose, SeenObject, TableState
 from sim.scene import Scene
 from sim.trace import ContactEvent, Trace
 
@@ -44,6 +46,8 @@ ROUNDS = 3
 
 _SCALES = {"m": 0.01, "rad": 0.1, "N": 0.5, "m/s": 0.01, "s": 1.0, "": 1.0}
 _BETWEEN = 2.0  # time that a trace gives the hand to go elsewhere [s]
+_SPACING = 10  # samples between two at which distances are looked at
+_ROUNDING = 1e-4  # of distances [m]
 _RANDOM = 0.6  # share of a round that is drawn at random
 
 
@@ -83,6 +87,20 @@ class Asked:
         return HEADINGS[named] if named else getattr(self.frame.goal, "heading", None)
 
     @property
+    def clearance(self) -> float:
+        """Distance that the object keeps from what it is not to touch [m]."""
+        return DEFAULTS.clearance
+
+    @property
+    def wanted(self) -> frozenset[str]:
+        """Names of what the sentence brings it to, which may be near or touched."""
+        goal = self.frame.goal
+        events = [clause.object for clause in self.frame.constraints if clause.kind == "until"]
+        said = (getattr(goal, "toward", None), getattr(goal, "reference", ()), *events)
+        flat = [part for each in said for part in (each if isinstance(each, tuple) else (each,))]
+        return frozenset(ref.id for ref in flat if isinstance(ref, g.ObjectRef) and ref.id)
+
+    @property
     def slower(self) -> float:
         """How many times as slow as `QUICK` a stroke must be."""
         speeds = [QUICK]
@@ -116,7 +134,6 @@ def search(
     rng: Generator,
     *,
     enough: int = 1,
-    alone: bool = False,
 ) -> tuple[list[Found], int]:
     """Looks for strokes that do what is asked.
 
@@ -126,7 +143,6 @@ def search(
         tries: roll-outs in each round and for each number of fingertips.
         rng: to draw from.
         enough: the search ends with so many.
-        alone: whether nothing but the fingertips and the pushed object may touch.
 
     Returns:
         What was found, and how many strokes were rolled out.
@@ -135,7 +151,7 @@ def search(
     rolled = 0
     for fingers in asked.fingers:
         bench = DrakeBench(scene, asked.name, fingers)
-        for each, cost in _rounds(bench, asked, fingers, tries, rng, alone):
+        for each, cost in _rounds(bench, asked, fingers, tries, rng):
             rolled += 1
             if cost == 0.0:
                 found.append(each)
@@ -145,7 +161,7 @@ def search(
 
 
 def _rounds(
-    bench: Bench, asked: Asked, fingers: int, tries: int, rng: Generator, alone: bool
+    bench: Bench, asked: Asked, fingers: int, tries: int, rng: Generator
 ) -> Iterator[tuple[Found, float]]:
     """Every attempt, and by how much it misses."""
     so_far = Found((), (), fingers)
@@ -163,7 +179,7 @@ def _rounds(
             bench.back(state)
             rolled = bench.roll(stroke, QUICK)
             cost = _cost(asked, [*done, (stroke, rolled)])
-            cost += alone and _met(asked.name, rolled)
+            cost += _met(asked, rolled)
             attempt = Found((*so_far.strokes, stroke), (*so_far.before, here), fingers)
             yield attempt, cost
             # What has fallen the wrong way is no place to go on from.
@@ -176,10 +192,34 @@ def _rounds(
         bench.back(best[3])
 
 
-def _met(name: str, rolled: Rolled) -> bool:
-    """Whether anything else touched than fingertips and the pushed object."""
-    others = rolled.poses.keys() - {name}
-    return any(others & pair for pair in rolled.touched)
+def _met(asked: Asked, rolled: Rolled) -> bool:
+    """Whether the object, or a fingertip, came too near to anything that it is not to touch."""
+    others = rolled.poses.keys() - {asked.name} - asked.wanted
+    if any(others & pair for pair in rolled.touched):
+        return True
+    poses = rolled.poses[asked.name]
+    standing = [k for k in range(0, len(poses), _SPACING) if upright(poses[k])]
+    for name in others:
+        there = footprint(seen(name, asked.models[name], rolled.poses[name][0]))
+        apart = min(asked.clearance, gap(_outline(asked, poses[0]), there))
+        if any(overlaps(_outline(asked, poses[k]), there, apart - _ROUNDING) for k in standing):
+            return True
+    return False
+
+
+def _outline(asked: Asked, pose: Array) -> Array:
+    return footprint(seen(asked.name, asked.model, pose))
+
+
+def seen(name: str, model: ObjectModel, pose: Array) -> SeenObject:
+    """An object where it truly stands.
+
+    Args:
+        name: of the object.
+        model: its shape.
+        pose: quaternion (w, x, y, z) and p_WB [m], shape (7,); it stands upright.
+    """
+    return SeenObject(name, PlanarPose(pose[4], pose[5], heading_of(pose)), model)
 
 
 def _drawn(asked: Asked, pose: Array, rng: Generator) -> Stroke:
@@ -196,7 +236,7 @@ def repeated(scene: Scene, asked: Asked, found: Found) -> bool:
     """Whether strokes do what is asked in another world too."""
     bench = DrakeBench(scene, asked.name, found.fingers)
     done = [(stroke, bench.roll(stroke, QUICK)) for stroke in found.strokes]
-    return _cost(asked, done) == 0.0
+    return _cost(asked, done) == 0.0 and not any(_met(asked, rolled) for _, rolled in done)
 
 
 def _cost(asked: Asked, done: Sequence[tuple[Stroke, Rolled]]) -> float:

@@ -15,6 +15,7 @@ from nlcontrol import Controller, Registry
 from objectmodels.faces import Face
 from planner.state import PlanarPose, SeenObject, WorldState
 from sim.hand import TIP_RADIUS
+from sim.scene import SceneObject
 
 MODEL = Registry.built_in().get(OBJECT)
 
@@ -119,3 +120,20 @@ def test_what_is_believed_has_the_shape_of_the_model() -> None:
         assert truth.height == model.top
         assert truth.mass_kg == model.mass
         assert truth.height > TIP_RADIUS
+
+
+@pytest.mark.parametrize(("gap", "free"), [(0.067, True), (0.055, False), (0.04, False)])
+def test_a_stroke_keeps_the_object_away_from_the_others(gap: float, free: bool) -> None:
+    alone, mug = world(), Registry.built_in().get("mug")
+    (box,) = alone.objects
+    ahead = box.pose.x_m + MODEL.outline[:, 0].max() + gap - mug.outline[:, 0].min()
+    pose = box.pose.model_copy(update={"x_m": ahead})
+    other = SceneObject(name="mug", model="mug", pose=pose, truth=as_believed(mug))
+    both = alone.model_copy(update={"objects": (box, other)})
+    controller = Controller(both, registry=Registry.built_in())
+    (frame,) = controller.resolve(controller.parse(f"push the {OBJECT} 5 cm away")).frames
+    can = Asked(frame, OBJECT, controller.models, controller.look().table)
+    faces = [face.normal[0] for face in MODEL.faces()]
+    made = stroke(height=0.03, length=0.05, face=int(np.argmin(faces)))
+    # 10 mm are kept, and the fingertip's springs take a little of the stroke.
+    assert repeated(both, can, Found((made,), ({},), 1)) == free

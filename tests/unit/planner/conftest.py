@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import pytest
@@ -32,6 +32,8 @@ class RuledReach:
     force_skew: float = 0.35
     lowest_height: float = 0.025
     asked: list[Push] = field(default_factory=list)
+    last: Callable[[Push], bool] | None = None
+    """What it answers by when it looks thoroughly; as always if None."""
 
     def __call__(self, push: Push, state: WorldState) -> ReachAnswer:
         self.asked.append(push)
@@ -41,6 +43,9 @@ class RuledReach:
 
     def prospect(self, push: Push, state: WorldState) -> float:
         return 0.5
+
+    def thorough(self) -> RuledReach:
+        return self if self.last is None else replace(self, rule=self.last, last=None)
 
 
 def world(**poses: PlanarPose) -> WorldState:

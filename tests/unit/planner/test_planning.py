@@ -236,7 +236,7 @@ def test_something_stands_in_the_way(reach: RuledReach) -> None:
 
 def test_it_does_not_fall_on_another(reach: RuledReach) -> None:
     state = world(ice_tea_box=PlanarPose(0.45, 0.0), coffee_box=PlanarPose(0.62, 0.0))
-    refusal = _refused("topple the ice tea box away", state, reach)
+    refusal = _refused("topple the ice tea box away at the top", state, reach)
     assert refusal.reason == "blocked"
     # Said no side, it takes one that is free.
     push = _planned("topple the ice tea box", state, reach).push

@@ -117,7 +117,7 @@ def test_nothing_where_it_should_be() -> None:
 
 def test_out_of_reach_nothing_moves() -> None:
     world = DrakeWorld(scene(), seed=0)
-    state = seen(world, far=0.8)
+    state = seen(world, far=1.2)
     before = world.commanded[0]
     found = touched(experiment(state, "slide"), world, state)
     assert (found.end, found.moved) == ("unreachable", None)

@@ -17,7 +17,7 @@ from sim import ArmReach, load_scene, spheres
 from sim.hand import EFFORT, FINGER_LIMITS, FINGERS, JOINT_STIFFNESS, TIP_RADIUS, finger_jacobian
 from sim.hands import hands, strongest
 from sim.reachmap import reach_map
-from sim.scenery import FRAGILE_CLEARANCE, OBJECT_CLEARANCE, SPARE, Obstacle
+from sim.scenery import FRAGILE_CLEARANCE, LEAST_CLEARANCE, OBJECT_CLEARANCE, SPARE, Obstacle
 from sim.stance import Stance
 from sim.transit import along
 from sim.way import Way
@@ -158,6 +158,49 @@ def test_what_was_just_reached_is_reached_from_the_next_look() -> None:
     noise = 0.001  # between two looks
     assert not reached(nearer + noise)
     assert reached(nearer + noise, SPARE)
+
+
+@pytest.mark.parametrize("fragile", [False, True])
+def test_what_looks_thoroughly_keeps_clear_too(fragile: bool) -> None:
+    thorough = REACH.thorough()
+    least = FRAGILE_CLEARANCE if fragile else LEAST_CLEARANCE
+    for seed in SEEDS[:6]:
+        push, state = _crowd(seed, fragile=fragile)
+        answer = thorough.stance(push, state)
+        if isinstance(answer, ReachAnswer):
+            assert isinstance(REACH.stance(push, state), ReachAnswer)
+            continue
+        stance, way = answer[0], Way.of(push, state.objects[push.object])
+        transit = _robot(stance, _transit(stance, way), tips=True)
+        for name, seen in state.objects.items():
+            if name == push.object:
+                continue
+            obstacle = Obstacle.of(seen, 0.0)
+            # As in the test of a crowd above.
+            assert obstacle.distance(transit).min() > least - 0.002
+            for t in np.linspace(0.0, 1.0, 21):
+                q = stance.joints(way.touch + t * (way.end - way.touch))
+                robot = _robot(stance, q, tips=False)
+                assert obstacle.distance(robot).min() > least - 0.0025
+
+
+def test_what_looks_thoroughly_gets_past_what_is_nearer() -> None:
+    state = _alone("ice tea box", 0.5, 0.0)
+    tea = state.objects["ice tea box"]
+    push = _push(tea, 0.0, 0.03, stroke=0.05)
+    wall = BoxModel(name="wall", size=(0.01, 0.6, 0.3), mass=1.0, friction=0.4)
+    behind = float(Way.of(push, tea).start[0])
+
+    def nearest(reach: ArmReach) -> float:
+        at = np.arange(0.0, 0.2, 0.001)
+        seen = [SeenObject("wall", PlanarPose(behind - 0.2 + x, 0.0), wall) for x in at]
+        states = [WorldState({tea.name: tea, "wall": each}) for each in seen]
+        got = [x for x, s in zip(at, states, strict=True) if reach(push, s).ok]
+        return float(max(got))
+
+    # As much as it may pass nearer, but for the millimetre between two walls.
+    nearer = nearest(REACH.thorough()) - nearest(REACH)
+    assert nearer > OBJECT_CLEARANCE - LEAST_CLEARANCE - 0.0015
 
 
 def test_a_strong_push_is_refused_with_what_the_hands_there_bear() -> None:
