@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from planner.asked import Asked
     from planner.defaults import Defaults
     from planner.reach import Reach
+    from planner.sides import Side
 
 Array = NDArray[np.float64]
 
@@ -37,14 +38,6 @@ _ROUND = 0.7  # sine of the largest angle at which two fingertips touch a round 
 # Places in the order of margins at which the reach may be asked for; the hand that does not get
 # down beside a neighbour often gets to a place that is higher up.
 _SHARES = np.array([0.0, 0.15, 0.4, 0.75])
-
-
-@dataclass(frozen=True)
-class Side:
-    """A side face as a place to push: the face in B and its inward normal's heading in W [rad]."""
-
-    face: Face
-    heading: float
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING
 
 from planner import refusals
 from planner.journey import Journey, clearances
-from planner.onepush import Found, best_push, straightest
+from planner.onepush import Found, best_push
 from planner.plan import Aim, Push, Reached, Refusal
+from planner.sides import straightest
 from planner.ways import Leg, displaced, headings, obliqueness, stop
 
 if TYPE_CHECKING:

@@ -13,9 +13,9 @@ from planner.plan import Refusal, RefusalReason
 
 if TYPE_CHECKING:
     from planner.asked import Asked
-    from planner.candidates import Side
     from planner.defaults import Defaults
     from planner.reach import Reach
+    from planner.sides import Side
     from planner.state import SeenObject
 
 

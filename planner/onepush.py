@@ -19,13 +19,12 @@ import numpy as np
 from objectmodels.base import Disc
 from objectmodels.turning import best_turn
 from planner import misplaced, refusals, tilts
-from planner.candidates import Contacts, Side, grid, rated
-from planner.directions import HEADINGS, angle_between, face_name, heading_of, unit
-from planner.footprints import footprint, landing_strip, overlaps, travel_to_edge
+from planner.candidates import Contacts, grid, rated
+from planner.directions import face_name
 from planner.forecast import confirmed, margins, needed_force, prediction, remarks
 from planner.plan import Move, Push, Refusal, Vector3
 from planner.refusals import RefusedError
-from planner.ways import grip
+from planner.sides import Side, direction, hindered, touchable
 
 if TYPE_CHECKING:
     from objectmodels.faces import Face
@@ -33,9 +32,6 @@ if TYPE_CHECKING:
     from planner.defaults import Defaults
     from planner.reach import Reach, ReachAnswer
     from planner.state import SeenObject, WorldState
-
-UNCLEAR_FACE = math.radians(40.0)
-"""A face turned by more from the direction of its name is within 5° of the next name."""
 
 _OF_A_CASE = 0.6  # share of the contacts asked for that may be equally sure
 _FALLING = math.radians(11.0)  # beyond the angle of no return a toppling box is let go
@@ -83,7 +79,7 @@ def best_push(
         side: that is to be touched, if that is settled.
     """
     try:
-        sides = _sides(asked, target, defaults) if side is None else [side]
+        sides = touchable(asked, target, defaults) if side is None else [side]
         if asked.outcome == "slide":
             return _best(sides, asked, target, state, reach, defaults)
         return _over(sides, asked, target, state, reach, defaults)
@@ -100,18 +96,18 @@ def _over(
     defaults: Defaults,
 ) -> Found | Refusal:
     """The best contact on a face from which the object falls, or leans over, hitting nothing."""
-    free, hindered = [], []
+    free, without_room = [], []
     for side in sides:
-        refusal = _hindered(side, asked, target, state, defaults)
+        refusal = hindered(side, asked, target, state, defaults)
         if refusal is None:
             free.append(side)
         else:
-            hindered.append((side, refusal))
+            without_room.append((side, refusal))
     if not free:
-        return hindered[0][1]
+        return without_room[0][1]
     found = _best(free, asked, target, state, reach, defaults)
     if isinstance(found, Refusal) and found.reason == "impossible":
-        for side, refusal in hindered:
+        for side, refusal in without_room:
             # From there it would fall, if there were room.
             if any(rated(target.model, [side], asked, reach, defaults)):
                 return refusal
@@ -219,91 +215,6 @@ def _move(
     )
 
 
-# -- where ------------------------------------------------------------------------------------
-
-
-def _sides(asked: Asked, target: SeenObject, defaults: Defaults) -> list[Side]:
-    """Faces that a push as asked may touch, the straightest first."""
-    sides, unclear = [], None
-    for face in target.model.faces(_pushed_along(asked) - target.pose.yaw):
-        outward = target.pose.R_WB @ np.array(face.normal)
-        name, off = face_name(outward)
-        if asked.face is not None:
-            if abs(off) > UNCLEAR_FACE:
-                unclear = off
-                continue
-            if name != asked.face:
-                continue
-        sides.append(Side(face, heading_of(-outward)))
-    if not sides and unclear is not None:
-        raise RefusedError(refusals.unclear_face(asked, target, unclear))
-    if not sides:
-        raise RefusedError(refusals.no_side(asked, target))
-    if asked.heading is None:
-        return sides
-    side = _straightest(sides, asked.heading)
-    oblique = angle_between(asked.heading, side.heading)
-    # An object that slides straight presses back along the push: that must be in the friction cone.
-    # What topples or tilts is pushed square to its face, and goes about where it was meant to.
-    largest = grip(target, defaults.sigmas)
-    if asked.outcome == "topple":
-        largest = 0.5 * defaults.side_tolerance
-    if abs(oblique) > largest:
-        raise RefusedError(refusals.askew(asked, target, side, oblique, largest))
-    return [side]
-
-
-def straightest(target: SeenObject, heading: float) -> Side:
-    """The side of an object that is most square to a push along a heading in W [rad]."""
-    faces = target.model.faces(np.array([heading - target.pose.yaw]))
-    inward = [Side(f, heading_of(-target.pose.R_WB @ np.array(f.normal))) for f in faces]
-    return _straightest(inward, heading)
-
-
-def _straightest(sides: list[Side], heading: float) -> Side:
-    return min(sides, key=lambda side: abs(angle_between(side.heading, heading)))
-
-
-def _pushed_along(asked: Asked) -> np.ndarray:
-    """Headings in W along which a round object may be pushed: the one asked, else the robot's four.
-
-    Shape (k,) [rad].
-    """
-    if asked.heading is not None:
-        return np.array([asked.heading])
-    return np.array(list(HEADINGS.values()))
-
-
-def _direction(asked: Asked, side: Side) -> np.ndarray:
-    """Unit direction of the push in W; a topple is pushed square to the face."""
-    if asked.outcome == "slide" and asked.heading is not None:
-        return unit(asked.heading)
-    return unit(side.heading)
-
-
-def _hindered(
-    side: Side, asked: Asked, target: SeenObject, state: WorldState, defaults: Defaults
-) -> Refusal | None:
-    """What the object would hit if it fell, or leaned over, from a face; None if nothing."""
-    u = _direction(asked, side)
-    if asked.tilt is None:
-        return _fall_blocked(target, state, u, defaults)
-    return tilts.hindered(target, state, side.face.normal, u, asked.tilt, defaults)
-
-
-def _fall_blocked(
-    target: SeenObject, state: WorldState, u: np.ndarray, defaults: Defaults
-) -> Refusal | None:
-    strip = landing_strip(target, u)
-    if travel_to_edge(strip, state.table, u[:2], 0.0) < defaults.clearance:
-        return refusals.falls_off(target)
-    for name, other in state.objects.items():
-        apart = defaults.clearance_fragile if other.fragile else defaults.clearance
-        if name != target.name and overlaps(strip, footprint(other), apart):
-            return refusals.falls_on(target, other)
-    return None
-
-
 def _in_time(asked: Asked, target: SeenObject, defaults: Defaults) -> Asked:
     """What is asked, fast enough for the time that it may take.
 
@@ -374,7 +285,7 @@ def _push(
         face=face_name(outward)[0],
         p_BC=_touched(contacts, i, reach),
         normal_W=_triple(outward),
-        direction_W=_triple(_direction(asked, contacts.side)),
+        direction_W=_triple(direction(asked, contacts.side)),
         force_limit=limit,
         speed=asked.speed,
         stroke=_stroke(contacts, i, asked, target),

@@ -10,9 +10,9 @@ from planner.plan import Refusal
 
 if TYPE_CHECKING:
     from planner.asked import Asked
-    from planner.candidates import Side
     from planner.defaults import Defaults
     from planner.reach import Reach, ReachAnswer
+    from planner.sides import Side
     from planner.state import SeenObject
 
 

@@ -22,9 +22,9 @@ import numpy as np
 from objectmodels.base import Disc
 from objectmodels.turning import best_turn
 from objectmodels.turnsequence import turn_parts
-from planner.candidates import Side
 from planner.directions import heading_of
 from planner.footprints import footprint, gap, travel_to_edge
+from planner.sides import Side
 
 if TYPE_CHECKING:
     from objectmodels.faces import Face

@@ -9,11 +9,12 @@ import pytest
 
 from objectmodels import BoxModel, CylinderModel, HullModel, ObjectModel
 from planner.asked import read
-from planner.candidates import Side, rated
+from planner.candidates import rated
 from planner.defaults import DEFAULTS
 from planner.forecast import confirmed
 from planner.plan import Plan, Refusal
 from planner.planning import plan
+from planner.sides import Side
 from planner.state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of
 
