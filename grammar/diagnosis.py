@@ -23,6 +23,7 @@ _SHORT = 2
 _UNITS = {"LENGTH_UNIT": "cm", "ANGLE_UNIT": "degrees", "FORCE_UNIT": "N", "SPEED_UNIT": "cm/s",
           "TIME_UNIT": "seconds"}  # fmt: skip
 _WORD = re.compile(r"[^ ]+")
+_TAKEN_BY = re.compile(r"\bby (?:its|the) [^ ]+")
 
 
 def diagnose(
@@ -52,6 +53,9 @@ def diagnose(
         and (missing := _no_verb(start, word, span, sentence, lexicon))
     ):
         return missing
+    taken = [m for m in _TAKEN_BY.finditer(sentence.text) if m.start() <= start < m.end()]
+    if taken and "VERB" not in accepts:
+        return _taken_by(sentence.span(*taken[0].span()), sentence)
     if "SIDE_OF_OBJECT" in accepts and not accepts & {*_UNITS, "VERB"}:
         return _no_unit(start, sentence, lexicon)
     if "WORD" in accepts and "$END" not in accepts and "VERB" not in accepts:
@@ -113,6 +117,17 @@ def _no_verb(
     if not (first or close):
         return None
     return ParseError("unknown_verb", f'"{word}" is no known verb', span, close or (EXAMPLE,))
+
+
+def _taken_by(span: Span, sentence: Normalised) -> ParseError:
+    """The error for a part by which something is to be held: "by its handle"."""
+    written = sentence.written(span)
+    return ParseError(
+        "unexpected_words",
+        f'where to take hold is up to the robot: "{written}" is not understood',
+        span,
+        (f'leave out "{written}"',),
+    )
 
 
 def _no_unit(end: int, sentence: Normalised, lexicon: Lexicon) -> ParseError:

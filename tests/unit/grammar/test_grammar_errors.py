@@ -54,6 +54,12 @@ def test_errors_within_a_phrase_say_what_could_stand_there(text: str, expected: 
     assert "__ANON" not in could
 
 
+def test_a_part_to_hold_it_by_is_named_as_a_whole() -> None:
+    error = refusal("lift the mug by its handle")
+    assert "where to take hold is up to the robot" in error.message
+    assert error.suggestions == ('leave out "by its handle"',)
+
+
 def test_missing_unit_suggests_units() -> None:
     error = refusal("push the box 10")
     assert error.message == '"10" lacks its unit'
