@@ -2,7 +2,7 @@
 
 Model: the probability of the outcome at a contact, once as the object is believed and once with one
 of its parameters known as well as touching finds it out (`Defaults.found_to`). The parameter whose
-knowledge helps most is the one to be found out.
+knowledge decides most, one way or the other, is the one to be found out.
 """
 
 from __future__ import annotations
@@ -70,5 +70,5 @@ def experiment(
         name: outcome_probability(model.model_copy(update=better), point, normal, outcome)
         for name, better in known.items()
     }
-    best = max(then, key=lambda name: then[name])
+    best = max(then, key=lambda name: abs(then[name] - 0.5))
     return _ASKED_FOR[best].format(name=model.name), then[best]

@@ -92,19 +92,30 @@ def no_contact(
         refusal = _cannot_topple(asked, target, float(nominal.min()), reach)
         highest = model.top - reach.fingertip_radius
         side, height = sides[int(np.argmin(nominal))], min(asked.high, highest)
-    if refusal.reason != "too_uncertain":
+    if refusal.reason == "out_of_reach":
         return refusal
-    return _with_doubt(refusal, asked, target, side, height, defaults)
+    point = np.array([*side.face.centre[:2], height])
+    probability = outcome_probability(model, point, side.face.normal, asked.outcome)
+    if refusal.reason == "impossible":
+        # As sure that it does not as a plan must be that it does.
+        if probability < 1.0 - defaults.probability:
+            return refusal
+        refusal = refusal.model_copy(update={"reason": "too_uncertain"})
+    return _with_doubt(refusal, asked, target, side, height, probability, defaults)
 
 
 def _with_doubt(
-    refusal: Refusal, asked: Asked, target: SeenObject, side: Side, height: float, d: Defaults
+    refusal: Refusal,
+    asked: Asked,
+    target: SeenObject,
+    side: Side,
+    height: float,
+    probability: float,
+    d: Defaults,
 ) -> Refusal:
     """The refusal with how likely it is, and with what would settle it."""
     point = np.array([*side.face.centre[:2], height])
-    contact = point, side.face.normal, asked.outcome
-    probability = outcome_probability(target.model, *contact)
-    learn, then = experiment(target.model, *contact, d)
+    learn, then = experiment(target.model, point, side.face.normal, asked.outcome, d)
     verb = "slides" if asked.outcome == "slide" else "topples"
     message = (
         f"{refusal.message}; pushed {_mm(height)} up it {verb} with a probability of "
@@ -188,8 +199,8 @@ def _cannot_topple(asked: Asked, target: SeenObject, critical: float, reach: Rea
     if math.isinf(critical):
         return Refusal(
             reason="impossible",
-            message=f"the {target.name} cannot be toppled there: it always slides before it "
-            f"topples, even {_mm(highest)} above the table",
+            message=f"the {target.name} does not topple there: by what is known it slides "
+            f"before it topples, even {_mm(highest)} above the table",
             numbers=numbers,
             spans=asked.contact_spans,
             suggestions=_other_side(target),
@@ -199,8 +210,8 @@ def _cannot_topple(asked: Asked, target: SeenObject, critical: float, reach: Rea
     if critical > highest:
         return Refusal(
             reason="impossible",
-            message=f"the {target.name} cannot be toppled there: it slides before it topples "
-            f"below {_mm(critical)}, and the highest contact is {_mm(highest)}",
+            message=f"the {target.name} does not topple there: it slides before it topples below "
+            f"{_mm(critical)}, and the highest contact is {_mm(highest)}",
             numbers=numbers,
             spans=asked.contact_spans,
             suggestions=higher or _other_side(target),

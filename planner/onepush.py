@@ -106,10 +106,12 @@ def _over(
     if not free:
         return without_room[0][1]
     found = _best(free, asked, target, state, reach, defaults)
-    if isinstance(found, Refusal) and found.reason == "impossible":
+    if isinstance(found, Refusal) and found.reason in ("impossible", "too_uncertain"):
         for side, refusal in without_room:
             # From there it would fall, if there were room.
-            if any(rated(target.model, [side], asked, reach, defaults)):
+            if refusal.reason == "blocked" and any(
+                rated(target.model, [side], asked, reach, defaults)
+            ):
                 return refusal
     return found
 

@@ -53,3 +53,17 @@ def test_a_refusal_says_how_likely_it_is_and_what_would_help() -> None:
     sure = WorldState({"ice tea box": SeenObject("ice tea box", PlanarPose(0.5, 0.0), known)})
     assert isinstance(plan(frame_of(text), sure, RuledReach()), Plan)
     assert refusal.numbers["probability_then"] >= DEFAULTS.probability
+
+
+@pytest.mark.parametrize(("friction_sd", "reason"), [(0.01, "impossible"), (0.12, "too_uncertain")])
+def test_only_what_is_sure_not_to_happen_is_impossible(friction_sd: float, reason: str) -> None:
+    model = box(friction_sd=friction_sd, com_sd=0.001)
+    state = WorldState({"ice tea box": SeenObject("ice tea box", PlanarPose(0.5, 0.0), model)})
+    # Below the critical height of 119 mm, which a friction of 0.45 would bring down to 100 mm.
+    refusal = plan(frame_of("topple the ice tea box 10 cm above the table"), state, RuledReach())
+    assert isinstance(refusal, Refusal)
+    assert refusal.reason == reason
+    assert "slides before it topples below 119 mm" in refusal.message
+    if reason == "too_uncertain":
+        assert 1.0 - DEFAULTS.probability < refusal.numbers["probability"] < 0.5
+        assert refusal.suggestions[0] == "find out how slippery the ice tea box is first"
