@@ -87,6 +87,7 @@ class Defaults:
         force_reserve_gentle: the same for a gentle push.
         sigmas: standard deviations that a worst case takes.
         probability: the least probability of the wanted outcome that a plan may have.
+        probability_on: the same of what is left of it once its first push is made.
         speed_fast: least speed of a fast push [m/s].
         force_hard: a hard push is ready to press with at least so much [N].
         force_tolerance: of the felt force, from the sensor's noise [N].
@@ -166,8 +167,8 @@ class Defaults:
         most_contacts: of one push, with as many fingertips, for which it is asked whether the hand
             gets there.
         most_contacts_last: the same before it is refused that the hand gets there.
-        most_looks: pushes for which one plan asks whether the hand gets there, and as many again
-            before it is refused.
+        most_looks: pushes for which one plan asks whether the hand gets there.
+        most_looks_last: the same once more before it is refused that the hand gets there.
         most_pushes: pushes made for one frame before it is given up.
         known_to: relative standard deviation up to which a property counts as known: a question
             about it is then answered without touching the object.
@@ -191,6 +192,7 @@ class Defaults:
     force_reserve_gentle: Factor = 0.25
     sigmas: Factor = 2.0
     probability: Probability = 0.95
+    probability_on: Probability = 0.85
     speed_fast: Speed = 0.10
     force_hard: Force = 8.0
     force_tolerance: Force = 0.3
@@ -266,6 +268,7 @@ class Defaults:
     most_contacts: Count = 6
     most_contacts_last: Count = 24
     most_looks: Count = 100
+    most_looks_last: Count = 300
     most_pushes: Count = 12
     known_to: Share = 0.10
     found_to: Share = 0.03

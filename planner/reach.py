@@ -127,9 +127,13 @@ class Patient:
         """At a glance, which does not count."""
         return self._reach.prospect(push, state)
 
-    def thorough(self) -> Patient:
-        """As many questions to one that looks longer.
+    def again(self) -> Patient:
+        """As many questions to the same."""
+        return Patient(self._reach, self._most, self._now, self._foreseen)
+
+    def thorough(self, most: int | None = None) -> Patient:
+        """So many questions to one that looks longer, or as many if not given.
 
         What is foreseen will not stand exactly there: then the hand must get there as usual.
         """
-        return Patient(self._reach.thorough(), self._most, self._now, self._reach)
+        return Patient(self._reach.thorough(), most or self._most, self._now, self._reach)

@@ -67,3 +67,17 @@ def test_only_what_is_sure_not_to_happen_is_impossible(friction_sd: float, reaso
     if reason == "too_uncertain":
         assert 1.0 - DEFAULTS.probability < refusal.numbers["probability"] < 0.5
         assert refusal.suggestions[0] == "find out how slippery the ice tea box is first"
+
+
+def test_what_has_begun_goes_on_where_it_would_not_begin() -> None:
+    model = box(friction_sd=0.06, com_sd=0.001)
+    state = WorldState({"ice tea box": SeenObject("ice tea box", PlanarPose(0.5, 0.0), model)})
+    frame = frame_of("topple the ice tea box 15 cm above the table")
+    refusal = plan(frame, state, RuledReach())
+    assert isinstance(refusal, Refusal)
+    assert DEFAULTS.probability_on < refusal.numbers["probability"] < DEFAULTS.probability
+    before = plan(frame_of("push the ice tea box away"), state, RuledReach())
+    assert isinstance(before, Plan)
+    made = plan(frame, state, RuledReach(), before=before)
+    assert isinstance(made, Plan)
+    assert made.probability == pytest.approx(refusal.numbers["probability"], abs=0.02)
