@@ -129,21 +129,22 @@ def _persistently(
     defaults: Defaults,
     before: Plan | None,
 ) -> Plan | Reached | Refusal:
-    """As usual; then thoroughly, less surely if it has begun, and askew or elsewhere if it falls."""
-    patient = Patient(reach, defaults.most_looks, state)
-    made = _patiently(asked, target, state, patient, defaults, before)
-    if isinstance(made, Refusal) and patient.denied:
-        persistent = replace(defaults, most_contacts=defaults.most_contacts_last)
-        thorough = patient.thorough(defaults.most_looks_last)
-        again = _patiently(asked, target, state, thorough, persistent, before)
+    """As usual; then thoroughly, less surely if it has begun, and otherwise if it is to fall."""
+    looks, effort = Patient(reach, defaults.most_looks, state), defaults
+    made = _patiently(asked, target, state, looks, effort, before)
+    if isinstance(made, Refusal) and looks.denied:
+        looks = looks.thorough(defaults.most_looks_last)
+        effort = replace(defaults, most_contacts=defaults.most_contacts_last)
+        again = _patiently(asked, target, state, looks, effort, before)
         # A search that was given up says less than one that came to its end.
         if not isinstance(again, Refusal) or again.reason != "out_of_time":
             made = again
     if isinstance(made, Refusal) and made.reason == "too_uncertain" and before is not None:
-        bold = replace(defaults, probability=min(defaults.probability, defaults.probability_on))
-        made = _patiently(asked, target, state, patient.again(), bold, before)
+        bold = replace(effort, probability=min(defaults.probability, defaults.probability_on))
+        made = _patiently(asked, target, state, looks.again(), bold, before)
     if isinstance(made, Refusal) and not asked.aims:
-        made = _otherwise(asked, target, state, patient.thorough(), defaults) or made
+        thorough = Patient(reach, defaults.most_looks, state).thorough()
+        made = _otherwise(asked, target, state, thorough, defaults) or made
     return made
 
 

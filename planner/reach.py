@@ -132,7 +132,7 @@ class Patient:
         return Patient(self._reach, self._most, self._now, self._foreseen)
 
     def thorough(self, most: int | None = None) -> Patient:
-        """So many questions to one that looks longer, or as many if not given.
+        """So many questions, or as many, to one that looks longer.
 
         What is foreseen will not stand exactly there: then the hand must get there as usual.
         """
