@@ -144,7 +144,10 @@ def _persistently(
         made = _patiently(asked, target, state, looks.again(), bold, before)
     if isinstance(made, Refusal) and not asked.aims:
         thorough = Patient(reach, defaults.most_looks, state).thorough()
-        made = _otherwise(asked, target, state, thorough, defaults) or made
+        found = _otherwise(asked, target, state, thorough, defaults)
+        if found is not None:
+            why = f"another way, since {made.message}"
+            return found.model_copy(update={"notes": (why, *found.notes)})
     return made
 
 

@@ -70,6 +70,7 @@ def test_without_room_it_is_brought_elsewhere_and_falls_there(reach: RuledReach)
     # Past the coffee box, 100 mm wide, with half its own width of 90 mm and room to spare.
     assert first.stroke > 0.05 + 0.045
     assert then.push.direction_W == pytest.approx((1.0, 0.0, 0.0), abs=EXACT)
+    assert "would fall on the coffee box" in made.notes[0]
 
 
 @pytest.mark.parametrize("words", ["away at the top", "away within 9 s"])
