@@ -70,7 +70,7 @@ class Journey:
         self._foreseen = foreseen
         self._asked, self._aim, self._target, self._state = asked, aim, target, state
         self._reach, self._defaults = reach, defaults
-        self._largest = grip(target, defaults.sigmas)
+        self._largest = grip(target, defaults.sigmas, steep=asked.steep)
         self._apart = clearances(asked, target, state, defaults)
         # What it is to meet is come near only by the push that ends as they touch.
         self._clearances = {k: apart for k, apart in self._apart.items() if k != asked.meets}
@@ -201,6 +201,19 @@ class Journey:
     # -- going straight ------------------------------------------------------------------------
 
     def _straight(self, target: SeenObject) -> list[Found] | Refusal:
+        """The pushes to the aim; a steep one if there is no time for more."""
+        found = self._first(target)
+        in_vain = isinstance(found, Refusal) and found.reason == "out_of_time"
+        asked = self._asked
+        if not in_vain or asked.limits.duration is None or asked.steep or 2 not in asked.fingers:
+            return found
+        steep = replace(asked, steep=True, fingers=(2,))
+        hurried = Journey(steep, self._aim, target, self._state, self._reach, self._defaults)
+        at_once = hurried._straight(target)
+        square = isinstance(at_once, Refusal) and at_once.reason not in ("blocked", "out_of_reach")
+        return found if square else at_once
+
+    def _first(self, target: SeenObject) -> list[Found] | Refusal:
         """The pushes of the first way that the hand can make."""
         refusal: Refusal | None = None
         free = (way for way in self._ways(target) if self._stop(target, way) is None)
@@ -219,7 +232,11 @@ class Journey:
             for way in ways(target, self._aim, self._within, self._largest):
                 yield way[:1]
             return
-        yield from ways(target, self._aim, self._within, self._largest)
+        straight = ways(target, self._aim, self._within, self._largest)
+        if self._asked.steep:
+            yield from (way for way in straight if len(way) == 1)
+            return
+        yield from straight
         if self._off(target) <= _CLOSE:
             return
         led = [*self._detour(target), *around(target, self._aim, self._within, self._largest)]

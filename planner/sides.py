@@ -63,7 +63,7 @@ def touchable(asked: Asked, target: SeenObject, defaults: Defaults) -> list[Side
     oblique = angle_between(asked.heading, side.heading)
     # An object that slides straight presses back along the push: that must be in the friction cone.
     # What topples or tilts is pushed square to its face, and goes about where it was meant to.
-    largest = grip(target, defaults.sigmas)
+    largest = grip(target, defaults.sigmas, steep=asked.steep)
     if asked.outcome == "topple":
         largest = 0.5 * defaults.side_tolerance
     if abs(oblique) > largest:

@@ -32,6 +32,10 @@ if TYPE_CHECKING:
 OBLIQUE = math.radians(17.5)
 """Largest angle between a push and the inward normal of the face, if friction allows it."""
 
+_STEEPEST = 0.85
+"""Share of the angle at which two fingertips slip up to which they may push where there is no time
+for a second push; beyond it they creep along the face."""
+
 ANOTHER_PUSH = 0.15
 """Way that costs as much as another push [m]."""
 
@@ -72,11 +76,18 @@ def displaced(target: SeenObject, leg: Leg) -> SeenObject:
     return moved(target, (target.pose.p_WB + leg.displacement)[:2])
 
 
-def grip(target: SeenObject, sigmas: float) -> float:
-    """Largest angle between a push and the normal of a face at which fingertips stick [rad]."""
+def grip(target: SeenObject, sigmas: float, *, steep: bool = False) -> float:
+    """Largest angle between a push and the normal of a face at which fingertips stick [rad].
+
+    Args:
+        target: the object.
+        sigmas: by which friction may be less than believed.
+        steep: whether two fingertips may go nearly to where they would slip.
+    """
     model = target.model
     least = model.finger_friction - sigmas * model.finger_friction_sd
-    return min(OBLIQUE, math.atan(max(least, 0.0)))
+    slips = math.atan(max(least, 0.0))
+    return _STEEPEST * slips if steep else min(OBLIQUE, slips)
 
 
 def obliqueness(target: SeenObject, heading: float) -> float:

@@ -156,7 +156,7 @@ def confirm(doubt: Doubt) -> Confirmation:
         return made(verdict="not looked for", found=error.info.message)
     if not upright(poses[asked.name]):
         return made(verdict="not looked for", found=f"the {asked.name} does not stand any more")
-    now = _as_it_stands(robot.world.scene, asked.name, poses)
+    now = _as_it_stands(robot.world.scene, asked, poses)
     if doubt.reason == "too_uncertain":
         verdict, found = _uncertain(now, asked, robot.defaults.probability, doubt.tries, rng)
     elif doubt.reason in ("out_of_reach", "blocked", "out_of_time"):
@@ -166,13 +166,14 @@ def confirm(doubt: Doubt) -> Confirmation:
     return made(verdict=verdict, found=found)
 
 
-def _as_it_stands(scene: Scene, name: str, poses: Mapping[str, Array]) -> Scene:
+def _as_it_stands(scene: Scene, asked: Asked, poses: Mapping[str, Array]) -> Scene:
     """The scene as it is now, without what has fallen over or is too far away to matter."""
+    here = poses[asked.name][4:6]
     objects = []
     for item in scene.objects:
         x, y = poses[item.name][4:6].tolist()
         pose = Pose(x_m=x, y_m=y, yaw_deg=math.degrees(heading_of(poses[item.name])))
-        near = math.dist((x, y), poses[name][4:6]) < _NEAR
+        near = math.dist((x, y), here) < _NEAR or asked.speaks_of(item.name)
         if upright(poses[item.name]) and near:
             objects.append(item.model_copy(update={"pose": pose}))
     return scene.model_copy(update={"objects": tuple(objects)})

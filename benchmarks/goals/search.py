@@ -91,6 +91,10 @@ class Asked:
         """Distance that the object keeps from what it is not to touch [m]."""
         return DEFAULTS.clearance
 
+    def speaks_of(self, name: str) -> bool:
+        """Whether the sentence names an object."""
+        return f'"id":"{name}"' in self.frame.model_dump_json()
+
     @property
     def wanted(self) -> frozenset[str]:
         """Names of what the sentence brings it to, which may be near or touched."""

@@ -144,6 +144,21 @@ def test_the_hand_decides_between_two_orders() -> None:
     assert refusal.reason == "out_of_reach"
 
 
+def test_without_time_for_a_second_push_two_fingers_push_steeply() -> None:
+    text = "push the ice tea box 10 cm heading 24 degrees"
+    assert len(moves(planned(text, alone()))) == 2
+    made = planned(f"{text} within 8 s", alone())
+    assert (made.later, made.push.fingers) == ((), 2)
+    heading = math.atan2(made.push.direction_W[1], made.push.direction_W[0])
+    assert heading == pytest.approx(math.radians(24.0))
+    # Its friction of 0.693 ± 0.069 lets fingertips slip at 29° in the worst case.
+    assert refused("push the ice tea box 10 cm heading 27 degrees within 8 s", alone()).reason == (
+        "out_of_time"
+    )
+    one = "push the ice tea box 10 cm heading 24 degrees within 8 s with one finger"
+    assert refused(one, alone()).reason == "out_of_time"
+
+
 @pytest.mark.parametrize("seconds", [2, 4, 5])
 def test_too_little_time_is_told_of_the_shortest_way(seconds: int) -> None:
     refusal = refused(f"push the ice tea box 10 cm away within {seconds} s", alone())
