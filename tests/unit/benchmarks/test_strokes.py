@@ -83,6 +83,11 @@ def test_a_sentence_that_cannot_be_done_is_not_found() -> None:
     assert 2 <= rolled <= 2 * 3  # numbers of fingertips, rounds: fewer where every try falls over
 
 
+def test_there_is_no_time_for_a_second_stroke() -> None:
+    assert asked(f"push the {OBJECT} away within 8 s").rounds == 1
+    assert asked(f"push the {OBJECT} away").rounds == 3
+
+
 def test_each_stroke_keeps_the_constraints() -> None:
     top = asked(f"push the {OBJECT} a little away at the top")
     low = stroke(height=0.03, length=0.05, face=2)
