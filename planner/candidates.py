@@ -150,6 +150,16 @@ def _places(face: Face, fingers: int, allowed: _Allowed) -> tuple[Array, Array, 
     return points, room - np.abs(y[on]), np.abs(y[on] - aim)
 
 
+def as_held(model: ObjectModel, reach: Reach) -> ObjectModel:
+    """The object for forces that the hand's stiffness lets a fingertip transmit, and no others."""
+    return model.model_copy(
+        update={
+            "finger_friction": min(reach.force_skew, model.finger_friction),
+            "finger_friction_sd": 0.0,
+        }
+    )
+
+
 def rated(
     model: ObjectModel, sides: list[Side], asked: Asked, reach: Reach, defaults: Defaults
 ) -> Iterator[list[Contacts]]:
@@ -157,12 +167,7 @@ def rated(
 
     Two fingers come before one, since they hold the object's heading by themselves.
     """
-    held = model.model_copy(
-        update={
-            "finger_friction": min(reach.force_skew, model.finger_friction),
-            "finger_friction_sd": 0.0,
-        }
-    )
+    held = as_held(model, reach)
     for fingers in asked.fingers:
         places = [(side, _allowed(model, side, fingers, asked, reach)) for side in sides]
         for believed, guarded in ((model, False), (held, True)):

@@ -7,6 +7,7 @@ knowledge decides most, one way or the other, is the one to be found out.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -26,39 +27,42 @@ _ASKED_FOR = {
 _CENTRE_FOUND = 0.001  # to which touching finds a centre of mass [m]
 
 
-def outcome_probability(
-    model: ObjectModel,
-    point: NDArray[np.float64],
-    normal: tuple[float, float, float],
-    outcome: Literal["slide", "topple"],
-) -> float:
+@dataclass(frozen=True)
+class Touch:
+    """A contact from which something is wanted.
+
+    Attributes:
+        point: p_BC, shape (3,) [m].
+        normal: outward unit normal there.
+        outcome: that is wanted at the onset.
+        turns: whether the object may turn as it slides; two fingertips hold it straight.
+    """
+
+    point: NDArray[np.float64]
+    normal: tuple[float, float, float]
+    outcome: Literal["slide", "topple"]
+    turns: bool = False
+
+
+def outcome_probability(model: ObjectModel, touch: Touch) -> float:
     """Probability of an outcome at a contact, whatever the finger transmits.
 
     Args:
         model: of the object.
-        point: contact p_BC, shape (3,) [m].
-        normal: outward unit normal there.
-        outcome: at the onset.
+        touch: the contact and the outcome.
     """
-    found = model.cone_thresholds(point[None], np.array([normal]), sigmas=0.0, yaw=False)
-    p = found.probability_slide if outcome == "slide" else found.probability_topple
+    point, normal = touch.point[None], np.array([touch.normal])
+    found = model.cone_thresholds(point, normal, sigmas=0.0, yaw=touch.turns)
+    p = found.probability_slide if touch.outcome == "slide" else found.probability_topple
     return float(p[0])
 
 
-def experiment(
-    model: ObjectModel,
-    point: NDArray[np.float64],
-    normal: tuple[float, float, float],
-    outcome: Literal["slide", "topple"],
-    defaults: Defaults,
-) -> tuple[str, float]:
+def experiment(model: ObjectModel, touch: Touch, defaults: Defaults) -> tuple[str, float]:
     """What to find out first, as a sentence, and the probability of the outcome then.
 
     Args:
         model: of the object.
-        point: contact p_BC, shape (3,) [m].
-        normal: outward unit normal there.
-        outcome: that is wanted.
+        touch: the contact and the outcome.
         defaults: to what properties are found out.
     """
     found_to = defaults.found_to
@@ -67,7 +71,7 @@ def experiment(
         "com": {"com_sd": tuple(min(sd, _CENTRE_FOUND) for sd in model.com_sd)},
     }
     then = {
-        name: outcome_probability(model.model_copy(update=better), point, normal, outcome)
+        name: outcome_probability(model.model_copy(update=better), touch)
         for name, better in known.items()
     }
     best = max(then, key=lambda name: abs(then[name] - 0.5))

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from objectmodels.base import Disc
-from planner.doubts import experiment, outcome_probability
+from planner.candidates import as_held
+from planner.doubts import Touch, experiment, outcome_probability
 from planner.plan import Refusal, RefusalReason
 
 if TYPE_CHECKING:
+    from objectmodels import ObjectModel
     from planner.asked import Asked
     from planner.defaults import Defaults
     from planner.reach import Reach
@@ -94,31 +96,28 @@ def no_contact(
         side, height = sides[int(np.argmin(nominal))], min(asked.high, highest)
     if refusal.reason == "out_of_reach":
         return refusal
-    point = np.array([*side.face.centre[:2], height])
-    probability = outcome_probability(model, point, side.face.normal, asked.outcome)
+    touch = Touch(
+        point=np.array([*side.face.centre[:2], height]),
+        normal=side.face.normal,
+        outcome=asked.outcome,
+        turns=2 not in asked.fingers,
+    )
     if refusal.reason == "impossible":
         # As sure that it does not as a plan must be that it does.
-        if probability < 1.0 - defaults.probability:
+        if outcome_probability(model, touch) < 1.0 - defaults.probability:
             return refusal
         refusal = refusal.model_copy(update={"reason": "too_uncertain"})
-    return _with_doubt(refusal, asked, target, side, height, probability, defaults)
+    # The last case that candidates are looked at for is that of the hand's stiffness.
+    return _with_doubt(refusal, as_held(model, reach), touch, defaults)
 
 
-def _with_doubt(
-    refusal: Refusal,
-    asked: Asked,
-    target: SeenObject,
-    side: Side,
-    height: float,
-    probability: float,
-    d: Defaults,
-) -> Refusal:
+def _with_doubt(refusal: Refusal, model: ObjectModel, touch: Touch, d: Defaults) -> Refusal:
     """The refusal with how likely it is, and with what would settle it."""
-    point = np.array([*side.face.centre[:2], height])
-    learn, then = experiment(target.model, point, side.face.normal, asked.outcome, d)
-    verb = "slides" if asked.outcome == "slide" else "topples"
+    probability = outcome_probability(model, touch)
+    learn, then = experiment(model, touch, d)
+    verb = "slides" if touch.outcome == "slide" else "topples"
     message = (
-        f"{refusal.message}; pushed {_mm(height)} up it {verb} with a probability of "
+        f"{refusal.message}; pushed {_mm(touch.point[2])} up it {verb} with a probability of "
         f"{probability:.2f}, and {d.probability:.2f} is asked"
     )
     numbers = {"probability": probability, "probability_then": then}

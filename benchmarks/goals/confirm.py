@@ -17,6 +17,7 @@ import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Literal, NamedTuple
@@ -148,7 +149,8 @@ def confirm(doubt: Doubt) -> Confirmation:
     )
     rng = np.random.default_rng((doubt.case.seed, doubt.case.number, doubt.tries))
     frame = robot.watches[-1].frame
-    asked = Asked(frame, sentence.target, robot.models, robot.table)
+    fragile = frozenset(item.name for item in scene.objects if item.fragile)
+    asked = Asked(frame, sentence.target, robot.models, robot.table, fragile)
     poses = robot.world.history[-1].poses
     try:
         require_checkable(frame)
@@ -234,15 +236,23 @@ def _unreachable(
 
 def _postured(scene: Scene, found: Found, models: dict[str, ObjectModel], rng: Generator) -> bool:
     """Whether hand and arm can make all strokes."""
+    fragile = {item.name for item in scene.objects if item.fragile}
     return all(
-        reachable(stroke, found.fingers, scene.robot, _seen(before, models), rng)
+        reachable(stroke, found.fingers, scene.robot, _seen(before, models, fragile), rng)
         for stroke, before in zip(found.strokes, found.before, strict=True)
     )
 
 
-def _seen(poses: Mapping[str, Array], models: dict[str, ObjectModel]) -> WorldState:
+def _seen(
+    poses: Mapping[str, Array], models: dict[str, ObjectModel], fragile: set[str]
+) -> WorldState:
     """Everything where it truly stands."""
-    return WorldState({name: seen(name, models[name], pose) for name, pose in poses.items()})
+    return WorldState(
+        {
+            name: replace(seen(name, models[name], pose), fragile=name in fragile)
+            for name, pose in poses.items()
+        }
+    )
 
 
 def _told(found: Found) -> str:

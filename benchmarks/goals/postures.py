@@ -1,10 +1,11 @@
 """Is there any hand at all that stands behind a fingertip, clear of everything?
 
 Finer than the robot's own search, and less strict: finger angles and orientations of the palm are
-drawn anywhere within their limits, elbows lie 5° apart, and the hand only has to be clear at the
-beginning, in the middle and at the end of a stroke: of the others by what a look may be off, else
-by no distance. How it gets there, how well it feels the push and how much room the joints have is
-not asked.
+drawn anywhere within their limits (of two fingertips, which are level, the palm turns about the
+line between them), elbows lie 5° apart, and the hand only has to be clear at the beginning, in the
+middle and at the end of a stroke: of the others by what a look may be off, of what is fragile by
+what the robot always keeps, else by no distance. How it gets there, how well it feels the push and
+how much room the joints have is not asked.
 
 Frames: see `sim.stance`.
 """
@@ -23,6 +24,7 @@ from sim.hand import FINGER_LIMITS, RESTING, Posture, two_finger_postures
 from sim.reach import FINGER_SPREADS
 from sim.rotations import rot_x, rot_y, rot_z
 from sim.scene import Robot, Vision
+from sim.scenery import FRAGILE_CLEARANCE
 from sim.stance import Mount
 
 UNSEEN = Vision().position_noise_m
@@ -52,7 +54,7 @@ def reachable(
     points = [stroke.start + share * (stroke.end - stroke.start) for share in _SHARES]
     R_WD = rot_z(stroke.heading)
     for posture in _postures(fingers, rng):
-        R_WP = R_WD @ _orientations(rng)
+        R_WP = R_WD @ _orientations(fingers, rng)
         free = _clear_hands(posture, R_WP, points, stroke.object, state)
         for some in np.array_split(R_WP[free], max(1, -(-int(free.sum()) // _AT_ONCE))):
             if len(some) and _arm_reaches(mount, posture, some, points, stroke.object, state):
@@ -73,10 +75,12 @@ def _postures(fingers: int, rng: Generator) -> Iterator[Posture]:
         yield Posture("drawn", angles, (finger,))
 
 
-def _orientations(rng: Generator) -> Array:
+def _orientations(fingers: int, rng: Generator) -> Array:
     """Palms in the push's frame: fingers down, leaned any way but away from the push."""
     tilt, side = rng.uniform(-np.pi / 2, np.pi / 2, (2, ORIENTATIONS))
     roll = rng.uniform(-np.pi, np.pi, ORIENTATIONS)
+    if fingers == 2:
+        side, roll = np.zeros(ORIENTATIONS), np.where(roll > 0.0, 0.0, np.pi)
     return np.asarray(rot_x(side) @ rot_y(-tilt) @ np.diag([1.0, -1.0, -1.0]) @ rot_z(roll))
 
 
@@ -91,7 +95,7 @@ def _clear_hands(
         placed = spheres.placed(parts, R_WP, point - R_WP @ middle)
         free &= spheres.height_above_table(placed).min(axis=-1) > 0.0
         for name in _in_the_way(state, pushed, k):
-            free &= _distance(placed, state, name).min(axis=-1) > _apart(name, pushed)
+            free &= _distance(placed, state, name).min(axis=-1) > _apart(name, pushed, state)
     return free
 
 
@@ -118,7 +122,7 @@ def _arm_reaches(
         links = spheres.placed(spheres.arm_spheres(q[rows]), mount.R_WA, mount.p_WA)
         clear = spheres.height_above_table(links).min(axis=-1) > 0.0
         for name in _in_the_way(state, pushed, k):
-            clear &= _distance(links, state, name).min(axis=-1) > _apart(name, pushed)
+            clear &= _distance(links, state, name).min(axis=-1) > _apart(name, pushed, state)
         ok[rows] = clear
     return bool(ok.any())
 
@@ -128,9 +132,11 @@ def _in_the_way(state: WorldState, pushed: str, point: int) -> list[str]:
     return [name for name in state.objects if name != pushed or point == 0]
 
 
-def _apart(name: str, pushed: str) -> float:
+def _apart(name: str, pushed: str, state: WorldState) -> float:
     """By what the hand is clear of an object [m]."""
-    return 0.0 if name == pushed else UNSEEN
+    if name == pushed:
+        return 0.0
+    return FRAGILE_CLEARANCE if state.objects[name].fragile else UNSEEN
 
 
 def _distance(placed: Array, state: WorldState, name: str) -> Array:

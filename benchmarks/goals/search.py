@@ -60,12 +60,14 @@ class Asked:
         name: of the object that is pushed.
         models: shapes of everything on the table, by name, as the checks need them.
         table: extent of the table top.
+        fragile: names of what is.
     """
 
     frame: g.Frame
     name: str
     models: Mapping[str, ObjectModel]
     table: TableState
+    fragile: frozenset[str] = frozenset()
 
     @property
     def model(self) -> ObjectModel:
@@ -86,10 +88,9 @@ class Asked:
             return bisector(named)
         return HEADINGS[named] if named else getattr(self.frame.goal, "heading", None)
 
-    @property
-    def clearance(self) -> float:
-        """Distance that the object keeps from what it is not to touch [m]."""
-        return DEFAULTS.clearance
+    def clearance(self, name: str) -> float:
+        """Distance that the object keeps from another that it is not brought to [m]."""
+        return DEFAULTS.clearance_fragile if name in self.fragile else DEFAULTS.clearance
 
     def speaks_of(self, name: str) -> bool:
         """Whether the sentence names an object."""
@@ -211,7 +212,7 @@ def _met(asked: Asked, rolled: Rolled) -> bool:
     standing = [k for k in range(0, len(poses), _SPACING) if upright(poses[k])]
     for name in others:
         there = footprint(seen(name, asked.models[name], rolled.poses[name][0]))
-        apart = min(asked.clearance, gap(_outline(asked, poses[0]), there))
+        apart = min(asked.clearance(name), gap(_outline(asked, poses[0]), there))
         if any(overlaps(_outline(asked, poses[k]), there, apart - _ROUNDING) for k in standing):
             return True
     return False

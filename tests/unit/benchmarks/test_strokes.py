@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.drake_strokes import DrakeBench
-from benchmarks.goals.postures import reachable
+from benchmarks.goals.postures import _orientations, _postures, reachable
 from benchmarks.goals.search import Asked, Found, missed, repeated, search
 from benchmarks.goals.worlds import as_believed
 from benchmarks.rollouts import GOALS, OBJECT, world
@@ -142,3 +142,11 @@ def test_a_stroke_keeps_the_object_away_from_the_others(gap: float, free: bool) 
     made = stroke(height=0.03, length=0.05, face=int(np.argmin(faces)))
     # 10 mm are kept, and the fingertip's springs take a little of the stroke.
     assert repeated(both, can, Found((made,), ({},), 1)) == free
+
+
+def test_two_fingertips_are_level_in_every_posture_that_is_looked_at() -> None:
+    rng = np.random.default_rng(0)
+    for posture in _postures(2, rng):
+        tips = posture.tips @ np.swapaxes(_orientations(2, rng), -1, -2)
+        # In the push's frame: across the push, which is along x.
+        assert np.abs(tips[:, 1, [0, 2]] - tips[:, 0, [0, 2]]).max() < 1e-9

@@ -8,7 +8,7 @@ import pytest
 from objectmodels import BoxModel
 from planner import plan
 from planner.defaults import DEFAULTS
-from planner.doubts import experiment, outcome_probability
+from planner.doubts import Touch, experiment, outcome_probability
 from planner.plan import Plan, Refusal
 from planner.state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of
@@ -33,9 +33,9 @@ def box(friction_sd: float, com_sd: float) -> BoxModel:
 )
 def test_the_worst_known_parameter_is_to_be_found_out(model: BoxModel, words: str) -> None:
     # Just above the critical height of 119 mm.
-    point = np.array([-0.045, 0.0, 0.135])
-    before = outcome_probability(model, point, NORMAL, "topple")
-    sentence, then = experiment(model, point, NORMAL, "topple", DEFAULTS)
+    touch = Touch(np.array([-0.045, 0.0, 0.135]), NORMAL, "topple")
+    before = outcome_probability(model, touch)
+    sentence, then = experiment(model, touch, DEFAULTS)
     assert words in sentence
     assert then > before
 
