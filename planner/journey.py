@@ -201,19 +201,6 @@ class Journey:
     # -- going straight ------------------------------------------------------------------------
 
     def _straight(self, target: SeenObject) -> list[Found] | Refusal:
-        """The pushes to the aim; a steep one if there is no time for more."""
-        found = self._first(target)
-        in_vain = isinstance(found, Refusal) and found.reason == "out_of_time"
-        asked = self._asked
-        if not in_vain or asked.limits.duration is None or asked.steep or 2 not in asked.fingers:
-            return found
-        steep = replace(asked, steep=True, fingers=(2,))
-        hurried = Journey(steep, self._aim, target, self._state, self._reach, self._defaults)
-        at_once = hurried._straight(target)
-        square = isinstance(at_once, Refusal) and at_once.reason not in ("blocked", "out_of_reach")
-        return found if square else at_once
-
-    def _first(self, target: SeenObject) -> list[Found] | Refusal:
         """The pushes of the first way that the hand can make."""
         refusal: Refusal | None = None
         free = (way for way in self._ways(target) if self._stop(target, way) is None)

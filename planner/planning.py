@@ -129,10 +129,11 @@ def _persistently(
     defaults: Defaults,
     before: Plan | None,
 ) -> Plan | Reached | Refusal:
-    """As usual; then thoroughly, less surely if it has begun, and otherwise if it is to fall."""
+    """As usual; then thoroughly, less surely if it has begun, last in ways of less precision."""
     looks, effort = Patient(reach, defaults.most_looks, state), defaults
     made = _patiently(asked, target, state, looks, effort, before)
-    if isinstance(made, Refusal) and looks.denied:
+    denied = looks.denied
+    if isinstance(made, Refusal) and denied:
         looks = looks.thorough(defaults.most_looks_last)
         effort = replace(defaults, most_contacts=defaults.most_contacts_last)
         again = _patiently(asked, target, state, looks, effort, before)
@@ -142,9 +143,11 @@ def _persistently(
     if isinstance(made, Refusal) and made.reason == "too_uncertain" and before is not None:
         bold = replace(effort, probability=min(defaults.probability, defaults.probability_on))
         made = _patiently(asked, target, state, looks.again(), bold, before)
-    if isinstance(made, Refusal) and not asked.aims:
+    hurried = asked.limits.duration is not None
+    if isinstance(made, Refusal) and (denied or hurried or not asked.aims):
         thorough = Patient(reach, defaults.most_looks, state).thorough()
-        found = _otherwise(asked, target, state, thorough, defaults)
+        otherwise = _steeply if asked.aims else _otherwise
+        found = otherwise(asked, target, state, thorough, defaults)
         if found is not None:
             why = f"another way, since {made.message}"
             return found.model_copy(update={"notes": (why, *found.notes)})
@@ -163,6 +166,17 @@ def _patiently(
         return _planned(asked, target, state, reach, defaults, before)
     except GivenUpError as given_up:
         return refusals.given_up(target, given_up.answers)
+
+
+def _steeply(
+    asked: Asked, target: SeenObject, state: WorldState, reach: Patient, defaults: Defaults
+) -> Plan | None:
+    """One push straight to an aim, steep to the face, if two fingertips may make it."""
+    if 2 not in asked.fingers or asked.rotates:
+        return None
+    steep = replace(asked, steep=True, fingers=(2,))
+    made = _patiently(steep, target, state, reach, defaults, None)
+    return made if isinstance(made, Plan) else None
 
 
 def _otherwise(

@@ -33,8 +33,8 @@ OBLIQUE = math.radians(17.5)
 """Largest angle between a push and the inward normal of the face, if friction allows it."""
 
 _STEEPEST = 0.85
-"""Share of the angle at which two fingertips slip up to which they may push where there is no time
-for a second push; beyond it they creep along the face."""
+"""Share of the angle at which two fingertips slip up to which they may push where nothing else is
+left; beyond it they creep along the face."""
 
 ANOTHER_PUSH = 0.15
 """Way that costs as much as another push [m]."""
