@@ -141,7 +141,7 @@ def hands(fingers: int, spread: float, *, fine: bool = False) -> Hands:
     postures = one_finger_postures() if fingers == 1 else two_finger_postures(spread)
     which = np.repeat(np.arange(len(postures)), len(turned))
     R_DP = np.tile(turned, (len(postures), 1, 1))
-    coarse, skew, bears = np.hstack([_quality(posture, turned) for posture in postures])
+    coarse, skew, bears = np.hstack([quality(posture, turned) for posture in postures])
     good = np.flatnonzero((coarse < _COARSEST_FEELING) & (skew < LARGEST_SKEW))
     # A finger that is closed gives way across as it presses, which blurs what it feels.
     blurred = np.repeat([posture.closed for posture in postures], len(turned))
@@ -174,8 +174,12 @@ def _padded(postures: tuple[Posture, ...]) -> Array:
     return np.array([np.vstack([np.tile(some[:1], (most - len(some), 1)), some]) for some in each])
 
 
-def _quality(posture: Posture, R_DP: Array) -> tuple[Array, Array, Array]:
+def quality(posture: Posture, R_DP: Array) -> tuple[Array, Array, Array]:
     """How well a hand pushes along D's x axis in each orientation, by its worst finger.
+
+    Args:
+        posture: of its fingers.
+        R_DP: orientations of the palm, shape (n, 3, 3).
 
     Returns:
         Noise of the felt push per noise of a torque sensor [1/m], the vertical force per force

@@ -4,8 +4,9 @@ Finer than the robot's own search, and less strict: finger angles and orientatio
 drawn anywhere within their limits (of two fingertips, which are level, the palm turns about the
 line between them), elbows lie 5° apart, and the hand only has to be clear at the beginning, in the
 middle and at the end of a stroke: of the others by what a look may be off, of what is fragile by
-what the robot always keeps, else by no distance. How it gets there, how well it feels the push and
-how much room the joints have is not asked.
+what the robot always keeps, else by no distance. Its fingers may press up or down by half of what
+they press along the stroke; the robot's by a third. How it gets there, how well it feels the push
+and how much room the joints have is not asked.
 
 Frames: see `sim.stance`.
 """
@@ -21,6 +22,7 @@ from benchmarks.strokes import Array, Generator, Stroke
 from planner.state import WorldState
 from sim import arm, spheres
 from sim.hand import FINGER_LIMITS, RESTING, Posture, two_finger_postures
+from sim.hands import quality
 from sim.reach import FINGER_SPREADS
 from sim.rotations import rot_x, rot_y, rot_z
 from sim.scene import Robot, Vision
@@ -29,6 +31,9 @@ from sim.stance import Mount
 
 UNSEEN = Vision().position_noise_m
 """A distance that no single look tells from none [m]."""
+
+SKEW = 0.5
+"""Largest vertical force of a fingertip that sticks per force along the stroke."""
 
 POSTURES, ORIENTATIONS = 80, 250
 """Random finger angles, and orientations for each of them."""
@@ -54,7 +59,9 @@ def reachable(
     points = [stroke.start + share * (stroke.end - stroke.start) for share in _SHARES]
     R_WD = rot_z(stroke.heading)
     for posture in _postures(fingers, rng):
-        R_WP = R_WD @ _orientations(fingers, rng)
+        R_DP = _orientations(fingers, rng)
+        _, skew, _ = quality(posture, R_DP)
+        R_WP = R_WD @ R_DP[skew < SKEW]
         free = _clear_hands(posture, R_WP, points, stroke.object, state)
         for some in np.array_split(R_WP[free], max(1, -(-int(free.sum()) // _AT_ONCE))):
             if len(some) and _arm_reaches(mount, posture, some, points, stroke.object, state):
