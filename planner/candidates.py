@@ -170,7 +170,13 @@ def rated(
     held = as_held(model, reach)
     for fingers in asked.fingers:
         places = [(side, _allowed(model, side, fingers, asked, reach)) for side in sides]
-        for believed, guarded in ((model, False), (held, True)):
+        turns = fingers == 1
+        cases = [(model, False, turns), (held, True, turns)]
+        if turns and asked.outcome == "topple":
+            # Over an edge that lies on the table it does not turn; that it does not turn before it
+            # is over, `forecast.confirmed` looks at.
+            cases.append((held, True, False))
+        for believed, guarded, turning in cases:
             for sigmas in (defaults.sigmas, defaults.sigmas / 2, 0.0):
                 # Within all sigmas the outcome is sure; within fewer it must also be likely.
                 least = 0.0 if sigmas == defaults.sigmas else defaults.probability
@@ -182,7 +188,14 @@ def rated(
                         sigmas=sigmas,
                         guarded=guarded,
                         **_rating(
-                            believed, side.face, fingers, allowed, sigmas, asked.outcome, least
+                            believed,
+                            side.face,
+                            fingers,
+                            allowed,
+                            sigmas,
+                            asked.outcome,
+                            least,
+                            turning,
                         ),
                     )
                     for side, allowed in places
@@ -209,11 +222,12 @@ def _rating(
     sigmas: float,
     outcome: Literal["slide", "topple"],
     least: float,
+    turning: bool,
 ) -> _Rating:
     """The contacts of a face, kept: models and faces never change, new beliefs are new models."""
     points, lateral, aside = _places(face, fingers, allowed)
     normals = np.tile(np.array(face.normal), (len(points), 1))
-    cone = model.cone_thresholds(points, normals, sigmas=sigmas, yaw=fingers == 1)
+    cone = model.cone_thresholds(points, normals, sigmas=sigmas, yaw=turning)
     holds = cone.slides if outcome == "slide" else cone.topples
     margin = cone.slide_margin if outcome == "slide" else cone.topple_margin
     # Off the best place the object turns, or one finger carries more.
@@ -221,9 +235,7 @@ def _rating(
     chosen = _spread_out(order[: np.count_nonzero(holds)])
     probability = np.empty(0)
     if len(chosen):
-        few = model.cone_thresholds(
-            points[chosen], normals[chosen], sigmas=sigmas, yaw=fingers == 1
-        )
+        few = model.cone_thresholds(points[chosen], normals[chosen], sigmas=sigmas, yaw=turning)
         probability = few.probability_slide if outcome == "slide" else few.probability_topple
         likely = probability >= least
         chosen, probability = chosen[likely], probability[likely]

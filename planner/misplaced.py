@@ -100,7 +100,7 @@ def no_contact(
         point=np.array([*side.face.centre[:2], height]),
         normal=side.face.normal,
         outcome=asked.outcome,
-        turns=2 not in asked.fingers,
+        turns=2 not in asked.fingers and asked.outcome == "slide",
     )
     if refusal.reason == "impossible":
         # As sure that it does not as a plan must be that it does.

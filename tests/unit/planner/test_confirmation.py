@@ -93,3 +93,16 @@ def test_what_has_no_side_for_a_finger_is_refused() -> None:
     assert isinstance(made, Refusal)
     assert made.reason == "impossible"
     assert "wide enough" in made.message
+
+
+def test_one_finger_topples_what_turns_only_as_it_slides() -> None:
+    model = BoxModel(
+        name="ice tea box", size=(0.09, 0.09, 0.23), mass=1.0, friction=0.378, friction_sd=0.044,
+        com=(0.0, 0.0, 0.115), com_sd=(0.0017, 0.0017, 0.0017), finger_friction=0.693,
+        friction_radius=0.0344, friction_radius_sd=0.0155,
+    )  # fmt: skip
+    made = plan(frame_of("topple the ice tea box with one finger"), state_of(model), RuledReach())
+    assert isinstance(made, Plan)
+    assert made.push.fingers == 1
+    # If it might turn while it tips, the doubt about its friction radius would leave 0.93.
+    assert made.probability > 0.99
