@@ -62,10 +62,11 @@ def _dense(polygon: np.ndarray) -> np.ndarray:
 def test_gap_is_the_least_distance_of_points(
     a: list[tuple[float, float]], b: list[tuple[float, float]], x: float, y: float
 ) -> None:
-    angles_a, angles_b = np.sort([p[1] for p in a]), np.sort([p[1] for p in b])
-    # Corners closer than that make edges without a direction.
-    if min(np.diff(angles_a).min(), np.diff(angles_b).min()) < 1e-2:
-        return
+    for corners in (a, b):
+        angles = np.sort([angle for _, angle in corners])
+        # Corners closer than that make edges without a direction; −π and π are one corner.
+        if np.diff(angles, append=angles[0] + 2.0 * np.pi).min() < 1e-2:
+            return
     one, other = _hull(a, 0.0, 0.0), _hull(b, x, y)
     found = gap(one, other)
     apart = _dense(one)[:, None, :] - _dense(other)
