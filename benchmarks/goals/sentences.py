@@ -22,6 +22,7 @@ from typing import Literal, get_args
 from benchmarks.goals.sense import sensible, tips
 from benchmarks.goals.worlds import Generator, Job, believed, drawn, generator, pushable, standing
 from nlcontrol import Controller
+from nlcontrol.errors import ControlError
 from objectmodels import CylinderModel, ObjectModel
 from planner.state import WorldState
 from sim.scene import Scene
@@ -108,7 +109,11 @@ def _among(job: Job, kind: Kind, blind: bool) -> list[ObjectModel]:
 
 def _sensible(text: str, robot: Controller) -> bool:
     state = WorldState(standing(robot.scene), robot.table)
-    return sensible(robot.resolve(robot.parse(text)).frames, state)
+    try:
+        frames = robot.resolve(robot.parse(text)).frames
+    except ControlError:
+        return False
+    return sensible(frames, state)
 
 
 def _fits(kind: Kind, model: ObjectModel) -> bool:
