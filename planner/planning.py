@@ -146,8 +146,10 @@ def _persistently(
     hurried = asked.limits.duration is not None
     if isinstance(made, Refusal) and (denied or hurried or not asked.aims):
         thorough = Patient(reach, defaults.most_looks, state).thorough()
-        otherwise = _steeply if asked.aims else _otherwise
-        found = otherwise(asked, target, state, thorough, defaults)
+        if asked.aims:
+            found = _steeply(asked, target, state, thorough, defaults, before)
+        else:
+            found = _otherwise(asked, target, state, thorough, defaults)
         if found is not None:
             why = f"another way, since {made.message}"
             return found.model_copy(update={"notes": (why, *found.notes)})
@@ -169,13 +171,18 @@ def _patiently(
 
 
 def _steeply(
-    asked: Asked, target: SeenObject, state: WorldState, reach: Patient, defaults: Defaults
+    asked: Asked,
+    target: SeenObject,
+    state: WorldState,
+    reach: Patient,
+    defaults: Defaults,
+    before: Plan | None,
 ) -> Plan | None:
     """One push straight to an aim, steep to the face, if two fingertips may make it."""
     if 2 not in asked.fingers or asked.rotates:
         return None
     steep = replace(asked, steep=True, fingers=(2,))
-    made = _patiently(steep, target, state, reach, defaults, None)
+    made = _patiently(steep, target, state, reach, defaults, before)
     return made if isinstance(made, Plan) else None
 
 

@@ -159,6 +159,27 @@ def test_without_time_for_a_second_push_two_fingers_push_steeply() -> None:
     assert refused(one, alone()).reason == "out_of_time"
 
 
+def test_a_steep_push_keeps_the_aim_of_the_plan_before() -> None:
+    heading = math.radians(24.0)
+
+    def steep(push: Push) -> bool:
+        x, y, _ = push.direction_W
+        return math.isclose(math.atan2(y, x), heading, abs_tol=1e-6)
+
+    frame = frame_of("push the ice tea box 10 cm heading 24 degrees")
+    before = plan(frame, alone(), RuledReach(steep))
+    assert isinstance(before, Plan)
+    assert (before.later, before.push.stroke) == ((), pytest.approx(0.10))
+    start = alone().objects["ice tea box"].pose
+    half = replace(
+        start, x=start.x + 0.05 * math.cos(heading), y=start.y + 0.05 * math.sin(heading)
+    )
+    here = WorldState({"ice tea box": replace(alone().objects["ice tea box"], pose=half)})
+    made = plan(frame, here, RuledReach(steep), before=before)
+    assert isinstance(made, Plan)
+    assert made.push.stroke == pytest.approx(0.05)
+
+
 @pytest.mark.parametrize("seconds", [2, 4, 5])
 def test_too_little_time_is_told_of_the_shortest_way(seconds: int) -> None:
     refusal = refused(f"push the ice tea box 10 cm away within {seconds} s", alone())
