@@ -81,7 +81,9 @@ def largest_push_force(trace: Trace) -> float:
 
 
 def midpoint(trace: Trace) -> Array:
-    """Midpoint of the pushing fingertips in W over time, shape (n, 3) [m]."""
+    """Midpoint of the pushing fingertips in W over time, shape (n, 3) [m]; nan if none pushes."""
+    if not trace.tips:
+        return np.full((len(trace.time), 3), np.nan)
     mean: Array = np.mean(list(trace.tips.values()), axis=0)
     return mean
 

@@ -12,6 +12,7 @@ Frames: contacts are in B; heights above the table.
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypedDict
@@ -31,6 +32,9 @@ if TYPE_CHECKING:
     from planner.sides import Side
 
 Array = NDArray[np.float64]
+
+EDGE = 0.006
+"""How far from the edges of a face contacts stay at least; fingertips may overhang them [m]."""
 
 _HEIGHT_STEP = 0.004
 _SIDESTEPS = {1: (0.0,), 2: (0.0, 0.01, -0.01, 0.02, -0.02)}
@@ -87,6 +91,7 @@ class _Allowed:
         beside: further places, from there [m].
         tip: radius of a fingertip [m].
         spread: distance between two of them [m]; 0 for one.
+        edge: how far from the edges of the face they stay [m].
     """
 
     low: float
@@ -95,26 +100,34 @@ class _Allowed:
     beside: tuple[float, ...]
     tip: float
     spread: float
+    edge: float
 
 
 def _allowed(model: ObjectModel, side: Side, fingers: int, asked: Asked, reach: Reach) -> _Allowed:
     tip, face = reach.fingertip_radius, side.face
     low = max(asked.low, reach.lowest_height, face.bottom)
     high = min(asked.high, face.top - tip)
-    spread = _spread(face, reach) if fingers == 2 else 0.0
+    spread, edge = _spread(face, fingers, reach)
     if asked.swing:
-        return _Allowed(low, high, asked.lateral, (0.0,), tip, spread)
+        return _Allowed(low, high, asked.lateral, (0.0,), tip, spread, edge)
     # To a micrometre, so that equal pushes are looked up as such.
     aim = round(_through_the_middle(model, side, asked), 6)
-    return _Allowed(low, high, aim, _SIDESTEPS[fingers], tip, spread)
+    return _Allowed(low, high, aim, _SIDESTEPS[fingers], tip, spread, edge)
 
 
-def _spread(face: Face, reach: Reach) -> float:
-    """The largest distance at which two fingertips find a place; the least if none does [m]."""
+def _spread(face: Face, fingers: int, reach: Reach) -> tuple[float, float]:
+    """The largest distance at which fingertips find a place, and that place's from the edge [m].
+
+    They find it whole if they can; the least of both if they do not find it at all.
+    """
+    whole = reach.fingertip_radius
+    spreads = reach.finger_spreads if fingers == 2 else (0.0,)
     if face.curvature:
-        return reach.finger_spreads[0]  # they hold what is round between them
-    fits = [s for s in reach.finger_spreads if s + 2.0 * reach.fingertip_radius <= face.width]
-    return fits[0] if fits else reach.finger_spreads[-1]
+        return spreads[0], whole  # two hold what is round between them
+    for edge, spread in itertools.product((whole, EDGE), spreads):
+        if spread + 2.0 * edge <= face.width:
+            return spread, edge
+    return spreads[-1], EDGE
 
 
 def _through_the_middle(model: ObjectModel, side: Side, asked: Asked) -> float:
@@ -133,7 +146,7 @@ def _through_the_middle(model: ObjectModel, side: Side, asked: Asked) -> float:
 
 def _places(face: Face, fingers: int, allowed: _Allowed) -> tuple[Array, Array, Array]:
     """Points in B (n, 3), room to the edges (n,), distances from the best place (n,)."""
-    room = face.width / 2 - allowed.tip - allowed.spread / 2
+    room = face.width / 2 - allowed.edge - allowed.spread / 2
     if face.curvature and fingers == 2:
         # Fingertips that would meet it too far round its side slip off.
         around = _ROUND * (1.0 / face.curvature + allowed.tip)

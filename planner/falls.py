@@ -34,15 +34,8 @@ _CONTACTS = 2  # of each push for such a place that the reach is asked for
 _ASIDE = (0.05, 0.10, 0.15, 0.20)  # ways to a place where it may fall instead [m]
 
 
-def fall(
-    asked: Asked,
-    target: SeenObject,
-    state: WorldState,
-    reach: Reach,
-    defaults: Defaults,
-    foreseen: tuple[Push, ...],
-) -> list[Found] | Refusal:
-    """The pushes that topple or tilt an object where it stands, square to the side that is asked.
+class Fall:
+    """A fall or a tilt of an object.
 
     Args:
         asked: the fall or the tilt.
@@ -52,98 +45,97 @@ def fall(
         defaults: margins, and what a clause means when nothing more is said.
         foreseen: pushes that a plan before this one had meant to come now.
     """
-    askew = 0.0 if asked.heading is None else obliqueness(target, asked.heading)
-    if abs(askew) <= 0.5 * defaults.side_tolerance or asked.face is not None:
-        direct = best_push(asked, target, state, reach, defaults)
-        if not isinstance(direct, Refusal):
-            return [direct]
-        # Square to the direction it may still find room.
-        if abs(askew) < _ASKEW or asked.face is not None or asked.region is not None:
-            return direct
-    if asked.region is not None:
-        return refusals.turned_first(asked, target, askew)
-    return _turned_first(asked, target, state, reach, defaults, foreseen, askew)
 
+    def __init__(
+        self,
+        asked: Asked,
+        target: SeenObject,
+        state: WorldState,
+        reach: Reach,
+        defaults: Defaults,
+        foreseen: tuple[Push, ...] = (),
+    ) -> None:
+        self._asked, self._target, self._state = asked, target, state
+        self._reach, self._defaults, self._foreseen = reach, defaults, foreseen
 
-def _turned_first(
-    asked: Asked,
-    target: SeenObject,
-    state: WorldState,
-    reach: Reach,
-    defaults: Defaults,
-    foreseen: tuple[Push, ...],
-    askew: float,
-) -> list[Found] | Refusal:
-    square = target.pose.yaw + askew
-    aim = Aim(x=target.pose.x, y=target.pose.y, yaw=square)
-    on_its_base = replace(asked, outcome="slide", rotates=True, aims=(aim,), tilt=None)
-    pushes = Journey(on_its_base, aim, target, state, reach, defaults, foreseen).pushes()
-    assert not isinstance(pushes, Reached), "it stands askew"
-    if isinstance(pushes, Refusal):
-        return pushes
-    there = replace(target, pose=replace(target.pose, yaw=square))
-    then = _foreseen(asked, there, state, reach, defaults)
-    return then if isinstance(then, Refusal) else [*pushes, then]
+    def pushes(self) -> list[Found] | Refusal:
+        """The pushes that make it fall where it stands, square to the side that is asked."""
+        asked, target = self._asked, self._target
+        askew = 0.0 if asked.heading is None else obliqueness(target, asked.heading)
+        if abs(askew) <= 0.5 * self._defaults.side_tolerance or asked.face is not None:
+            direct = best_push(asked, target, self._state, self._reach, self._defaults)
+            if not isinstance(direct, Refusal):
+                return [direct]
+            # Square to the direction it may still find room.
+            if abs(askew) < _ASKEW or asked.face is not None or asked.region is not None:
+                return direct
+        if asked.region is not None:
+            return refusals.turned_first(asked, target, askew)
+        return self._turned_first(askew)
 
+    def otherwise(self) -> list[Found] | None:
+        """The pushes that make it fall askew or elsewhere; None if there are none."""
+        return self._askew() or self._elsewhere()
 
-def _foreseen(
-    asked: Asked, there: SeenObject, state: WorldState, reach: Reach, defaults: Defaults
-) -> Found | Refusal:
-    """The last push from where others leave the object, which will not be there exactly."""
-    after = replace(state, objects={**state.objects, there.name: there})
-    careful = replace(
-        defaults,
-        clearance=defaults.clearance + _FORESIGHT,
-        clearance_fragile=defaults.clearance_fragile + _FORESIGHT,
-    )
-    return best_push(asked, there, after, reach, careful)
+    def _turned_first(self, askew: float) -> list[Found] | Refusal:
+        target = self._target
+        square = target.pose.yaw + askew
+        aim = Aim(x=target.pose.x, y=target.pose.y, yaw=square)
+        on_its_base = replace(self._asked, outcome="slide", rotates=True, aims=(aim,), tilt=None)
+        pushes = Journey(
+            on_its_base, aim, target, self._state, self._reach, self._defaults, self._foreseen
+        ).pushes()
+        assert not isinstance(pushes, Reached), "it stands askew"
+        if isinstance(pushes, Refusal):
+            return pushes
+        there = replace(target, pose=replace(target.pose, yaw=square))
+        then = self._then(there, self._defaults)
+        return then if isinstance(then, Refusal) else [*pushes, then]
 
+    def _then(self, there: SeenObject, defaults: Defaults) -> Found | Refusal:
+        """The last push from where others leave the object, which will not be there exactly."""
+        after = replace(self._state, objects={**self._state.objects, there.name: there})
+        careful = replace(
+            defaults,
+            clearance=defaults.clearance + _FORESIGHT,
+            clearance_fragile=defaults.clearance_fragile + _FORESIGHT,
+        )
+        return best_push(self._asked, there, after, self._reach, careful)
 
-def fall_otherwise(
-    asked: Asked, target: SeenObject, state: WorldState, reach: Reach, defaults: Defaults
-) -> list[Found] | None:
-    """The pushes that topple or tilt an object askew or elsewhere; None if there are none."""
-    slanted = _askew(asked, target, state, reach, defaults)
-    return slanted or _elsewhere(asked, target, state, reach, defaults)
+    def _askew(self) -> list[Found] | None:
+        """The push over the face that is most square to the side, if it still falls there."""
+        asked, target = self._asked, self._target
+        if asked.heading is None or asked.face is not None:
+            return None
+        if abs(obliqueness(target, asked.heading)) > self._defaults.side_tolerance - _SURELY:
+            return None
+        side = straightest(target, asked.heading)
+        found = best_push(asked, target, self._state, self._reach, self._defaults, side)
+        return None if isinstance(found, Refusal) else [found]
 
+    def _elsewhere(self) -> list[Found] | None:
+        """A push to a place near by, the nearest first, and the fall there.
 
-def _askew(
-    asked: Asked, target: SeenObject, state: WorldState, reach: Reach, defaults: Defaults
-) -> list[Found] | None:
-    """The push over the face that is most square to the side, if it still falls to that side."""
-    if asked.heading is None or asked.face is not None:
+        What is said about the contact holds for every push, and a tilt is about the place where
+        the object stands: neither is brought elsewhere.
+        """
+        asked, target, state = self._asked, self._target, self._state
+        bound = asked.face or asked.region or asked.tilt is not None or asked.limits.duration
+        if bound:
+            return None
+        few = replace(self._defaults, most_contacts=_CONTACTS)
+        kept = clearances(asked, target, state, self._defaults)
+        for leg in _ways_aside(target):
+            if stop(target, (leg,), state, kept, self._defaults.clearance + _FORESIGHT) is not None:
+                continue
+            then = self._then(displaced(target, leg), few)
+            if isinstance(then, Refusal):
+                continue
+            aside = replace(asked, outcome="slide", heading=leg.heading, distance=leg.distance)
+            first = best_push(aside, target, state, self._reach, few)
+            if not isinstance(first, Refusal):
+                return [first, then]
         return None
-    if abs(obliqueness(target, asked.heading)) > defaults.side_tolerance - _SURELY:
-        return None
-    side = straightest(target, asked.heading)
-    found = best_push(asked, target, state, reach, defaults, side)
-    return None if isinstance(found, Refusal) else [found]
-
-
-def _elsewhere(
-    asked: Asked, target: SeenObject, state: WorldState, reach: Reach, defaults: Defaults
-) -> list[Found] | None:
-    """A push to a place near by, the nearest first, and the fall there.
-
-    What is said about the contact holds for every push, and a tilt is about the place where the
-    object stands: neither is brought elsewhere.
-    """
-    bound = asked.face or asked.region or asked.tilt is not None or asked.limits.duration
-    if bound:
-        return None
-    few = replace(defaults, most_contacts=_CONTACTS)
-    kept = clearances(asked, target, state, defaults)
-    for leg in _ways_aside(target):
-        if stop(target, (leg,), state, kept, defaults.clearance + _FORESIGHT) is not None:
-            continue
-        then = _foreseen(asked, displaced(target, leg), state, reach, few)
-        if isinstance(then, Refusal):
-            continue
-        aside = replace(asked, outcome="slide", heading=leg.heading, distance=leg.distance)
-        first = best_push(aside, target, state, reach, few)
-        if not isinstance(first, Refusal):
-            return [first, then]
-    return None
 
 
 def _ways_aside(target: SeenObject) -> Iterator[Leg]:

@@ -83,6 +83,8 @@ class Journey:
         off, turn = self._off(target), self._turn(target)
         reached = Reached(aim=self._aim, off=off, turned_off=abs(turn))
         looks_there = abs(turn) <= self._defaults.aim_angle
+        if 1 not in self._asked.fingers and not self._asked.rotates:
+            looks_there = abs(turn) <= _SQUARED_UP  # one finger alone turns
         if off <= self._within and looks_there:
             return reached
         if abs(turn) <= _SQUARED_UP and off > self._within:
@@ -117,6 +119,8 @@ class Journey:
 
     def _swung(self, target: SeenObject, turn: float) -> tuple[list[Found], SeenObject] | Refusal:
         """The pushes that turn an object, and the object after them."""
+        if 1 not in self._asked.fingers:
+            return refusals.turned_by_one(self._asked, target)
         refusal: Refusal | None = None
         tried = 0
         for steps in self._partings(target, turn):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from objectmodels.base import Disc
-from planner.candidates import as_held
+from planner.candidates import EDGE, as_held
 from planner.doubts import Touch, experiment, outcome_probability
 from planner.plan import Refusal, RefusalReason
 
@@ -66,7 +66,7 @@ def no_place(asked: Asked, target: SeenObject, sides: list[Side], reach: Reach) 
 def _too_narrow(asked: Asked, target: SeenObject, sides: list[Side], reach: Reach) -> Refusal:
     width = max(side.face.width for side in sides)
     fingers = min(asked.fingers)
-    needed = 2 * reach.fingertip_radius + (reach.finger_spreads[-1] if fingers == 2 else 0.0)
+    needed = 2 * EDGE + (reach.finger_spreads[-1] if fingers == 2 else 0.0)
     tips = "two fingertips need" if fingers == 2 else "a fingertip needs"
     return Refusal(
         reason="impossible",

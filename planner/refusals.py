@@ -192,6 +192,18 @@ def cannot_turn(target: SeenObject) -> Refusal:
     )
 
 
+def turned_by_one(asked: Asked, target: SeenObject) -> Refusal:
+    """Two fingertips hold its heading."""
+    return Refusal(
+        reason="unsupported",
+        message=f"two fingertips side by side keep the {target.name} from turning; "
+        "this robot turns objects with one",
+        capability="turning an object with two fingers",
+        spans=asked.contact_spans,
+        suggestions=("say “with one finger”, or leave it out",),
+    )
+
+
 def falls_off(target: SeenObject) -> Refusal:
     """It would land beyond the table's edge."""
     return Refusal(

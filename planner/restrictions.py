@@ -322,7 +322,11 @@ def _effector(asked: Asked, clause: g.Effector, _: Setting) -> Asked:
                 "this robot pushes with one or two fingertips",
                 clause.spans,
             )
-        return replace(asked, fingers=(2,) if clause.count == 2 else (1,))
+        return replace(
+            asked,
+            fingers=(2,) if clause.count == 2 else (1,),
+            contact_spans=(*asked.contact_spans, *clause.spans),
+        )
     return asked
 
 

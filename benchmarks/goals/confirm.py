@@ -6,6 +6,10 @@
 | `too_uncertain` | the best strokes for the object as it is believed succeed, over objects drawn from the belief, less often than was asked |
 | `out_of_reach`, `blocked`, `out_of_time` | no strokes do it that some posture of hand and arm can make |
 
+What does it in the true world only may be luck: where strokes of the last row exist, but succeed,
+over objects drawn from the belief, less often than was asked of a plan, the verdict is `unlikely`.
+The robot was right to refuse them, but not for the reason that it gave.
+
 Strokes keep what every push of the robot keeps: they touch nothing else. The search is that of `benchmarks.goals.search`, postures are those of `benchmarks.goals.postures`.
 It may miss what there is: a confirmed refusal is one for which nothing was found.
 """  # noqa: E501
@@ -37,7 +41,7 @@ from objectmodels import ObjectModel
 from planner.state import WorldState
 from sim.scene import Pose, Scene
 
-Verdict = Literal["confirmed", "unconfirmed", "not looked for"]
+Verdict = Literal["confirmed", "unlikely", "unconfirmed", "not looked for"]
 
 DRAWN = 20
 """Objects drawn from a belief."""
@@ -117,14 +121,17 @@ def _sample(results: Sequence[Done], most: int) -> list[tuple[Done, str]]:
 
 def table(found: Sequence[Confirmation]) -> str:
     """A line per class, and all about those that were not confirmed."""
-    lines = [f"{'refused as':14} {'confirmed':>10} {'not':>5} {'not looked for':>15}  numbers"]
+    lines = [
+        f"{'refused as':14} {'confirmed':>10} {'unlikely':>9} {'not':>5} {'not looked for':>15}"
+        "  numbers"
+    ]
     for reason in dict.fromkeys(each.job.reason for each in found):
         some = [each for each in found if each.job.reason == reason]
         counts = Counter(each.verdict for each in some)
         numbers = ", ".join(str(each.job.case.number) for each in some)
         lines.append(
-            f"{reason:14} {counts['confirmed']:>10} {counts['unconfirmed']:>5}"
-            f" {counts['not looked for']:>15}  {numbers}"
+            f"{reason:14} {counts['confirmed']:>10} {counts['unlikely']:>9}"
+            f" {counts['unconfirmed']:>5} {counts['not looked for']:>15}  {numbers}"
         )
     for each in found:
         if each.verdict != "confirmed":
@@ -162,7 +169,8 @@ def confirm(doubt: Doubt) -> Confirmation:
     if doubt.reason == "too_uncertain":
         verdict, found = _uncertain(now, asked, robot.defaults.probability, doubt.tries, rng)
     elif doubt.reason in ("out_of_reach", "blocked", "out_of_time"):
-        verdict, found = _unreachable(now, asked, robot.models, doubt.tries, rng)
+        level = robot.defaults.probability
+        verdict, found = _unreachable(now, asked, robot.models, level, doubt.tries, rng)
     else:
         verdict, found = _impossible(now, asked, doubt.tries, rng)
     return made(verdict=verdict, found=found)
@@ -194,11 +202,26 @@ def _uncertain(
     found, rolled = search(
         _with(scene, asked.name, asked.model, np.zeros(7)), asked, tries, rng, enough=BEST
     )
-    drawn = [_with(scene, asked.name, asked.model, _drawn(asked.model, rng)) for _ in range(DRAWN)]
-    shares = [np.mean([repeated(world, asked, each) for world in drawn]) for each in found]
-    best = float(max(shares, default=0.0))
+    best, _ = likeliest(scene, asked, found, rng)
     text = f"the best of {len(found)} ways found in {rolled} roll-outs succeeds in {best:.0%}"
     return ("confirmed" if best < level else "unconfirmed"), text
+
+
+def likeliest(
+    scene: Scene, asked: Asked, ways: Sequence[Found], rng: Generator, draws: int = DRAWN
+) -> tuple[float, Found | None]:
+    """In which share of the worlds the best of some ways succeeds, and which one that is.
+
+    Args:
+        scene: how everything stands.
+        asked: what is asked.
+        ways: strokes that do it in some world; 0 and None if there are none.
+        rng: to draw from.
+        draws: worlds, each with the object drawn from the belief.
+    """
+    worlds = [_with(scene, asked.name, asked.model, _drawn(asked.model, rng)) for _ in range(draws)]
+    rated = [(float(np.mean([repeated(w, asked, way) for w in worlds])), way) for way in ways]
+    return max(rated, key=lambda each: each[0], default=(0.0, None))
 
 
 def _drawn(model: ObjectModel, rng: Generator) -> Array:
@@ -225,13 +248,24 @@ def _with(scene: Scene, name: str, model: ObjectModel, off: Array) -> Scene:
 
 
 def _unreachable(
-    scene: Scene, asked: Asked, models: dict[str, ObjectModel], tries: int, rng: Generator
+    scene: Scene,
+    asked: Asked,
+    models: dict[str, ObjectModel],
+    level: float,
+    tries: int,
+    rng: Generator,
 ) -> tuple[Verdict, str]:
     found, rolled = search(scene, asked, tries, rng, enough=POSTURED)
-    for each in found:
-        if _postured(scene, each, models, rng):
-            return "unconfirmed", f"{_told(each)} do it, and a hand can make them"
-    return "confirmed", f"{len(found)} ways in {rolled} roll-outs, none of which a hand can make"
+    made = [each for each in found if _postured(scene, each, models, rng)]
+    if not made:
+        return (
+            "confirmed",
+            f"{len(found)} ways in {rolled} roll-outs, none of which a hand can make",
+        )
+    best, way = likeliest(scene, asked, made, rng)
+    assert way is not None, "a hand can make some"
+    text = f"{_told(way)} do it, and a hand can make them; they succeed in {best:.0%}"
+    return ("unlikely" if best < level else "unconfirmed"), text
 
 
 def _postured(scene: Scene, found: Found, models: dict[str, ObjectModel], rng: Generator) -> bool:

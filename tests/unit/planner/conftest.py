@@ -12,7 +12,8 @@ from pydantic import BaseModel
 import grammar
 from grammar.frames import Frame, ObjectRef
 from objectmodels import Registry
-from planner.plan import Push
+from planner import plan
+from planner.plan import Plan, Push, Refusal
 from planner.reach import ReachAnswer
 from planner.state import PlanarPose, SeenObject, TableState, WorldState
 
@@ -76,6 +77,21 @@ def _value(value: object) -> object:
     if isinstance(value, tuple):
         return tuple(_value(item) for item in value)
     return _bound(value) if isinstance(value, BaseModel) else value
+
+
+def planned(text: str, state: WorldState, reach: RuledReach | None = None) -> Plan:
+    """The plan for a sentence; by default of a hand that gets everywhere."""
+    made = plan(frame_of(text), state, reach or RuledReach())
+    assert isinstance(made, Plan), made
+    return made
+
+
+def refused(text: str, state: WorldState, reach: RuledReach | None = None) -> Refusal:
+    """Why there is none."""
+    made = plan(frame_of(text), state, reach or RuledReach())
+    assert isinstance(made, Refusal), made
+    assert made.message
+    return made
 
 
 @pytest.fixture

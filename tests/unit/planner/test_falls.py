@@ -8,23 +8,11 @@ from dataclasses import replace
 import pytest
 
 from planner import plan
-from planner.plan import Plan, Refusal
+from planner.plan import Refusal
 from planner.state import PlanarPose, WorldState
-from tests.unit.planner.conftest import RuledReach, frame_of, world
+from tests.unit.planner.conftest import RuledReach, frame_of, planned, refused, world
 
 EXACT = 1e-9  # of a few rotations
-
-
-def _planned(text: str, state: WorldState, reach: RuledReach) -> Plan:
-    made = plan(frame_of(text), state, reach)
-    assert isinstance(made, Plan), made
-    return made
-
-
-def _refused(text: str, state: WorldState, reach: RuledReach) -> Refusal:
-    made = plan(frame_of(text), state, reach)
-    assert isinstance(made, Refusal), made
-    return made
 
 
 def _askew(degrees: float) -> WorldState:
@@ -32,7 +20,7 @@ def _askew(degrees: float) -> WorldState:
 
 
 def test_what_stands_askew_is_turned_first(reach: RuledReach) -> None:
-    made = _planned("topple the ice tea box away", _askew(35.0), reach)
+    made = planned("topple the ice tea box away", _askew(35.0), reach)
     assert [made.push.ends_on, made.later[-1].push.ends_on] == ["turned", "toppled"]
     assert made.later[-1].push.direction_W == pytest.approx((1.0, 0.0, 0.0), abs=EXACT)
 
@@ -40,19 +28,19 @@ def test_what_stands_askew_is_turned_first(reach: RuledReach) -> None:
 def test_where_it_may_not_be_turned_it_falls_askew_to_the_side_that_is_asked(
     reach: RuledReach,
 ) -> None:
-    made = _planned("topple the ice tea box away at the top", _askew(38.0), reach)
+    made = planned("topple the ice tea box away at the top", _askew(38.0), reach)
     assert made.later == ()
     heading = math.atan2(made.push.direction_W[1], made.push.direction_W[0])
     assert heading == pytest.approx(math.radians(38.0), abs=EXACT)
     # As likely to one side as to the other.
-    refusal = _refused("topple the ice tea box away at the top", _askew(44.0), reach)
+    refusal = refused("topple the ice tea box away at the top", _askew(44.0), reach)
     assert refusal.reason == "impossible"
     assert "turned by 44° first" in refusal.message
 
 
 def test_it_falls_askew_where_the_hand_does_not_turn_it() -> None:
     only_falls = RuledReach(lambda push: push.ends_on == "toppled")
-    made = _planned("topple the ice tea box away", _askew(35.0), only_falls)
+    made = planned("topple the ice tea box away", _askew(35.0), only_falls)
     assert made.push.ends_on == "toppled"
     assert made.later == ()
 
@@ -63,7 +51,7 @@ def _crowded() -> WorldState:
 
 
 def test_without_room_it_is_brought_elsewhere_and_falls_there(reach: RuledReach) -> None:
-    made = _planned("topple the ice tea box away", _crowded(), reach)
+    made = planned("topple the ice tea box away", _crowded(), reach)
     first, (then,) = made.push, made.later
     assert (first.ends_on, then.push.ends_on) == ("stroke", "toppled")
     assert abs(first.direction_W[1]) == pytest.approx(1.0, abs=EXACT)
@@ -75,14 +63,14 @@ def test_without_room_it_is_brought_elsewhere_and_falls_there(reach: RuledReach)
 
 @pytest.mark.parametrize("words", ["away at the top", "away within 9 s"])
 def test_what_is_said_about_the_push_keeps_it_where_it_is(words: str, reach: RuledReach) -> None:
-    refusal = _refused(f"topple the ice tea box {words}", _crowded(), reach)
+    refusal = refused(f"topple the ice tea box {words}", _crowded(), reach)
     assert refusal.reason == "blocked"
     assert "would fall on the coffee box" in refusal.message
 
 
 def test_a_tilt_stays_where_it_is(reach: RuledReach) -> None:
     near = world(ice_tea_box=PlanarPose(0.45, 0.0), coffee_box=PlanarPose(0.56, 0.0))
-    assert _refused("tilt the ice tea box away by 10 degrees", near, reach).reason == "blocked"
+    assert refused("tilt the ice tea box away by 10 degrees", near, reach).reason == "blocked"
 
 
 def test_where_the_hand_does_not_get_it_is_brought_elsewhere() -> None:
@@ -94,7 +82,7 @@ def test_where_the_hand_does_not_get_it_is_brought_elsewhere() -> None:
             self.rule = lambda push: push.ends_on == "stroke" or abs(y) > 0.08
             return super().__call__(push, state)
 
-    made = _planned("topple the ice tea box away", state, Sideways())
+    made = planned("topple the ice tea box away", state, Sideways())
     assert made.push.ends_on == "stroke"
     assert made.push.stroke == pytest.approx(0.10)
     assert abs(made.push.direction_W[1]) == pytest.approx(1.0, abs=EXACT)
@@ -107,16 +95,16 @@ def test_no_room_on_the_sides_that_would_do_is_no_impossibility(reach: RuledReac
         mug=PlanarPose(0.62, 0.0),
         coffee_box=PlanarPose(0.38, 0.0),
     )
-    refusal = _refused("topple the cereal box at the top", state, reach)
+    refusal = refused("topple the cereal box at the top", state, reach)
     assert refusal.reason == "blocked"
     alone = replace(state, objects={"cereal box": state.objects["cereal box"]})
-    _planned("topple the cereal box at the top", alone, reach)
+    planned("topple the cereal box at the top", alone, reach)
 
 
 def test_a_hand_that_does_not_get_there_looks_thoroughly() -> None:
     state = world(ice_tea_box=PlanarPose(0.45, 0.0))
     reach = RuledReach(lambda _: False, last=lambda push: push.p_BC[2] < 0.05)
-    made = _planned("push the ice tea box away", state, reach)
+    made = planned("push the ice tea box away", state, reach)
     assert made.push.p_BC[2] < 0.05
     # First as usual, with two fingertips and with one.
     assert len(reach.asked) > 12
@@ -131,7 +119,7 @@ def test_what_was_tried_before_is_no_reason_to_look_thoroughly() -> None:
             return replace(answer, reason="failed")
 
     reach = Failed(lambda _: False, last=lambda _: True)
-    assert _refused("push the ice tea box away", state, reach).reason == "out_of_reach"
+    assert refused("push the ice tea box away", state, reach).reason == "out_of_reach"
 
 
 def test_what_is_foreseen_must_be_reached_as_usual() -> None:
@@ -140,5 +128,5 @@ def test_what_is_foreseen_must_be_reached_as_usual() -> None:
     nothing = RuledReach(lambda _: False, last=lambda _: True)
     assert isinstance(plan(frame_of(frame), state, nothing), Refusal)
     either = RuledReach(lambda push: push.face == "right", last=lambda _: True)
-    made = _planned(frame, state, either)
+    made = planned(frame, state, either)
     assert [made.push.face, made.later[0].push.face] == ["front", "right"]

@@ -11,25 +11,13 @@ import pytest
 from planner import plan
 from planner.defaults import DEFAULTS
 from planner.footprints import footprint, gap
-from planner.plan import Aim, Move, Plan, Push, Reached, Refusal
+from planner.plan import Aim, Move, Plan, Push, Reached
 from planner.state import PlanarPose, SeenObject, WorldState
-from tests.unit.planner.conftest import RuledReach, frame_of, world
+from tests.unit.planner.conftest import RuledReach, frame_of, planned, refused, world
 
 RING = [(0.1, 0.0), (-0.1, 0.0), (0.1, 0.1), (-0.1, 0.1), (0.1, -0.1), (-0.1, -0.1),
         (0.0, 0.16), (0.0, -0.16)]  # fmt: skip
 LENGTHS = 1e-9  # sums of a few floats [m]
-
-
-def planned(text: str, state: WorldState, reach: RuledReach | None = None) -> Plan:
-    made = plan(frame_of(text), state, reach or RuledReach())
-    assert isinstance(made, Plan), made
-    return made
-
-
-def refused(text: str, state: WorldState, reach: RuledReach | None = None) -> Refusal:
-    made = plan(frame_of(text), state, reach or RuledReach())
-    assert isinstance(made, Refusal), made
-    return made
 
 
 def moves(made: Plan) -> list[Move]:

@@ -10,24 +10,11 @@ import pytest
 
 from planner import plan
 from planner.defaults import DEFAULTS
-from planner.plan import Plan, Refusal
+from planner.plan import Plan, Reached, Refusal
 from planner.state import PlanarPose, WorldState
-from tests.unit.planner.conftest import RuledReach, frame_of, world
+from tests.unit.planner.conftest import RuledReach, frame_of, planned, refused, world
 
 LENGTHS = 1e-9  # sums of a few numbers of order one
-
-
-def _planned(text: str, state: WorldState, reach: RuledReach) -> Plan:
-    made = plan(frame_of(text), state, reach)
-    assert isinstance(made, Plan), made
-    return made
-
-
-def _refused(text: str, state: WorldState, reach: RuledReach) -> Refusal:
-    made = plan(frame_of(text), state, reach)
-    assert isinstance(made, Refusal), made
-    assert made.message
-    return made
 
 
 @pytest.mark.parametrize(
@@ -42,7 +29,7 @@ def _refused(text: str, state: WorldState, reach: RuledReach) -> Refusal:
 def test_a_push_in_each_direction(
     words: str, face: str, direction: tuple[float, float], kitchen: WorldState, reach: RuledReach
 ) -> None:
-    push = _planned(f"push the ice tea box {words} 12 cm", kitchen, reach).push
+    push = planned(f"push the ice tea box {words} 12 cm", kitchen, reach).push
     assert push.face == face
     assert push.direction_W == pytest.approx((*direction, 0.0), abs=LENGTHS)
     assert push.stroke == pytest.approx(0.12)
@@ -55,7 +42,7 @@ def test_a_push_in_each_direction(
 def test_without_toppling_takes_the_contact_farthest_from_it(
     kitchen: WorldState, reach: RuledReach
 ) -> None:
-    made = _planned("push the ice tea box away without toppling it", kitchen, reach)
+    made = planned("push the ice tea box away without toppling it", kitchen, reach)
     assert made.push.p_BC[2] == pytest.approx(reach.lowest_height)
     assert made.prediction.outcome == "slide"
     # Golden height b/μ of the ice tea box.
@@ -71,15 +58,15 @@ def test_a_better_contact_out_of_reach_is_passed_over(
     kitchen: WorldState, reach: RuledReach
 ) -> None:
     high = RuledReach(rule=lambda push: push.p_BC[2] > 0.03)
-    made = _planned("push the ice tea box away", kitchen, high)
+    made = planned("push the ice tea box away", kitchen, high)
     assert made.push.p_BC[2] > 0.03
     assert any("out of reach" in note for note in made.notes)
     single = RuledReach(rule=lambda push: push.fingers == 1)
-    assert _planned("push the ice tea box away", kitchen, single).push.fingers == 1
+    assert planned("push the ice tea box away", kitchen, single).push.fingers == 1
 
 
 def test_nothing_in_reach(kitchen: WorldState) -> None:
-    refusal = _refused("push the ice tea box away", kitchen, RuledReach(rule=lambda _: False))
+    refusal = refused("push the ice tea box away", kitchen, RuledReach(rule=lambda _: False))
     assert refusal.reason == "out_of_reach"
     assert "too far" in refusal.message
     assert refusal.numbers["ways"] > 1
@@ -88,13 +75,57 @@ def test_nothing_in_reach(kitchen: WorldState) -> None:
 def test_a_narrow_face_takes_fingers_closer_together(
     kitchen: WorldState, reach: RuledReach
 ) -> None:
-    push = _planned("push the cereal box to the left", kitchen, reach).push
+    push = planned("push the cereal box to the left", kitchen, reach).push
     # 52 mm wide: both fingertips, 20 mm each, find a place.
     assert push.fingers == 2
     assert push.spread in reach.finger_spreads[1:]
     assert push.spread + 0.02 <= 0.052 + LENGTHS
+    # Their edges may overhang a face on which both touch 6 mm from its edges.
     reach.finger_spreads = (0.04,)
-    assert _planned("push the cereal box to the left", kitchen, reach).push.fingers == 1
+    assert planned("push the cereal box to the left", kitchen, reach).push.fingers == 2
+    reach.finger_spreads = (0.042,)
+    assert planned("push the cereal box to the left", kitchen, reach).push.fingers == 1
+
+
+def test_a_face_too_narrow_for_two_fingers(kitchen: WorldState, reach: RuledReach) -> None:
+    reach.finger_spreads = (0.06, 0.042)
+    refusal = refused("push the cereal box to the left with two fingers", kitchen, reach)
+    assert refusal.reason == "impossible"
+    assert refusal.message == "the cereal box is 52 mm wide there; two fingertips need 54 mm"
+    assert refusal.spans == ((32, 48),)
+    assert refusal.suggestions == ("push it with one finger",)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "turn the ice tea box 30 degrees with two fingers",
+        "topple the ice tea box away with two fingers",
+    ],
+)
+def test_two_fingers_do_not_turn(text: str, reach: RuledReach) -> None:
+    # Askew by so much, it is to be turned before it falls.
+    askew = world(ice_tea_box=PlanarPose(0.45, 0.0, math.radians(35.0)))
+    only_turned = replace(DEFAULTS, side_tolerance=math.radians(30.0))
+    made = plan(frame_of(text), askew, reach, defaults=only_turned)
+    assert isinstance(made, Refusal)
+    assert (made.reason, made.capability) == (
+        "unsupported",
+        "turning an object with two fingers",
+    )
+    ((start, end),) = made.spans
+    assert text[start:end] == "with two fingers"
+
+
+def test_what_two_fingers_pushed_is_not_turned_back_by_one(reach: RuledReach) -> None:
+    text = "push the ice tea box 10 cm away with two fingers"
+    state = world(ice_tea_box=PlanarPose(0.45, 0.0))
+    begun = planned(text, state, reach)
+    there = world(ice_tea_box=PlanarPose(0.55, 0.0, math.radians(3.0)))
+    assert isinstance(plan(frame_of(text), there, reach, before=begun), Reached)
+    one = plan(frame_of(text.removesuffix(" with two fingers")), there, reach, before=begun)
+    assert isinstance(one, Plan)
+    assert one.push.ends_on == "turned"
 
 
 @pytest.mark.parametrize(
@@ -108,7 +139,7 @@ def test_a_narrow_face_takes_fingers_closer_together(
     ],
 )
 def test_distances(text: str, distance: float, kitchen: WorldState, reach: RuledReach) -> None:
-    made = _planned(text, kitchen, reach)
+    made = planned(text, kitchen, reach)
     assert made.push.stroke == pytest.approx(distance)
     assert made.displacement == pytest.approx((distance, 0.0, 0.0), abs=LENGTHS)
 
@@ -116,23 +147,23 @@ def test_distances(text: str, distance: float, kitchen: WorldState, reach: Ruled
 def test_bounds_are_kept_with_the_tolerance_to_spare(
     kitchen: WorldState, reach: RuledReach
 ) -> None:
-    most = _planned("push the ice tea box away at most 10 cm", kitchen, reach)
-    least = _planned("push the ice tea box away at least 10 cm", kitchen, reach)
+    most = planned("push the ice tea box away at most 10 cm", kitchen, reach)
+    least = planned("push the ice tea box away at least 10 cm", kitchen, reach)
     assert most.push.stroke == pytest.approx(0.10 - DEFAULTS.distance_tolerance)
     assert least.push.stroke == pytest.approx(0.10 + DEFAULTS.distance_tolerance)
 
 
 def test_gently_is_slow(kitchen: WorldState, reach: RuledReach) -> None:
-    made = _planned("gently push the ice tea box away", kitchen, reach)
+    made = planned("gently push the ice tea box away", kitchen, reach)
     assert made.push.speed == DEFAULTS.speed_gentle
     assert "speed" not in {used.name for used in made.defaults}
 
 
 def test_a_force_that_suffices_is_kept(kitchen: WorldState, reach: RuledReach) -> None:
     assert (
-        _planned("push the ice tea box away with at most 5 N", kitchen, reach).push.force_limit == 5
+        planned("push the ice tea box away with at most 5 N", kitchen, reach).push.force_limit == 5
     )
-    refusal = _refused("push the ice tea box away with at most 2 N", kitchen, reach)
+    refusal = refused("push the ice tea box away with at most 2 N", kitchen, reach)
     assert refusal.reason == "impossible"
     # μ G = 0.378 · 0.995 · 9.81 = 3.69 N, more with the probability that is asked.
     assert 3.69 < refusal.numbers["needed_force"] < 2 * 3.69
@@ -141,7 +172,7 @@ def test_a_force_that_suffices_is_kept(kitchen: WorldState, reach: RuledReach) -
 
 
 def test_at_the_top_it_tips(kitchen: WorldState, reach: RuledReach) -> None:
-    refusal = _refused("push the ice tea box at the top without toppling it", kitchen, reach)
+    refusal = refused("push the ice tea box at the top without toppling it", kitchen, reach)
     assert refusal.reason == "impossible"
     assert refusal.numbers["lowest_top"] == pytest.approx(0.230 * 2 / 3)
     assert refusal.numbers["critical_height"] == pytest.approx(0.119, abs=5e-4)
@@ -150,13 +181,13 @@ def test_at_the_top_it_tips(kitchen: WorldState, reach: RuledReach) -> None:
 
 
 def test_at_the_bottom_is_a_third(kitchen: WorldState, reach: RuledReach) -> None:
-    push = _planned("push the ice tea box at the bottom", kitchen, reach).push
+    push = planned("push the ice tea box at the bottom", kitchen, reach).push
     assert push.p_BC[2] <= 0.230 / 3
 
 
 @pytest.mark.parametrize("name", ["ice tea box", "cereal box", "coffee box"])
 def test_toppling(name: str, kitchen: WorldState, reach: RuledReach) -> None:
-    made = _planned(f"topple the {name}", kitchen, reach)
+    made = planned(f"topple the {name}", kitchen, reach)
     target = kitchen.objects[name]
     assert made.prediction.outcome == "topple"
     assert made.prediction.probability >= DEFAULTS.probability
@@ -171,19 +202,19 @@ def test_toppling(name: str, kitchen: WorldState, reach: RuledReach) -> None:
 
 
 def test_toppling_to_a_side(kitchen: WorldState, reach: RuledReach) -> None:
-    push = _planned("topple the ice tea box to the left", kitchen, reach).push
+    push = planned("topple the ice tea box to the left", kitchen, reach).push
     assert push.direction_W == pytest.approx((0.0, 1.0, 0.0), abs=LENGTHS)
     assert push.face == "right"
 
 
 def test_a_box_that_cannot_topple_that_way(kitchen: WorldState, reach: RuledReach) -> None:
-    refusal = _refused("topple the cereal box to the left", kitchen, reach)
+    refusal = refused("topple the cereal box to the left", kitchen, reach)
     assert refusal.reason == "impossible"
     assert refusal.numbers["highest_height"] == pytest.approx(0.25)
 
 
 def test_the_hand_that_is_missing(kitchen: WorldState, reach: RuledReach) -> None:
-    refusal = _refused("push the ice tea box away with your left hand", kitchen, reach)
+    refusal = refused("push the ice tea box away with your left hand", kitchen, reach)
     assert (refusal.status, refusal.reason) == ("unsupported", "unsupported")
     assert refusal.capability is not None
     assert "left" in refusal.capability
@@ -191,8 +222,8 @@ def test_the_hand_that_is_missing(kitchen: WorldState, reach: RuledReach) -> Non
 
 
 def test_fingers_as_said(kitchen: WorldState, reach: RuledReach) -> None:
-    assert _planned("push the ice tea box away with one finger", kitchen, reach).push.fingers == 1
-    assert _planned("push the ice tea box away with two fingers", kitchen, reach).push.fingers == 2
+    assert planned("push the ice tea box away with one finger", kitchen, reach).push.fingers == 1
+    assert planned("push the ice tea box away with two fingers", kitchen, reach).push.fingers == 2
 
 
 @pytest.mark.parametrize(
@@ -204,21 +235,21 @@ def test_fingers_as_said(kitchen: WorldState, reach: RuledReach) -> None:
     ],
 )
 def test_no_controller_yet(text: str, kitchen: WorldState, reach: RuledReach) -> None:
-    refusal = _refused(text, kitchen, reach)
+    refusal = refused(text, kitchen, reach)
     assert refusal.status == "unsupported"
     assert refusal.capability
 
 
 def test_a_box_turned_by_a_little(reach: RuledReach) -> None:
     slightly = world(ice_tea_box=PlanarPose(0.45, 0.0, math.radians(-12)))
-    push = _planned("push the ice tea box away", slightly, reach).push
+    push = planned("push the ice tea box away", slightly, reach).push
     # It still moves straight away, from the face that is nearly square to that.
     assert push.direction_W == pytest.approx((1.0, 0.0, 0.0), abs=LENGTHS)
     assert push.normal_W[0] == pytest.approx(-math.cos(math.radians(12)))
 
 
 def test_the_table_ends(kitchen: WorldState, reach: RuledReach) -> None:
-    refusal = _refused("push the ice tea box 2 m away", kitchen, reach)
+    refusal = refused("push the ice tea box 2 m away", kitchen, reach)
     assert refusal.reason == "impossible"
     # From x = 0.495, the box's back, to 1 cm before the edge at 1.2 m.
     assert refusal.numbers["room"] == pytest.approx(1.2 - 0.01 - 0.495)
@@ -226,7 +257,7 @@ def test_the_table_ends(kitchen: WorldState, reach: RuledReach) -> None:
 
 def test_something_stands_in_the_way(reach: RuledReach) -> None:
     state = world(ice_tea_box=PlanarPose(0.45, 0.0), coffee_box=PlanarPose(0.62, 0.03))
-    refusal = _refused("push the ice tea box away 15 cm", state, reach)
+    refusal = refused("push the ice tea box away 15 cm", state, reach)
     assert refusal.reason == "blocked"
     assert "coffee box" in refusal.message
     # Between 0.495 and 0.589, less the clearance of 1 cm.
@@ -236,17 +267,17 @@ def test_something_stands_in_the_way(reach: RuledReach) -> None:
 
 def test_it_does_not_fall_on_another(reach: RuledReach) -> None:
     state = world(ice_tea_box=PlanarPose(0.45, 0.0), coffee_box=PlanarPose(0.62, 0.0))
-    refusal = _refused("topple the ice tea box away at the top", state, reach)
+    refusal = refused("topple the ice tea box away at the top", state, reach)
     assert refusal.reason == "blocked"
     # Said no side, it takes one that is free.
-    push = _planned("topple the ice tea box", state, reach).push
+    push = planned("topple the ice tea box", state, reach).push
     assert push.face != "front"
 
 
 @pytest.mark.parametrize(("way", "along_y"), [("towards", 1.0), ("away from", -1.0)])
 def test_towards_and_away_from_another_object(reach: RuledReach, way: str, along_y: float) -> None:
     state = world(ice_tea_box=PlanarPose(0.45, 0.0), coffee_box=PlanarPose(0.45, 0.5))
-    push = _planned(f"push the ice tea box {way} the coffee box", state, reach).push
+    push = planned(f"push the ice tea box {way} the coffee box", state, reach).push
     assert push.direction_W == pytest.approx((0.0, along_y, 0.0), abs=LENGTHS)
 
 
@@ -254,11 +285,11 @@ def test_a_heavy_object_is_too_much_for_the_fingers(kitchen: WorldState) -> None
     seen = kitchen.objects["ice tea box"]
     heavy = replace(seen, model=seen.model.model_copy(update={"mass": 8.0}))
     state = replace(kitchen, objects={"ice tea box": heavy})
-    refusal = _refused("push the ice tea box away", state, RuledReach())
+    refusal = refused("push the ice tea box away", state, RuledReach())
     assert refusal.reason == "out_of_reach"
     assert refusal.numbers["allowed_force"] == 20.0
 
 
 def test_the_same_question_has_the_same_answer(kitchen: WorldState, reach: RuledReach) -> None:
     text = "topple the coffee box"
-    assert _planned(text, kitchen, reach) == _planned(text, kitchen, reach)
+    assert planned(text, kitchen, reach) == planned(text, kitchen, reach)

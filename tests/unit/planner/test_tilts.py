@@ -11,21 +11,9 @@ from planner import plan
 from planner.defaults import DEFAULTS
 from planner.plan import Plan, Refusal
 from planner.state import PlanarPose, WorldState
-from tests.unit.planner.conftest import RuledReach, frame_of, world
+from tests.unit.planner.conftest import RuledReach, frame_of, planned, refused, world
 
 LENGTHS = 1e-9  # sums of a few numbers of order one
-
-
-def _planned(text: str, state: WorldState, reach: RuledReach) -> Plan:
-    made = plan(frame_of(text), state, reach)
-    assert isinstance(made, Plan), made
-    return made
-
-
-def _refused(text: str, state: WorldState, reach: RuledReach) -> Refusal:
-    made = plan(frame_of(text), state, reach)
-    assert isinstance(made, Refusal), made
-    return made
 
 
 @pytest.mark.parametrize(
@@ -40,7 +28,7 @@ def _refused(text: str, state: WorldState, reach: RuledReach) -> Refusal:
 def test_a_tilt_to_each_side(
     words: str, face: str, direction: tuple[float, float], kitchen: WorldState, reach: RuledReach
 ) -> None:
-    made = _planned(f"tilt the ice tea box by 8 degrees {words}", kitchen, reach)
+    made = planned(f"tilt the ice tea box by 8 degrees {words}", kitchen, reach)
     push = made.push
     assert (push.ends_on, push.face, push.until) == ("tilted", face, None)
     assert push.tilt == pytest.approx(math.radians(8.0))
@@ -70,13 +58,13 @@ def test_a_tilt_to_each_side(
     ],
 )
 def test_angles(text: str, angle: float, kitchen: WorldState, reach: RuledReach) -> None:
-    made = _planned(text, kitchen, reach)
+    made = planned(text, kitchen, reach)
     assert math.degrees(made.push.tilt) == pytest.approx(angle)
     assert ("tilt" in {used.name for used in made.defaults}) == ("degrees" not in text)
 
 
 def test_what_might_not_come_back_is_refused(kitchen: WorldState, reach: RuledReach) -> None:
-    refusal = _refused("tilt the cereal box by 10 degrees away", kitchen, reach)
+    refusal = refused("tilt the cereal box by 10 degrees away", kitchen, reach)
     assert refusal.reason == "too_uncertain"
     assert refusal.numbers["stay_on_base_angle"] == pytest.approx(math.atan(26 / 130))
     possible = refusal.numbers["sure_return"] - DEFAULTS.tilt_tolerance
@@ -84,22 +72,22 @@ def test_what_might_not_come_back_is_refused(kitchen: WorldState, reach: RuledRe
     (offered, *_) = refusal.suggestions
     said = float(offered.split("°")[0].removeprefix("up to "))
     assert 0.0 <= math.degrees(possible) - said < 0.1
-    _planned(f"tilt the cereal box by {said} degrees away", kitchen, reach)
-    assert _refused("tilt the cereal box by 20 degrees away", kitchen, reach).reason == "impossible"
+    planned(f"tilt the cereal box by {said} degrees away", kitchen, reach)
+    assert refused("tilt the cereal box by 20 degrees away", kitchen, reach).reason == "impossible"
 
 
 def test_what_is_known_well_may_be_tilted_further(reach: RuledReach) -> None:
     state = world(ice_tea_box=PlanarPose(0.45, 0.0))
     text = "tilt the ice tea box by 15 degrees"
-    assert _refused(text, state, reach).reason == "too_uncertain"
+    assert refused(text, state, reach).reason == "too_uncertain"
     (target,) = state.objects.values()
     known = target.model.model_copy(update={"com_sd": (0.001, 0.001, 0.003)})
     sure = WorldState({target.name: replace(target, model=known)}, state.table)
-    assert _planned(text, sure, reach).push.tilt == pytest.approx(math.radians(15.0))
+    assert planned(text, sure, reach).push.tilt == pytest.approx(math.radians(15.0))
 
 
 def test_what_slides_first_is_refused(kitchen: WorldState, reach: RuledReach) -> None:
-    refusal = _refused("tilt the cereal box by 3 degrees to the left", kitchen, reach)
+    refusal = refused("tilt the cereal box by 3 degrees to the left", kitchen, reach)
     assert refusal.reason == "impossible"
     assert "slides" in refusal.message
 
@@ -119,7 +107,7 @@ def test_room_to_lean_over(reach: RuledReach) -> None:
 
 
 def test_until_it_almost_tips_is_a_tilt(kitchen: WorldState, reach: RuledReach) -> None:
-    push = _planned("push the ice tea box away until it almost tips", kitchen, reach).push
+    push = planned("push the ice tea box away until it almost tips", kitchen, reach).push
     assert push.ends_on == "tilted"
     # A share of its angle of no return.
     assert math.degrees(push.tilt) == pytest.approx(DEFAULTS.tilt_lot * 21.37, abs=0.01)
@@ -127,7 +115,7 @@ def test_until_it_almost_tips_is_a_tilt(kitchen: WorldState, reach: RuledReach) 
 
 
 def test_until_it_tips_is_a_topple(kitchen: WorldState, reach: RuledReach) -> None:
-    push = _planned("push the ice tea box away until it tips", kitchen, reach).push
+    push = planned("push the ice tea box away until it tips", kitchen, reach).push
     assert push.ends_on == "toppled"
     assert push.direction_W[0] == pytest.approx(1.0)
 
@@ -136,5 +124,5 @@ def test_without_toppling_it_is_what_a_tilt_does_anyway(
     kitchen: WorldState, reach: RuledReach
 ) -> None:
     tilt = "tilt the ice tea box by 10 degrees"
-    careful = _planned(f"{tilt} without toppling it", kitchen, reach)
-    assert careful.push == _planned(tilt, kitchen, reach).push
+    careful = planned(f"{tilt} without toppling it", kitchen, reach)
+    assert careful.push == planned(tilt, kitchen, reach).push

@@ -1,0 +1,65 @@
+"""Verdicts on refusals, and how surely what brute force found works."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchmarks.drake_strokes import DrakeBench
+from benchmarks.goals.confirm import Confirmation, Doubt, Verdict, likeliest, table
+from benchmarks.goals.search import Asked, Found
+from benchmarks.goals.worlds import Job
+from benchmarks.rollouts import OBJECT, world
+from benchmarks.strokes import at
+from nlcontrol import Controller, Registry
+
+DRAWS = 8  # objects; each takes a fifth of a second
+
+
+def _asked(text: str) -> Asked:
+    robot = Controller(world(), registry=Registry.built_in())
+    (frame,) = robot.resolve(robot.parse(text)).frames
+    return Asked(frame, OBJECT, robot.models, robot.look().table)
+
+
+def _pushed(asked: Asked, height: float) -> Found:
+    """10 cm straight on, so high above the table [m]."""
+    before = DrakeBench(world(), OBJECT).poses()
+    place = asked.model.faces()[0].at(0.0, height)
+    stroke = at(OBJECT, place, before[OBJECT], slant=0.0, length=0.1)
+    return Found((stroke,), (before,), 2)
+
+
+def test_what_works_for_some_of_what_is_believed_is_told_from_what_works_for_all() -> None:
+    asked = _asked("push the ice tea box 10 cm")
+    # Believed friction tips it above 119 mm; by what is doubted of it, anywhere above 33 mm.
+    low, at_the_edge = _pushed(asked, 0.03), _pushed(asked, 0.14)
+    rng = np.random.default_rng(0)
+    some, _ = likeliest(world(), asked, [at_the_edge], rng, DRAWS)
+    assert 0.0 < some < 1.0
+    every, way = likeliest(world(), asked, [at_the_edge, low], rng, DRAWS)
+    assert (every, way) == (1.0, low)
+
+
+def test_without_ways_nothing_works() -> None:
+    asked = _asked("push the ice tea box 10 cm")
+    assert likeliest(world(), asked, [], np.random.default_rng(0), 1) == (0.0, None)
+
+
+def _verdict(number: int, reason: str, verdict: Verdict) -> Confirmation:
+    job = Job(7, number, False, 45.0, False)
+    return Confirmation(
+        job=Doubt(job, reason, 10), verdict=verdict, text="push it", refusal="no", found="a way"
+    )
+
+
+@pytest.mark.parametrize("verdict", ["unlikely", "unconfirmed", "not looked for"])
+def test_whatever_is_not_confirmed_is_told_in_full(verdict: Verdict) -> None:
+    lines = table(
+        [_verdict(1, "blocked", "confirmed"), _verdict(2, "blocked", verdict)]
+    ).splitlines()
+    head, counts, *told = lines
+    assert head.split()[:3] == ["refused", "as", "confirmed"]
+    assert counts.split()[0:2] == ["blocked", "1"]
+    assert counts.endswith("1, 2")
+    assert told == [f"7-2 {verdict}: “push it”: no", "  found: a way"]
