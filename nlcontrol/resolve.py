@@ -92,6 +92,16 @@ def _meant(frame: Frame, spoken: tuple[str, ...], held: str | None) -> tuple[str
 def spoken_of(frame: Frame) -> tuple[str, ...]:
     """Names of the objects that a resolved frame speaks of: its own first, then its goal's."""
     refs = ([frame.object] if frame.object else []) + _references(frame.goal)
+    return _names(refs)
+
+
+def mentioned(frame: Frame) -> tuple[str, ...]:
+    """The same, and the names of the objects that only its constraints speak of."""
+    refs = [ref for clause in frame.constraints for ref in _references(clause)]
+    return tuple(dict.fromkeys((*spoken_of(frame), *_names(refs))))
+
+
+def _names(refs: Sequence[ObjectRef]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(ref.id for ref in refs if ref.id is not None))
 
 

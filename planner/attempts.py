@@ -25,49 +25,25 @@ if TYPE_CHECKING:
     from planner.asked import Asked
     from planner.defaults import Defaults
     from planner.onepush import Found
-    from planner.reach import Reach
     from planner.state import SeenObject, WorldState
 
 _IN_THE_WAY = ("impossible", "blocked")  # refusals that a place near by may avoid
 
 
-def persistently(
-    asked: Asked,
-    target: SeenObject,
-    state: WorldState,
-    reach: Reach,
-    defaults: Defaults,
-    before: Plan | None,
-) -> Plan | Reached | Refusal:
-    """The plan of the first attempt that makes one, or why none does.
-
-    Args:
-        asked: what is to be done.
-        target: the object.
-        state: what is believed.
-        reach: whether the hand gets somewhere.
-        defaults: margins, and what a clause means when nothing more is said.
-        before: the plan whose first push was made last.
-    """
-    patient = Patient(reach, defaults.most_looks, state)
-    attempt = Attempt(asked, target, state, patient, defaults, before)
-    made = attempt.made()
-    denied = patient.denied
+def persistently(usual: Attempt) -> Plan | Reached | Refusal:
+    """The plan of an attempt, or of one with more effort, or why none makes one."""
+    attempt, made = usual, usual.made()
+    denied = usual.reach.denied
     if isinstance(made, Refusal) and denied:
-        attempt = replace(
-            attempt,
-            reach=patient.thorough(defaults.most_looks_last),
-            defaults=replace(defaults, most_contacts=defaults.most_contacts_last),
-        )
+        attempt = usual.thorough()
         again = attempt.made()
         # A search that was given up says less than one that came to its end.
         if not isinstance(again, Refusal) or again.reason != "out_of_time":
             made = again
-    if isinstance(made, Refusal) and made.reason == "too_uncertain" and before is not None:
+    if isinstance(made, Refusal) and made.reason == "too_uncertain" and usual.before:
         made = attempt.bolder().made()
     if isinstance(made, Refusal):
-        last = Attempt(asked, target, state, patient.thorough(), defaults, before)
-        found = last.imprecisely(made, denied=denied)
+        found = usual.imprecisely(made, denied=denied)
         if found is not None:
             why = f"another way, since {made.message}"
             return found.model_copy(update={"notes": (why, *found.notes)})
@@ -104,6 +80,14 @@ class Attempt:
         except GivenUpError as given_up:
             return refusals.given_up(self.target, given_up.answers)
 
+    def thorough(self) -> Attempt:
+        """The same with more contacts, for which the hand looks longer."""
+        return replace(
+            self,
+            reach=self.reach.thorough(self.defaults.most_looks_last),
+            defaults=replace(self.defaults, most_contacts=self.defaults.most_contacts_last),
+        )
+
     def bolder(self) -> Attempt:
         """The same with the probability that what is left of a plan must have."""
         probability = min(self.defaults.probability, self.defaults.probability_on)
@@ -118,12 +102,13 @@ class Attempt:
             denied: whether the hand did not get to something.
         """
         found: Plan | Reached | Refusal | None
+        last = replace(self, reach=self.reach.thorough())
         if not self.asked.aims:
-            found = self._fallen_otherwise()
+            found = last._fallen_otherwise()
         elif denied or self.asked.limits.duration is not None:
-            found = self._steeply()
+            found = last._steeply()
         elif self.before is None and refusal.reason in _IN_THE_WAY:
-            found = self._nearly()
+            found = last._nearly()
         else:
             return None
         return found if isinstance(found, Plan) else None
@@ -135,14 +120,15 @@ class Attempt:
         steep = replace(self.asked, steep=True, fingers=(2,))
         return replace(self, asked=steep).made()
 
-    def _nearly(self) -> Plan | Reached | Refusal | None:
+    def _nearly(self) -> Plan | None:
         """To a place that only just counts as the one that is asked."""
-        for aim, note in nearly(self.asked, self.target, self.defaults):
-            asked = replace(self.asked, aims=(aim,))
-            made = replace(self, asked=asked).made()
-            if isinstance(made, Plan):
-                return made.model_copy(update={"notes": (note, *made.notes)})
-        return None
+        told = dict(nearly(self.asked, self.target, self.defaults))
+        if not told:
+            return None
+        made = replace(self, asked=replace(self.asked, aims=tuple(told))).made()
+        if not isinstance(made, Plan) or made.aim is None:
+            return None
+        return made.model_copy(update={"notes": (told[made.aim], *made.notes)})
 
     def _fallen_otherwise(self) -> Plan | Refusal | None:
         """The fall of what does not fall square to the side where it stands, if there is one."""

@@ -125,7 +125,7 @@ def _spread(face: Face, fingers: int, reach: Reach) -> tuple[float, float]:
     if face.curvature:
         return spreads[0], whole  # two hold what is round between them
     for edge, spread in itertools.product((whole, EDGE), spreads):
-        if spread + 2.0 * edge <= face.width:
+        if spread + 2.0 * edge <= face.width + 1e-9:
             return spread, edge
     return spreads[-1], EDGE
 

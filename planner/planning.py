@@ -17,10 +17,11 @@ from typing import TYPE_CHECKING, overload
 from grammar import frames as g
 from planner import refusals
 from planner.asked import read
-from planner.attempts import persistently
+from planner.attempts import Attempt, persistently
 from planner.defaults import DEFAULTS, Defaults
 from planner.handling.planning import handle, is_handled
 from planner.plan import Plan, Reached, Refusal
+from planner.reach import Patient
 from planner.refusals import RefusedError
 from planner.relations import region
 
@@ -112,4 +113,5 @@ def _pushes(
             raise RefusedError(refusals.lies(target))
     except RefusedError as refused:
         return refused.refusal
-    return persistently(asked, target, state, reach, defaults, before)
+    patient = Patient(reach, defaults.most_looks, state)
+    return persistently(Attempt(asked, target, state, patient, defaults, before))

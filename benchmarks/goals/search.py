@@ -31,6 +31,7 @@ from benchmarks.strokes import (
 )
 from grammar import frames as g
 from nlcontrol.checks import Check, check
+from nlcontrol.resolve import mentioned
 from objectmodels import ObjectModel
 from planner.defaults import DEFAULTS
 from planner.directions import HEADINGS, bisector
@@ -94,7 +95,7 @@ class Asked:
 
     def speaks_of(self, name: str) -> bool:
         """Whether the sentence names an object."""
-        return f'"id":"{name}"' in self.frame.model_dump_json()
+        return name in mentioned(self.frame)
 
     @property
     def wanted(self) -> frozenset[str]:

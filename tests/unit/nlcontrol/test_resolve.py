@@ -8,7 +8,7 @@ from grammar import frames as g
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
 from nlcontrol.names import Candidate
-from nlcontrol.resolve import Context, resolve, spoken_of
+from nlcontrol.resolve import Context, mentioned, resolve, spoken_of
 from objectmodels import Registry
 from planner.state import WorldState
 
@@ -155,6 +155,9 @@ def test_every_reference_in_a_frame_is_bound(kitchen: Controller) -> None:
     assert isinstance(second.goal.reference, tuple)
     assert [r.id for r in second.goal.reference] == ["coffee box", "cereal box"]
     assert spoken_of(second) == ("ice tea box", "coffee box", "cereal box")
+    # What is only not to be touched is not what "it" means next.
+    assert spoken_of(first) == ("ice tea box", "coffee box")
+    assert mentioned(first) == ("ice tea box", "coffee box", "cereal box")
 
 
 def test_it_is_the_object_of_the_clause_before_then_what_the_dialogue_spoke_of(
