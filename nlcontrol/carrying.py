@@ -34,6 +34,8 @@ from planner.state import WorldState
 from sim.trace import EndReason, Trace, joined
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from nlcontrol.controller import Controller, Progress
 
 
@@ -141,7 +143,7 @@ class _Carrying:
         self.progress = progress
         self.step = Step(frame=index, status="failed")
         self.traces: list[Trace] = []
-        self.reach = Untried(controller.reach)
+        self.reach = Untried(controller.reach, longer=self._looks_longer)
         self._yaw: float | None = None
 
     def out(self, result: Result, plan_only: bool) -> Result:
@@ -224,6 +226,12 @@ class _Carrying:
         # A push that topples or tilts is the whole of its frame.
         return made.aim is None and trace.end in ("toppled", "returned")
 
+    def _looks_longer(self) -> None:
+        """Planning takes seconds now, or half a minute for a large turn."""
+        if self.progress is not None:
+            text = "no plan as usual; looking thoroughly for what the hand can do"
+            self.progress("plan", self.controller.world.time, text)
+
     def _note(self, **changes: object) -> None:
         self.step = self.step.model_copy(update=changes)
 
@@ -288,11 +296,18 @@ class Untried:
     Args:
         reach: of the robot.
         failed: pushes that went wrong, and why.
+        longer: called when it is asked to look thoroughly.
     """
 
-    def __init__(self, reach: Reach, failed: list[tuple[Push, str]] | None = None) -> None:
+    def __init__(
+        self,
+        reach: Reach,
+        failed: list[tuple[Push, str]] | None = None,
+        longer: Callable[[], None] = lambda: None,
+    ) -> None:
         self._reach = reach
         self._failed = [] if failed is None else failed
+        self._longer = longer
 
     def failed(self, push: Push, detail: str) -> None:
         """Takes note that a push went wrong there."""
@@ -308,7 +323,8 @@ class Untried:
 
     def thorough(self) -> Untried:
         """The same, which looks longer."""
-        return Untried(self._reach.thorough(), self._failed)
+        self._longer()
+        return Untried(self._reach.thorough(), self._failed, self._longer)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._reach, name)

@@ -61,6 +61,7 @@ class Asked:
         least_limit: what the force limit is at least [N].
         fingers: how many fingertips may push.
         steep: whether two fingertips may push farther from square to a face than they usually do.
+        direct: whether ways around what stands there are left out.
         until: event that ends the last push earlier; `meets` names what is to be touched then.
         near: objects that it is to stand close to, and how close [m].
         limits: what stops every push.
@@ -90,6 +91,7 @@ class Asked:
     min_force: float = 0.0
     fingers: tuple[Literal[1, 2], ...] = (2, 1)
     steep: bool = False
+    direct: bool = False
     until: StopEvent | None = None
     meets: str | None = None
     near: tuple[tuple[str, float], ...] = ()

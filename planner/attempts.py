@@ -102,13 +102,12 @@ class Attempt:
             denied: whether the hand did not get to something.
         """
         found: Plan | Reached | Refusal | None
-        last = replace(self, reach=self.reach.thorough())
         if not self.asked.aims:
-            found = last._fallen_otherwise()
+            found = replace(self, reach=self.reach.thorough())._fallen_otherwise()
         elif denied or self.asked.limits.duration is not None:
-            found = last._steeply()
+            found = replace(self, reach=self.reach.thorough())._steeply()
         elif self.before is None and refusal.reason in _IN_THE_WAY:
-            found = last._nearly()
+            found = replace(self, reach=self.reach.again())._nearly()
         else:
             return None
         return found if isinstance(found, Plan) else None
@@ -121,11 +120,11 @@ class Attempt:
         return replace(self, asked=steep).made()
 
     def _nearly(self) -> Plan | None:
-        """To a place that only just counts as the one that is asked."""
+        """Straight to a place that only just counts as the one that is asked."""
         told = dict(nearly(self.asked, self.target, self.defaults))
         if not told:
             return None
-        made = replace(self, asked=replace(self.asked, aims=tuple(told))).made()
+        made = replace(self, asked=replace(self.asked, aims=tuple(told), direct=True)).made()
         if not isinstance(made, Plan) or made.aim is None:
             return None
         return made.model_copy(update={"notes": (told[made.aim], *made.notes)})

@@ -228,7 +228,7 @@ class Journey:
             yield from (way for way in straight if len(way) == 1)
             return
         yield from straight
-        if self._off(target) <= _CLOSE:
+        if self._asked.direct or self._off(target) <= _CLOSE:
             return
         led = [*self._detour(target), *around(target, self._aim, self._within, self._largest)]
         yield from sorted(led, key=_cost)

@@ -17,6 +17,7 @@ from planner.directions import angle_between
 from planner.plan import Plan
 from sim.trace import EndReason, Trace
 from tests.unit.nlcontrol.pushes import BOX, Happens, Stage, TraceMaker
+from tests.unit.planner.conftest import RuledReach
 
 SENTENCE = "push the ice tea box away without toppling it"
 EXACT = 1e-6  # a camera without noise; what is left are sums of floats [m], [rad]
@@ -312,6 +313,23 @@ def test_what_has_failed_is_not_tried_again_for_looking_thoroughly(controller: C
     untried.failed(made.push, "it slipped off")
     answer = thorough(made.push, state)
     assert (answer.reason, answer.message) == ("failed", "tried before: it slipped off")
+
+
+def test_it_is_told_that_planning_takes_longer(
+    controller: Controller, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[tuple[str, str]] = []
+
+    def progress(phase: str, _: float, text: str) -> None:
+        told.append((phase, text))
+
+    # Nothing is asked of the hand.
+    controller.say("push the ice tea box 3 m away", plan_only=True, progress=progress)
+    assert told == []
+    monkeypatch.setattr(controller, "_reach", RuledReach(lambda _: False))
+    controller.say("push the ice tea box away", plan_only=True, progress=progress)
+    assert told
+    assert set(told) == {("plan", "no plan as usual; looking thoroughly for what the hand can do")}
 
 
 def test_stuck_where_every_contact_has_failed(
