@@ -93,6 +93,11 @@ def test_a_place_that_is_said_and_one_that_was_aimed_at() -> None:
     assert final(frame("push {} to the middle of the table"), done, PLAN)["off"] < 1e-9
 
 
+def test_where_two_meet_is_left_open() -> None:
+    words = "push {} against the mug"
+    assert final(frame(words), trace(x=0.1, y=0.0), PLAN) == {}
+
+
 def test_a_tilt_there_and_back() -> None:
     errors = final(frame("tilt {} by 10 degrees"), trace(tilts=math.radians(11.0)), PLAN)
     # The largest of fifty samples of a sine.
