@@ -14,6 +14,8 @@ from sim.chance import Stream, source
 from sim.scene import FrictionVariation, Scene
 from sim.truth import Truth
 
+pytestmark = pytest.mark.slow
+
 GRAVITY = 9.81
 NAME = "ice tea box"
 PER_TRIAL = 0.2

@@ -92,8 +92,8 @@ def _carried_out(asked: Asked, *, seed: int = 0, scene: Scene | None = None) -> 
     ("asked", "seed"),
     [
         (Asked("ice tea box", "front", 0.03), 0),
-        (Asked("ice tea box", "front", 0.03, fingers=1), 0),
-        (Asked("ice tea box", "front", 0.03, fingers=1), 1),
+        pytest.param(Asked("ice tea box", "front", 0.03, fingers=1), 0, marks=pytest.mark.slow),
+        pytest.param(Asked("ice tea box", "front", 0.03, fingers=1), 1, marks=pytest.mark.slow),
         (Asked("cereal box", "left", 0.03, fingers=1, stroke=0.15), 2),
     ],
 )
@@ -165,6 +165,7 @@ def test_nothing_to_touch() -> None:
     assert np.linalg.norm(trace.displacement("ice tea box")) < 1e-4
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_trace() -> None:
     asked = Asked("ice tea box", "front", 0.03, stroke=0.05)
     one, same, other = (_carried_out(asked, seed=seed) for seed in (4, 4, 5))

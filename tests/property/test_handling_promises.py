@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -47,6 +48,7 @@ def _state(yaw: float, scale: float, slippery: float) -> WorldState:
     return WorldState(objects, TableState(-0.2, 1.2, -0.8, 0.8))
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(
     text=st.sampled_from(TEXTS),

@@ -19,6 +19,8 @@ from planner.plan import Plan, Refusal
 from planner.state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import TABLE, RuledReach, frame_of
 
+pytestmark = pytest.mark.slow
+
 SENTENCES = ("push the box away", "push the box to the left", "topple the box")
 
 

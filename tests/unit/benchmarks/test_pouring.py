@@ -8,6 +8,7 @@ import pytest
 from benchmarks.pouring import PROMISED, RAMP, motion, one, random_case, table
 
 
+@pytest.mark.slow
 def test_predictions_keep_the_promise() -> None:
     results = [one((3, i)) for i in range(3)]
     for result in results:

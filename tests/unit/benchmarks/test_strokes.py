@@ -68,6 +68,7 @@ def test_what_is_put_back_rolls_the_same() -> None:
     assert ends[0].tolist() == ends[1].tolist()
 
 
+@pytest.mark.slow
 def test_a_sentence_that_can_be_done_is_found_and_can_be_repeated() -> None:
     scene, can = world(), asked(f"push the {OBJECT} a little away")
     found, rolled = search(scene, can, 12, np.random.default_rng(0))

@@ -23,6 +23,7 @@ def kitchen() -> Controller:
     return Controller("kitchen")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_every_sentence_comes_to_an_end_that_is_told(kitchen: Controller, seed: int) -> None:
     for text, _ in islice(samples(seed, nouns=NOUNS), 25):

@@ -54,17 +54,17 @@ def limit_surface_rhs(lateral: float, angle: float, mu: float):  # type: ignore[
         d = R.T @ direction(angle)[:2]
         p = np.array([-0.045, lateral + along]) - c
 
-        def twist(phi: float) -> tuple[np.ndarray, float, np.ndarray]:
+        def twist(phi: np.ndarray | float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             f = np.array([np.cos(phi), np.sin(phi)])
             w = (p[0] * f[1] - p[1] * f[0]) / radius**2
-            return f, w, f + w * np.array([-p[1], p[0]])
+            return f, w, f + np.multiply.outer([-p[1], p[0]], w)
 
-        def off(phi: float) -> float:
+        def off(phi: np.ndarray | float) -> np.ndarray:
             v = twist(phi)[2]
-            return float(v[0] * d[1] - v[1] * d[0])
+            return np.asarray(v[0] * d[1] - v[1] * d[0])
 
         phi = np.linspace(-1.5, 1.5, 4001)
-        values = np.array([off(a) for a in phi])
+        values = off(phi)
         k = int(np.flatnonzero(np.diff(np.sign(values)))[0])
         lo, hi = phi[k], phi[k + 1]
         for _i in range(50):

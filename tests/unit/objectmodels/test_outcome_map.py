@@ -68,6 +68,7 @@ def test_contacts_are_spread_as_asked_and_stay_on_the_face() -> None:
         assert (m.lateral == 0.0).any()  # the middle is where two fingers push
 
 
+@pytest.mark.slow
 def test_large_maps_ask_the_exact_tier_at_the_border_only() -> None:
     fine, coarse = chart(spacing=0.0015), chart(spacing=0.0135)
     # At places of both, near the border, the answer is the same.

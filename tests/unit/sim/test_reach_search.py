@@ -139,6 +139,7 @@ def test_what_stands_halfway_beside_the_stroke_is_in_the_way() -> None:
             assert distance.min() > OBJECT_CLEARANCE - 0.0025
 
 
+@pytest.mark.slow
 def test_what_was_just_reached_is_reached_from_the_next_look() -> None:
     state = _alone("ice tea box", 0.5, 0.0)
     tea = state.objects["ice tea box"]
@@ -184,6 +185,7 @@ def test_what_looks_thoroughly_keeps_clear_too(fragile: bool) -> None:
                 assert obstacle.distance(robot).min() > least - 0.0025
 
 
+@pytest.mark.slow
 def test_what_looks_thoroughly_gets_past_what_is_nearer() -> None:
     state = _alone("ice tea box", 0.5, 0.0)
     tea = state.objects["ice tea box"]
