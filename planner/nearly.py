@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 _SHORT = (0.0, 0.5, 1.0)  # of the room that the tolerance of the distance leaves
 _ASIDE = (0.0, 0.5, -0.5, 1.0, -1.0)  # of that of the direction, to the left of the way
+_LEAST = 3.0  # of tolerances; of shorter ways a bound ("at least") keeps less than one to spare
 
 
 def nearly(asked: Asked, target: SeenObject, defaults: Defaults) -> Iterator[tuple[Aim, str]]:
@@ -38,7 +39,7 @@ def nearly(asked: Asked, target: SeenObject, defaults: Defaults) -> Iterator[tup
     """
     if asked.heading is None or asked.until is not None or asked.rotates:
         return
-    if not math.isfinite(asked.distance):
+    if not _LEAST * defaults.distance_tolerance <= asked.distance < math.inf:
         return
     spare = max(defaults.distance_tolerance - defaults.aim_position, 0.0)
     ahead, left = unit(asked.heading), unit(asked.heading + 0.5 * math.pi)
@@ -46,7 +47,7 @@ def nearly(asked: Asked, target: SeenObject, defaults: Defaults) -> Iterator[tup
     for short, aside in ((spare * short, aside) for short, aside in shares[1:]):
         along = asked.distance - short
         slant = along * math.tan(defaults.direction_tolerance) - defaults.aim_position
-        if along <= defaults.distance_tolerance or slant <= 0.0:
+        if slant <= 0.0:
             continue
         x, y, _ = (target.pose.p_WB + along * ahead + aside * slant * left).tolist()
         yield here(target, x, y), _told(short, aside * slant)

@@ -90,7 +90,7 @@ def test_the_aim_of_a_place_near_by_is_kept_by_the_next_plan() -> None:
         "put the soup can next to the mug",
         "push the soup can away until it touches the mug",
         "turn the ice tea box 30 degrees",
-        "push the soup can 5 mm away",
+        "push the soup can at least 16 mm away",
     ],
 )
 def test_only_a_displacement_has_places_near_by(text: str) -> None:
@@ -106,7 +106,7 @@ def test_only_a_displacement_has_places_near_by(text: str) -> None:
 
 
 @given(
-    st.integers(4, 60),
+    st.integers(5, 60),
     st.floats(-math.pi, math.pi),
     st.sampled_from(["", "at least ", "at most "]),
     st.sampled_from(["away", "to the left", "away and to the right"]),
