@@ -1,9 +1,9 @@
 """Strokes in Drake: an object as in the simulated world, obstacles, and fingertips on springs.
 
-Table, objects, contact approximation and step are those of `sim.plant`; but all objects except the
-one that is pushed stand as if they were glued to the table, which costs a third of the time. Each
-fingertip is a sphere on three sliding joints, so that two of them keep their distance without a
-hand.
+Table, objects, contact approximation and step are those of `sim.worlds.drake.drake_plant`; but all
+objects except the one that is pushed stand as if they were glued to the table, which costs a third
+of the time. Each fingertip is a sphere on three sliding joints, so that two of them keep their
+distance without a hand.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from benchmarks.strokes import (
     Stroke,
     offsets,
 )
-from sim.contacts import ContactWatch
-from sim.hand import TIP_RADIUS
-from sim.plant import (
+from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
+from sim.truth.scene_file import Scene
+from sim.worlds.drake.contact_material import ROUGH, surface
+from sim.worlds.drake.contact_watch import ContactWatch
+from sim.worlds.drake.drake_plant import (
     add_object,
     add_table,
     filter_collisions,
     initial_pose,
 )
-from sim.scene import Scene
-from sim.skin import ROUGH, surface
 
 if TYPE_CHECKING:
     from pydrake.multibody.plant import MultibodyPlant

@@ -38,9 +38,9 @@ from nlcontrol.learning import taken
 from objectmodels import ObjectModel
 from objectmodels.identification import guess
 from objectmodels.parameters import UNCERTAIN
-from sim.exploration import Explorer, Touched
-from sim.scene import FrictionVariation, Hidden, Pose, Scene, SceneObject, load_scene
-from sim.truth import Truth
+from sim.exploration.exploration_run import Explorer, Touched
+from sim.truth.object_truth import Truth
+from sim.truth.scene_file import FrictionVariation, Hidden, Pose, Scene, SceneObject, load_scene
 
 Question = Literal["even", "varying", "two"]
 

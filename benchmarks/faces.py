@@ -18,8 +18,8 @@ from nlcontrol.faceexperiment import FaceExperiment
 from nlcontrol.faces import face_of
 from objectmodels import ObjectModel
 from objectmodels.outcomemap import outcome_map
-from sim.hidden import drawn
-from sim.observer import Observer
+from sim.truth.observer import Observer
+from sim.truth.world_sampling import drawn
 
 
 def true_model(controller: Controller, name: str) -> ObjectModel:

@@ -21,12 +21,12 @@ import numpy as np
 
 from objectmodels.grasping import Contacts, slip_multiplier
 from objectmodels.thresholds import GRAVITY
-from sim import hand
-from sim.handling.grips import HOLDING, HandGrip, hand_grip, inward
-from sim.plant import add_object, add_table, filter_collisions, initial_pose
+from sim.hands.four_finger import hand_kinematics as hand
+from sim.hands.four_finger.grasp_postures import HOLDING, HandGrip, hand_grip, inward
 from sim.rotations import Array
-from sim.scene import Pose, Scene, SceneObject, load_scene
-from sim.truth import Truth
+from sim.truth.object_truth import Truth
+from sim.truth.scene_file import Pose, Scene, SceneObject, load_scene
+from sim.worlds.drake.drake_plant import add_object, add_table, filter_collisions, initial_pose
 
 BAND = 0.10
 """Relative distance of the multiplier from 1 within which either answer is right."""
@@ -112,7 +112,9 @@ class Gantry:
         )
         self.plant, scene_graph = AddMultibodyPlant(config, builder)
         plant = self.plant
-        text = (resources.files("sim") / "robots" / "four_finger_hand.urdf").read_text("utf-8")
+        text = (
+            resources.files("sim") / "hands" / "four_finger" / "four_finger_hand.urdf"
+        ).read_text("utf-8")
         (self.hand,) = Parser(plant).AddModelsFromString(text, "urdf")
         self.slide = plant.AddModelInstance("slide")
         carriage = plant.AddRigidBody(

@@ -35,11 +35,11 @@ from nlcontrol.handwork import refilled
 from nlcontrol.measures import tilt_at_end
 from objectmodels import ObjectModel
 from objectmodels.parts import Lid, LiftOffLid
-from sim.scene import Pose, Scene, SceneObject, load_scene
-from sim.truth import Truth
+from sim.truth.object_truth import Truth
+from sim.truth.scene_file import Pose, Scene, SceneObject, load_scene
 
 if TYPE_CHECKING:
-    from sim.trace import Trace
+    from sim.traces.trace import Trace
 
 SHIFT, TURN = 0.010, 10.0
 """Largest shift of an object along x and y [m], and largest turn [degrees]."""

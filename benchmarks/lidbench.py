@@ -1,7 +1,8 @@
 """An object with a lid alone on a table in Drake, and what opens it: a fingertip, a pull, a turn.
 
 The fingertip is a sphere on springs that goes where it is told and does not turn; pulls and turns
-are forces on the lid itself. The lids are those of the simulated world (`sim.lids`).
+are forces on the lid itself. The lids are those of the simulated world
+(`sim.worlds.drake.lid_mechanics`).
 """
 
 from __future__ import annotations
@@ -15,12 +16,18 @@ import numpy as np
 from benchmarks.drake_strokes import add_tip
 from objectmodels import lids
 from objectmodels.parts import FlipLid
-from sim.hand import TIP_RADIUS
-from sim.lidbodies import add_lid, filter_lids
-from sim.lids import Lids
-from sim.plant import Standing, add_object, add_table, filter_collisions, initial_pose
+from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.rotations import Array
-from sim.scene import Scene, SceneObject
+from sim.truth.scene_file import Scene, SceneObject
+from sim.worlds.drake.drake_plant import (
+    Standing,
+    add_object,
+    add_table,
+    filter_collisions,
+    initial_pose,
+)
+from sim.worlds.drake.lid_bodies import add_lid, filter_lids
+from sim.worlds.drake.lid_mechanics import Lids
 
 if TYPE_CHECKING:
     from pydrake.multibody.plant import MultibodyPlant
@@ -42,7 +49,7 @@ class Opened(NamedTuple):
     """What became of a lid and its object.
 
     Attributes:
-        lid: how far it was opened, as in `sim.trace.Trace.lids`.
+        lid: how far it was opened, as in `sim.traces.trace.Trace.lids`.
         tilt: largest tilt of the object [rad].
         shift: largest displacement of it [m].
         turn: of it about the vertical [rad].

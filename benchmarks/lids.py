@@ -21,8 +21,8 @@ from benchmarks.goals.worlds import scene
 from benchmarks.lidbench import LidBench
 from objectmodels import CylinderModel, opening
 from objectmodels.parts import FlipLid, Lid, LiftOffLid, ScrewCap
-from sim.scene import Pose, SceneObject, Vision
-from sim.truth import Truth
+from sim.truth.object_truth import Truth
+from sim.truth.scene_file import Pose, SceneObject, Vision
 
 Kind = Literal["flip", "lift_off", "screw"]
 

@@ -23,8 +23,8 @@ from benchmarks.strokes import (
     Stroke,
 )
 from objectmodels.thresholds import GRAVITY
-from sim.hand import TIP_RADIUS
-from sim.scene import Scene
+from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
+from sim.truth.scene_file import Scene
 
 STEP = 2e-3
 FOOT = 1e-3

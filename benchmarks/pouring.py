@@ -3,9 +3,10 @@
 A box, a cylinder or a prism with a round opening somewhere in its top is tilted by a prescribed
 motion over a cylinder that stands on the table: speeding up and slowing down within a fifth of a
 second, its lip shaking by a millimetre, and back upright at the end. The simulated liquid runs out
-step by step, into the cylinder or beside it (`sim.liquid`). The prediction knows shapes, contents
-and aim, and takes the tilting as steady and the lip as still (`objectmodels.pouring`). A share of
-the contents is asked for, by which the prediction picks the tilt.
+step by step, into the cylinder or beside it (`sim.worlds.drake.liquid_transfer`). The prediction
+knows shapes, contents and aim, and takes the tilting as steady and the lip as still
+(`objectmodels.pouring`). A share of the contents is asked for, by which the prediction picks the
+tilt.
 
     python -m benchmarks.pouring [--cases 120] [--seed 0] [--processes 2]
 """
@@ -26,11 +27,11 @@ from objectmodels.base import Polygon
 from objectmodels.parts import Container, Opening
 from objectmodels.pouring import Catch, angle_for, caught, pour
 from objectmodels.vessel import Vessel
-from sim.liquid import Liquid
-from sim.plant import Standing, add_object
 from sim.rotations import Array, axis_rotation
-from sim.scene import Pose, Robot, Scene, SceneObject
-from sim.truth import Truth
+from sim.truth.object_truth import Truth
+from sim.truth.scene_file import Pose, Robot, Scene, SceneObject
+from sim.worlds.drake.drake_plant import Standing, add_object
+from sim.worlds.drake.liquid_transfer import Liquid
 
 PROMISED = 0.03
 """Share of the contents by which a prediction may be wrong."""

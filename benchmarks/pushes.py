@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from objectmodels import BoxModel, PrismModel
 from objectmodels.model import ObjectModel
-from sim.appliedforce import started
+from sim.face_experiment.applied_force import started
 
 Array = NDArray[np.float64]
 

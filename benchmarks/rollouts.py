@@ -41,8 +41,8 @@ from nlcontrol import Controller, Registry
 from planner.plan import Plan, Push
 from planner.reach import ReachAnswer
 from planner.state import WorldState
-from sim.reach import ArmReach
-from sim.scene import Pose, Scene, SceneObject, Vision
+from sim.motion.robot_reach import ArmReach
+from sim.truth.scene_file import Pose, Scene, SceneObject, Vision
 
 OBJECT = "ice tea box"
 START = Pose(x_m=0.55, y_m=-0.08)

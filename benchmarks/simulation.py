@@ -17,7 +17,7 @@ import time
 from nlcontrol import Controller
 from planner.plan import Plan
 from sim import DrakeWorld, load_scene
-from sim.scene import Scene
+from sim.truth.scene_file import Scene
 
 SENTENCE = "push the ice tea box away without toppling it"
 BOXES = 3  # objects of the kitchen that come first

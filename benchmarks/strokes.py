@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels import ObjectModel
-from sim.hand import TIP_RADIUS
-from sim.hands import strongest
-from sim.reach import FINGER_SPREADS
+from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
+from sim.hands.four_finger.pushing_postures import strongest
+from sim.motion.robot_reach import FINGER_SPREADS
 
 Array = NDArray[np.float64]
 Generator = np.random.Generator

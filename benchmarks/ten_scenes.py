@@ -19,7 +19,7 @@ import numpy as np
 
 from nlcontrol import Controller, Registry
 from nlcontrol.result import Result
-from sim.scene import Scene, load_scene
+from sim.truth.scene_file import Scene, load_scene
 
 SENTENCE = "push the ice tea box away without toppling it"
 SPREAD = 0.20

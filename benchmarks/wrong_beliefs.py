@@ -18,7 +18,7 @@ from benchmarks.ten_scenes import SENTENCE
 from nlcontrol import Controller, Registry
 from nlcontrol.result import Result
 from objectmodels import ObjectModel
-from sim.scene import load_scene
+from sim.truth.scene_file import load_scene
 
 OBJECT = "ice tea box"
 FRICTION, MASSES = 0.5, (0.6, 1.4)

@@ -31,7 +31,7 @@ from planner.handling.plan import HandlingPlan
 from planner.plan import Plan, Push, Reached, Refusal
 from planner.reach import Reach, ReachAnswer
 from planner.state import WorldState
-from sim.trace import EndReason, Trace, joined
+from sim.traces.trace import EndReason, Trace, joined
 
 if TYPE_CHECKING:
     from collections.abc import Callable

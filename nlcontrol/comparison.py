@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from nlcontrol import maps
 from objectmodels.outcomemap import OutcomeMap
-from sim.onetouch import Contact, TouchResult, Way
+from sim.face_experiment.face_contact import Contact, TouchResult, Way
 
 BY = {"force": "a force applied directly", "robot": "the robot's finger"}
 """Ways of pushing in words."""

@@ -23,8 +23,8 @@ from nlcontrol.result import Result, with_
 from objectmodels import ModelError, ObjectModel, Registry
 from planner.plan import Plan, Reached, Refusal
 from planner.state import Held, PlanarPose, SeenObject, TableState, WorldState
-from sim.scene import Scene, SceneObject, load_scene
-from sim.vision import beheld, first_frames
+from sim.perception.camera_port import beheld, first_frames
+from sim.truth.scene_file import Scene, SceneObject, load_scene
 
 if TYPE_CHECKING:
     from grammar.parser import Parser
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from planner.handling.plan import HandlingPlan
     from planner.reach import Reach
     from sim import ArmReach, DrakeWorld
-    from sim.trace import Trace
+    from sim.traces.trace import Trace
 
 Progress = Callable[[str, float, str], None]
 """Told of the phase, the simulated time [s] and what happens, while something is executed."""

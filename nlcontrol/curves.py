@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from planner.experiments import Kind
-from sim.reduction import curve
+from sim.exploration.trial_extraction import curve
 from sim.rotations import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from sim.exploration import Touched
+    from sim.exploration.exploration_run import Touched
 
 TELLS: Mapping[Kind, str] = {
     "tilt": "the onset tells weight × lever, the fall the height of the mass",

@@ -36,8 +36,8 @@ if TYPE_CHECKING:
     from objectmodels import ObjectModel
     from objectmodels.identification import Trial
     from planner.state import SeenObject
-    from sim.exploration import Explorer, Touched
-    from sim.trace import Trace
+    from sim.exploration.exploration_run import Explorer, Touched
+    from sim.traces.trace import Trace
 
 CENTRE_OF_MASS = ("com_x", "com_y", "com_z")
 
@@ -138,7 +138,7 @@ class Exploration:
     @property
     def trace(self) -> Trace | None:
         """Everything that happened."""
-        from sim.trace import joined
+        from sim.traces.trace import joined
 
         traces = [t.recording.trace for t in self.touches if t.recording.trace is not None]
         return joined(traces) if traces else None
@@ -172,7 +172,7 @@ def explore(
     Raises:
         ControlError: `not_explorable` if the object cannot be touched so that it shows anything.
     """
-    from sim.exploration import Explorer
+    from sim.exploration.exploration_run import Explorer
 
     before = _standing(controller, name)
     start = before.model if guess is None else guessed(before.model, guess)

@@ -11,7 +11,7 @@ from nlcontrol.exploring import CENTRE_OF_MASS, ExplorationReport
 from nlcontrol.fitting import NAMES, UNITS
 
 if TYPE_CHECKING:
-    from sim.world import DrakeWorld
+    from sim.worlds.drake.drake_world import DrakeWorld
 
 _SCALES = {"m": (1e3, 1, "mm"), "kg": (1.0, 4, "kg"), "": (1.0, 4, "")}
 _COLUMNS = ("mean", "sd", "%", "min", "max", "joint fit", "±", "believed", "truth")
@@ -25,7 +25,7 @@ def with_truth(report: ExplorationReport, world: DrakeWorld) -> ExplorationRepor
         world: in which it was made.
     """
     from objectmodels.support import mean_distance
-    from sim.observer import Observer
+    from sim.truth.observer import Observer
 
     truth = Observer(world.scene).truth(report.object)
     feet = np.array(truth.support)

@@ -31,10 +31,10 @@ from nlcontrol import __version__
 from nlcontrol.errors import error, translated
 from nlcontrol.names import Candidate, called, listed
 from nlcontrol.record import Record
-from sim import appliedforce
-from sim.fingertouch import FingerTouch
-from sim.onetouch import Contact, Touch, TouchResult, Way
-from sim.scene import Scene, SceneObject, built_in_scenes, load_scene
+from sim.face_experiment import applied_force as appliedforce
+from sim.face_experiment.face_contact import Contact, Touch, TouchResult, Way
+from sim.face_experiment.finger_push import FingerTouch
+from sim.truth.scene_file import Scene, SceneObject, built_in_scenes, load_scene
 
 if TYPE_CHECKING:
     from nlcontrol.controller import Controller

@@ -19,11 +19,11 @@ from nlcontrol.learning import Change, Lesson
 from objectmodels.contents import holding, reweighed
 from objectmodels.thresholds import GRAVITY
 from planner.handling.plan import HandlingPlan, LiftUp, PourOut
-from sim.handling.weighing import Weight, weight
+from sim.control.grasping.weighing import Weight, weight
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
-    from sim.trace import EndReason, Trace
+    from sim.traces.trace import EndReason, Trace
 
 TRIED_AGAIN: frozenset[EndReason] = frozenset(
     {

@@ -13,7 +13,7 @@ from nlcontrol.text import known
 from objectmodels.errors import ModelError
 from objectmodels.parameters import UNCERTAIN
 from objectmodels.turning import learned_radius
-from sim.lessons import shown
+from sim.exploration.push_observation import shown
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from objectmodels.identification.update import Update
     from planner.plan import Plan
     from planner.state import SeenObject
-    from sim.trace import EndReason, Trace
+    from sim.traces.trace import EndReason, Trace
 
 CONTRADICTIONS: dict[EndReason, str] = {
     "force": "it did not move with the force that was to be enough",

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from sim.trace import Trace
+    from sim.traces.trace import Trace
 
 Array = NDArray[np.float64]
 

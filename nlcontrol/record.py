@@ -16,7 +16,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from nlcontrol.errors import ControlError, error
-from sim.onetouch import Contact, Moved, TouchResult, Way
+from sim.face_experiment.face_contact import Contact, Moved, TouchResult, Way
 
 FORMAT = "touches/1"
 

@@ -21,7 +21,7 @@ from planner.handling.plan import HandlingPlan
 from planner.plan import DefaultUsed, Plan, Vector3
 from planner.rows import Row
 from planner.state import PlanarPose
-from sim.trace import Trace
+from sim.traces.trace import Trace
 
 ResultStatus = Literal[
     "done", "planned", "answered", "failed", "refused", "not_understood", "unsupported",

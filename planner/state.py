@@ -70,7 +70,8 @@ class SeenObject:
         fragile: whether hand and other objects are to keep well away from it.
         attitude: rotation of B in W, row by row, of one that lies on nothing flat.
         fixed: whether a holder on the table keeps it where it stands.
-        lid: how far its lid is seen to be open, as in `sim.trace.Trace.lids`; None without one.
+        lid: how far its lid is seen to be open, as in `sim.traces.trace.Trace.lids`; None without
+            one.
         lid_at: where the middle of a lid that is off lies in W, its lower side [m]; None if it is
             on, or does not lie level.
     """

@@ -4,14 +4,14 @@ Drake is imported when a world is built, not with this package.
 """
 
 from sim.errors import PictureError, SceneError, SimError
-from sim.execution import execute, watch
-from sim.picture import save_picture
-from sim.reach import ArmReach
-from sim.replay import save_replay
-from sim.scene import Scene, load_scene
-from sim.trace import Trace
-from sim.vision import first_look, seen_colours
-from sim.world import DrakeWorld
+from sim.execution.plan_execution import execute, watch
+from sim.motion.robot_reach import ArmReach
+from sim.perception.camera_port import first_look, seen_colours
+from sim.traces.trace import Trace
+from sim.truth.scene_file import Scene, load_scene
+from sim.views.html_replay import save_replay
+from sim.views.trace_picture import save_picture
+from sim.worlds.drake.drake_world import DrakeWorld
 
 __all__ = [
     "ArmReach",

@@ -27,7 +27,7 @@ from planner.plan import Plan
 
 if TYPE_CHECKING:
     from nlcontrol.result import Step
-    from sim.trace import Trace
+    from sim.traces.trace import Trace
 
 
 class Stage(BaseModel):

@@ -39,7 +39,7 @@ from nlcontrol.checks import require_checkable
 from nlcontrol.errors import ControlError
 from objectmodels import ObjectModel
 from planner.state import WorldState
-from sim.scene import Pose, Scene
+from sim.truth.scene_file import Pose, Scene
 
 Verdict = Literal["confirmed", "unlikely", "unconfirmed", "not looked for"]
 

@@ -27,7 +27,7 @@ from planner.directions import HEADINGS, angle_between, bisector, heading_of, un
 
 if TYPE_CHECKING:
     from planner.plan import Plan
-    from sim.trace import Trace
+    from sim.traces.trace import Trace
 
 _LYING = math.radians(45.0)  # an object that is tilted so far at the end has no heading [rad]
 

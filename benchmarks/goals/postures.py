@@ -8,7 +8,7 @@ what the robot always keeps, else by no distance. Its fingers may press up or do
 they press along the stroke; the robot's by a third. How it gets there, how well it feels the push
 and how much room the joints have is not asked.
 
-Frames: see `sim.stance`.
+Frames: see `sim.motion.arm_configuration`.
 """
 
 from __future__ import annotations
@@ -20,14 +20,20 @@ from numpy.typing import NDArray
 
 from benchmarks.strokes import Array, Generator, Stroke
 from planner.state import WorldState
-from sim import arm, spheres
-from sim.hand import FINGER_LIMITS, RESTING, Posture, two_finger_postures
-from sim.hands import quality
-from sim.reach import FINGER_SPREADS
+from sim.arms.lwr import lwr_kinematics as arm
+from sim.collision import collision_spheres as spheres
+from sim.collision.collision_scene import FRAGILE_CLEARANCE
+from sim.hands.four_finger.hand_kinematics import (
+    FINGER_LIMITS,
+    RESTING,
+    Posture,
+    two_finger_postures,
+)
+from sim.hands.four_finger.pushing_postures import quality
+from sim.motion.arm_configuration import Mount
+from sim.motion.robot_reach import FINGER_SPREADS
 from sim.rotations import rot_x, rot_y, rot_z
-from sim.scene import Robot, Vision
-from sim.scenery import FRAGILE_CLEARANCE
-from sim.stance import Mount
+from sim.truth.scene_file import Robot, Vision
 
 UNSEEN = Vision().position_noise_m
 """A distance that no single look tells from none [m]."""

@@ -37,8 +37,8 @@ from planner.defaults import DEFAULTS
 from planner.directions import HEADINGS, bisector
 from planner.footprints import footprint, gap, overlaps
 from planner.state import PlanarPose, SeenObject, TableState
-from sim.scene import Scene
-from sim.trace import ContactEvent, Trace
+from sim.traces.trace import ContactEvent, Trace
+from sim.truth.scene_file import Scene
 
 QUICK = 0.10
 """Speed of strokes [m/s]."""

@@ -34,7 +34,7 @@ from planner.plan import Aim
 from planner.refusals import RefusedError
 from planner.state import SeenObject, WorldState
 from planner.ways import obliqueness
-from sim.reach import ArmReach
+from sim.motion.robot_reach import ArmReach
 
 TABLE = ((0.36, 0.80), (-0.45, 0.45))
 """Where objects may be sent: least and largest x and y [m]."""

@@ -25,7 +25,7 @@ from nlcontrol import Controller
 from nlcontrol.errors import ControlError
 from objectmodels import CylinderModel, ObjectModel
 from planner.state import WorldState
-from sim.scene import Scene
+from sim.truth.scene_file import Scene
 
 Kind = Literal["displace", "place", "rotate", "tilt", "topple", "until", "steps"]
 KINDS: tuple[Kind, ...] = get_args(Kind)

@@ -20,9 +20,17 @@ import numpy as np
 from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel, Registry
 from planner.footprints import footprint, overlaps
 from planner.state import PlanarPose, SeenObject
-from sim.reach import ArmReach
-from sim.scene import Pose, Robot, Scene, SceneObject, Vision, built_in_scenes, load_scene
-from sim.truth import Truth
+from sim.motion.robot_reach import ArmReach
+from sim.truth.object_truth import Truth
+from sim.truth.scene_file import (
+    Pose,
+    Robot,
+    Scene,
+    SceneObject,
+    Vision,
+    built_in_scenes,
+    load_scene,
+)
 
 Generator = np.random.Generator
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from nlcontrol.errors import ErrorInfo
     from objectmodels import ObjectModel
     from planner.state import TableState
-    from sim.trace import Trace
+    from sim.traces.trace import Trace
 
 __all__ = ["Check", "check", "not_held", "require_checkable"]
 

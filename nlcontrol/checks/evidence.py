@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from objectmodels import ObjectModel
     from planner.defaults import Defaults
     from planner.state import TableState
-    from sim.trace import Trace
+    from sim.traces.trace import Trace
 
 LEVEL = np.radians(15.0)
 """What is tilted by less than this stands on its base, or leans; more may lie on another face."""

@@ -14,7 +14,7 @@ from nlcontrol.checks.verdicts import Check, named
 
 if TYPE_CHECKING:
     from nlcontrol.checks.evidence import Evidence
-    from sim.trace import Trace
+    from sim.traces.trace import Trace
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ def command(scene: str, settings: Settings, as_json: bool) -> int:
     from nlcontrol.errors import translated
     from planner.settings import changed, table
     from planner.settings import settings as listed
-    from sim.scene import load_scene
+    from sim.truth.scene_file import load_scene
 
     with translated():
         found = changed(load_scene(scene).defaults, dict(settings))

@@ -118,7 +118,7 @@ def _own_models() -> Finding:
 
 def _scenes() -> str:
     from nlcontrol.controller import Controller
-    from sim.scene import built_in_scenes
+    from sim.truth.scene_file import built_in_scenes
 
     names = built_in_scenes()
     for name in names:

@@ -16,7 +16,7 @@ from nlcontrol.errors import OK
 if TYPE_CHECKING:
     from nlcontrol.exploring import Told
     from objectmodels import ObjectModel
-    from sim.exploration import Touched
+    from sim.exploration.exploration_run import Touched
 
 _File = click.Path(dir_okay=False, path_type=Path)
 

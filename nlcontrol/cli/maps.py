@@ -24,7 +24,7 @@ from nlcontrol.errors import OK
 if TYPE_CHECKING:
     from nlcontrol.comparison import Comparison
     from objectmodels.outcomemap import OutcomeMap
-    from sim.onetouch import Way
+    from sim.face_experiment.face_contact import Way
 
 _File = click.Path(dir_okay=False, path_type=Path)
 _PICTURES = (".png", ".svg", ".pdf")

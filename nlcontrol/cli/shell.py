@@ -154,7 +154,7 @@ class Interruptible:
 
     def __call__(self, phase: str, time: float, text: str) -> None:
         """Takes one report of the simulation."""
-        from sim.touch import EarlyEndError
+        from sim.control.pushing.guarded_touch import EarlyEndError
 
         self._narrate(phase, time, text)
         self._moved = True

@@ -69,7 +69,7 @@ def controller_of(scene: str, seed: int, settings: Settings) -> Controller:
     from nlcontrol.controller import Controller
     from nlcontrol.errors import translated
     from planner.settings import changed
-    from sim.scene import load_scene
+    from sim.truth.scene_file import load_scene
 
     with translated():
         loaded = load_scene(scene)

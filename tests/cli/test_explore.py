@@ -171,7 +171,7 @@ def test_mistakes_are_explained_before_anything_is_touched(
     words: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sim.exploration.probe", pytest.fail)
+    monkeypatch.setattr("sim.exploration.exploration_run.probe", pytest.fail)
     found_status, found, _ = answer(capsys, "explore", *args)
     assert (found_status, found["error"]["code"]) == (status, code)
     assert words in json.dumps(found["error"], ensure_ascii=False)

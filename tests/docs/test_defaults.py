@@ -41,7 +41,7 @@ def test_every_default_is_explained_in_its_unit() -> None:
 
 
 def test_the_scene_of_the_guide() -> None:
-    from sim.scene import parse_scene
+    from sim.truth.scene_file import parse_scene
 
     set_there = {"distance_m": 0.15, "turn_deg": 45, "speed_m_s": 0.03}
     assert parse_scene(SCENE + _block("yaml")).defaults == changed(DEFAULTS, set_there)

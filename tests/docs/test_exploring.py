@@ -21,7 +21,8 @@ from objectmodels.identification.fit import MOST_DROPPED, OUTLIER
 from objectmodels.identification.update import SURPRISING
 from planner import experiments
 from planner.defaults import DEFAULTS
-from sim import probing, touch
+from sim.control.pushing import guarded_touch as touch
+from sim.exploration import probe_control as probing
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "exploring.md").read_text(encoding="utf-8")
 PLAIN = " ".join(GUIDE.split())

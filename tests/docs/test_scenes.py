@@ -10,7 +10,8 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from sim import DrakeWorld
-from sim.scene import (
+from sim.truth.object_truth import Truth
+from sim.truth.scene_file import (
     FrictionVariation,
     Hidden,
     JointSensor,
@@ -24,7 +25,6 @@ from sim.scene import (
     load_scene,
     parse_scene,
 )
-from sim.truth import Truth
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "scenes.md").read_text(encoding="utf-8")
 

@@ -9,7 +9,7 @@ from nlcontrol import Controller
 from nlcontrol.exploring import Exploration, explore
 from objectmodels.outcomemap import outcome_map
 from sim import load_scene
-from sim.exploration import Explorer, Touched
+from sim.exploration.exploration_run import Explorer, Touched
 
 NAME = "ice tea box"
 GAIN = 0.05

@@ -10,9 +10,9 @@ import pytest
 from nlcontrol import Controller
 from planner.plan import Plan
 from sim import DrakeWorld, Trace, load_scene
-from sim.chance import Stream, source
-from sim.scene import FrictionVariation, Scene
-from sim.truth import Truth
+from sim.random_streams import Stream, source
+from sim.truth.object_truth import Truth
+from sim.truth.scene_file import FrictionVariation, Scene
 
 pytestmark = pytest.mark.slow
 

@@ -10,7 +10,7 @@ import pytest
 from benchmarks.lidbench import LidBench
 from benchmarks.lids import Case, drawn, run
 from objectmodels.parts import FlipLid, Lid, LiftOffLid, ScrewCap
-from sim.scene import Scene, load_scene
+from sim.truth.scene_file import Scene, load_scene
 
 G = 9.81
 

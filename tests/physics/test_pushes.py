@@ -11,7 +11,7 @@ import pytest
 from objectmodels import ObjectModel, Registry
 from planner.plan import Limits, Margins, Plan, Prediction, Push
 from sim import DrakeWorld, Trace, execute, load_scene
-from sim.scene import Pose, Scene
+from sim.truth.scene_file import Pose, Scene
 
 GRAVITY = 9.81
 CLEAR = Limits(clear_of=(("coffee box", 0.02),))

@@ -11,9 +11,9 @@ from objectmodels import Registry
 from objectmodels.turning import TurningPush, best_turn
 from planner.plan import Limits, Margins, Plan, Prediction, Push
 from sim import ArmReach, DrakeWorld, Trace, execute, load_scene
+from sim.execution.push_execution import JOINT_SPEED, Trip, silent
 from sim.rotations import Array, rot_z
-from sim.scene import Scene
-from sim.trip import JOINT_SPEED, Trip, silent
+from sim.truth.scene_file import Scene
 
 HEIGHT = 0.03
 

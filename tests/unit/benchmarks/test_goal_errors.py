@@ -13,7 +13,7 @@ from benchmarks.goals.final import final
 from grammar import frames as g
 from grammar.parser import parser_for
 from planner.plan import Aim, Margins, Plan, Prediction, Push
-from sim.trace import Trace
+from sim.traces.trace import Trace
 
 BOX = "ice tea box"
 PUSH = Push(

@@ -8,7 +8,7 @@ from benchmarks.goals.sense import sensible, tips
 from benchmarks.goals.worlds import as_believed, scene, standing
 from nlcontrol import Controller, Registry
 from planner.state import WorldState
-from sim.scene import Pose, SceneObject, Vision
+from sim.truth.scene_file import Pose, SceneObject, Vision
 
 REGISTRY = Registry.built_in()
 

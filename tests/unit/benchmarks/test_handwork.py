@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.handwork import APART, FILLED, SHIFT, TASKS, TURN, Done, Job, table, world
 from nlcontrol import Controller, Registry
-from sim.scene import load_scene
+from sim.truth.scene_file import load_scene
 
 SEEDS = range(5)
 ROUNDING = 1e-9

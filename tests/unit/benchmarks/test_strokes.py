@@ -14,8 +14,8 @@ from benchmarks.strokes import BEFORE, Stroke, at, heading_of, upright
 from nlcontrol import Controller, Registry
 from objectmodels.faces import Face
 from planner.state import PlanarPose, SeenObject, WorldState
-from sim.hand import TIP_RADIUS
-from sim.scene import SceneObject
+from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
+from sim.truth.scene_file import SceneObject
 
 MODEL = Registry.built_in().get(OBJECT)
 

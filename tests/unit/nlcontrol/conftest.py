@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from objectmodels import BoxModel
 from planner.plan import Plan
-from sim.trace import ContactEvent, EndReason, Trace
+from sim.traces.trace import ContactEvent, EndReason, Trace
 from tests.unit.nlcontrol.pushes import Happens, TraceMaker, stuck
 
 RATE = 100.0

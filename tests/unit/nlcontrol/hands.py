@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.trace import EndReason, Trace
+from sim.traces.trace import EndReason, Trace
 
 RATE = 100  # samples in a second
 

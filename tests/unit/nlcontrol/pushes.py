@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from nlcontrol import Controller
 from planner.plan import Plan
 from planner.state import PlanarPose
-from sim.trace import Trace
-from sim.vision import Frame, SeenPose
+from sim.perception.camera_port import Frame, SeenPose
+from sim.traces.trace import Trace
 
 TraceMaker = Callable[..., Trace]
 Happens = Callable[[Plan], Trace]

@@ -15,7 +15,7 @@ from nlcontrol.carrying import Untried
 from planner.defaults import DEFAULTS
 from planner.directions import angle_between
 from planner.plan import Plan
-from sim.trace import EndReason, Trace
+from sim.traces.trace import EndReason, Trace
 from tests.unit.nlcontrol.pushes import BOX, Happens, Stage, TraceMaker
 from tests.unit.planner.conftest import RuledReach
 

@@ -12,7 +12,7 @@ from nlcontrol import comparison
 from nlcontrol.comparison import Comparison, contacts_of, told
 from objectmodels import BoxModel
 from objectmodels.outcomemap import OutcomeMap, outcome_map
-from sim.onetouch import TouchResult, Way
+from sim.face_experiment.face_contact import TouchResult, Way
 
 CRATE = BoxModel(name="crate", size=(0.1, 0.1, 0.2), mass=1.0, friction=0.4, support="corners")
 CHART = outcome_map(CRATE, CRATE.faces()[0], spacing=0.01)

@@ -20,7 +20,7 @@ from planner.defaults import DEFAULTS
 from planner.directions import angle_between
 from planner.plan import Plan
 from planner.state import PlanarPose, SeenObject, WorldState
-from sim.trace import Trace
+from sim.traces.trace import Trace
 from tests.unit.nlcontrol.pushes import BOX, FORWARDS, Happens, Stage
 
 AWAY = "push the coffee box away"

@@ -16,8 +16,8 @@ from nlcontrol.errors import ControlError
 from nlcontrol.faceexperiment import FaceExperiment, standing
 from nlcontrol.record import Record
 from sim import SimError, load_scene
-from sim.onetouch import Contact, TouchResult, Way
-from sim.scene import Scene
+from sim.face_experiment.face_contact import Contact, TouchResult, Way
+from sim.truth.scene_file import Scene
 
 SCENE = load_scene("kitchen")
 CONTACTS = [

@@ -12,7 +12,7 @@ from grammar import frames as g
 from nlcontrol import Controller
 from nlcontrol.checks import Check, not_held, require_checkable
 from planner.defaults import DEFAULTS
-from sim.trace import ContactEvent, Trace
+from sim.traces.trace import ContactEvent, Trace
 from tests.unit.nlcontrol.hands import hand_trace, over_time
 
 CARTON, MUG, CUP = (g.ObjectRef(text=n, id=n) for n in ("ice tea", "mug", "ice tea cup"))

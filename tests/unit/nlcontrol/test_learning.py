@@ -24,7 +24,7 @@ from objectmodels.parameters import UNCERTAIN
 from objectmodels.turning import turning
 from planner.plan import Plan
 from planner.state import SeenObject
-from sim.trace import EndReason, Trace
+from sim.traces.trace import EndReason, Trace
 from tests.unit.nlcontrol.pushes import TraceMaker, stuck
 
 BELIEF = BoxModel(

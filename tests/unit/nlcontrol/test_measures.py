@@ -11,7 +11,7 @@ import pytest
 
 from nlcontrol import measures
 from objectmodels import BoxModel
-from sim.trace import Trace, joined
+from sim.traces.trace import Trace, joined
 from tests.unit.nlcontrol.pushes import seen
 
 TraceMaker = Callable[..., Trace]

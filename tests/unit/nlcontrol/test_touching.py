@@ -13,7 +13,7 @@ from nlcontrol import Controller
 from nlcontrol.errors import ControlError
 from nlcontrol.touching import EVERYTHING, unknown, wanted
 from objectmodels import BoxModel
-from sim.recording import Recording
+from sim.exploration.touch_recording import Recording
 
 
 @pytest.fixture
@@ -104,7 +104,7 @@ def test_touches_that_show_nothing_are_told(
         pose = state.objects[experiment.push.object].pose
         return Recording.nothing(experiment, "unreachable", "the arm does not reach", pose)
 
-    monkeypatch.setattr("sim.exploration.probe", probe)
+    monkeypatch.setattr("sim.exploration.exploration_run.probe", probe)
     result = kitchen.say("find out how heavy the ice tea box is")
     assert (result.status, result.exit_status) == ("refused", 4)
     assert result.error is not None

@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.wrong_beliefs import OBJECT, believed, run
 from nlcontrol.result import Result
-from sim.scene import load_scene
+from sim.truth.scene_file import load_scene
 
 SEED = 0
 

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel
-from sim import appliedforce, load_scene
-from sim.chance import Stream, source
-from sim.hidden import drawn
-from sim.onetouch import Contact, TouchResult, Vector
-from sim.scene import FrictionVariation, Hidden, Scene
-from sim.surfaces import FrictionField
+from sim import load_scene
+from sim.face_experiment import applied_force as appliedforce
+from sim.face_experiment.face_contact import Contact, TouchResult, Vector
+from sim.random_streams import Stream, source
+from sim.truth.scene_file import FrictionVariation, Hidden, Scene
+from sim.truth.world_sampling import drawn
+from sim.worlds.drake.world_variation import FrictionField
 
 SCENE = load_scene("kitchen")
 ICE_TEA, CEREAL = "ice tea box", "cereal box"

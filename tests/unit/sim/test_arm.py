@@ -11,10 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from sim import arm, hand
-from sim.plant import Plant, add_plant
-from sim.scene import load_scene
-from sim.stance import Mount
+from sim.arms.lwr import lwr_kinematics as arm
+from sim.hands.four_finger import hand_kinematics as hand
+from sim.motion.arm_configuration import Mount
+from sim.truth.scene_file import load_scene
+from sim.worlds.drake.drake_plant import Plant, add_plant
 
 # Both sides compute a few dozen products of numbers of order one.
 ROUNDING = 1e-12
@@ -29,8 +30,11 @@ def model() -> Plant:
     return add_plant(DiagramBuilder(), load_scene("kitchen"))
 
 
+_FOLDERS = {"lwr_arm": "arms/lwr", "four_finger_hand": "hands/four_finger"}
+
+
 def _urdf(name: str) -> ET.Element:
-    text = (resources.files("sim") / "robots" / f"{name}.urdf").read_text("utf-8")
+    text = (resources.files("sim") / _FOLDERS[name] / f"{name}.urdf").read_text("utf-8")
     return ET.fromstring(text)
 
 

@@ -9,8 +9,8 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from sim import load_scene
-from sim.contacts import APART, ContactWatch
-from sim.plant import add_plant
+from sim.worlds.drake.contact_watch import APART, ContactWatch
+from sim.worlds.drake.drake_plant import add_plant
 
 
 class _Kitchen:

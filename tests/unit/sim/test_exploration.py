@@ -13,9 +13,9 @@ from planner.experiments import Experiment, Kind, expected
 from planner.plan import FaceName
 from planner.state import PlanarPose, SeenObject, WorldState
 from sim import ArmReach, load_scene
-from sim.exploration import OPPOSITE, SPIRAL, Explorer, Touched
-from sim.recording import Recording
-from sim.trace import EndReason
+from sim.exploration.exploration_run import OPPOSITE, SPIRAL, Explorer, Touched
+from sim.exploration.touch_recording import Recording
+from sim.traces.trace import EndReason
 
 BOX = "ice tea box"
 MODEL = Registry.built_in().get(BOX)
@@ -35,8 +35,8 @@ class Hand:
         self.fails = fails or {}
         self.tried: list[Experiment] = []
         self.learned: list[Touched] = []
-        monkeypatch.setattr("sim.exploration.probe", self.probe)
-        monkeypatch.setattr("sim.exploration.trials", self.trials)
+        monkeypatch.setattr("sim.exploration.exploration_run.probe", self.probe)
+        monkeypatch.setattr("sim.exploration.exploration_run.trials", self.trials)
         self.explorer = Explorer(
             BOX, None, lambda: STATE, reach=REACH, learn=self.learned.append  # type: ignore[arg-type]
         )  # fmt: skip

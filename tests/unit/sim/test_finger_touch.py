@@ -8,10 +8,11 @@ import pickle
 import pytest
 
 from nlcontrol.controller import Controller
-from sim import appliedforce, load_scene
-from sim.fingertouch import FingerTouch
-from sim.onetouch import Contact
-from sim.scene import Scene
+from sim import load_scene
+from sim.face_experiment import applied_force as appliedforce
+from sim.face_experiment.face_contact import Contact
+from sim.face_experiment.finger_push import FingerTouch
+from sim.truth.scene_file import Scene
 
 SCENE = load_scene("kitchen")
 BELIEVED = Controller(SCENE).models

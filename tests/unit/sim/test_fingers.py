@@ -10,9 +10,9 @@ import pytest
 from numpy.typing import NDArray
 
 from sim import load_scene
-from sim.fingers import feel
-from sim.hand import TIP_RADIUS, Angles, finger_points
-from sim.stance import Mount
+from sim.hands.four_finger.hand_kinematics import TIP_RADIUS, Angles, finger_points
+from sim.motion.arm_configuration import Mount
+from sim.perception.fingertip_sensing import feel
 
 
 @dataclass

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from sim import DrakeWorld, load_scene
-from sim.hidden import drawn
-from sim.scene import Hidden, Scene
-from sim.truth import Truth
+from sim.truth.object_truth import Truth
+from sim.truth.scene_file import Hidden, Scene
+from sim.truth.world_sampling import drawn
 
 SPREAD = Hidden(mass=0.10, friction=0.15, finger_friction=0.05, centre_of_mass_m=0.002)
 

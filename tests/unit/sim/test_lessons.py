@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from objectmodels import BoxModel
 from planner.plan import Push
 from planner.state import PlanarPose, SeenObject
-from sim.lessons import EVEN, FORCE_SD, shown
-from sim.trace import EndReason, Trace
+from sim.exploration.push_observation import EVEN, FORCE_SD, shown
+from sim.traces.trace import EndReason, Trace
 
 BOX = BoxModel(
     name="box", size=(0.09, 0.09, 0.23), mass=1.0, friction=0.4, com=(0.002, 0.004, 0.08)

@@ -11,13 +11,13 @@ import pytest
 from nlcontrol import Controller
 from planner.state import SeenObject
 from sim import DrakeWorld, SceneError, load_scene, save_replay
-from sim.recorder import Recorder
+from sim.control.trace_recorder import Recorder
+from sim.motion.arm_configuration import Mount
+from sim.perception.camera_port import VisionPort, averaged_lids, beheld, first_frames, lids_in
 from sim.rotations import rot_x
-from sim.scene import Scene, parse_scene
-from sim.stage import Stage
-from sim.stance import Mount
-from sim.trace import Trace, joined
-from sim.vision import VisionPort, averaged_lids, beheld, first_frames, lids_in
+from sim.traces.trace import Trace, joined
+from sim.truth.scene_file import Scene, parse_scene
+from sim.views.trace_scene import Stage
 
 LIDS = {"jar", "fixed bottle", "free bottle", "ice tea cup"}
 

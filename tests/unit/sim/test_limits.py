@@ -10,10 +10,10 @@ import pytest
 from objectmodels import Registry
 from planner.plan import Limits, Push
 from planner.state import PlanarPose, SeenObject, WorldState
-from sim.limits import End, LimitGuards
+from sim.control.pushing.clause_guards import End, LimitGuards
+from sim.perception.camera_port import Frame, SeenPose
 from sim.rotations import Array, rot_y, rot_z
-from sim.scene import Vision
-from sim.vision import Frame, SeenPose
+from sim.truth.scene_file import Vision
 
 PERIOD = 0.01
 SPEED = 0.03

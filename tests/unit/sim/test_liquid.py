@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from benchmarks.pouring import Prescribed
 from objectmodels.pouring import Catch, caught, pour
 from sim.errors import SceneError
-from sim.liquid import Liquid
-from sim.scene import parse_scene
-from sim.world import DrakeWorld
+from sim.truth.scene_file import parse_scene
+from sim.worlds.drake.drake_world import DrakeWorld
+from sim.worlds.drake.liquid_transfer import Liquid
 
 Array = NDArray[np.float64]
 

@@ -9,9 +9,9 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 from objectmodels.vessel import Vessel
-from sim.liquidview import Part, parts, triangles
-from sim.scene import parse_scene
-from sim.trace import Trace
+from sim.traces.trace import Trace
+from sim.truth.scene_file import parse_scene
+from sim.views.liquid_view import Part, parts, triangles
 from tests.unit.sim.test_liquid import FORWARDS, FULL, SCENE, Moved
 
 Array = NDArray[np.float64]

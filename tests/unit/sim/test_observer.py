@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim import load_scene
-from sim.observer import BOUND, Observer
+from sim.truth.observer import BOUND, Observer
 
 SCENE = load_scene("kitchen")
 BOX = "ice tea box"  # 0.09 m deep and wide

@@ -12,10 +12,10 @@ from objectmodels import Registry
 from planner.experiments import Experiment, Kind, experiments
 from planner.state import PlanarPose, SeenObject, WorldState
 from sim import ArmReach, DrakeWorld, load_scene
-from sim.probing import probe
-from sim.recording import Recording
-from sim.reduction import trials
-from sim.scene import Scene
+from sim.exploration.probe_control import probe
+from sim.exploration.touch_recording import Recording
+from sim.exploration.trial_extraction import trials
+from sim.truth.scene_file import Scene
 
 BOX = "ice tea box"
 REACH = ArmReach(load_scene("kitchen"))

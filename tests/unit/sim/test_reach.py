@@ -13,11 +13,11 @@ from planner.plan import Push
 from planner.reach import ReachAnswer
 from planner.state import PlanarPose, SeenObject, WorldState
 from sim import ArmReach, load_scene
-from sim.hand import FINGER_JOINTS, FINGERS
-from sim.scene import Scene
-from sim.spheres import arm_spheres, distance_to_box, hand_spheres
-from sim.stance import Stance, UnreachableError
-from sim.way import Way
+from sim.collision.collision_spheres import arm_spheres, distance_to_box, hand_spheres
+from sim.hands.four_finger.hand_kinematics import FINGER_JOINTS, FINGERS
+from sim.motion.arm_configuration import Stance, UnreachableError
+from sim.paths.fingertip_path import Way
+from sim.truth.scene_file import Scene
 
 FACES = {"front": (-1.0, 0.0), "back": (1.0, 0.0), "left": (0.0, 1.0), "right": (0.0, -1.0)}
 
@@ -91,7 +91,7 @@ def test_the_way_is_free_by_drakes_own_distances(
 ) -> None:
     from pydrake.systems.framework import DiagramBuilder
 
-    from sim.plant import add_plant
+    from sim.worlds.drake.drake_plant import add_plant
 
     state = _believed(scene)
     push = _push(state, name, face, height, fingers=fingers)
@@ -200,8 +200,8 @@ def test_spheres_cover_the_collision_shapes() -> None:
     from pydrake.geometry import Role
     from pydrake.systems.framework import DiagramBuilder
 
-    from sim.plant import add_plant
-    from sim.stance import Mount
+    from sim.motion.arm_configuration import Mount
+    from sim.worlds.drake.drake_plant import add_plant
 
     scene = load_scene("kitchen")
     model = add_plant(DiagramBuilder(), scene)

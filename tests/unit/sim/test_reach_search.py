@@ -13,14 +13,28 @@ from planner.directions import face_name
 from planner.plan import Push
 from planner.reach import ReachAnswer
 from planner.state import PlanarPose, SeenObject, WorldState
-from sim import ArmReach, load_scene, spheres
-from sim.hand import EFFORT, FINGER_LIMITS, FINGERS, JOINT_STIFFNESS, TIP_RADIUS, finger_jacobian
-from sim.hands import hands, strongest
-from sim.reachmap import reach_map
-from sim.scenery import FRAGILE_CLEARANCE, LEAST_CLEARANCE, OBJECT_CLEARANCE, SPARE, Obstacle
-from sim.stance import Stance
-from sim.transit import along
-from sim.way import Way
+from sim import ArmReach, load_scene
+from sim.collision import collision_spheres as spheres
+from sim.collision.collision_scene import (
+    FRAGILE_CLEARANCE,
+    LEAST_CLEARANCE,
+    OBJECT_CLEARANCE,
+    SPARE,
+    Obstacle,
+)
+from sim.hands.four_finger.hand_kinematics import (
+    EFFORT,
+    FINGER_LIMITS,
+    FINGERS,
+    JOINT_STIFFNESS,
+    TIP_RADIUS,
+    finger_jacobian,
+)
+from sim.hands.four_finger.pushing_postures import hands, strongest
+from sim.motion.arm_configuration import Stance
+from sim.motion.reachability_map import reach_map
+from sim.motion.roadmap import along
+from sim.paths.fingertip_path import Way
 
 REGISTRY = Registry.built_in()
 REACH = ArmReach(load_scene("kitchen"))

@@ -12,10 +12,10 @@ from objectmodels import BoxModel
 from planner.experiments import Experiment, experiments
 from planner.state import PlanarPose, SeenObject
 from sim import ArmReach, load_scene
-from sim.arc import Arc
-from sim.hand import TIP_RADIUS
-from sim.recording import Recording
-from sim.reduction import curve, trials
+from sim.exploration.touch_recording import Recording
+from sim.exploration.trial_extraction import curve, trials
+from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
+from sim.paths.tilt_arc import Arc
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ import pytest
 
 from planner.defaults import DEFAULTS
 from sim import SceneError, load_scene
-from sim.scene import built_in_scenes, parse_scene
+from sim.truth.scene_file import built_in_scenes, parse_scene
 
 SCENE = """
 version: 1

@@ -12,10 +12,10 @@ from objectmodels import Registry
 from planner.plan import Push
 from planner.state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
+from sim.collision.collision_scene import FRAGILE_CLEARANCE, OBJECT_CLEARANCE, Obstacle, Scenery
+from sim.collision.collision_spheres import distance_to_cylinder, distance_to_prism
+from sim.execution.push_execution import Trip, silent
 from sim.rotations import rot_y
-from sim.scenery import FRAGILE_CLEARANCE, OBJECT_CLEARANCE, Obstacle, Scenery
-from sim.spheres import distance_to_cylinder, distance_to_prism
-from sim.trip import Trip, silent
 
 REGISTRY = Registry.built_in()
 CAN, TEA = REGISTRY.get("soup can"), REGISTRY.get("ice tea box")

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.hand import FINGERS
-from sim.scene import JointSensor, TorqueSensor, Vision
-from sim.sensors import JointReadings, TorqueReadings
-from sim.vision import VisionPort, mean_pose
+from sim.hands.four_finger.hand_kinematics import FINGERS
+from sim.perception.camera_port import VisionPort, mean_pose
+from sim.truth.scene_file import JointSensor, TorqueSensor, Vision
+from sim.worlds.sensor_noise import JointReadings, TorqueReadings
 
 PERIOD = 0.01
 TRUE = np.array([0.30, -0.10, 0.05])

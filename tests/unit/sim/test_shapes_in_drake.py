@@ -7,7 +7,7 @@ import pytest
 
 from sim import DrakeWorld, load_scene
 from sim.errors import SceneError
-from sim.scene import Scene, parse_scene
+from sim.truth.scene_file import Scene, parse_scene
 
 HEAD = """\
 version: 1
@@ -79,7 +79,7 @@ def test_the_solids_in_drake_are_those_of_the_scene(world: DrakeWorld) -> None:
     from pydrake.geometry import Convex, Cylinder
     from pydrake.systems.framework import DiagramBuilder
 
-    from sim.plant import add_plant
+    from sim.worlds.drake.drake_plant import add_plant
 
     made = add_plant(DiagramBuilder(), load_scene("counter"))
     inspector = made.scene_graph.model_inspector()

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from sim.picture import _moments
-from sim.stage import view
-from sim.trace import Array, Trace
+from sim.traces.trace import Array, Trace
+from sim.views.trace_picture import _moments
+from sim.views.trace_scene import view
 
 AT, OFF = np.array([0.45, 0.0, 0.2]), np.array([-0.8, -1.15, 0.4])
 N = 40

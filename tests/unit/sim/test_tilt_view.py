@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.tiltview import TiltView
+from sim.control.pushing.tilt_estimator import TiltView
 
 NOISE = np.radians(1.0)
 PERIOD, FRAME, DELAY = 0.01, 1.0 / 30.0, 0.05

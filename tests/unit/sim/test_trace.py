@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim.trace import ContactEvent, Trace, joined
+from sim.traces.trace import ContactEvent, Trace, joined
 
 N = 40
 

@@ -7,8 +7,8 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
-from sim import arm
-from sim.transit import LIMIT_MARGIN, along, drawn_places, free_way
+from sim.arms.lwr import lwr_kinematics as arm
+from sim.motion.roadmap import LIMIT_MARGIN, along, drawn_places, free_way
 
 Array = NDArray[np.float64]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sim.control.pushing.turn_estimator import TurnedObject, TurnKeeper
+from sim.perception.camera_port import SeenPose
 from sim.rotations import Array, rot_z
-from sim.turnkeeper import TurnedObject, TurnKeeper
-from sim.vision import SeenPose
 
 RADIUS = 0.010
 INWARD = np.array([1.0, 0.0])

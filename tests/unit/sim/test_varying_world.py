@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sim.chance import Stream, source
-from sim.contents import ShiftingContents
-from sim.hand import FINGER_JOINTS, RESTING
-from sim.plant import Plant, add_plant
-from sim.scene import FrictionVariation, Scene, Table, parse_scene
-from sim.surfaces import FrictionField, VaryingFriction
+from sim.hands.four_finger.hand_kinematics import FINGER_JOINTS, RESTING
+from sim.random_streams import Stream, source
+from sim.truth.scene_file import FrictionVariation, Scene, Table, parse_scene
+from sim.worlds.drake.contents import ShiftingContents
+from sim.worlds.drake.drake_plant import Plant, add_plant
+from sim.worlds.drake.world_variation import FrictionField, VaryingFriction
 
 GRAVITY = 9.81
 PERIOD = 0.01

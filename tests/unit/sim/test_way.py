@@ -9,11 +9,11 @@ from objectmodels import Registry
 from planner.plan import Push
 from planner.state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
-from sim.hand import TIP_RADIUS
-from sim.reach import ArmReach
+from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
+from sim.motion.arm_configuration import Mount, Stance
+from sim.motion.robot_reach import ArmReach
+from sim.paths.fingertip_path import Way
 from sim.rotations import rot_z
-from sim.stance import Mount, Stance
-from sim.way import Way
 
 SLANT = np.radians(30.0)
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from sim import DrakeWorld, PictureError, first_look, load_scene, save_picture, save_replay
-from sim.hand import JOINT_NAMES
-from sim.picture import missing_libraries
-from sim.scene import TorqueSensor
-from sim.stage import samples
-from sim.trace import Trace
+from sim.hands.four_finger.hand_kinematics import JOINT_NAMES
+from sim.traces.trace import Trace
+from sim.truth.scene_file import TorqueSensor
+from sim.views.trace_picture import missing_libraries
+from sim.views.trace_scene import samples
 
 
 @pytest.fixture(scope="module")
@@ -131,7 +131,7 @@ def test_a_picture_of_another_kind(still: DrakeWorld, tmp_path: Path) -> None:
 def test_a_machine_that_cannot_draw_says_what_is_missing(
     still: DrakeWorld, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("sim.picture._LIBRARIES", ("libNoSuchThing.so.1",))
+    monkeypatch.setattr("sim.views.trace_picture._LIBRARIES", ("libNoSuchThing.so.1",))
     with pytest.raises(PictureError) as raised:
         save_picture(_trace(still), still.scene, tmp_path / "run.png")
     assert raised.value.code == "no_pictures"

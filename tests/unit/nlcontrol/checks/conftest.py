@@ -10,7 +10,7 @@ from nlcontrol import checks as clause_checks
 from nlcontrol.checks import Check
 from objectmodels import BoxModel, CylinderModel
 from planner.state import TableState
-from sim.trace import Trace
+from sim.traces.trace import Trace
 
 TraceMaker = Callable[..., Trace]
 BOX = g.ObjectRef(text="ice tea box", id="ice tea box")

@@ -12,7 +12,7 @@ import pytest
 from grammar import frames as g
 from objectmodels import BoxModel
 from planner.defaults import DEFAULTS
-from sim.trace import joined
+from sim.traces.trace import joined
 from tests.unit.nlcontrol.checks.conftest import (
     AWAY,
     MUG,

@@ -8,7 +8,7 @@ import pytest
 
 from grammar import frames as g
 from objectmodels import BoxModel
-from sim.trace import ContactEvent
+from sim.traces.trace import ContactEvent
 from tests.unit.nlcontrol.checks.conftest import (
     AWAY,
     MUG,

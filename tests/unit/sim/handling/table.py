@@ -10,8 +10,8 @@ from objectmodels.model import ObjectModel
 from objectmodels.parts import Container, Opening
 from planner.handling.plan import Grasp, HandlingPlan, HandlingPrediction, HandStep
 from planner.state import Held, PlanarPose, SeenObject, WorldState
-from sim.scene import Pose, Scene, SceneObject, load_scene
-from sim.truth import Truth
+from sim.truth.object_truth import Truth
+from sim.truth.scene_file import Pose, Scene, SceneObject, load_scene
 
 CARTON = BoxModel(
     name="carton",

@@ -15,18 +15,18 @@ from objectmodels.lids import THICKNESS
 from planner.handling.plan import FlipOver, HandlingPlan, HandlingPrediction
 from planner.reach import ReachAnswer
 from planner.state import PlanarPose, SeenObject, WorldState
-from sim.arm import LIMITS
-from sim.execution import execute
-from sim.hand import TIP_RADIUS
-from sim.handling.fliphands import flip_hands
-from sim.handling.lidarc import LidShape, LidWay
-from sim.handling.lidview import LidView
-from sim.reach import ArmReach
-from sim.scene import Pose, Scene, SceneObject, load_scene
-from sim.trace import Trace
-from sim.truth import Truth
-from sim.vision import Frame, SeenPose
-from sim.world import DrakeWorld
+from sim.arms.lwr.lwr_kinematics import LIMITS
+from sim.control.grasping.lidview import LidView
+from sim.execution.plan_execution import execute
+from sim.hands.four_finger.flip_postures import flip_hands
+from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
+from sim.motion.robot_reach import ArmReach
+from sim.paths.lid_arc_path import LidShape, LidWay
+from sim.perception.camera_port import Frame, SeenPose
+from sim.traces.trace import Trace
+from sim.truth.object_truth import Truth
+from sim.truth.scene_file import Pose, Scene, SceneObject, load_scene
+from sim.worlds.drake.drake_world import DrakeWorld
 
 OPEN = math.radians(100.0)
 CUP = "ice tea cup"

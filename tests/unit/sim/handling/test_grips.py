@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 
-from sim.hand import (
+from sim.hands.four_finger.grasp_postures import (
+    HOLDING,
+    NARROWEST,
+    WIDEST,
+    HandGrip,
+    hand_grip,
+    inward,
+)
+from sim.hands.four_finger.hand_kinematics import (
     EFFORT,
     EFFORT_SHARE,
     FINGERS,
@@ -13,7 +21,6 @@ from sim.hand import (
     finger_jacobian,
     finger_points,
 )
-from sim.handling.grips import HOLDING, NARROWEST, WIDEST, HandGrip, hand_grip, inward
 
 WIDTHS = (NARROWEST, 0.03, 0.06, 0.09, WIDEST)
 

@@ -10,9 +10,9 @@ from planner.handling.plan import Carry, Grasp, HandlingPlan, LiftUp, PourOut, S
 from planner.plan import Aim
 from planner.reach import ReachAnswer
 from planner.state import Held, PlanarPose, SeenObject, WorldState
-from sim import arm
-from sim.handling.search import HandWay
-from sim.reach import ArmReach
+from sim.arms.lwr import lwr_kinematics as arm
+from sim.motion.grasp_motion_search import HandWay
+from sim.motion.robot_reach import ArmReach
 from tests.unit.sim.handling.table import CARTON, grasp, plan, scene, state
 
 REACH = ArmReach(scene())

@@ -7,9 +7,9 @@ from objectmodels.cylinder import CylinderModel
 from planner.handling.plan import Carry, HandlingPlan, LiftUp, SetDown
 from planner.plan import Aim
 from sim import execute
-from sim.scene import Scene
-from sim.trace import Trace
-from sim.world import DrakeWorld
+from sim.traces.trace import Trace
+from sim.truth.scene_file import Scene
+from sim.worlds.drake.drake_world import DrakeWorld
 from tests.unit.sim.handling.table import MODELS, grasp, plan, scene
 
 pytestmark = pytest.mark.slow

@@ -8,8 +8,8 @@ import pytest
 
 from planner.handling.plan import Carry, LiftUp, PourOut, SetDown
 from planner.plan import Aim
-from sim.handling.handled import Handled
-from sim.handling.legs import Leg, grasp_frame, legs_of, lip, upright_again, withdrawals
+from sim.paths.held_object import Handled
+from sim.paths.held_object_path import Leg, grasp_frame, legs_of, lip, upright_again, withdrawals
 from sim.rotations import axis_rotation
 from tests.unit.sim.handling.table import grasp, plan, state
 

@@ -22,12 +22,12 @@ from planner.handling.plan import (
 )
 from planner.plan import Aim
 from planner.state import PlanarPose, SeenObject, WorldState
-from sim.hand import finger_points
-from sim.handling.grips import pinch
-from sim.handling.handled import Handled
-from sim.handling.legs import legs_of
-from sim.reach import ArmReach
-from sim.scene import load_scene
+from sim.hands.four_finger.grasp_postures import pinch
+from sim.hands.four_finger.hand_kinematics import finger_points
+from sim.motion.robot_reach import ArmReach
+from sim.paths.held_object import Handled
+from sim.paths.held_object_path import legs_of
+from sim.truth.scene_file import load_scene
 
 JAR, BOTTLE = "jar", "water bottle"
 AT = {JAR: (0.25, -0.32), BOTTLE: (0.80, 0.40)}

@@ -1,0 +1,1 @@
+"""Arm kinematics, a folder for each arm."""

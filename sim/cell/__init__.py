@@ -1,0 +1,1 @@
+"""What a robot is told of its cell: mount, home, table, sensor data sheets."""

@@ -1,0 +1,343 @@
+"""A fingertip flips a lid: under the tab, along the arc about the hinge, off, and back.
+
+Law: the commanded angle of the lid advances while less than the force limit is felt, no faster than
+the plan's speed; the fingertip follows the arc of that angle, its spring bent by what the lid
+resists. What has come of it only the camera tells: the lid must follow the finger, and the object
+must neither lean nor move. Where it does, or where the force is not enough, the finger goes back
+the way it came.
+
+Frames: W is the world, E stands at the hinge (`sim.paths.lid_arc_path`), T is the fingertip's
+centre.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from planner.handling.plan import FlipOver, HandlingPlan
+from planner.reach import ReachAnswer
+from planner.state import SeenObject
+from sim.control.grasping.lidview import LidView
+from sim.control.pushing.guarded_touch import PAUSE, TOUCH_SPEED
+from sim.control.trace_recorder import Recorder
+from sim.execution.push_execution import (
+    HAND_ACCELERATION,
+    HAND_SPEED,
+    Progress,
+    look_around,
+    move_joints,
+)
+from sim.hands.four_finger.hand_kinematics import RESTING
+from sim.motion.arm_configuration import UnreachableError
+from sim.motion.flip_motion_search import FlipStance
+from sim.motion.robot_reach import ArmReach
+from sim.paths.point_attractor import attracted
+from sim.rotations import Array
+from sim.traces.trace import EndReason, Trace
+
+if TYPE_CHECKING:
+    from objectmodels.model import ObjectModel
+    from sim.worlds.drake.drake_world import DrakeWorld
+
+SETTLE = 0.5
+"""Time that everything gets to come to rest [s]."""
+
+LEANS, MOVES = np.radians(2.5), 0.006
+"""Tilt [rad] and displacement [m] of the object at which a fingertip lets go of its lid."""
+
+_ACCELERATION = 2.0  # of the commanded angle [rad/s²]
+_BRAKING = 3.0  # rate per remaining angle near the end [1/s]
+_SLOWEST = 0.15  # rate near the end, and until the lid is seen to move [rad/s]
+_CAUGHT = np.radians(4.0)  # a lid that is seen to have moved so far does move
+_BEYOND = np.radians(12.0)  # how far the finger goes on for a lid that lags behind
+_REACHED = np.radians(2.0)  # seen angle from the end that counts as the end
+_FOLLOWS = np.radians(15.0)  # how far a lid that follows is seen behind the finger
+_BAND = 0.2  # share of the force limit over which the speed falls to zero
+_FILTER = 0.04  # time constant of the felt force [s]
+_SWINGING = 0.1  # of the pause, until the hand hangs still [s]
+_STUCK = 0.8  # time at the force limit after which it does not move [s]
+_WAIT = 0.6  # for the camera, once the finger is at its end [s]
+_PALM = 0.15  # way of the fingertip that a whole turn of the palm takes as long as [m]
+
+
+class FlipControl:
+    """One flip, from before the lid until the hand is back there.
+
+    Args:
+        step: what to do.
+        recorder: through which the world is stepped.
+        stance: of arm and hand.
+        target: the object, as it was seen.
+        tell: progress.
+    """
+
+    def __init__(
+        self,
+        step: FlipOver,
+        recorder: Recorder,
+        stance: FlipStance,
+        target: SeenObject,
+        tell: Progress,
+    ) -> None:
+        self._step = step
+        self._recorder = recorder
+        self._stance = stance
+        self._tell = tell
+        # The way was looked for with rounded angles.
+        self._lid = replace(stance.lid, start=step.start, end=step.end)
+        self._view = LidView(target, step.start)
+        self._period = recorder.world.period
+        self._angle = step.start
+        self._at = (stance.hands.way.points[0], 0.0)
+        self._felt = 0.0
+
+    @property
+    def seen(self) -> float:
+        """How far the lid is seen to be open [rad]."""
+        return self._view.lid
+
+    def flip(self) -> tuple[EndReason, str]:
+        """Goes to the lid and flips it; returns how that ended and why."""
+        degrees = np.degrees(self._step.end)
+        verb = "opening" if self._lid.opens else "closing"
+        self._tell("lid", self._recorder.world.time, f"{verb} the lid to {degrees:.0f}°")
+        self._recorder.phase = "lid"
+        self._recorder.force_limit = self._step.force_limit
+        self._recorder.inward = self._into(self._step.start)
+        self._zero()
+        start = np.array([self._step.start])
+        self._go(self._stance.hands.way.points[1], 0.0, 2.0 * TOUCH_SPEED)
+        self._go(self._lid.tips(start)[0], 0.0, TOUCH_SPEED)
+        return self._along()
+
+    def leave(self, *, done: bool) -> None:
+        """Off the lid and to where the flip began: straight if it is done, else as it came."""
+        self._recorder.phase = "retreat"
+        self._recorder.force_limit = 0.0
+        way = self._stance.hands.way
+        if done:
+            for point, share in zip(way.points[-3:], way.shares[-3:], strict=True):
+                self._go(point, float(share), HAND_SPEED)
+            return
+        back = np.arange(self._angle, self._step.start, -self._sign * self._rate * self._period)
+        for angle in back.tolist():
+            self._to_angle(angle)
+        for point in way.points[1::-1]:
+            self._go(point, 0.0, 0.5 * HAND_SPEED)
+
+    # -- along the arc --------------------------------------------------------------------------
+
+    @property
+    def _sign(self) -> float:
+        return 1.0 if self._lid.opens else -1.0
+
+    @property
+    def _rate(self) -> float:
+        """Largest one of the lid [rad/s]."""
+        return self._step.speed / self._lid.lever
+
+    def _along(self) -> tuple[EndReason, str]:
+        """Follows the arc until the lid is seen where it should be, or something is wrong."""
+        limit = self._step.force_limit
+        last = self._step.end + self._sign * _BEYOND
+        rate, stuck, waited = 0.0, 0.0, 0.0
+        while True:
+            end = self._ended(stuck, waited)
+            if end is not None:
+                return end
+            rate = min(self._allowed(), rate + _ACCELERATION * self._period)
+            room = float(np.clip((limit - self._felt) / (_BAND * limit), -1.0, 1.0))
+            remaining = self._sign * (last - self._angle)
+            advance = min(rate * room * self._period, remaining)
+            self._to_angle(self._angle + self._sign * advance)
+            stuck = stuck + self._period if room < 0.5 else 0.0
+            waited = waited + self._period if remaining <= 0.0 else 0.0
+
+    def _allowed(self) -> float:
+        """Largest rate now [rad/s]: slow until the lid moves, and as its end is near."""
+        if abs(self.seen - self._step.start) < _CAUGHT:
+            return min(_SLOWEST, self._rate)
+        near = _BRAKING * self._sign * (self._step.end - self._angle)
+        return min(self._rate, max(_SLOWEST, near))
+
+    def _ended(self, stuck: float, waited: float) -> tuple[EndReason, str] | None:
+        """Why it ends now; None if it goes on."""
+        seen = np.degrees(self.seen)
+        if self._view.tilt > LEANS:
+            return "tilted", f"it was seen to lean by {np.degrees(self._view.tilt):.0f}°"
+        if self._view.moved > MOVES:
+            return "slid", f"it was seen to move by {1e3 * self._view.moved:.0f} mm"
+        if self._sign * (self.seen - self._step.end) > -_REACHED:
+            return "handled", f"the lid is seen open by {seen:.0f}°"
+        if self._sign * (self._finger() - self.seen) > _FOLLOWS:
+            return "missed", f"the lid does not follow the finger: it is seen open by {seen:.0f}°"
+        if stuck > _STUCK:
+            return "force", f"the lid does not move with {self._felt:.1f} N"
+        if waited > _WAIT:
+            return "missed", f"the lid is seen open by {seen:.0f}° only"
+        return None
+
+    def _finger(self) -> float:
+        """Angle that a lid has which touches the fingertip [rad]."""
+        assert self._recorder.touch is not None, "the recorder knows the finger"
+        R_WE, p_WE = self._stance.R_WE, self._stance.p_WE
+        return self._lid.angle(R_WE.T @ (self._recorder.touch.midpoint - p_WE))
+
+    def _to_angle(self, angle: float) -> None:
+        """Commands the fingertip to where it touches a lid of some angle."""
+        self._angle = angle
+        start, end = self._step.start, self._step.end
+        share = float(np.clip((angle - start) / (end - start), 0.0, 1.0))
+        self._recorder.inward = self._into(angle)
+        self._command(self._lid.tips(np.array([angle]))[0], share)
+
+    def _into(self, angle: float) -> Array:
+        """Direction into the lid in W, shape (3,)."""
+        return np.asarray(self._stance.R_WE @ self._lid.normals(np.array([angle]))[0])
+
+    # -- steps ----------------------------------------------------------------------------------
+
+    def _zero(self) -> None:
+        """Hangs still, and takes what the torque sensors read then as their zero."""
+        torques = []
+        for k in range(round(PAUSE / self._period)):
+            self._command(*self._at)
+            if k * self._period >= _SWINGING:
+                torques.append(self._recorder.torques)
+        self._recorder.zero = np.mean(torques, axis=0)
+        self._felt = 0.0
+
+    def _go(self, point: Array, share: float, speed: float) -> None:
+        """Straight to a point of E, the palm turning along."""
+        here, goal = np.append(self._at[0], _PALM * self._at[1]), np.append(point, _PALM * share)
+        for at in attracted(
+            here, goal, speed=speed, acceleration=HAND_ACCELERATION, period=self._period
+        ):
+            self._command(at[:3], float(at[3]) / _PALM)
+
+    def _command(self, p_ET: Array, share: float) -> None:
+        """Commands T to a point of E, and takes in what was felt and seen."""
+        self._at = (p_ET, share)
+        posture = self._stance.stance.posture
+        self._recorder.step(self._stance.joints(p_ET, share), posture.joints)
+        assert self._recorder.touch is not None, "the recorder knows the finger"
+        felt = float(self._recorder.touch.forces[0] @ self._recorder.inward)
+        self._felt += min(1.0, self._period / _FILTER) * (felt - self._felt)
+        self._view.seen(self._recorder.frames)
+
+
+class FlipTrip:
+    """The hand's way to a lid and back home.
+
+    Args:
+        recorder: through which the world is stepped.
+        stance: of arm and hand.
+    """
+
+    def __init__(self, recorder: Recorder, stance: FlipStance) -> None:
+        self._recorder = recorder
+        self._stance = stance
+        self._came: list[Array] = []
+
+    def go(self, tell: Progress) -> None:
+        """Free motion: over the start of the way, then down to it."""
+        recorder, stance = self._recorder, self._stance
+        tell("transit", recorder.world.time, f"moving the hand ({stance.stance.posture.name})")
+        recorder.phase = "transit"
+        recorder.fingers = stance.stance.posture.pushing
+        for q in (*stance.stance.via, stance.joints(self._above, 0.0)):
+            self._came.append(recorder.world.commanded[0])
+            move_joints(recorder, q, stance.stance.posture.joints)
+        tell("approach", recorder.world.time, "down to the lid")
+        recorder.phase = "approach"
+        self._straight(self._above, self._start)
+
+    def come_home(self, tell: Progress) -> None:
+        """The same way back, and some time for everything to come to rest."""
+        recorder = self._recorder
+        recorder.phase = "retreat"
+        self._straight(self._start, self._above)
+        for q in reversed(self._came):
+            last = q is self._came[0]
+            move_joints(recorder, q, RESTING.joints if last else recorder.world.commanded[1])
+        tell("settle", recorder.world.time, "letting everything come to rest")
+        recorder.phase = "settle"
+        for _ in range(round(SETTLE / recorder.world.period)):
+            recorder.step(*recorder.world.commanded)
+
+    @property
+    def _start(self) -> Array:
+        return np.asarray(self._stance.hands.way.points[0])
+
+    @property
+    def _above(self) -> Array:
+        return np.asarray(self._start + np.array([0.0, 0.0, self._stance.lift]))
+
+    def _straight(self, start: Array, goal: Array) -> None:
+        recorder, posture = self._recorder, self._stance.stance.posture
+        for point in attracted(
+            start,
+            goal,
+            speed=HAND_SPEED,
+            acceleration=HAND_ACCELERATION,
+            period=recorder.world.period,
+        ):
+            recorder.step(self._stance.joints(point, 0.0), posture.joints)
+
+
+def flip_over(
+    plan: HandlingPlan,
+    world: DrakeWorld,
+    models: Mapping[str, ObjectModel],
+    reach: ArmReach,
+    tell: Progress,
+) -> Trace:
+    """Carries out a plan whose only step flips a lid.
+
+    Args:
+        plan: what to do.
+        world: where; it moves on.
+        models: what the robot believes of every object, by its name in the scene.
+        reach: of the world's robot.
+        tell: progress.
+
+    Returns:
+        What happened, also if it ended early.
+    """
+    (step,) = plan.steps
+    assert isinstance(step, FlipOver), "a lid is flipped over"
+    towards = np.array([np.cos(step.heading), np.sin(step.heading), 0.0])
+    recorder = Recorder(world, reach.mount, towards)
+    state = look_around(recorder, models, tell)
+    target = state.objects[plan.object]
+    if target.lid is not None:
+        step = step.model_copy(update={"start": target.lid})
+    found = reach.flip_stance(step, plan.object, state)
+    end: EndReason
+    if isinstance(found, ReachAnswer):
+        end, detail = "unreachable", found.message
+    else:
+        end, detail = _flipped(step, recorder, found[0], target, tell)
+    return recorder.trace(plan.object, towards, end=end, detail=detail)
+
+
+def _flipped(
+    step: FlipOver, recorder: Recorder, stance: FlipStance, target: SeenObject, tell: Progress
+) -> tuple[EndReason, str]:
+    """Goes there, flips the lid and comes home; returns how that ended."""
+    trip = FlipTrip(recorder, stance)
+    trip.go(tell)
+    control = FlipControl(step, recorder, stance, target, tell)
+    end: EndReason
+    try:
+        end, detail = control.flip()
+    except UnreachableError as error:
+        end, detail = "unreachable", str(error)
+    tell("retreat", recorder.world.time, "leaving the lid")
+    control.leave(done=end == "handled")
+    trip.come_home(tell)
+    return end, detail

@@ -1,0 +1,261 @@
+"""What the robot feels and sees of what it holds.
+
+The finger joints' torques tell how hard thumb and fingers press and what hangs on them; the camera
+tells, late and noisily, whether the object stays where it is in the hand, and whether the others
+stay where they stand. A frame is compared with where the hand was when it was taken.
+
+Frames: P is the palm, G the middle of the grasp, W the world.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from planner.state import Held, WorldState
+from sim.control.pushing.guarded_touch import EarlyEndError
+from sim.hands.four_finger.grasp_postures import HOLDING, inward
+from sim.hands.four_finger.hand_kinematics import TIP_RADIUS, finger_points
+from sim.rotations import Array
+
+if TYPE_CHECKING:
+    from sim.control.trace_recorder import Recorder
+    from sim.motion.arm_configuration import Mount
+    from sim.perception.camera_port import Frame, SeenPose
+
+FELT = 0.04
+"""Time constant of the felt squeeze [s]."""
+
+WEIGHED, WEIGHED_SOON = 0.25, 0.10
+"""Time constants of the felt weight, and of one that is noisier and not so late [s]."""
+
+FALLS = 0.4
+"""Time constant of the rate at which the weight is felt to fall [s]."""
+
+SLIP, SLIP_ANGLE = 0.012, float(np.radians(20.0))
+"""Slip in the hand at which it is no more held as it should be [m], [rad]."""
+
+DROPPED = 0.040
+"""Slip at which it is not in the hand any more [m]."""
+
+NUDGED, NUDGED_ANGLE = 0.010, float(np.radians(8.0))
+"""Motion of another object that counts as one [m], [rad]."""
+
+_LOOSE = 0.3  # share of the squeeze below which nothing is held
+_SEEN_SHARE, _OTHERS_SHARE = 0.25, 0.12  # weights of a new camera frame
+_KEPT = 1.0  # time for which the hand's poses are kept; frames are not later [s]
+
+
+@dataclass(frozen=True, eq=False)
+class Holding:
+    """What lasts of a grasp from one execution to the next.
+
+    Attributes:
+        held: what is held, as plans know it.
+        zero: what the torque sensors read before the fingers touched, shape (4, 3) [N·m].
+        zero_samples: over how many control steps.
+        opening: how far each fingertip is commanded to stand off its side [m].
+        wound, borne: squeeze and weight for which the finger springs are wound up [N].
+        R_PB, p_PG: how the object was seen in the hand, and the middle of its grasp [m].
+        came: arm angles on the way from home to where it was left, each of shape (7,) [rad].
+    """
+
+    held: Held
+    zero: Array
+    zero_samples: int
+    opening: float
+    wound: float
+    borne: float
+    R_PB: Array
+    p_PG: Array
+    came: tuple[Array, ...]
+
+
+class HandSense:
+    """Feels and sees while something is done with the whole hand.
+
+    Args:
+        recorder: through which the world is stepped.
+        mount: of the arm.
+        name: of what is handled.
+        p_BG: middle of the grasp in B, shape (3,) [m].
+        state: where everything stood.
+
+    Attributes:
+        holding: the fingers that touch, the thumb first.
+        thumb, fingers: force with which the thumb presses, and the others together [N].
+        weight, weight_soon: force upwards on what is held, filtered [N].
+        frames: camera frames in which it was seen in the hand.
+    """
+
+    def __init__(
+        self, recorder: Recorder, mount: Mount, name: str, p_BG: Array, state: WorldState
+    ) -> None:
+        self._recorder = recorder
+        self._mount = mount
+        self._name = name
+        self.holding: tuple[str, ...] = HOLDING
+        self._p_BG = p_BG
+        self._period = recorder.world.period
+        self._past: deque[tuple[float, Array, Array]] = deque()
+        self._others = {
+            other: (np.append(seen.pose.p_WB[:2], 0.0), np.array([0.0, 0.0, 1.0]))
+            for other, seen in state.objects.items()
+            if other != name and seen.attitude is None
+        }
+        self._stood = dict(self._others)
+        self.untouched()
+        self.frames = 0
+        self._now: tuple[Array, Array] | None = None
+        self._first: tuple[Array, Array] | None = None
+
+    def step(self, q_arm: Array, q_hand: Array) -> None:
+        """Commands joint angles, and takes in what is felt and seen then."""
+        recorder = self._recorder
+        R_WP = self._mount.palm(recorder.world.arm_angles())[0]
+        recorder.inward = np.array([R_WP @ inward(finger) for finger in HOLDING])
+        recorder.step(q_arm, q_hand)
+        if recorder.touch is not None and recorder.fingers == HOLDING:
+            presses = np.sum(recorder.touch.forces * recorder.inward, axis=1)
+            share = min(1.0, self._period / FELT)
+            self.thumb += share * (float(presses[0]) - self.thumb)
+            self.fingers += share * (float(presses[1:].sum()) - self.fingers)
+            vertical = self.vertical
+            self.weight += min(1.0, self._period / WEIGHED) * (vertical - self.weight)
+            soon = min(1.0, self._period / WEIGHED_SOON)
+            self.weight_soon += soon * (vertical - self.weight_soon)
+            # Each filter lags behind a steady fall by its time constant.
+            fall = (self.weight - self.weight_soon) / (WEIGHED - WEIGHED_SOON)
+            self._fall += min(1.0, self._period / FALLS) * (fall - self._fall)
+        self._see(recorder.frames)
+
+    @property
+    def vertical(self) -> float:
+        """Force of all fingers upwards in the last step [N]."""
+        touch = self._recorder.touch
+        return 0.0 if touch is None else float(touch.forces[:, 2].sum())
+
+    @property
+    def squeeze(self) -> float:
+        """Mean of what both sides press [N]."""
+        return 0.5 * (self.thumb + self.fingers)
+
+    @property
+    def width(self) -> float:
+        """Between thumb and fingers, as the joints' angles tell [m]."""
+        world = self._recorder.world
+        tips = [finger_points(f, world.finger_angles(f))[3, 0] for f in self.holding]
+        return float(tips[0] - np.mean(tips[1:]) - 2.0 * TIP_RADIUS)
+
+    # -- the camera -----------------------------------------------------------------------------
+
+    def _see(self, frames: list[Frame]) -> None:
+        world = self._recorder.world
+        self._past.append((world.time, *self._mount.palm(world.arm_angles())))
+        while self._past[0][0] < world.time - _KEPT:
+            self._past.popleft()
+        for frame in frames:
+            if self._name in frame.poses:
+                self._see_held(frame.time, frame.poses[self._name])
+            for other, (p_W, up) in self._others.items():
+                seen = frame.poses[other]
+                place = np.append(seen.p_WB[:2], 0.0)
+                self._others[other] = (
+                    p_W + _OTHERS_SHARE * (place - p_W),
+                    up + _OTHERS_SHARE * (seen.R_WB[:, 2] - up),
+                )
+
+    def _see_held(self, time: float, seen: SeenPose) -> None:
+        """Where it is in the hand, by a frame."""
+        _, R_WP, p_WP = min(self._past, key=lambda past: abs(past[0] - time))
+        R_PB = R_WP.T @ seen.R_WB
+        p_PG = R_WP.T @ (seen.p_WB + seen.R_WB @ self._p_BG - p_WP)
+        self.frames += 1
+        if self._now is None:
+            self._now = R_PB, p_PG
+            return
+        share = max(_SEEN_SHARE, 1.0 / self.frames)
+        R, p = self._now
+        self._now = R + share * (R_PB - R), p + share * (p_PG - p)
+
+    def remember(self, R_PB: Array | None = None, p_PG: Array | None = None) -> None:
+        """From now on it is to stay in the hand as it is, or as it was seen before."""
+        self._first = self._now if R_PB is None or p_PG is None else (R_PB, p_PG)
+
+    def untouched(self) -> None:
+        """Nothing is felt: the sensors' zero was taken."""
+        self.thumb = self.fingers = 0.0
+        self.weighs(0.0)
+
+    def weighs(self, weight: float) -> None:
+        """What hangs on the fingers is known [N]."""
+        self.weight = self.weight_soon = weight
+        self._fall = 0.0
+
+    def weight_ahead(self, seconds: float) -> float:
+        """What the weight will be if it goes on to fall as it does [N].
+
+        Args:
+            seconds: from now [s].
+        """
+        return self.weight - self._fall * (WEIGHED + seconds)
+
+    def holds(self, squeeze: float) -> bool:
+        """Whether the fingers feel something that they hold with a squeeze [N]."""
+        return self.squeeze >= _LOOSE * squeeze
+
+    def forget(self) -> None:
+        """It is looked at anew: what was seen before does not count."""
+        self._now, self.frames = None, 0
+
+    @property
+    def seen(self) -> tuple[Array, Array] | None:
+        """R_PB and p_PG as it was remembered; None of a lid, which the camera does not show so."""
+        return self._first
+
+    @property
+    def slip(self) -> tuple[float, float]:
+        """How far it has slipped in the hand [m], and turned [rad]."""
+        if self._first is None or self._now is None:
+            return 0.0, 0.0
+        (R_0, p_0), (R, p) = self._first, self._now
+        cosine = 0.5 * (float(np.trace(R_0.T @ R)) - 1.0)
+        return float(np.linalg.norm(p - p_0)), float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+    # -- guards ---------------------------------------------------------------------------------
+
+    def require_held(self, squeeze: float) -> None:
+        """The object is in the hand as it was.
+
+        Args:
+            squeeze: with which it is held [N].
+
+        Raises:
+            EarlyEndError: it slipped, or is not there any more.
+        """
+        if not self.holds(squeeze):
+            raise EarlyEndError(
+                "slipped", f"the {self._name} was dropped: the fingers feel nothing of it"
+            )
+        slip, angle = self.slip
+        if slip > SLIP or angle > SLIP_ANGLE:
+            what = "was dropped" if slip > DROPPED else "slipped in the hand"
+            raise EarlyEndError(
+                "slipped",
+                f"the {self._name} {what}: {1e3 * slip:.0f} mm, {np.degrees(angle):.0f}°",
+            )
+
+    def require_others(self) -> None:
+        """All other objects stand where they stood.
+
+        Raises:
+            EarlyEndError: one was seen to be moved.
+        """
+        for other, (p_W, up) in self._others.items():
+            p_0, _ = self._stood[other]
+            far, lean = float(np.linalg.norm(p_W - p_0)), float(np.hypot(up[0], up[1]))
+            if far > NUDGED or lean > np.sin(NUDGED_ANGLE):
+                raise EarlyEndError("nudged", f"the {other} was moved by {1e3 * far:.0f} mm")

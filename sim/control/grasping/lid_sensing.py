@@ -1,0 +1,93 @@
+"""What the robot feels and sees while it holds a lid.
+
+The camera shows how far a lid is open, and the object to which it belongs; it does not show where a
+lid is in the hand. The fingers' torques tell how hard a cap turns.
+
+Frames: W is the world.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sim.control.grasping.held_object_sensing import HandSense
+from sim.control.grasping.lidview import LidView
+from sim.control.pushing.guarded_touch import EarlyEndError
+from sim.control.trace_recorder import Recorder
+from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
+from sim.motion.grasp_motion_search import HandWay
+from sim.paths.held_object import Handled
+from sim.rotations import Array
+
+LEANS, MOVES, TURNS = float(np.radians(3.0)), 0.008, float(np.radians(6.0))
+"""Tilt [rad], displacement [m] and turn [rad] of the object at which its lid is let go."""
+
+_TURNING = 0.15  # time constant of the felt torque [s]
+
+
+class LidSense(HandSense):
+    """Feels and sees while a lid is held.
+
+    Args:
+        recorder: through which the world is stepped.
+        way: of arm and hand.
+        handled: the lid.
+
+    Attributes:
+        most_torque: with which the hand may turn the lid [N·m].
+        torque: with which it does, about the vertical [N·m].
+    """
+
+    def __init__(self, recorder: Recorder, way: HandWay, handled: Handled) -> None:
+        p_BG = np.array(handled.grasp.p_BG)
+        super().__init__(recorder, way.mount, handled.held.name, p_BG, handled.state)
+        self._lid_way = way
+        self.holding = way.grip.holding
+        self._owner = handled.state.objects[handled.name]
+        self._view = LidView(self._owner, handled.opened)
+        self.most_torque = np.inf
+        self.torque = 0.0
+
+    @property
+    def lid(self) -> float:
+        """How far the lid is seen to be open."""
+        return self._view.lid
+
+    @property
+    def is_off(self) -> bool:
+        """Whether the lid is seen to be off."""
+        return self._view.is_off
+
+    def step(self, q_arm: Array, q_hand: Array) -> None:
+        """Commands joint angles, and takes in what is felt and seen then."""
+        super().step(q_arm, q_hand)
+        self._view.seen(self._recorder.frames)
+        touch = self._recorder.touch
+        if touch is None:
+            return
+        R_WP, p_WP = self._mount.palm(q_arm)
+        arms = touch.tips - (p_WP + R_WP @ self._lid_way.grip.middle)
+        # A fingertip touches something round on the line to its middle.
+        arms *= 1.0 - TIP_RADIUS / np.linalg.norm(arms, axis=1, keepdims=True)
+        turning = arms[:, 0] * touch.forces[:, 1] - arms[:, 1] * touch.forces[:, 0]
+        share = min(1.0, self._period / _TURNING)
+        self.torque += share * (float(turning.sum()) - self.torque)
+
+    def require_others(self) -> None:
+        """The object whose lid it is stays where it stands, and so do all others.
+
+        Raises:
+            EarlyEndError: one was seen to be moved, or the cap turns too hard.
+        """
+        view, name = self._view, self._owner.name
+        if abs(view.turned) > TURNS:
+            turned = np.degrees(view.turned)
+            raise EarlyEndError("turned_off", f"the {name} turned along by {turned:.0f}°")
+        if view.tilt > LEANS:
+            raise EarlyEndError("tilted", f"the {name} leans by {np.degrees(view.tilt):.0f}°")
+        if view.moved > MOVES:
+            raise EarlyEndError("nudged", f"the {name} was moved by {1e3 * view.moved:.0f} mm")
+        super().require_others()
+        if abs(self.torque) > self.most_torque:
+            torque = abs(self.torque)
+            raise EarlyEndError("force", f"the cap does not turn with {torque:.3f} N·m")

@@ -1,0 +1,1 @@
+"""Force control of a push, its guards and estimators."""

@@ -1,0 +1,173 @@
+"""When a push ends: its stroke, its force, its speed, or a guard.
+
+Guards: a tilt that was not asked for, sliding where a tilt was asked for, a lost contact, a speed
+beyond the plan's, a push that lasts too long. They know what the robot sees and feels.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from planner.plan import Plan, Push
+from sim.control.pushing.tilt_estimator import TiltView
+from sim.traces.trace import EndReason
+
+RAMP = 2.0
+"""Time in which the force limit rises to the plan's [s]."""
+
+MOVED = 0.001
+"""Travel of the fingertips that shows that the object moves [m]."""
+
+_BAND, _SMALLEST_BAND = 0.2, 0.1  # share of the limit, and [N]
+_TILT_SHARE = 0.35  # a push that must not tilt stops at this share of the angle of no return
+_FALLING = np.radians(11.0)  # tilt beyond the angle of no return at which it is left to fall
+_SLIDES_AFTER = 0.03  # travel after which a topple must show some tilt [m]
+_SLIDES_SHARE = 0.35  # of the tilt that turning about the far edge would show by then
+_SAFE_SHARE = 0.9  # a tilt stops at this share of the angle of no return
+_SURELY = 4.0  # standard deviations by which less must be seen than the fingers show
+_STUCK_SPEED = 0.001  # [m/s]
+_CREEPING, _CREPT = 8.0, 0.05  # time after which no more than a share of the way is no way [s]
+_STUCK_TIME = 0.8  # [s]
+_LOST_TIME = 0.6  # [s]
+_LOST_SHARE = 0.1  # of the onset force: less is no contact
+
+
+def band(push: Push) -> float:
+    """Force below the limit over which the speed falls to zero [N]."""
+    return max(_BAND * push.force_limit, _SMALLEST_BAND)
+
+
+class Guards:
+    """Ends and guards of a push.
+
+    Args:
+        plan: what was to happen.
+        period: of a control step [s].
+
+    Attributes:
+        speed: of the fingertips along the vector, filtered [m/s].
+    """
+
+    def __init__(self, plan: Plan, period: float) -> None:
+        self._push = plan.push
+        self._prediction = plan.prediction
+        self._period = period
+        self._before = 0.0
+        self.speed = 0.0
+        self._stuck = 0.0
+        self._lost = 0.0
+        self._longest = 10.0 + 3.0 * plan.push.stroke / plan.push.speed
+
+    def end(
+        self, elapsed: float, travel: float, felt: float, tilt: float
+    ) -> tuple[EndReason, str] | None:
+        """Why the push ends now; None if it goes on.
+
+        Args:
+            elapsed: since its start [s].
+            travel: of the fingertips along the vector [m].
+            felt: force along the vector, filtered [N].
+            tilt: seen tilt along the vector, filtered [rad].
+        """
+        self._measure(travel)
+        topple = self._push.ends_on == "toppled"
+        return (
+            (self._toppled(travel, tilt) if topple else self._stroke(travel, tilt))
+            or self._force(elapsed, travel, felt)
+            or self._too_fast()
+            or (None if topple else self._contact_lost(travel, felt))
+            or self._too_long(elapsed)
+        )
+
+    def _measure(self, travel: float) -> None:
+        self.speed += 0.2 * ((travel - self._before) / self._period - self.speed)
+        self._before = travel
+
+    def _stroke(self, travel: float, tilt: float) -> tuple[EndReason, str] | None:
+        if travel >= self._push.stroke:
+            return "stroke", f"the fingertips travelled {1e3 * travel:.0f} mm"
+        if tilt > _TILT_SHARE * self._prediction.stay_on_base_angle:
+            return "tilted", f"the object was seen to tilt by {np.degrees(tilt):.0f}°"
+        return None
+
+    def _toppled(self, travel: float, tilt: float) -> tuple[EndReason, str] | None:
+        if tilt > self._prediction.stay_on_base_angle + _FALLING:
+            return "toppled", f"it was seen tilted by {np.degrees(tilt):.0f}° and falls by itself"
+        if travel >= self._push.stroke:
+            return "stroke", f"it does not fall after {1e3 * travel:.0f} mm"
+        expected = np.arctan2(travel, self._push.p_BC[2])
+        if travel > _SLIDES_AFTER and tilt < _SLIDES_SHARE * expected:
+            return "slid", f"it slides instead of tilting, {1e3 * travel:.0f} mm so far"
+        return None
+
+    def _force(self, elapsed: float, travel: float, felt: float) -> tuple[EndReason, str] | None:
+        all_of_it = elapsed > RAMP and felt > self._push.force_limit - band(self._push)
+        still = all_of_it and abs(self.speed) < _STUCK_SPEED
+        self._stuck = self._stuck + self._period if still else 0.0
+        # It may also creep along in jerks, which gets it nowhere either.
+        creeps = elapsed > _CREEPING and travel < _CREPT * min(
+            self._push.stroke, self._push.speed * elapsed
+        )
+        if self._stuck > _STUCK_TIME or creeps:
+            return "force", f"it does not move with {felt:.1f} N"
+        return None
+
+    def _too_fast(self) -> tuple[EndReason, str] | None:
+        if self.speed > 2.0 * self._push.speed + 0.03:
+            return "speed", f"the fingertips became {1e3 * self.speed:.0f} mm/s fast"
+        return None
+
+    def _contact_lost(self, travel: float, felt: float) -> tuple[EndReason, str] | None:
+        lost = travel > MOVED and felt < _LOST_SHARE * self._prediction.onset
+        self._lost = self._lost + self._period if lost else 0.0
+        if self._lost > _LOST_TIME:
+            return "guard", "the fingertips lost the object"
+        return None
+
+    def _too_long(self, elapsed: float) -> tuple[EndReason, str] | None:
+        if elapsed > self._longest:
+            return "guard", f"the push took longer than {self._longest:.0f} s"
+        return None
+
+
+class TiltGuards(Guards):
+    """Guards of an object that is tilted and let back: any end of theirs lets it back at once.
+
+    Args:
+        plan: what was to happen.
+        period: of a control step [s].
+    """
+
+    def __init__(self, plan: Plan, period: float) -> None:
+        super().__init__(plan, period)
+        safe = _SAFE_SHARE * plan.prediction.stay_on_base_angle
+        self._farthest = min(safe, plan.push.limits.tilt or np.inf)
+        self._longest = min(self._longest, plan.push.limits.duration or np.inf)
+
+    def tilt_end(
+        self, elapsed: float, travel: float, felt: float, view: TiltView
+    ) -> tuple[EndReason, str] | None:
+        """Why the tilt ends before the asked angle; None if it goes on.
+
+        Args:
+            elapsed: since its start [s].
+            travel: of the fingertips along the vector [m].
+            felt: force along the vector, filtered [N].
+            view: of the tilt.
+        """
+        self._measure(travel)
+        return (
+            self._leans(view, travel)
+            or self._force(elapsed, travel, felt)
+            or self._too_fast()
+            or self._contact_lost(travel, felt)
+            or self._too_long(elapsed)
+        )
+
+    def _leans(self, view: TiltView, travel: float) -> tuple[EndReason, str] | None:
+        if view.tilt > self._farthest:
+            return "tilted", f"it leans by {np.degrees(view.tilt):.1f}°, more than it may"
+        short = max((1.0 - _SLIDES_SHARE) * view.own, _SURELY * view.unsure)
+        if -view.correction > short or travel > self._push.stroke:
+            return "slid", f"it slides instead of tilting, {1e3 * travel:.0f} mm so far"
+        return None

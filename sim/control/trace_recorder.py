@@ -1,0 +1,154 @@
+"""Steps the world and keeps what the robot saw, felt and did at each step."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sim.perception.camera_port import averaged
+from sim.perception.fingertip_sensing import Touch, feel
+from sim.rotations import quaternion
+from sim.traces.trace import Trace
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from planner.state import PlanarPose
+    from sim.motion.arm_configuration import Mount
+    from sim.perception.camera_port import Frame, SeenPose
+    from sim.rotations import Array
+    from sim.traces.trace import EndReason
+    from sim.worlds.drake.drake_world import DrakeWorld
+
+
+class Recorder:
+    """The world as the robot goes through it, written down.
+
+    Args:
+        world: that is stepped.
+        mount: of the arm.
+        normal_W: outward normal of the touched face in W, shape (3,).
+
+    Attributes:
+        phase: what is being done now; see `Trace.phase`.
+        fingers: the fingers that push.
+        force_limit: in force now [N].
+        torques: what the pushing fingers' sensors read last, shape (k, 3) [N·m].
+        zero: what they read while nothing is touched, of the same shape.
+        touch: what the fingers felt last; None until there are any.
+        frames: camera frames that arrived with the last step.
+        inward: unit normal into the touched face in W, shape (3,), or of each finger, (k, 3).
+    """
+
+    def __init__(self, world: DrakeWorld, mount: Mount, normal_W: Array) -> None:
+        self.world = world
+        self.phase = "look"
+        self.fingers: tuple[str, ...] = ()
+        self.force_limit = 0.0
+        self.torques = np.zeros((0, 3))
+        self.zero: Array | float = 0.0
+        self.touch: Touch | None = None
+        self.frames: list[Frame] = []
+        self._mount = mount
+        self.inward = -normal_W
+        self._first = len(world.history)
+        self._contacts = len(world.contacts)
+        self._newest: dict[str, SeenPose] = {}
+        self._newest_lids: Mapping[str, float] = {}
+        self._phases: list[str] = []
+        self._limits: list[float] = []
+        self._touches: list[Touch | None] = []
+        self._seen: list[dict[str, SeenPose]] = []
+        self._seen_lids: list[Mapping[str, float]] = []
+
+    def step(self, q_arm: Array, q_hand: Array) -> None:
+        """Commands joint angles, lets a control period pass, reads the sensors."""
+        self.world.step(q_arm, q_hand)
+        self.frames = self.world.frames()
+        if self.frames:
+            self._newest = dict(self.frames[-1].poses)
+            self._newest_lids = self.frames[-1].lids
+        if self.fingers:
+            self.torques = np.array([self.world.finger_torques(f) for f in self.fingers])
+            self.touch = feel(
+                self.world, self._mount, self.fingers, self.inward, self.torques - self.zero
+            )
+        self._phases.append(self.phase)
+        self._limits.append(self.force_limit)
+        self._touches.append(self.touch)
+        self._seen.append(self._newest)
+        self._seen_lids.append(self._newest_lids)
+
+    def look(self, seconds: float) -> dict[str, PlanarPose]:
+        """Waits and averages what the camera shows; see `DrakeWorld.look`."""
+        return averaged(self.watch(seconds))
+
+    def watch(self, seconds: float) -> list[Frame]:
+        """Waits and returns what the camera shows; see `DrakeWorld.watch`."""
+        frames = self.world.frames()
+        steps = round(seconds / self.world.period)
+        while steps > 0 or not frames:
+            self.step(*self.world.commanded)
+            frames += self.frames
+            steps -= 1
+        return frames
+
+    def trace(self, pushed: str, direction_W: Array, *, end: EndReason, detail: str) -> Trace:
+        """Everything since the start as a trace.
+
+        Args:
+            pushed: name of the object that it is about.
+            direction_W: unit direction of the push in W, shape (3,).
+            end: why it ended.
+            detail: the same in words.
+        """
+        samples = self.world.history[self._first :]
+        n, k = len(samples), len(self.fingers)
+        tips, forces = np.zeros((n, k, 3)), np.zeros((n, k, 3))
+        touches = [touch for touch in self._touches if touch is not None]
+        for i, touch in enumerate(self._touches):
+            known = touch or touches[0] if touches else None
+            if known is not None:
+                tips[i] = known.tips
+            if touch is not None:
+                forces[i] = touch.forces
+        names = self.world.scene.names
+        first = next((seen for seen in self._seen if seen), {})
+        lids = next((seen for seen in self._seen_lids if seen), {})
+        return Trace(
+            time=np.array([sample.time for sample in samples]),
+            phase=np.array(self._phases),
+            poses={name: np.array([s.poses[name] for s in samples]) for name in names},
+            seen={name: _rows([(seen or first)[name] for seen in self._seen]) for name in names},
+            joints=np.array([sample.joints for sample in samples]),
+            joint_names=self.world.joint_names,
+            tips={finger: tips[:, i] for i, finger in enumerate(self.fingers)},
+            felt={finger: forces[:, i] for i, finger in enumerate(self.fingers)},
+            force_limit=np.array(self._limits),
+            contacts=tuple(self.world.contacts[self._contacts :]),
+            pushed=pushed,
+            direction=direction_W,
+            end=end,
+            detail=detail,
+            seed=self.world.seed,
+            contents={
+                name: np.array([sample.contents[name] for sample in samples])
+                for name in (samples[0].contents if samples else ())
+            },
+            spilled=np.array([sample.spilled for sample in samples]),
+            lids={name: np.array([s.lids[name] for s in samples]) for name in samples[0].lids},
+            seen_lids={
+                name: np.array([(seen or lids)[name] for seen in self._seen_lids]) for name in lids
+            },
+            lid_poses={
+                name: np.array([s.lid_poses[name] for s in samples])
+                for name in samples[0].lid_poses
+            },
+        )
+
+
+def _rows(poses: list[SeenPose]) -> Array:
+    """Quaternions (w, x, y, z) and positions of poses, shape (n, 7)."""
+    R_WB = np.array([pose.R_WB for pose in poses])
+    return np.column_stack([quaternion(R_WB), np.array([pose.p_WB for pose in poses])])

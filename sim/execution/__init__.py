@@ -1,0 +1,1 @@
+"""A plan carried out: push, grasp and lid execution."""

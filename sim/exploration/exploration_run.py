@@ -1,0 +1,179 @@
+"""One touch after another: which experiments are made, and what becomes of each.
+
+A *repetition* has one experiment of each kind that is asked for: tilts on two opposite sides, a
+slide, an off-centre slide, a rub. Tilts take turns over the sides, slides move the object along a
+spiral: friction differs from place to place, and no two slides are then at one. Where the hand does
+not get, or where a touch showed something else than was meant, the next side is tried; what was
+given up is told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from objectmodels.identification import Trial
+from planner.experiments import Experiment, Kind, experiments
+from planner.plan import FaceName
+from planner.state import WorldState
+from sim.exploration.probe_control import probe
+from sim.exploration.touch_recording import Recording
+from sim.exploration.trial_extraction import trials
+
+if TYPE_CHECKING:
+    from sim.execution.push_execution import Progress
+    from sim.motion.robot_reach import ArmReach
+    from sim.worlds.drake.drake_world import DrakeWorld
+
+OPPOSITE: tuple[tuple[FaceName, FaceName], ...] = (("front", "back"), ("left", "right"))
+"""Pairs of sides whose tilts together tell the weight from the centre of mass."""
+
+
+SPIRAL: tuple[FaceName, ...] = (
+    "front", "left", "back", "back", "right", "right",
+    "front", "front", "front", "left", "left", "left",
+)  # fmt: skip
+"""Sides at which one slide after another pushes."""
+
+
+@dataclass(frozen=True)
+class Touched:
+    """One touch and what it showed.
+
+    Attributes:
+        recording: what the robot felt and saw.
+        trials: balances of forces; none if nothing moved.
+        repetition: in which it was made, from 0.
+    """
+
+    recording: Recording
+    trials: tuple[Trial, ...]
+    repetition: int
+
+    @property
+    def experiment(self) -> Experiment:
+        """What was tried."""
+        return self.recording.experiment
+
+    @property
+    def as_meant(self) -> bool:
+        """Whether it showed what it was to show."""
+        return self.recording.end == "stroke" and bool(self.trials)
+
+
+class Explorer:
+    """Touches one object again and again.
+
+    Args:
+        name: of the object in the scene.
+        world: where; it moves on.
+        look: what is believed now; called before each touch.
+        reach: of the robot.
+        learn: told of each touch that showed something.
+        progress: told of the phase, the simulated time [s] and what happens.
+
+    Attributes:
+        name: as given.
+        touches: all that was tried, in order.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        world: DrakeWorld,
+        look: Callable[[], WorldState],
+        *,
+        reach: ArmReach,
+        learn: Callable[[Touched], None],
+        progress: Progress | None = None,
+    ) -> None:
+        self.touches: list[Touched] = []
+        self.name = name
+        self._world = world
+        self._look = look
+        self._reach = reach
+        self._learn = learn
+        self._progress = progress
+        self._given_up: dict[tuple[Kind, FaceName], str] = {}
+
+    @property
+    def given_up(self) -> tuple[str, ...]:
+        """Experiments that were tried in vain, with the reason."""
+        return tuple(f"{kind} at the {face}: {why}" for (kind, face), why in self._given_up.items())
+
+    def possible(self, kinds: Iterable[Kind]) -> list[Experiment]:
+        """Experiments of these kinds that were not given up, planned with what is known now."""
+        wanted = set(kinds)
+        found = experiments(self._look().objects[self.name], self._reach)
+        return [e for e in found if e.kind in wanted and _key(e) not in self._given_up]
+
+    def repeat(self, kinds: Sequence[Kind], repetition: int) -> None:
+        """One repetition: every kind once, tilts on two opposite sides."""
+        for kind in kinds:
+            if kind == "tilt":
+                self._tilt_both(repetition)
+            else:
+                self._first(kind, _sides(kind, repetition), repetition)
+
+    def touch(self, kind: Kind, face: FaceName, repetition: int, lateral: float = 0.0) -> bool:
+        """One touch.
+
+        Args:
+            kind: which experiment.
+            face: at which side.
+            repetition: number that its trials bear.
+            lateral: which end of the side, if it is off-centre: its sign counts.
+
+        Returns:
+            Whether it showed what it was to show.
+        """
+        if (kind, face) in self._given_up:
+            return False
+        state = self._look()
+        tried = next(
+            (
+                e
+                for e in experiments(state.objects[self.name], self._reach)
+                if (e.kind, e.push.face) == (kind, face) and e.lateral * lateral >= 0.0
+            ),
+            None,
+        )
+        if tried is None:
+            return False
+        recording = probe(tried, self._world, state, reach=self._reach, progress=self._progress)
+        touched = Touched(recording, trials(recording, repetition=repetition), repetition)
+        self.touches.append(touched)
+        if touched.trials:
+            self._learn(touched)
+        if not touched.as_meant:
+            self._given_up[_key(tried)] = recording.detail
+        return touched.as_meant
+
+    def _tilt_both(self, repetition: int) -> None:
+        """Tilts on two opposite sides, of the pair whose turn it is, or of the other one."""
+        first = repetition % len(OPPOSITE)
+        for pair in OPPOSITE[first:] + OPPOSITE[:first]:
+            if all(self.touch("tilt", face, repetition) for face in pair):
+                return
+
+    def _first(self, kind: Kind, sides: Iterable[tuple[FaceName, float]], repetition: int) -> None:
+        """The first touch that shows what it is to show."""
+        for face, lateral in sides:
+            if self.touch(kind, face, repetition, lateral):
+                return
+
+
+def _key(experiment: Experiment) -> tuple[Kind, FaceName]:
+    return experiment.kind, experiment.push.face
+
+
+def _sides(kind: Kind, repetition: int) -> list[tuple[FaceName, float]]:
+    """Sides and their ends in the order in which they are tried.
+
+    The first one moves the object on along a spiral, so that no two slides are at one place.
+    """
+    first = SPIRAL[(repetition // 2 if kind == "rub" else repetition) % len(SPIRAL)]
+    others = [face for pair in OPPOSITE for face in pair if face != first]
+    end = (1.0 if repetition % 2 == 0 else -1.0) if kind == "off-centre slide" else 0.0
+    return [(face, end) for face in (first, *others)]

@@ -1,0 +1,367 @@
+"""Touches that find out how an object behaves: the robot's side of the paper's experiments.
+
+After the guarded touch the fingertip presses on, so slowly that nothing but friction and weight
+holds against it: for a slide straight ahead, for a tilt along the arc that the contact takes about
+the far edge of the base. Along the face it gives way, so that the object may turn freely and is
+neither lifted nor dragged. A rub presses with a steady force and draws the fingertip down along the
+face. The force comes from the finger's joint torques, zeroed before the
+touch; where the fingertip is, from the joint angles. At the end the hand holds still and looks, and
+a tilted object is let down as slowly as it was raised.
+
+Guards stop a touch that shows something else than was meant, that slips off, that needs more force
+than the finger has or that comes near to toppling the object; it then ends with what was seen.
+
+Frames: W is the world, T the fingertip's centre.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sized
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from planner.experiments import Experiment
+from planner.state import PlanarPose, WorldState
+from sim.control.pushing.guarded_touch import EarlyEndError, TouchControl
+from sim.execution.push_execution import Progress, Trip, silent
+from sim.exploration.touch_recording import Recording
+from sim.hands.four_finger.hand_kinematics import at_stop
+from sim.motion.arm_configuration import UnreachableError
+from sim.motion.robot_reach import ArmReach
+from sim.paths.tilt_arc import Arc
+from sim.perception.camera_port import averaged
+from sim.rotations import Array
+from sim.traces.trace import EndReason
+
+if TYPE_CHECKING:
+    from objectmodels.identification import Moved
+    from sim.control.trace_recorder import Recorder
+    from sim.motion.arm_configuration import Stance
+    from sim.paths.fingertip_path import Way
+    from sim.perception.camera_port import Frame
+    from sim.worlds.drake.drake_world import DrakeWorld
+
+RUB_FORCE = 0.5
+"""Force with which a rub presses, as a share of the one that would move the object."""
+
+HOLD = 0.8
+"""Time for which the hand holds still at the end and looks [s]."""
+
+SETTLE = 0.3
+"""Time that an object gets to come to rest afterwards [s]."""
+
+_PRESSES = 0.15  # time constant of the force with which a rub presses [s]
+_MOVED = 0.002  # way of the fingertip into the face that a rub must not make [m]
+_LONGEST = 4.0  # times the time that the way alone takes, after the force has risen
+_RISE = 6.0  # longest time in which the force rises to the most [s]
+_LET_DOWN = 2.0  # speed of letting down, relative to raising
+_LOOKS_BACK = 0.35  # time over which camera frames are averaged by the guards [s]
+_TILTS = np.radians(2.5)  # seen tilt that no slide has, beyond the noise
+_SLIDES_SHARE = 0.5  # less of the arc's tilt than this is a slide,
+_SLIDES_SURELY = 4.0  # if it is less by so many standard deviations of what is seen
+_LEAST_SHORT = np.radians(0.5)  # which a tilt may always be seen too small
+_FEWEST_VIEWS = 5
+_LOST_SHARE, _LOST_TIME = 0.1, 0.3  # of the largest force felt, [s]
+_OFF = 0.015  # way sideways after which the finger has slipped along the face [m]
+
+
+def probe(
+    experiment: Experiment,
+    world: DrakeWorld,
+    state: WorldState,
+    *,
+    reach: ArmReach | None = None,
+    progress: Progress | None = None,
+) -> Recording:
+    """Carries out one experiment.
+
+    Args:
+        experiment: which.
+        world: where; it moves on.
+        state: what is believed, from a look since which nothing has moved.
+        reach: of the world's robot, if there is one already.
+        progress: told of the phase, the simulated time [s] and what happens.
+
+    Returns:
+        What the robot felt and saw, also if the touch was aborted.
+    """
+    tell = progress or silent
+    models = {name: seen.model for name, seen in state.objects.items()}
+    trip = Trip(experiment.push, world, models, reach or ArmReach(world.scene), tell)
+    before = state.objects[experiment.push.object].pose
+    try:
+        found = _touched(experiment, trip, state, before, tell)
+    except EarlyEndError as early:
+        found = Recording.nothing(experiment, early.end, early.detail, before)
+    except UnreachableError as error:
+        found = Recording.nothing(experiment, "unreachable", str(error), before)
+    trip.come_home(SETTLE)
+    trace = trip.recorder.trace(
+        experiment.push.object,
+        np.array(experiment.push.direction_W),
+        end=found.end,
+        detail=found.detail,
+    )
+    return replace(found, trace=trace)
+
+
+def _touched(
+    experiment: Experiment, trip: Trip, state: WorldState, before: PlanarPose, tell: Progress
+) -> Recording:
+    """Goes there, touches, and leaves the object again."""
+    stance, way = trip.stance(state)
+    way = way.raised(experiment.raised)
+    trip.approach(stance, way)
+    control = ProbeControl(experiment, trip.recorder, stance, way, tell)
+    try:
+        end, detail = control.run()
+    finally:
+        trip.leave(stance, control.commanded, way)
+    return control.recording(end, detail, before)
+
+
+class ProbeControl(TouchControl):
+    """One touch, from before the face until the hand holds still at its end.
+
+    Args:
+        experiment: what is tried.
+        recorder, stance, way, tell: as for every touch.
+
+    Attributes:
+        gives_way: time constant with which forces along the face are given way to [s].
+    """
+
+    pause = 1.5
+    speed = 0.012
+    gives_way = 0.08
+
+    def __init__(
+        self, experiment: Experiment, recorder: Recorder, stance: Stance, way: Way, tell: Progress
+    ) -> None:
+        super().__init__(experiment.push, experiment.onset, recorder, stance, way, tell)
+        self.experiment = experiment
+        self._samples: list[tuple[float, Array, Array]] = []
+        # Time, seen tilt along the push, and the one at which the fingertip was then.
+        self._views: deque[tuple[float, float, float]] = deque()
+        self._origin = way.touch
+        axes = np.array([[-self._u[1], self._u[0], 0.0], [0.0, 0.0, 1.0]])
+        self._face_axes = [(axis, stance.stiffness(axis)) for axis in axes]
+        self._aside = np.zeros(3)
+        self._moved: Moved | None = None
+        self._most = 0.0
+        self._lost = 0.0
+        self._seen: list[Frame] = []
+
+    def run(self) -> tuple[EndReason, str]:
+        """Touches, presses until an end or a guard, holds still; returns how it ended."""
+        kind = self.experiment.kind
+        self._begin()
+        ended = {"tilt": self._raise, "rub": self._rub}.get(kind, self._slide)()
+        self._hold()
+        if kind == "tilt":
+            if self._moved == "topple" and self._seen:
+                # A tilt too small to be told from a slide on the way is looked for at its end.
+                seen = float(np.mean([self._tilt_in(frame) for frame in self._seen]))
+                ended = self._slid(seen, self._own_tilt(), self._seen) or ended
+            self._let_down()
+        return ended
+
+    def _begin(self) -> None:
+        """Touches; from then on it presses."""
+        kind = self.experiment.kind
+        self.tell("touch", self.recorder.world.time, f"feeling for the face ({kind})")
+        self.touch()
+        self.recorder.phase = "push"
+        self._origin = self._here.midpoint
+        self._start = self.recorder.world.time
+        self.tell("push", self.recorder.world.time, f"pressing until something moves ({kind})")
+
+    # -- the ways ------------------------------------------------------------------------------
+
+    def _slide(self) -> tuple[EndReason, str]:
+        """Straight ahead."""
+        command, step = self.commanded, self.experiment.push.speed * self._period
+        while True:
+            command = command + step * self._u
+            self._press(command)
+            ended = self._ended() or self._tilts()
+            if ended is not None:
+                return ended
+
+    def _raise(self) -> tuple[EndReason, str]:
+        """Along the arc about the far edge."""
+        radius = self._arc.radius
+        start = float(self._arc.tilts(self.commanded[None])[0])
+        self._angle = start
+        while True:
+            self._angle += self.experiment.push.speed * self._period / radius
+            # Where the fingertip touches goes round on it as the face leans.
+            lean = self._own_tilt()
+            self.recorder.inward = np.cos(lean) * self._u - [0.0, 0.0, np.sin(lean)]
+            self._press(self._arc.at(self._angle))
+            ended = self._ended() or self._slides()
+            if ended is not None:
+                return ended
+
+    def _rub(self) -> tuple[EndReason, str]:
+        """Pressing gently, down along the face."""
+        down = np.array([0.0, 0.0, -1.0])
+        wanted = RUB_FORCE * self.experiment.onset
+        stiffness = self.stance.stiffness(self._u)
+        command, drawn = self.commanded, 0.0
+        while True:
+            lacking = wanted - float(self._forces.sum())
+            command = command + self._period / _PRESSES * lacking / stiffness * self._u
+            drawn += self.experiment.push.speed * self._period
+            self._step(command + drawn * down, self._u)
+            self._keep()
+            ended = self._rubbed() or self._guarded()
+            if ended is not None:
+                return ended
+
+    def _rubbed(self) -> tuple[EndReason, str] | None:
+        way = self._here.midpoint - self._origin
+        if abs(float(way @ self._u)) > _MOVED:
+            return "guard", "the object moved where the finger should slip"
+        if -way[2] < self.experiment.raised:
+            return None
+        self._moved = "slip"
+        return "stroke", f"the finger slipped by {-1e3 * way[2]:.0f} mm"
+
+    def _let_down(self) -> None:
+        radius = self._arc.radius
+        while self._angle > 0.0:
+            self._angle -= _LET_DOWN * self.experiment.push.speed * self._period / radius
+            self._step(self._arc.at(self._angle) + self._aside, self._u)
+
+    def _hold(self) -> None:
+        """Stands still and looks."""
+        since = self.recorder.world.time
+        for _ in range(round(HOLD / self._period)):
+            self._step(self.commanded, self._u)
+            self._seen += [frame for frame in self.recorder.frames if frame.time > since]
+
+    @property
+    def _arc(self) -> Arc:
+        return Arc(self._origin, self._u, self.experiment.length)
+
+    def _own_tilt(self) -> float:
+        """Tilt at which the fingertip touches the face where it is [rad]."""
+        return float(self._arc.tilts(self._here.midpoint[None])[0])
+
+    # -- ends and guards -------------------------------------------------------------------------
+
+    def _press(self, tip: Array) -> None:
+        """Commands T, giving way to forces along the face."""
+        self._step(tip + self._aside, self._u)
+        self._keep()
+        for axis, stiffness in self._face_axes:
+            force = float(self._here.forces[0] @ axis)
+            self._aside = self._aside - self._period / self.gives_way * force / stiffness * axis
+
+    def _keep(self) -> None:
+        """Keeps what was felt and seen."""
+        here, now = self._here, self.recorder.world.time
+        self._samples.append((now, here.midpoint, here.forces[0]))
+        for frame in self.recorder.frames:
+            own = self._own_tilt()
+            self._views.append((frame.time, self._tilt_in(frame), own))
+        while self._views and self._views[0][0] < now - _LOOKS_BACK:
+            self._views.popleft()
+
+    def _ended(self) -> tuple[EndReason, str] | None:
+        """The way is done, or a guard."""
+        here = self._here.midpoint
+        travel = float((here - self._origin) @ self._u)
+        if self.experiment.kind == "tilt":
+            tilt = self._own_tilt()
+            if tilt >= self.experiment.angle:
+                self._moved = "topple"
+                return "stroke", f"it was tilted by {np.degrees(tilt):.1f}°"
+        elif travel >= self.experiment.push.stroke:
+            self._moved = "slide"
+            return "stroke", f"it was moved by {1e3 * travel:.0f} mm"
+        return self._guarded()
+
+    def _guarded(self) -> tuple[EndReason, str] | None:
+        """Too much force, a fingertip that slipped off, or too much time."""
+        push, felt = self.experiment.push, float(self._forces.sum())
+        if felt > push.force_limit or self._at_stop():
+            return "force", f"it does not move with {felt:.1f} N, the most of this finger"
+        aside = float((self._here.midpoint - self._origin) @ [-self._u[1], self._u[0], 0.0])
+        self._most = max(self._most, felt)
+        self._lost = self._lost + self._period if felt < _LOST_SHARE * self._most else 0.0
+        if self._lost > _LOST_TIME or abs(aside) > _OFF:
+            return "guard", "the fingertip slipped off"
+        longest = _RISE + _LONGEST * (push.stroke + self.experiment.raised) / push.speed
+        if self.recorder.world.time - self._start > longest:
+            return "guard", f"it took longer than {longest:.0f} s"
+        return None
+
+    def _at_stop(self) -> bool:
+        """Whether the finger is bent back as far as it goes."""
+        (finger,) = self.stance.posture.pushing
+        return at_stop(self.recorder.world.finger_angles(finger))
+
+    def _lately(self) -> tuple[float, float]:
+        """Means of the tilts seen lately and of the fingertip's own [rad]; nan if too few."""
+        if len(self._views) < _FEWEST_VIEWS:
+            return np.nan, np.nan
+        _, seen, own = np.mean(self._views, axis=0).tolist()
+        return seen, own
+
+    def _tilts(self) -> tuple[EndReason, str] | None:
+        seen, _ = self._lately()
+        if seen > _TILTS:
+            self._moved = "topple"
+            return "guard", f"it tilts ({np.degrees(seen):.0f}°) where it should slide"
+        return None
+
+    def _slides(self) -> tuple[EndReason, str] | None:
+        """Compares tilts of the same frames: what is seen lags behind."""
+        return self._slid(*self._lately(), self._views)
+
+    def _slid(self, seen: float, own: float, views: Sized) -> tuple[EndReason, str] | None:
+        """Whether much less of a tilt is seen in so many frames than the fingertip has gone."""
+        noise = np.radians(self.recorder.world.scene.vision.angle_noise_deg)
+        unsure = _SLIDES_SURELY * float(noise) / np.sqrt(max(len(views), 1))
+        if own - seen > max((1.0 - _SLIDES_SHARE) * own, unsure, _LEAST_SHORT):
+            self._moved = "slide"
+            return "guard", "it slides where it should tilt"
+        return None
+
+    def _tilt_in(self, frame: Frame) -> float:
+        """Tilt along the push that a frame shows [rad]."""
+        up = frame.poses[self.experiment.push.object].R_WB[:, 2]
+        return float(np.arctan2(up @ self._u, up[2]))
+
+    # -- the record ------------------------------------------------------------------------------
+
+    def recording(self, end: EndReason, detail: str, before: PlanarPose) -> Recording:
+        """What was felt and seen."""
+        name = self.experiment.push.object
+        world, scene = self.recorder.world, self.recorder.world.scene
+        noise = self.stance.coarseness(self._u) * world.torque_noise
+        tilts_seen = [self._tilt_in(frame) for frame in self._seen]
+        frames = max(1.0, scene.vision.rate_hz)
+        return Recording(
+            experiment=self.experiment,
+            end=end,
+            detail=detail,
+            moved=self._moved,
+            time=np.array([t for t, _, _ in self._samples]),
+            tips=np.array([p for _, p, _ in self._samples]),
+            forces=np.array([f for _, _, f in self._samples]),
+            before=before,
+            after=averaged(self._seen)[name] if self._seen else None,
+            seen_tilt=float(np.mean(tilts_seen)) if tilts_seen else None,
+            force_sd=noise,
+            zero_sd=noise / float(np.sqrt(max(1.0, self.pause / self._period))),
+            pose_sd=(
+                scene.vision.position_noise_m / float(np.sqrt(frames)),
+                float(np.radians(scene.vision.angle_noise_deg) / np.sqrt(frames)),
+            ),
+        )

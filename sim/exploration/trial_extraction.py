@@ -1,0 +1,188 @@
+"""From a recording of a touch to trials: balances of forces at which the object moved.
+
+Only what was moving counts. Of a slide that is its whole way but for the first millimetre: the mean
+force, in the axes that the object had half-way, and by how much it turned. Of a tilt there are two
+balances, one at small and one at large tilts, so that the height of the centre of mass shows; each
+is the mean over a range of tilts, over which the force is as good as linear. Of a rub it is the
+mean while the fingertip slips. A touch that showed
+something else than was meant counts as what it showed.
+
+Frames: W is the world, B the object's as it stood before, T the fingertip's centre.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from objectmodels.identification import Onset, Trial, detect_onset
+from objectmodels.identification.onset import LEAST_SAMPLES
+from sim.exploration.touch_recording import Recording
+from sim.paths.tilt_arc import Arc
+from sim.rotations import Array, rot_z, wrap
+
+UNDER_WAY = 0.0015
+"""Way of the fingertip from which on an object counts as sliding [m]."""
+
+SMALL = np.radians([0.5, 1.5])
+"""Tilts over which the first balance is averaged [rad]."""
+
+LARGE = np.radians(1.5)
+"""The second one is averaged over so much before the largest tilt [rad]."""
+
+TURN_SD = 0.4
+"""Standard deviation of a turn rate besides what was seen: how the base carries an object is not
+known exactly, and the force turns a little as it begins to slide [rad/m]."""
+
+EDGE_SD = 0.0005
+"""Standard deviation of the distance from the touch to the far edge [m]."""
+
+_FEWEST = 5  # samples that a mean needs
+_ALIKE = 3.0  # samples after which the scatter is another
+
+
+@dataclass(frozen=True)
+class Curve:
+    """The force over time of one touch, for people.
+
+    Attributes:
+        time: since the touch, shape (n,) [s].
+        force: along the push, shape (n,) [N].
+        travel: of the fingertip along the push, shape (n,) [m].
+        onset: when and at which force the object began to move; None if there are too few samples.
+    """
+
+    time: Array
+    force: Array
+    travel: Array
+    onset: Onset | None
+
+
+def curve(recording: Recording) -> Curve:
+    """Force and travel over time, with the onset of motion."""
+    u = np.array(recording.experiment.push.direction_W)
+    time = recording.time - recording.time[0] if len(recording.time) else recording.time
+    force = recording.forces @ u
+    travel = (recording.tips - recording.tips[:1]) @ u
+    onset = detect_onset(time, force, travel) if len(time) >= LEAST_SAMPLES else None
+    return Curve(time, force, travel, onset)
+
+
+def trials(recording: Recording, *, repetition: int = 0) -> tuple[Trial, ...]:
+    """What a touch showed; nothing if nothing moved.
+
+    Args:
+        recording: of the touch.
+        repetition: number that the trials bear.
+    """
+    if len(recording.time) < LEAST_SAMPLES or recording.moved is None:
+        return ()
+    source = recording.experiment.name
+    found = _REDUCED[recording.moved](recording, source)
+    return tuple(replace(trial, repetition=repetition) for trial in found)
+
+
+def _tilts(recording: Recording, source: str) -> list[Trial]:
+    """Balances at a small and at a large tilt."""
+    push = recording.experiment.push
+    arc = Arc(recording.tips[0], np.array(push.direction_W), recording.experiment.length)
+    tilt, height = arc.tilts(recording.tips), arc.heights(recording.tips)
+    forces = recording.forces @ recording.before.R_WB
+    top = float(tilt.max())
+    ranges = [SMALL] if top < SMALL[1] + LARGE else [SMALL, np.array([top - LARGE, top])]
+    found = []
+    for low, high in ranges:
+        inside = (tilt >= low) & (tilt <= high)
+        if inside.sum() < _FEWEST:
+            continue
+        x, y, _ = push.p_BC
+        mean = float(tilt[inside].mean())
+        found.append(
+            Trial(
+                "topple",
+                point=(x, y, float(height[inside].mean())),
+                force=_triple(forces[inside].mean(axis=0)),
+                force_sd=_force_sd(recording, inside),
+                tilt=mean,
+                # The far edge is as far from the touch as the shape says, to half a millimetre.
+                tilt_sd=EDGE_SD / float(height[inside].mean()),
+                source=f"{source}, {np.degrees(mean):.1f}°",
+            )
+        )
+    return found
+
+
+def _slide(recording: Recording, source: str) -> list[Trial]:
+    """The mean over the way, and the turn at its end."""
+    push = recording.experiment.push
+    u, normal = np.array(push.direction_W), np.array(push.normal_W)
+    travel = (recording.tips - recording.tips[0]) @ u
+    moving = travel > UNDER_WAY
+    if moving.sum() < _FEWEST:
+        return []
+    before, after = recording.before, recording.after
+    if recording.experiment.kind == "tilt":
+        after = None  # it was pressed high: on a base about to rise, a little turns it much
+    turned = 0.0 if after is None else float(wrap(after.yaw - before.yaw))
+    yaw = before.yaw + turned * travel / travel[-1]
+    forces = np.einsum("nij,ni->nj", rot_z(yaw), recording.forces)[moving]
+    force = forces.mean(axis=0)
+    # The fingertip slips a little along the face: half-way is the mean of both ends. Where the face
+    # is along its normal the shape knows better than the camera.
+    out = before.R_WB.T @ normal
+    ends = zip((before, after or before), recording.tips[[0, -1 if after else 0]], strict=True)
+    seen = np.mean([(tip - pose.p_WB) @ pose.R_WB for pose, tip in ends], axis=0)
+    point = seen + (np.array(push.p_BC) - seen) @ out * out
+    along = rot_z(yaw[moving].mean()) @ force
+    way = float((recording.tips[-1] - recording.tips[0]) @ along / np.linalg.norm(along))
+    rate, rate_sd = turned / way, np.hypot(TURN_SD, np.sqrt(2.0) * recording.pose_sd[1] / way)
+    return [
+        Trial(
+            "slide",
+            point=_triple(point),
+            force=_triple(force),
+            force_sd=_force_sd(recording, moving),
+            turn_rate=None if after is None else rate,
+            turn_rate_sd=None if after is None else float(rate_sd),
+            source=source,
+        )
+    ]
+
+
+def _slip(recording: Recording, source: str) -> list[Trial]:
+    """The mean over the way on which the finger slipped."""
+    down = recording.tips[0, 2] - recording.tips[:, 2]
+    slipping = down > UNDER_WAY
+    if slipping.sum() < _FEWEST:
+        return []
+    R_BW = recording.before.R_WB.T
+    push = recording.experiment.push
+    return [
+        Trial(
+            "slip",
+            point=push.p_BC,
+            force=_triple(R_BW @ recording.forces[slipping].mean(axis=0)),
+            force_sd=_force_sd(recording, slipping),
+            normal=_triple(R_BW @ np.array(push.normal_W)),
+            source=source,
+        )
+    ]
+
+
+_REDUCED = {"topple": _tilts, "slide": _slide, "slip": _slip}
+
+
+def _force_sd(recording: Recording, chosen: NDArray[np.bool_]) -> float:
+    """Of the mean over samples whose scatter lasts a few of them, and of the sensors' zero."""
+    along = recording.forces[chosen] @ np.array(recording.experiment.push.direction_W)
+    steps = np.arange(len(along))
+    scatter = float(np.std(along - np.polyval(np.polyfit(steps, along, 1), steps)))
+    sample = max(scatter, recording.force_sd) * np.sqrt(_ALIKE / len(along))
+    return float(np.hypot(sample, recording.zero_sd))
+
+
+def _triple(v: Array) -> tuple[float, float, float]:
+    x, y, z = v.tolist()
+    return x, y, z

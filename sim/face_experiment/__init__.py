@@ -1,0 +1,1 @@
+"""Pushes all over a face with the truth known (`map --experiment`)."""

@@ -1,0 +1,250 @@
+"""One push by a force that is applied directly, without a robot.
+
+Model: an object of a scene stands alone on the table, as it truly is in the world of a seed at its
+first touch: what the scene hides is drawn, its friction is that of its place and trial, its
+contents lie as they then do. A force acts at a
+material point of it, in a direction that stays; at first it grows quickly until the object moves,
+which tells its size roughly, then, from rest again, slowly through that size. A force acts along
+its line, so that a point believed a little beside the true surface makes no difference.
+
+Past the onset the force that is not balanced grows evenly, so that speed grows with the square of
+time: v ∝ (t − t0)². The onset is the force at t0, where the straight line through √v over the last
+part of its way is zero. That takes out what the force gains until the motion is seen, about 1 %.
+
+The contact approximation is the one of `sim.worlds.drake.drake_plant`, lagged, but with a hundredth
+of its stiction tolerance: nothing chatters here, and the object creeps by ten micrometres before it
+moves instead of a tenth of a millimetre.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import lru_cache, partial
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from objectmodels.base import Polygon
+from objectmodels.thresholds import GRAVITY
+from sim.face_experiment.face_contact import Contact, TouchResult
+from sim.rotations import Array
+from sim.truth.object_truth import Truth
+from sim.truth.observer import Observer, Verdict
+from sim.truth.scene_file import Scene
+from sim.truth.world_sampling import drawn
+from sim.worlds.drake.drake_plant import (
+    Standing,
+    add_object,
+    add_table,
+    filter_collisions,
+    initial_pose,
+)
+from sim.worlds.drake.drake_world import changes_in
+
+BOUND = 1e-4
+"""Displacement that counts as motion [m]; the object creeps by a tenth of it."""
+
+STRONGEST = 10.0
+"""What withstands so many times its weight does not move."""
+
+SLOWNESS = 10.0
+"""Time in which the slow force would grow by as much as moves the object [s]."""
+
+_STICTION = 1e-6  # slip speed up to which friction counts as sticking [m/s]
+_SETTLING = 0.1  # in which the feet sink in until they carry the weight [s]
+_WEAKEST, _GROWTH = 0.01, 0.2  # the quick force: share of the weight, time to grow by e [s]
+_RISE = 0.2  # time in which the slow force gets near the onset [s]
+_NEAR = (0.92, 0.7, 0.4)  # of the rough onset; the next one if it moved before
+_FAR = 1.3  # of the rough onset, where the slow force ends
+_MARGIN = 0.01  # the slow force grows by so much of the rough onset before anything moves
+_CHUNK = 20  # steps after which the observer looks
+_TOLERANCE = 1e-3  # of what is called meeting the object [m]
+_FITTED = 0.5  # the part of √v that the line is fitted to
+_FEWEST = 4  # steps that the line needs; a body that breaks away in fewer has no delay
+
+
+def touch(scene: Scene, contact: Contact, *, seed: int = 0) -> TouchResult:
+    """Pushes an object by a force alone; a `sim.face_experiment.face_contact.Touch`.
+
+    Args:
+        scene: the world as it is.
+        contact: where and which way.
+        seed: of what the scene hides or leaves to chance.
+    """
+    world = _world(scene, contact.object, seed)
+    observer = Observer(world.scene, bound=BOUND)
+    truth = observer.truth(contact.object)
+    if not _meets(truth, contact):
+        return TouchResult(None, None, f"it misses the {contact.object}")
+    weight = GRAVITY * truth.mass_kg
+    quick = _Roll(world, observer, contact, lambda t: _WEAKEST * weight * math.exp(t / _GROWTH))
+    quick.run(_GROWTH * math.log(STRONGEST / _WEAKEST))
+    if quick.verdict.outcome == "none":
+        return TouchResult("none", None)
+    rough = quick.onset
+    for near in _NEAR:
+        slow = _Roll(world, observer, contact, partial(_slow, near=near, rough=rough))
+        slow.run(_RISE + SLOWNESS * (_FAR - near))
+        if slow.verdict.outcome == "none":
+            return TouchResult("none", None, "it moved only as long as the force grew quickly")
+        if slow.onset > (near + _MARGIN) * rough:
+            break
+    return TouchResult(slow.verdict.outcome, slow.onset)
+
+
+def _meets(truth: Truth, contact: Contact) -> bool:
+    """Whether the line of the push goes through the object."""
+    p, u = np.array(contact.point), np.array(contact.direction)
+    sides = Polygon.convex(truth.outline)
+    normals = np.vstack((np.pad(sides.normals, ((0, 0), (0, 1))), [[0, 0, 1], [0, 0, -1]]))
+    room = np.append(sides.offsets, [truth.height, 0.0]) - normals @ p + _TOLERANCE
+    closing = normals @ u
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = room / closing
+    enters = np.max(at, where=closing < 0.0, initial=-np.inf)
+    leaves = np.min(at, where=closing > 0.0, initial=np.inf)
+    beside = (closing == 0.0) & (room < 0.0)
+    return bool(enters <= leaves and not beside.any())
+
+
+def _slow(time: float, *, near: float, rough: float) -> float:
+    """The slow force [N]: quickly near the rough onset, then evenly through it."""
+    if time < _RISE:
+        return rough * near * time / _RISE
+    return rough * (near + (time - _RISE) / SLOWNESS)
+
+
+class _Roll:
+    """An object under a force that grows, watched until it moves.
+
+    Args:
+        world: the object's; it begins at rest.
+        observer: who watches.
+        contact: where and which way.
+        force: its size at a time [N].
+    """
+
+    def __init__(
+        self, world: _World, observer: Observer, contact: Contact, force: Callable[[float], float]
+    ) -> None:
+        self._world, self._observer, self._contact, self._force = world, observer, contact, force
+        self.verdict: Verdict
+
+    def run(self, most: float) -> None:
+        """Rolls out until the object moves, or for a time [s]."""
+        world, contact = self._world, self._contact
+        point, along = np.array(contact.point), world.R_WB @ np.array(contact.direction)
+        poses = [world.restart()]
+        for start in range(0, math.ceil(most / world.step_time), _CHUNK):
+            poses += [
+                world.step(point, self._force(k * world.step_time) * along)
+                for k in range(start + 1, start + _CHUNK + 1)
+            ]
+            self.verdict = self._observer.judge(contact.object, np.array(poses))
+            if self.verdict.outcome != "none":
+                return
+
+    @property
+    def onset(self) -> float:
+        """Force at which it began to move [N]."""
+        seen, step = self.verdict, self._world.step_time
+        way = seen.slip if seen.outcome == "slide" else seen.lift
+        speeds = np.diff(way[: seen.sample + 1]) / step
+        middles = step * (np.arange(seen.sample) + 0.5)
+        return self._force(max(started(middles, speeds), 0.0))
+
+
+def started(times: ArrayLike, speeds: ArrayLike) -> float:
+    """When a speed that last grew as v ∝ (t − t0)² was zero [s].
+
+    Args:
+        times: of every step, shape (n,) [s].
+        speeds: at these times, shape (n,) [m/s].
+    """
+    t, root = np.asarray(times, float), np.sqrt(np.maximum(speeds, 0.0))
+    before = (root < (1.0 - _FITTED) * root[-1]) | (np.diff(root, append=np.inf) < 0.0)
+    first = int(np.flatnonzero(before)[-1]) + 1 if before.any() else 0
+    if len(root) - first < _FEWEST:
+        return float(t[-1])
+    slope, offset = np.polyfit(t[first:], root[first:], 1)
+    return float(-offset / slope)
+
+
+class _World:
+    """An object of a scene alone on the table, in Drake.
+
+    Attributes:
+        scene: what is true.
+        step_time: of a step, the scene's [s].
+        R_WB: orientation in which it stands.
+    """
+
+    def __init__(self, scene: Scene, name: str, seed: int) -> None:
+        from pydrake.multibody.plant import (
+            AddMultibodyPlant,
+            ExternallyAppliedSpatialForce,
+            MultibodyPlantConfig,
+        )
+        from pydrake.systems.analysis import Simulator
+        from pydrake.systems.framework import DiagramBuilder
+
+        self.scene = scene = drawn(scene, seed)
+        self.step_time = scene.time_step_s
+        builder = DiagramBuilder()
+        config = MultibodyPlantConfig(
+            time_step=self.step_time,
+            contact_model="point",
+            discrete_contact_approximation="lagged",
+            stiction_tolerance=_STICTION,
+            use_sampled_output_ports=False,
+        )
+        self._plant, scene_graph = AddMultibodyPlant(config, builder)
+        table = add_table(self._plant, scene)
+        item = scene.object(name)
+        self._body, solid, feet = add_object(self._plant, item)
+        self._plant.Finalize()
+        X_WB = initial_pose(item)
+        self._plant.SetDefaultFloatingBaseBodyPose(self._body, X_WB)
+        filter_collisions(scene_graph, robot=[], table=table, solids=[solid], feet=feet.geometries)
+        self.R_WB = X_WB.rotation().matrix()
+        self._push = ExternallyAppliedSpatialForce()
+        self._push.body_index = self._body.index()
+        self._port = self._plant.get_applied_spatial_force_input_port()
+        self._simulator = Simulator(builder.Build())
+        self._root = self._simulator.get_mutable_context()
+        self._context = self._plant.GetMyMutableContextFromRoot(self._root)
+        model = Standing(self._plant, scene_graph, {name: self._body}, {name: feet}, {})
+        for change in changes_in(model, self._root, scene, seed):
+            change.prepare([name], {name: (self.R_WB, X_WB.translation())})
+        self._steps = 0
+        self._rested = math.ceil(_SETTLING / self.step_time)
+        for _ in range(self._rested):
+            self.step(np.zeros(3), np.zeros(3))
+        self._settled = self._root.Clone()
+
+    def restart(self) -> Array:
+        """Puts it back to rest; returns its pose, quaternion (w, x, y, z) and p_WB [m], (7,)."""
+        self._root.SetTimeStateAndParametersFrom(self._settled)
+        self._steps = self._rested
+        self._simulator.Initialize()
+        return self._pose()
+
+    def step(self, point: Array, f_BC_W: Array) -> Array:
+        """One step under a force [N] at a point p_BC [m]; returns its pose as `restart` does."""
+        from pydrake.multibody.math import SpatialForce
+
+        self._push.p_BoBq_B = point
+        self._push.F_Bq_W = SpatialForce(np.zeros(3), f_BC_W)
+        self._port.FixValue(self._context, [self._push])
+        self._steps += 1
+        self._simulator.AdvanceTo(self._steps * self.step_time)
+        return self._pose()
+
+    def _pose(self) -> Array:
+        return np.array(self._plant.GetPositions(self._context))
+
+
+@lru_cache(maxsize=8)
+def _world(scene: Scene, name: str, seed: int) -> _World:
+    return _World(scene, name, seed)

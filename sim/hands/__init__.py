@@ -1,0 +1,1 @@
+"""Hands, a folder for each hand."""

@@ -1,0 +1,1 @@
+"""Postures and kinematics of the four-finger hand."""

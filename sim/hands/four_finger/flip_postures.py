@@ -1,0 +1,143 @@
+"""In which hands a fingertip flips a lid: postures, orientations of the palm, and how it turns.
+
+Model: one finger is bent, the others are curled up. The palm leans back from the way in which the
+lid is pushed at first, is turned a little aside, and turns with the lid by some angle while that is
+flipped. Kept are hands whose spheres stay clear of the table, the object and its lid all along the
+way, and whose finger feels and bears the push. None of that depends on where the object stands.
+
+Frames: E and L as in `sim.paths.lid_arc_path`, P the palm.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.collision import collision_spheres as spheres
+from sim.collision.collision_scene import TABLE_CLEARANCE
+from sim.hands.four_finger.hand_kinematics import (
+    TIP_RADIUS,
+    Posture,
+    coarseness,
+    finger_posture,
+    strength,
+)
+from sim.paths.lid_arc_path import LidShape, LidWay
+from sim.rotations import Array, rot_y, rot_z
+
+_CLEARANCE = 0.003  # of all but the fingertip from the object and its lid [m]
+_FLEXIONS = ((-0.2, 0.9), (0.2, 0.6), (-0.57, 1.1), (0.0, 0.5), (-0.4, 0.7), (0.2, 0.25))
+_LEANS = {
+    True: np.radians(np.arange(0.0, 91.0, 15.0)),
+    False: np.radians(np.arange(-15.0, 91.0, 15.0)),
+}
+_SIDES = np.radians([0.0, -25.0, 25.0, -50.0, 50.0])
+_TURNS = np.radians([0.0, 35.0, 70.0])
+
+# Fingers straight down, palm towards where they push.
+_UPRIGHT = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
+
+_COARSEST_FEELING = 40.0  # 1 / lever with which the sensors feel the push [1/m]
+_BEARS = 3.0  # force that the finger bears, more than any lid needs [N]
+
+
+@dataclass(frozen=True, eq=False)
+class FlipHands:
+    """Hands that flip a lid, n of them, those that feel best first.
+
+    Attributes:
+        way: of the fingertip.
+        postures: of each.
+        R_EP: orientation of the palm along the way, shape (n, w, 3, 3).
+        tips: centre of the fingertip in P, shape (n, 3) [m].
+    """
+
+    way: LidWay
+    postures: tuple[Posture, ...]
+    R_EP: Array
+    tips: Array
+
+    def __len__(self) -> int:
+        return len(self.postures)
+
+    def some(self, chosen: NDArray[np.intp]) -> FlipHands:
+        """A few of them."""
+        postures = tuple(self.postures[k] for k in chosen.tolist())
+        return FlipHands(self.way, postures, self.R_EP[chosen], self.tips[chosen])
+
+    @functools.cached_property
+    def robot(self) -> Array:
+        """Spheres of the hand in E along the way, the fingertip last, shape (n, w, k, 4)."""
+        each = [spheres.whole_hand(posture) for posture in self.postures]
+        most = max(map(len, each), default=1)
+        filled = [np.vstack([np.tile(s[:1], (most - len(s), 1)), s]) for s in each]
+        about = np.reshape(filled, (len(self), 1, most, 4))
+        about = about - np.pad(self.tips, ((0, 0), (0, 1)))[:, None, None]
+        return spheres.placed(
+            about, self.R_EP, np.broadcast_to(self.way.points, self.R_EP.shape[:3])
+        )
+
+
+@functools.lru_cache(maxsize=16)
+def flip_hands(lid: LidShape) -> FlipHands:
+    """All hands that flip a lid."""
+    way = LidWay.of(lid)
+    R_EP = _orientations(lid, way)
+    postures, orientations, tips, coarse = [], [], [], []
+    for finger, flexion in itertools.product(("index", "middle", "ring"), _FLEXIONS):
+        posture = finger_posture(finger, flexion)
+        good, felt = _feels(posture, lid, way, R_EP)
+        good[good] = _clear(posture, lid, way, R_EP[good])
+        postures += [posture] * int(good.sum())
+        orientations.append(R_EP[good])
+        tips.append(np.tile(posture.tips[0], (int(good.sum()), 1)))
+        coarse.append(felt[good])
+    order = np.argsort(np.concatenate(coarse), kind="stable")
+    every = FlipHands(way, tuple(postures), np.concatenate(orientations), np.concatenate(tips))
+    return every.some(order)
+
+
+def _orientations(lid: LidShape, way: LidWay) -> Array:
+    """Orientations of the palm along the way, shape (n, w, 3, 3)."""
+    lean, side, turn = (
+        a.ravel() for a in np.meshgrid(_LEANS[lid.opens], _SIDES, _TURNS, indexing="ij")
+    )
+    # The tab is drawn towards the hinge in the end; a lid is pushed shut away from it.
+    facing = rot_z(np.pi if lid.opens else 0.0)
+    first = facing @ rot_z(side) @ rot_y(-lean) @ _UPRIGHT
+    with_lid = (-1.0 if lid.opens else 1.0) * turn[:, None] * way.shares
+    return np.asarray(rot_y(with_lid) @ first[:, None])
+
+
+def _feels(
+    posture: Posture, lid: LidShape, way: LidWay, R_EP: Array
+) -> tuple[NDArray[np.bool_], Array]:
+    """Which orientations feel and bear the push all along the arc, and how coarsely; (n,) each."""
+    (finger,) = posture.pushing
+    into = lid.normals(way.angles[way.touching])
+    into_P = np.einsum("nwji,wj->nwi", R_EP[:, way.touching], into)
+    p_PC = posture.tips[0] + TIP_RADIUS * into_P
+    coarse = coarseness(finger, posture.angles[finger], p_PC, into_P).max(axis=1)
+    bears = strength(finger, posture.angles[finger], p_PC, into_P).min(axis=1)
+    return np.asarray((coarse < _COARSEST_FEELING) & (bears > _BEARS)), coarse
+
+
+def _clear(posture: Posture, lid: LidShape, way: LidWay, R_EP: Array) -> NDArray[np.bool_]:
+    """Which orientations keep all but the fingertip off table, object and lid, shape (n,)."""
+    about = spheres.hand_spheres(posture) - np.append(posture.tips[0], 0.0)
+    left = np.arange(len(R_EP))
+    for w, (point, angle) in enumerate(zip(way.points, way.angles, strict=True)):
+        robot = spheres.placed(about, R_EP[left, w], point)
+        x, y, z, r = np.moveaxis(robot, -1, 0)
+        on_table = z + lid.height - r < TABLE_CLEARANCE
+        upright = np.stack([x - lid.length / 2.0, y, z + lid.height, r], axis=-1)
+        body = spheres.distance_to_cylinder(upright, lid.half_width, lid.height)
+        plate = lid.distance(robot, np.full(len(left), angle))
+        left = left[~(on_table | (np.minimum(body, plate) < _CLEARANCE)).any(axis=1)]
+    clear = np.zeros(len(R_EP), dtype=bool)
+    clear[left] = True
+    return clear

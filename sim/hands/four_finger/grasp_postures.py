@@ -1,0 +1,229 @@
+"""How the hand closes about something of a width: four fingertips on two parallel sides.
+
+Model: no finger is spread, so that each moves in its own plane across the palm. The fingertips
+touch at one height along the straight fingers, thumb against the other three, and close along a
+line: a posture is a width. Of all places where they meet, the one that bears the largest squeeze is
+taken, with a fingertip leading each finger and room for something deep before the palm.
+
+Frames: P is the palm; x is the closing direction, from the fingers' side to the thumb's.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from planner.handling.reach import Grip
+from sim.collision import collision_spheres as spheres
+from sim.hands.four_finger.hand_kinematics import (
+    CURLED,
+    EFFORT,
+    EFFORT_SHARE,
+    FINGER_LIMITS,
+    FINGERS,
+    JOINT_STIFFNESS,
+    STOP_ROOM,
+    TIP_RADIUS,
+    Angles,
+    Posture,
+    bent_to,
+    finger_jacobian,
+    finger_points,
+)
+from sim.rotations import Array
+
+HOLDING = ("thumb", "index", "middle", "ring")
+"""The fingers that hold, in the order of `Grip.contacts`."""
+
+SHARES = np.array([1.0, 1 / 3, 1 / 3, 1 / 3])
+"""Of the squeeze that each of them bears: the fingers stand side by side about the thumb."""
+
+PINCH = np.array([1.0, 0.0, 1.0, 0.0])
+"""The same where thumb and middle finger alone close about a knob, past which the others go."""
+
+NARROWEST, WIDEST = 0.008, 0.100
+"""Widths that the hand closes about [m]."""
+
+OPENING = 0.020
+"""How far the fingertips stand off each side before they close; less of what is wide [m]."""
+
+_LEAST_OPENING = 0.003  # less does not get around what is seen a little wrongly [m]
+_ACROSS = np.arange(0.030, 0.0901, 0.005)  # middle of the grasp along the closing direction [m]
+_ALONG = np.arange(0.165, 0.2051, 0.005)  # along the straight fingers [m]
+_DEPTH_WORTH = 100.0  # squeeze that room before the palm is worth [N/m]
+_OPENING_WORTH = 200.0  # the same of room beside what it closes about
+_HANGING_WORTH = 1000.0  # the same of joints that do not hang below the fingertips of a pinch
+_LEAN = np.radians([20.0, 125.0])  # of a distal link that leads with its tip [rad]
+_LOADS = ((0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))  # tangential, per squeeze
+_UNKNOWN = Grip(np.zeros((4, 2)), SHARES, 0.0, (0.0, 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class HandGrip:
+    """A grip of this hand.
+
+    Attributes:
+        width: between the touched sides [m].
+        middle: of the grasp in P, shape (3,) [m].
+        opening: how far the fingertips stand off each side before they close [m].
+        grip: as the planner knows it.
+        shares: of the squeeze that each of `HOLDING` bears, shape (4,).
+    """
+
+    width: float
+    middle: Array
+    opening: float
+    grip: Grip
+    shares: Array = field(default_factory=lambda: SHARES)
+
+    @property
+    def holding(self) -> tuple[str, ...]:
+        """The fingers that touch."""
+        return _holding(self.shares)
+
+    def posture(self, opening: float = 0.0) -> Posture:
+        """The hand with its fingertips so far off each side [m]; negative: beyond it."""
+        name = f"grip of {1e3 * self.width:.0f} mm"
+        x, _, z = self.middle.tolist()
+        return _posture(name, self.width + 2.0 * opening, x, z, self.holding)
+
+    def touching(self, finger: str) -> Array:
+        """Where a finger touches, in P, shape (3,) [m]."""
+        tip = finger_points(finger, self.posture().angles[finger])[3]
+        return np.asarray(tip + TIP_RADIUS * inward(finger))
+
+    @functools.cached_property
+    def pressing(self) -> Array:
+        """Change of the commanded angles per squeeze, in the order of `JOINT_NAMES` [rad/N]."""
+        torques = [self._torques(finger, 0.0, 0.0) for finger in FINGERS]
+        return np.concatenate(torques) / JOINT_STIFFNESS
+
+    def bearing(self, force_P: Array) -> Array:
+        """Change of the commanded angles with which both sides together exert a force.
+
+        Args:
+            force_P: on what is held, in P, shape (3,) [N].
+
+        Returns:
+            Shape (12,), in the order of `JOINT_NAMES` [rad].
+        """
+        forces = {f: 0.5 * share * force_P for f, share in zip(HOLDING, self.shares, strict=True)}
+        torques = [self._jacobians[f].T @ forces[f] for f in FINGERS]
+        return np.concatenate(torques) / JOINT_STIFFNESS
+
+    @functools.cached_property
+    def _jacobians(self) -> dict[str, Array]:
+        angles = self.posture().angles
+        return {f: finger_jacobian(f, angles[f], self.touching(f)) for f in FINGERS}
+
+    def _torques(self, finger: str, along: float, beside: float) -> Array:
+        """Torques per squeeze with a tangential load beside it, shape (3,) [m]."""
+        load = self.shares[HOLDING.index(finger)] * (
+            inward(finger) + np.array([0.0, beside, along])
+        )
+        return np.asarray(self._jacobians[finger].T @ load)
+
+    @functools.cached_property
+    def strongest(self) -> float:
+        """Largest squeeze, with a tangential load as large beside it [N]."""
+        each = [self._torques(f, *load) for f, load in itertools.product(FINGERS, _LOADS)]
+        return float(EFFORT_SHARE * EFFORT / np.abs(each).max())
+
+
+def inward(finger: str) -> Array:
+    """Direction in which a finger presses, in P, shape (3,)."""
+    return np.array([-1.0 if finger == "thumb" else 1.0, 0.0, 0.0])
+
+
+def hand_grip(width: float) -> HandGrip | None:
+    """How the hand closes about a width [m]; None if it does not."""
+    if not NARROWEST <= width <= WIDEST:
+        return None
+    return _best(round(width, 4))
+
+
+def pinch(width: float) -> HandGrip | None:
+    """How thumb and middle finger close about a knob of a width [m]; None if they do not."""
+    if not NARROWEST <= width <= WIDEST:
+        return None
+    return _best(round(width, 4), pinches=True)
+
+
+@functools.lru_cache(maxsize=256)
+def _best(width: float, *, pinches: bool = False) -> HandGrip | None:
+    shares = PINCH if pinches else SHARES
+    found = [_at(width, x, z, shares) for x, z in itertools.product(_ACROSS, _ALONG)]
+    worth = _pinch_worth if pinches else _worth
+    best = max((each for each in found if each is not None), key=worth, default=None)
+    return None if best is None else replace(best, grip=_as_known(best))
+
+
+def _worth(grip: HandGrip) -> float:
+    return float(grip.strongest + _DEPTH_WORTH * grip.middle[2] + _OPENING_WORTH * grip.opening)
+
+
+def _pinch_worth(grip: HandGrip) -> float:
+    """A knob stands on something that the fingers must not touch."""
+    hanging = [
+        finger_points(finger, grip.posture(opening).angles[finger])[:, 2].max() - grip.middle[2]
+        for finger in grip.holding
+        for opening in (0.0, grip.opening)
+    ]
+    return _worth(grip) - _HANGING_WORTH * float(max(hanging))
+
+
+def _holding(shares: Array) -> tuple[str, ...]:
+    return tuple(finger for finger, share in zip(HOLDING, shares, strict=True) if share > 0.0)
+
+
+def _at(width: float, x: float, z: float, shares: Array) -> HandGrip | None:
+    """The grip about a width in one place; None if the fingers do not get there."""
+    holding = _holding(shares)
+    closed = _angles(width, x, z, holding)
+    if closed is None or not all(_LEAN[0] < a[1] + 2.0 * a[2] < _LEAN[1] for a in closed.values()):
+        return None
+    # All of the closing is possible where both its ends are.
+    openings = np.arange(OPENING, _LEAST_OPENING - 1e-9, -0.001)
+    opening = next((o for o in openings if _angles(width + 2.0 * o, x, z, holding)), None)
+    if opening is None:
+        return None
+    return HandGrip(width, np.array([x, 0.0, z]), float(opening), _UNKNOWN, shares)
+
+
+def _as_known(found: HandGrip) -> Grip:
+    """What the planner knows of it."""
+    x, _, z = found.middle
+    contacts = np.array([found.touching(finger)[[2, 1]] - [z, 0.0] for finger in found.holding])
+    # Open or closed, whatever needs more.
+    around = np.vstack([spheres.hand_spheres(found.posture(o)) for o in (0.0, found.opening)])
+    low, high = (around[:, 0] - around[:, 3]).min(), (around[:, 0] + around[:, 3]).max()
+    room = (float(x - found.width / 2.0 - low), float(high - x - found.width / 2.0))
+    ahead = float((around[:, 2] + around[:, 3]).max() - z)
+    return Grip(contacts, found.shares[found.shares > 0.0], found.strongest, room, ahead)
+
+
+@functools.lru_cache(maxsize=4096)
+def _angles(width: float, x: float, z: float, holding: tuple[str, ...]) -> dict[str, Angles] | None:
+    """Angles of the fingers that hold a width; None where one does not get there."""
+    angles = {}
+    low, high = FINGER_LIMITS.T
+    for finger in holding:
+        bent = bent_to(finger, np.array([x, 0.0, z]) - (width / 2.0 + TIP_RADIUS) * inward(finger))
+        if bent is None or not ((bent > low + STOP_ROOM) & (bent < high - STOP_ROOM))[1:].all():
+            return None
+        angles[finger] = bent
+    return angles
+
+
+@functools.lru_cache(maxsize=64)
+def _posture(name: str, width: float, x: float, z: float, holding: tuple[str, ...]) -> Posture:
+    """The hand about a width, wherever its fingers get; those that do not hold are curled up."""
+    angles = dict.fromkeys(FINGERS, CURLED)
+    for finger in holding:
+        bent = bent_to(finger, np.array([x, 0.0, z]) - (width / 2.0 + TIP_RADIUS) * inward(finger))
+        assert bent is not None, "a grip is about a width that the fingers reach"
+        angles[finger] = bent
+    return Posture(name, angles, holding)

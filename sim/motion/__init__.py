@@ -1,0 +1,1 @@
+"""Arm and hand along a path: inverse kinematics search, roadmap, the robot's reach."""

@@ -1,0 +1,395 @@
+"""The search for a way of arm and hand through a whole handling plan.
+
+Model: the hand goes rigidly with what it holds, so every leg says where the palm is. The arm keeps
+the elbow's angle and one of its eight solutions all along; they are tried together, the ones with
+room to the joint limits first. Where something is held already, the elbow swings there first while
+the hand stays. Hand and held object do not depend on the arm and are looked at once for all arms;
+then comes the arm, and the way from home and back. What is held is its own obstacle
+before it is touched and after it was let go.
+
+Frames: see `sim.paths.held_object_path`; P is the palm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.handling.plan import HandlingPlan, PourOut
+from planner.reach import ReachAnswer
+from planner.state import WorldState
+from sim.arms.lwr import lwr_kinematics as arm
+from sim.collision import collision_spheres as spheres
+from sim.collision.collision_scene import OBJECT_CLEARANCE, TABLE_CLEARANCE, Obstacle, Scenery
+from sim.collision.covering import surface
+from sim.hands.four_finger.grasp_postures import HandGrip
+from sim.motion.arm_configuration import Mount
+from sim.motion.ik_search import ELBOWS, ENOUGH_MARGIN
+from sim.motion.roadmap import LIMIT_MARGIN, drawn_places, free_way
+from sim.paths.held_object import Handled
+from sim.paths.held_object_path import Leg, grasp_frame, legs_of, withdrawals
+from sim.rotations import Array
+
+HELD_CLEARANCE = 0.004
+"""Least distance of what is held from the object into which it is poured [m]."""
+
+_OWNER_CLEARANCE = 0.0023  # of the hand from the object whose lid it holds [m]
+_LID_CLEARANCE = 0.0015  # of a hand that puts a lid aside from the table [m]
+_FACE_CLEARANCE = 0.002  # of the open hand from what it is about to hold [m]
+_OFF_TABLE = 0.002  # of what is tilted over the table [m]
+_WRIST_BEND = 0.15  # |q6| stays above this, away from the singularity [rad]
+_LARGEST_STEP = 0.6  # more change of a joint between poses that are looked at is a jump [rad]
+_HOMESICK = 0.1  # room to the limits that a joint's being one radian nearer to home is worth
+_MOST_ARMS, _MOST_TRANSITS = 40, 4
+_SAME = 0.15  # a joint's change up to which an arm is in the pose in which it was left [rad]
+_SWING = 5.0  # between elbow angles while it swings [degrees]
+_RAISED = (0.10, 0.20, 0.30)  # of places above the first pose of the hand [m]
+
+
+@dataclass(frozen=True, eq=False)
+class HandWay:
+    """A way of arm and hand through a plan.
+
+    Attributes:
+        mount: of the arm.
+        grip: of the hand.
+        R_BP, p_BP: the palm as it holds the object, shapes (3, 3) and (3,) [m].
+        legs: of the approach, of each step, and of the way back.
+        elbow: angle of the elbow [rad].
+        branch: which of the arm's eight solutions.
+        there, back: arm poses between home and the first pose, and between the last one and home;
+            with something held already, `there` is how the elbow swings to its angle.
+        room: least room to the joint limits [rad].
+    """
+
+    mount: Mount
+    grip: HandGrip
+    R_BP: Array
+    p_BP: Array
+    legs: tuple[tuple[Leg, ...], ...]
+    elbow: float
+    branch: int
+    there: tuple[Array, ...] = ()
+    back: tuple[Array, ...] = ()
+    room: float = 0.0
+
+    def joints(self, R_WB: Array, p_WB: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Arm angles, shape (n, 7), for object poses, and which of them are reached, shape (n,)."""
+        n = len(p_WB)
+        R_AF, p_AF = self.mount.flange(R_WB @ self.R_BP, p_WB + R_WB @ self.p_BP)
+        q, valid = arm.inverse(R_AF, p_AF, np.full(n, self.elbow), [self.branch])
+        return q[:, 0], valid[:, 0] > 0
+
+
+class HandSearch:
+    """The search for one plan.
+
+    Args:
+        mount: of the arm.
+        home: arm angles from which it comes, shape (7,) [rad].
+        handled: what is held, and the plan.
+        grip: of the hand.
+        off: the way of the open hand off the object, in W, shape (3,) [m].
+        spare: by how much less than its clearance each of the others may be away [m].
+    """
+
+    def __init__(
+        self,
+        mount: Mount,
+        home: Array,
+        handled: Handled,
+        grip: HandGrip,
+        off: Array,
+        spare: float = 0.0,
+    ) -> None:
+        self._mount = mount
+        self._home = home
+        self._grip = grip
+        plan, state = handled.plan, handled.state
+        self._plan = plan
+        self._held = handled.held
+        self._owner = handled.owner
+        already = state.held if plan.held else None
+        self._at = np.array(already.arm) if already is not None and already.arm else None
+        self._legs = legs_of(handled, off)
+        R_BG, p_BG = grasp_frame(handled.grasp, self._held.pose.R_WB)
+        self._R_BP, self._p_BP = R_BG, p_BG - R_BG @ grip.middle
+        self._closed, self._open = grip.posture(), grip.posture(grip.opening)
+        self._spare = spare
+        self._scenery = self._around_it(Scenery.of(state, plan.object, spare), handled)
+        self._kept = dict(plan.clear_of)
+        flat = [leg for some in self._legs for leg in some]
+        self._free = np.concatenate([np.full(len(leg.sampled()), leg.free) for leg in flat])
+        self._last = np.concatenate(
+            [np.full(len(leg.sampled()), leg.phase == "retreat") for leg in flat]
+        )
+        poses = [leg.poses(leg.sampled()) for leg in flat]
+        self._R_WB = np.concatenate([R for R, _ in poses])
+        self._p_WB = np.concatenate([p for _, p in poses])
+        # Where it stands in the end, for the hand that lets go of it there.
+        held = self._about = handled.about
+        self._stood = replace(held, p_WB=held.p_WB)
+        if self._last.any():
+            k = int(np.flatnonzero(self._last)[0])
+            turned = self._R_WB[k] @ held.R_WB.T
+            angle = float(np.arctan2(turned[1, 0], turned[0, 0]))
+            self._stood = held.taken(held.p_WB, self._p_WB[k], angle)
+
+    def _around_it(self, scenery: Scenery, handled: Handled) -> Scenery:
+        """What the hand must not touch: a lid's object it may come near to."""
+        others = (
+            replace(each, clearance=_OWNER_CLEARANCE - self._spare)
+            if each.name == self._owner
+            else each
+            for each in scenery.others
+        )
+        lifted = np.array([0.0, 0.0, handled.height if handled.owner else 0.0])
+        pushed = replace(scenery.pushed, p_WB=scenery.pushed.p_WB + lifted)
+        return Scenery(pushed, tuple(others))
+
+    def best(self) -> HandWay | ReachAnswer:
+        """The best way, or why there is none."""
+        blocked = self._hand_blocked()
+        if blocked is not None:
+            return blocked
+        q, elbow, branch, room = self._arms()
+        if not len(q):
+            return _no("kinematics", "the arm does not reach along the whole way of the hand")
+        hindered: str | None = None
+        tried = 0
+        for k in range(min(len(q), _MOST_ARMS)):
+            what = self._arm_blocked(q[k])
+            if what is not None:
+                hindered = hindered or what
+                continue
+            way = HandWay(
+                self._mount, self._grip, self._R_BP, self._p_BP, self._legs,
+                float(elbow[k]), int(branch[k]), room=float(room[k]),
+            )  # fmt: skip
+            found = self._from_home(way, q[k])
+            if found is not None:
+                return found
+            tried += 1
+            hindered = hindered or self._plan.object
+            if tried >= _MOST_TRANSITS:
+                break
+        own = hindered in {self._plan.object, "table"}
+        return _no(
+            "approach" if own else "obstacle",
+            f"the arm has no free way to the hand's places: it would hit the {hindered}",
+            None if own else hindered,
+        )
+
+    # -- hand and held object -------------------------------------------------------------------
+
+    def _hand_blocked(self) -> ReachAnswer | None:
+        """What is in the way of the hand and of what it holds, whatever the arm does."""
+        R_WP, p_WP = self._R_WB @ self._R_BP, self._p_WB + self._R_WB @ self._p_BP
+        what = f"the {self._plan.object}"
+        for is_open in (True, False):
+            some = self._free == is_open
+            hand = spheres.placed(self._around(is_open=is_open), R_WP[some], p_WP[some])
+            low = spheres.height_above_table(hand).min(initial=np.inf)
+            if low < (TABLE_CLEARANCE if self._owner is None else _LID_CLEARANCE):
+                up = 1e3 * float(low)
+                return _no("table", f"the hand would come to {up:.0f} mm over the table")
+            for each in self._scenery.others:
+                if not each.is_clear(hand).all():
+                    return _blocked(each.name, "the hand")
+        free = np.flatnonzero(self._free)
+        hand = spheres.placed(self._around(is_open=True), R_WP[free], p_WP[free])
+        for k, one in zip(free, hand, strict=True):
+            stands = self._stood if self._last[k] else self._about
+            if (stands.distance(one) < _FACE_CLEARANCE).any():
+                return _no("object", f"the open hand does not get around {what}")
+        inside = spheres.hand_spheres(self._closed)
+        own = spheres.placed(inside, self._R_BP, self._p_BP)
+        if (_in_itself(self._about).distance(own) < 0.0).any():
+            return _no("object", f"the hand would hit {what} with more than its fingertips")
+        return self._held_blocked()
+
+    def _around(self, *, is_open: bool) -> Array:
+        """Spheres of the hand in P, with its fingertips."""
+        posture = self._open if is_open else self._closed
+        # Fingers about a knob are near to what it stands on.
+        return spheres.whole_hand(posture) if self._owner is None else spheres.bare_hand(posture)
+
+    def _held_blocked(self) -> ReachAnswer | None:
+        """What is in the way of the held object."""
+        holding = ~self._free
+        body = spheres.placed(
+            surface(self._scenery.pushed), self._R_WB[holding], self._p_WB[holding]
+        )
+        what = f"the {self._plan.object}"
+        tilted = self._R_WB[holding][:, 2, 2] < 1.0 - 1e-9
+        low = spheres.height_above_table(body[tilted]).min(initial=np.inf)
+        if low < _OFF_TABLE:
+            return _no("table", f"{what} would hit the table while it is tilted")
+        into = {step.into for step in self._plan.steps if isinstance(step, PourOut)}
+        for each in self._scenery.others:
+            if each.name == self._owner:
+                continue
+            clearance = HELD_CLEARANCE - self._spare if each.name in into else each.clearance
+            clearance = max(clearance, self._kept.get(each.name, 0.0) - self._spare)
+            # What stands close already is not hit by being lifted.
+            near = each.distance(body[:1]).min(initial=np.inf)
+            if not each.is_clear(body, min(clearance, max(0.0, 0.9 * near))).all():
+                return _blocked(each.name, what)
+        return None
+
+    # -- arms -----------------------------------------------------------------------------------
+
+    def _arms(self) -> tuple[Array, Array, NDArray[np.intp], Array]:
+        """Arm angles along the whole way, elbow angles, branches and room; the best first."""
+        w = len(self._p_WB)
+        R_AF, p_AF = self._mount.flange(
+            self._R_WB @ self._R_BP, self._p_WB + self._R_WB @ self._p_BP
+        )
+        # Few poses sort out most elbows.
+        some = np.unique(np.linspace(0, w - 1, 6).astype(int))
+        q, good = _followed(R_AF[some], p_AF[some], ELBOWS, np.inf)
+        elbows = ELBOWS[good.any(axis=1)]
+        q, good = _followed(R_AF, p_AF, elbows, _LARGEST_STEP)
+        room = (arm.LIMITS - np.abs(q)).min(axis=(1, 3))
+        far = np.abs(q[:, 0] - (self._home if self._at is None else self._at)).max(axis=-1)
+        score = np.where(good, np.minimum(room, ENOUGH_MARGIN) - _HOMESICK * far, -np.inf)
+        best = np.argsort(-score, axis=None, kind="stable")[: int(good.sum())]
+        row, branch = np.unravel_index(best, score.shape)
+        return q[row, :, branch], elbows[row], branch, room[row, branch]
+
+    def _arm_blocked(self, q: Array) -> str | None:
+        """What the arm would hit on the way; None if nothing."""
+        robot = spheres.placed(spheres.arm_spheres(q), self._mount.R_WA, self._mount.p_WA)
+        if (spheres.height_above_table(robot) < TABLE_CLEARANCE).any():
+            return "table"
+        for each in self._scenery.others:
+            if not each.is_clear(robot).all():
+                return each.name
+        held = _in_itself(self._scenery.pushed)
+        R_BW = np.swapaxes(self._R_WB, -1, -2)
+        in_B = spheres.placed(robot, R_BW, -(R_BW @ self._p_WB[..., None])[..., 0])
+        if (held.distance(in_B) < OBJECT_CLEARANCE).any():
+            return self._plan.object
+        return None
+
+    # -- transits -------------------------------------------------------------------------------
+
+    def _from_home(self, way: HandWay, q: Array) -> HandWay | None:
+        """The same way with those from home and back; None if they are not free."""
+        there: tuple[Array, ...] | None = ()
+        back: tuple[Array, ...] | None = ()
+        if self._at is not None:
+            there = self._swing(way)
+        elif not self._plan.held:
+            there = self._transit(way, q[0], self._p_WB[0], self._R_WB[0], self._scenery.pushed)
+        if there is not None and self._last.any():
+            back = self._transit(way, q[-1], self._p_WB[-1], self._R_WB[-1], self._stood)
+        if there is None or back is None:
+            return None
+        return replace(way, there=there, back=back[::-1])
+
+    def _swing(self, way: HandWay) -> tuple[Array, ...] | None:
+        """Arm poses from where it was left to the way's elbow angle, the hand still."""
+        assert self._at is not None, "something is held"
+        steps = np.radians(np.arange(0.0, 360.0, _SWING))
+        here = [replace(way, elbow=float(e)) for e in way.elbow + steps]
+        poses = [one.joints(self._R_WB[:1], self._p_WB[:1]) for one in here]
+        q = np.array([one[0] for one, _ in poses])
+        good = np.array([bool(valid[0]) for _, valid in poses])
+        good &= (np.abs(q) < arm.LIMITS - LIMIT_MARGIN).all(axis=1)
+        near = np.where(good, np.abs(q - self._at).max(axis=1), np.inf)
+        start = int(np.argmin(near))
+        if near[start] > _SAME:
+            return None
+        for way_round in (np.arange(start, -1, -1), np.arange(start, len(q) + 1) % len(q)):
+            swing = q[way_round]
+            steady = np.abs(np.diff(swing, axis=0)).max(initial=0.0) < _LARGEST_STEP
+            if good[way_round].all() and steady and self._is_clear(swing):
+                return tuple(swing)
+        return None
+
+    def _is_clear(self, q: Array) -> bool:
+        """Whether the arm keeps clear of the table and of all others."""
+        robot = spheres.placed(spheres.arm_spheres(q), self._mount.R_WA, self._mount.p_WA)
+        high = spheres.height_above_table(robot).min() >= TABLE_CLEARANCE
+        return bool(high and all(each.is_clear(robot).all() for each in self._scenery.others))
+
+    def _transit(
+        self, way: HandWay, q: Array, p_WB: Array, R_WB: Array, stands: Obstacle
+    ) -> tuple[Array, ...] | None:
+        """Arm poses between home and a pose of the open hand."""
+        open_hand = self._around(is_open=True)
+
+        def is_free(q: Array) -> NDArray[np.bool_]:
+            robot = spheres.placed(spheres.arm_spheres(q), self._mount.R_WA, self._mount.p_WA)
+            hand = spheres.placed(open_hand, *self._mount.palm(q))
+            return self._scenery.is_free(np.concatenate([hand, robot], axis=-2), stands)
+
+        up = np.array([[0.0, 0.0, height] for height in _RAISED])
+        R = np.broadcast_to(R_WB, (len(up), 3, 3))
+        raised, valid = way.joints(R, p_WB + up)
+        places = np.vstack([raised[valid], 0.5 * (self._home + q), *(
+            [0.5 * (self._home + one)] for one in raised[valid]
+        )])  # fmt: skip
+        found = free_way(self._home, q, places, is_free)
+        return found if found is not None else free_way(
+            self._home, q, drawn_places(self._home, q), is_free
+        )  # fmt: skip
+
+
+def best_way(
+    mount: Mount,
+    home: Array,
+    plan: HandlingPlan,
+    grip: HandGrip,
+    state: WorldState,
+    spare: float = 0.0,
+) -> HandWay | ReachAnswer:
+    """The best way through a plan, or why there is none.
+
+    Args:
+        mount: of the arm.
+        home: arm angles from which it comes, shape (7,) [rad].
+        plan: with a grasp.
+        grip: of the hand.
+        state: what is believed.
+        spare: by how much less than its clearance each of the others may be away [m].
+    """
+    first: ReachAnswer | None = None
+    handled = Handled.of(plan, state)
+    for off in withdrawals(handled.grasp, handled.held):
+        found = HandSearch(mount, home, handled, grip, off, spare).best()
+        if isinstance(found, HandWay):
+            return found
+        first = first or found
+    assert first is not None, "there is a way off everything"
+    return first
+
+
+def _followed(
+    R_AF: Array, p_AF: Array, elbows: Array, largest: float
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Angles of all arms at flange poses, shape (e, w, 8, 7), and which are good, shape (e, 8)."""
+    e, w = len(elbows), len(p_AF)
+    q, valid = arm.inverse(np.tile(R_AF, (e, 1, 1)), np.tile(p_AF, (e, 1)), np.repeat(elbows, w))
+    q, valid = q.reshape(e, w, 8, 7), valid.reshape(e, w, 8)
+    inside = (np.abs(q) < arm.LIMITS - LIMIT_MARGIN).all(axis=-1)
+    bent = np.abs(q[..., 5]) > _WRIST_BEND
+    steady = np.abs(np.diff(q, axis=1)).max(axis=(1, 3), initial=0.0) < largest
+    good = (valid > 0) & inside & bent
+    return q, np.asarray(good.all(axis=1) & steady)
+
+
+def _in_itself(held: Obstacle) -> Obstacle:
+    """The held object in its own frame."""
+    return replace(held, R_WB=np.eye(3), p_WB=np.zeros(3))
+
+
+def _no(reason: str, message: str, blocker: str | None = None) -> ReachAnswer:
+    return ReachAnswer(ok=False, reason=reason, message=message, blocker=blocker)
+
+
+def _blocked(name: str, what: str) -> ReachAnswer:
+    return _no("obstacle", f"{what} would hit the {name}", name)

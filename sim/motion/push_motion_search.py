@@ -1,0 +1,318 @@
+"""The search for a stance: a hand, an arm pose for every point of its way, and a way to get there.
+
+Model: the palm keeps its orientation to the push's frame, which turns where the object is to be
+turned. Hands are taken best first, a few at a time. What costs least sorts out first: a hand too
+low over the table or too far from the shoulder, then one whose spheres come too near an object
+anywhere on the way, the pushed object moving along. For the rest the arm is asked
+(`sim.motion.ik_search`). Where it is clear of everything as a whole, and a free way leads there
+from home (`sim.motion.roadmap`), is a stance; the search ends with the first that has room enough.
+
+Frames: see `sim.motion.arm_configuration`.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.plan import Push
+from planner.reach import ReachAnswer
+from planner.state import WorldState
+from sim.arms.lwr import lwr_kinematics as arm
+from sim.collision import collision_spheres as spheres
+from sim.collision.collision_scene import (
+    LEAST_CLEARANCE,
+    OBJECT_CLEARANCE,
+    TABLE_CLEARANCE,
+    Obstacle,
+    Scenery,
+)
+from sim.hands.four_finger.pushing_postures import Hands
+from sim.motion.arm_configuration import Mount, Stance, UnreachableError
+from sim.motion.ik_search import ENOUGH_MARGIN, ArmPoses, Solved, descent, in_range
+from sim.motion.roadmap import LIMIT_MARGIN, along, drawn_places, free_way
+from sim.paths.fingertip_path import BACK, Way
+from sim.rotations import Array, rot_z
+
+_FACE_CLEARANCE = 0.0005  # of all but the fingertips from the pushed face [m]
+_SWEEP = 0.025  # largest step of the hand along the stroke [m]
+_OVER = 0.47  # height of T in places over the table [m]
+_RAISED = (0.4, 0.8, 1.2)  # how far the arm swings up halfway [rad]
+
+_AT_ONCE, _ASKED = 48, 12  # hands that are looked at together, and the arm is asked for
+_BACK_POINTS = 4  # places on the way back from a turned face that are looked at
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How long a stance is looked for, and how near the hand may come to things.
+
+    Attributes:
+        clearance: of hand and arm from what is neither pushed nor fragile [m].
+        fine: whether the palm may lean to its sides by small angles and large ones.
+        most_hands: that are clear and for which the arm is asked.
+        most_transits: stances of some hands for which a way from home is looked for.
+        last_resorts: stances of all hands for which it is looked for among more places.
+    """
+
+    clearance: float
+    fine: bool
+    most_hands: int
+    most_transits: int
+    last_resorts: int
+
+
+USUAL = Effort(OBJECT_CLEARANCE, fine=False, most_hands=60, most_transits=2, last_resorts=3)
+THOROUGH = Effort(LEAST_CLEARANCE, fine=True, most_hands=600, most_transits=10, last_resorts=10)
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """A stance without the way from home: arm angles above the start, room, strength [N]."""
+
+    stance: Stance
+    above: Array
+    room: float
+    strength: float
+
+    def by(self, via: tuple[Array, ...]) -> _Found:
+        """The same with a way."""
+        return replace(self, stance=replace(self.stance, via=via))
+
+    @property
+    def answer(self) -> tuple[Stance, ReachAnswer]:
+        """What is told of it."""
+        numbers = {"strength": self.strength}
+        return self.stance, ReachAnswer(ok=True, margin=self.room, numbers=numbers)
+
+
+class Search:
+    """The search for one push.
+
+    Args:
+        mount: of the arm.
+        home: arm angles from which it comes, shape (7,) [rad].
+        push: what is to be done.
+        way: of the fingertips.
+        state: what is believed.
+        effort: that is made.
+        spare: by how much less than its clearance each of the others may be away [m].
+    """
+
+    def __init__(
+        self,
+        mount: Mount,
+        home: Array,
+        push: Push,
+        way: Way,
+        state: WorldState,
+        effort: Effort,
+        spare: float = 0.0,
+    ) -> None:
+        self._effort = effort
+        self._mount = mount
+        self._home = home
+        self._push = push
+        self._way = way
+        self._points = way.points()
+        self._R_WD = rot_z(way.turns()) @ way.R_WD
+        self._arms = ArmPoses(mount, home, push, self._points, self._R_WD)
+        table = state.table
+        self._centre = 0.5 * np.array([table.x_min + table.x_max, table.y_min + table.y_max])
+        self._scenery = Scenery.of(state, push.object, spare, effort.clearance)
+        # From the touch on, the pushed object goes where the fingertips take it.
+        touch = self._points[1]
+        self._pushed = [
+            self._scenery.pushed.taken(touch, self._points[max(k, 1)], float(turn))
+            for k, turn in enumerate(way.turns())
+        ]
+
+    def best(self, hands: Hands) -> tuple[Stance, ReachAnswer] | ReachAnswer:
+        """The best stance in one of some hands, or why there is none."""
+        self._stopped: set[str] = set()
+        self._hindered: list[Array] = []
+        self._arms.too_weak = False
+        high = self._points[:, 2].min() + hands.lowest > TABLE_CLEARANCE
+        if not high.any():
+            return _no("table", "the hand would hit the table")
+        hands = hands[high]
+        best: _Found | None = None
+        blocked: list[_Found] = []
+        asked = 0
+        for some in self._clear_hands(
+            hands[in_range(self._mount, hands, self._R_WD, self._points)]
+        ):
+            asked += len(some)
+            least = LIMIT_MARGIN if best is None else best.room
+            stances = (found for found in self._stances(some, least) if self._comes_off(found))
+            for found in itertools.islice(stances, self._effort.most_transits):
+                via = self._way_there(found, self._places(found))
+                if via is not None:
+                    best = found.by(via)
+                    break
+                blocked.append(found)
+            if best is not None and best.room >= ENOUGH_MARGIN:
+                break
+            if asked >= self._effort.most_hands:
+                break
+        for found in blocked[: self._effort.last_resorts] if best is None else ():
+            via = self._way_there(found, drawn_places(self._home, found.above))
+            if via is not None:
+                best = found.by(via)
+                break
+        return self._nothing(asked, blocked) if best is None else best.answer
+
+    def _nothing(self, asked: int, blocked: list[_Found]) -> ReachAnswer:
+        """Why no stance was found."""
+        if not asked and self._stopped:
+            return _blocked(self._push, self._stopped)
+        hindered = [self._robot(f.stance, along(self._home, f.above)) for f in blocked[:1]]
+        hindered = hindered or self._hindered[:1]
+        if hindered:
+            name = self._scenery.hit_by(hindered[0])
+            what = name or f"{self._push.object} or the table"
+            message = f"the arm has no free way to the contact: it would hit the {what}"
+            return _no("obstacle" if name else "approach", message, name)
+        if self._arms.too_weak:
+            force = self._push.force_limit
+            message = f"the arm's joints do not bear {force:.0f} N there"
+            return ReachAnswer(False, "torque", message, numbers={"force": force})
+        return _no("kinematics", "the arm does not reach along the whole way of the push")
+
+    # -- hands ----------------------------------------------------------------------------------
+
+    def _clear_hands(self, hands: Hands) -> Iterator[Hands]:
+        """The hands that stay clear of everything during the push, a few at a time."""
+        near = self._scenery.near(self._points, hands.size)
+        R_WD, points = self._swept() if near else (self._R_WD[:2], self._points[:2])
+        for first in range(0, len(hands), _AT_ONCE):
+            some = hands[first : first + _AT_ONCE]
+            robot = some.placed(R_WD, points)
+            free = np.ones(len(some), dtype=bool)
+            # The fingertips come last; they alone may touch the pushed object.
+            before = robot[:, :2, : -self._push.fingers]
+            self._require(free, self._scenery.pushed, before, _FACE_CLEARANCE)
+            for each in near:
+                self._require(free, each, robot, each.clearance)
+            clear = some[free]
+            yield from (clear[k : k + _ASKED] for k in range(0, len(clear), _ASKED))
+
+    def _swept(self) -> tuple[Array, Array]:
+        """The frames and points of the way, closer to each other; (n, 3, 3) and (n, 3)."""
+        before, after = self._points[1:-1], self._points[2:]
+        apart = np.linalg.norm(after - before, axis=1).max()
+        n = max(1, int(np.ceil(apart / _SWEEP)))
+        t = np.arange(n)[:, None] / n
+        stroke = (before[:, None] + t * (after - before)[:, None]).reshape(-1, 3)
+        which = np.array([0, *np.repeat(np.arange(1, len(before) + 1), n), -1])
+        return self._R_WD[which], np.vstack([self._points[:1], stroke, self._points[-1:]])
+
+    def _require(
+        self, free: NDArray[np.bool_], obstacle: Obstacle, robot: Array, clearance: float
+    ) -> None:
+        """Sorts out the hands that hit an obstacle, and notes it if none is left then."""
+        if free.any():
+            free[free] = obstacle.is_clear(robot[free], clearance).all(axis=1)
+            if not free.any():
+                self._stopped.add(obstacle.name)
+
+    # -- arms -----------------------------------------------------------------------------------
+
+    def _stances(self, hands: Hands, least: float) -> Iterator[_Found]:
+        """What is reachable, strong enough and free at the object, the best first.
+
+        Args:
+            hands: that are clear.
+            least: only what has more room than this to the joint limits [rad].
+        """
+        for solved in self._arms.along(hands, least):
+            for k in np.flatnonzero(self._unhindered(hands, solved)).tolist():
+                stance = solved.stance(k, self._mount, hands, self._R_WD[0])
+                strength = self._push.fingers * float(hands.strength[solved.hand[k]])
+                yield _Found(stance, solved.descent[k, 0], float(solved.room[k]), strength)
+
+    # -- whole arms -----------------------------------------------------------------------------
+
+    def _unhindered(self, hands: Hands, solved: Solved) -> NDArray[np.bool_]:
+        """Which arms stay clear of everything on the way down and while they push, shape (k,)."""
+        down = descent(self._points[0], solved.lift)
+        R_WD = np.broadcast_to(self._R_WD[0], (down.shape[1], 3, 3))
+        hand = hands[solved.hand].placed(R_WD, down)
+        whole = np.concatenate([hand, self._arm(solved.descent)], axis=-2)
+        free = np.asarray(self._scenery.is_free(whole).all(axis=1))
+        arms = self._arm(solved.q)
+        for k, pushed in enumerate(self._pushed):
+            free &= self._scenery.is_free(arms[:, k], pushed)
+        if not self._hindered:
+            self._hindered += [np.concatenate([whole[0, :, -arms.shape[2] :], arms[0]])]
+        return free
+
+    def _way_there(self, found: _Found, places: Array) -> tuple[Array, ...] | None:
+        """Arm poses between home and above the start; None if no free way was found."""
+
+        def is_free(q: Array) -> NDArray[np.bool_]:
+            # The hand comes back the same way, when the object is where it was pushed.
+            robot = self._robot(found.stance, q)
+            back = self._scenery.is_free(robot, self._pushed[-1])
+            return np.asarray(self._scenery.is_free(robot) & back)
+
+        return free_way(self._home, found.above, places, is_free)
+
+    def _comes_off(self, found: _Found) -> bool:
+        """Whether the hand also gets off a face that it has turned, and back to the start."""
+        if not self._way.turn:
+            return True
+        end, turned = self._points[-1], self._way.turn
+        off = end - BACK * rot_z(turned) @ self._way.inward
+        shares = np.linspace(0.0, 1.0, _BACK_POINTS)[:, None]
+        points = np.vstack([end, off + shares * (self._points[0] - off)])
+        turns = turned * np.append(1.0, 1.0 - shares)
+        try:
+            q = [found.stance.joints(p, t) for p, t in zip(points, turns.tolist(), strict=True)]
+        except UnreachableError:
+            return False
+        robot = self._robot(found.stance, np.array(q))
+        # Its fingertips still touch at the first of them.
+        clear = self._pushed[-1].is_clear(robot[1:], _FACE_CLEARANCE)
+        others = [each.is_clear(robot[1:]) for each in self._scenery.others]
+        return bool(clear.all() and all(each.all() for each in others))
+
+    def _places(self, found: _Found) -> Array:
+        """Arm poses over which a way may lead: swung up halfway, and high over the table."""
+        middle, nudge = 0.5 * (self._home + found.above), 1e-4
+        _, p_WP = self._mount.palm(np.vstack([middle, middle + nudge * np.eye(7)]))
+        uphill = (p_WP[1:, 2] - p_WP[0, 2]) / nudge
+        swings = middle + np.outer(_RAISED, uphill / np.linalg.norm(uphill))
+        start = self._points[0, :2]
+        over = [[*xy, _OVER] for xy in (start, 0.5 * (start + self._centre), self._centre)]
+        stance = found.stance
+        p_WP = np.array(over) - stance.R_WP @ stance.posture.midpoint
+        R_WP = np.broadcast_to(stance.R_WP, (len(over), 3, 3))
+        elbow = np.full(len(over), stance.elbow)
+        q, valid = arm.inverse(*self._mount.flange(R_WP, p_WP), elbow, [stance.branch])
+        return np.vstack([swings, q[valid]])
+
+    def _robot(self, stance: Stance, q: Array) -> Array:
+        """Spheres of hand and arm in W, shape (n, k, 4)."""
+        R_WP, p_WP = self._mount.palm(q)
+        hand = spheres.placed(spheres.whole_hand(stance.posture), R_WP, p_WP)
+        return np.concatenate([hand, self._arm(q)], axis=-2)
+
+    def _arm(self, q: Array) -> Array:
+        """Spheres of the arm in W, shape (..., k, 4)."""
+        return spheres.placed(spheres.arm_spheres(q), self._mount.R_WA, self._mount.p_WA)
+
+
+def _no(reason: str, message: str, blocker: str | None = None) -> ReachAnswer:
+    return ReachAnswer(ok=False, reason=reason, message=message, blocker=blocker)
+
+
+def _blocked(push: Push, stopped: set[str]) -> ReachAnswer:
+    others = sorted(stopped - {push.object})
+    if others:
+        return _no("obstacle", f"the hand would hit the {others[0]}", others[0])
+    return _no("object", f"the hand would hit the {push.object} with more than its fingertips")

@@ -1,0 +1,104 @@
+"""A free way for the arm from one pose to another, by way of others where it must.
+
+Model: a road map in joint space whose roads are looked at only when a shortest way takes them (a
+lazy probabilistic road map). First the map has a few places that mostly do; if they do not, places
+drawn from a fixed seed are added. How much is looked at is bounded, so that a way that does not
+exist costs little.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.arms.lwr import lwr_kinematics as arm
+from sim.rotations import Array
+
+IsFree = Callable[[Array], NDArray[np.bool_]]
+"""Which arm poses, shape (n, 7), keep clear of everything."""
+
+LIMIT_MARGIN = 0.08
+"""Least room to the joint limits on any way [rad]."""
+
+_STEP = 0.05  # largest change of a joint between two poses looked at [rad]
+_COARSE = 8  # of these, the first looked at
+_STOPPING = 0.5  # what coming to rest at a place costs, as an angle to go [rad]
+_DRAWN, _MOST_ROADS = 80, 60  # places drawn, and roads looked at in vain
+_BEYOND = 1.0  # how far places are drawn beyond start and goal [rad]
+
+
+def free_way(start: Array, goal: Array, places: Array, is_free: IsFree) -> tuple[Array, ...] | None:
+    """Arm poses between start and goal, joined by straight lines that are free.
+
+    Args:
+        start: arm angles, shape (7,) [rad].
+        goal: the same at its end.
+        places: that the way may take, shape (n, 7) [rad].
+        is_free: what is in the way.
+
+    Returns:
+        None if no way was found.
+    """
+    inside = (np.abs(places) <= arm.LIMITS - LIMIT_MARGIN).all(axis=1)
+    nodes = np.vstack([start, goal, places[inside]])
+    free = is_free(nodes)
+    if not free[:2].all():
+        return None
+    return _shortest_free(nodes[free], is_free)
+
+
+def drawn_places(start: Array, goal: Array) -> Array:
+    """Places about start and goal, always the same, shape (n, 7) [rad]."""
+    low, high = np.minimum(start, goal) - _BEYOND, np.maximum(start, goal) + _BEYOND
+    return np.random.default_rng(0).uniform(low, high, (_DRAWN, 7))
+
+
+def along(start: Array, goal: Array) -> Array:
+    """Arm poses on the straight line in joint space, close enough to be looked at one by one."""
+    n = int(np.ceil(np.abs(goal - start).max() / _STEP)) + 1
+    return np.asarray(start + np.linspace(0.0, 1.0, n)[:, None] * (goal - start))
+
+
+def _shortest_free(nodes: Array, is_free: IsFree) -> tuple[Array, ...] | None:
+    """The shortest free way from the first node to the second."""
+    length = np.linalg.norm(nodes[:, None] - nodes, axis=-1) + _STOPPING
+    known: set[tuple[int, int]] = set()
+    for _ in range(_MOST_ROADS):
+        way = _shortest(length)
+        if way is None:
+            return None
+        for road in itertools.pairwise(way):
+            if road not in known and not _is_free_road(nodes[road[0]], nodes[road[1]], is_free):
+                length[road] = length[road[::-1]] = np.inf
+                break
+            known.add(road)
+        else:
+            return tuple(nodes[way[1:-1]])
+    return None
+
+
+def _is_free_road(start: Array, goal: Array, is_free: IsFree) -> bool:
+    """Whether all poses of a straight road are free; a few tell most that are not."""
+    poses = along(start, goal)
+    return all(bool(is_free(some).all()) for some in (poses[::_COARSE], poses))
+
+
+def _shortest(length: Array) -> list[int] | None:
+    """Nodes of the shortest way from node 0 to node 1 (Dijkstra)."""
+    n = len(length)
+    far, before, done = np.full(n, np.inf), np.zeros(n, dtype=int), np.zeros(n, dtype=bool)
+    far[0] = 0.0
+    while not done[1]:
+        here = int(np.argmin(np.where(done, np.inf, far)))
+        if done[here] or np.isinf(far[here]):
+            return None
+        done[here] = True
+        shorter = far[here] + length[here] < far
+        far[shorter], before[shorter] = (far[here] + length[here])[shorter], here
+    way = [1]
+    while way[-1] != 0:
+        way.append(int(before[way[-1]]))
+    return way[::-1]

@@ -1,0 +1,187 @@
+"""Can the hand get there? The answer to the planner's question.
+
+The way: home, over obstacles where needed, a point above the start, down to 3 cm before the face,
+to the face, the stroke; and back the same way, which is known to be free. How a stance of arm and
+hand is found for it stands in `sim.motion.push_motion_search`.
+
+Only hands push whose finger joints bear the force of the push
+(`sim.hands.four_finger.pushing_postures`).
+
+Frames: see `sim.motion.arm_configuration`. Objects are where and what the robot believes, never
+what is true.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from planner.handling.plan import FlipOver, HandlingPlan
+from planner.handling.reach import Grip
+from planner.plan import Push
+from planner.reach import ReachAnswer
+from planner.state import WorldState
+from sim.collision import collision_spheres as spheres
+from sim.collision.collision_scene import TABLE_CLEARANCE
+from sim.hands.four_finger.grasp_postures import NARROWEST, WIDEST, hand_grip, pinch
+from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
+from sim.hands.four_finger.pushing_postures import LARGEST_SKEW, hands, strongest
+from sim.motion.arm_configuration import Mount, Stance
+from sim.motion.flip_motion_search import FlipSearch, FlipStance
+from sim.motion.grasp_motion_search import HandWay, best_way
+from sim.motion.push_motion_search import THOROUGH, USUAL, Effort, Search
+from sim.motion.reachability_map import reach_map
+from sim.paths.fingertip_path import Way
+from sim.truth.scene_file import Scene
+
+FINGER_SPREADS = (0.04, 0.032, 0.024)
+"""Distances between the fingertips of a two-finger push, the largest first [m]."""
+
+
+class ArmReach:
+    """The reach of a scene's robot; answers the planner's question.
+
+    Attributes:
+        fingertip_radius: [m].
+        finger_spreads: distances between the fingertips of a two-finger push [m].
+        max_force: of one fingertip, in the hand that bears most [N].
+        force_skew: largest vertical force per force along the push.
+        lowest_height: of a contact above the table [m].
+        narrowest, widest: between thumb and fingers of a hand that holds something [m].
+        lowest_level: height above the table of the middle of a grasp from beside [m].
+    """
+
+    fingertip_radius = TIP_RADIUS
+    finger_spreads: tuple[float, ...] = FINGER_SPREADS
+    force_skew = LARGEST_SKEW
+    lowest_height = TIP_RADIUS + 0.015
+    narrowest, widest = NARROWEST, WIDEST
+    lowest_level = spheres.ARM_RADIUS + TABLE_CLEARANCE
+
+    def __init__(self, scene: Scene, effort: Effort = USUAL) -> None:
+        self._scene, self._effort = scene, effort
+        self.mount = Mount.of(scene.robot)
+        self.home = np.radians(scene.robot.home_deg)
+        self.max_force = strongest(1, 0.0)
+        self._map = reach_map(scene.robot)
+
+    def __call__(self, push: Push, state: WorldState) -> ReachAnswer:
+        """Whether the whole way of a push is reachable and free."""
+        answer = self.stance(push, state)
+        return answer if isinstance(answer, ReachAnswer) else answer[1]
+
+    def prospect(self, push: Push, state: WorldState) -> float:
+        """How well the arm gets there on an empty table, at a glance: room to its limits [rad].
+
+        For the order in which pushes are asked for; a push without room may still be possible.
+        """
+        way = Way.of(push, state.objects[push.object])
+        heading = float(np.arctan2(way.inward[1], way.inward[0]))
+        ends = (way.touch, way.end)
+        return min(self._map.room(push.fingers, push.spread, end, heading) for end in ends)
+
+    def thorough(self) -> ArmReach:
+        """The same, which looks at more hands and lets them pass nearer."""
+        return ArmReach(self._scene, THOROUGH)
+
+    def grip(self, width: float) -> Grip | None:
+        """How the hand closes about a width [m]; None if it does not."""
+        found = hand_grip(width)
+        return None if found is None else found.grip
+
+    def pinch(self, width: float) -> Grip | None:
+        """How it closes about a knob or a cap of that width [m]; None if it does not."""
+        found = pinch(width)
+        return None if found is None else found.grip
+
+    def handles(self, plan: HandlingPlan, state: WorldState) -> ReachAnswer:
+        """Whether arm and hand can carry out a plan, all of its way free."""
+        if plan.grasp is None:
+            return self._flips(plan, state)
+        found = self.hand_way(plan, state)
+        if isinstance(found, ReachAnswer):
+            return found
+        numbers = {"strength": found.grip.grip.strongest}
+        return ReachAnswer(ok=True, margin=found.room, numbers=numbers)
+
+    def _flips(self, plan: HandlingPlan, state: WorldState) -> ReachAnswer:
+        """Whether a fingertip can carry out a plan in which nothing is held."""
+        (step,) = plan.steps
+        assert isinstance(step, FlipOver), "an empty hand only flips lids"
+        found = self.flip_stance(step, plan.object, state)
+        return found if isinstance(found, ReachAnswer) else found[1]
+
+    def flip_stance(
+        self, step: FlipOver, name: str, state: WorldState
+    ) -> tuple[FlipStance, ReachAnswer] | ReachAnswer:
+        """The best stance that flips the lid of an object, or why there is none."""
+        return FlipSearch(self.mount, self.home, step, name, state).best()
+
+    def hand_way(
+        self, plan: HandlingPlan, state: WorldState, spare: float = 0.0
+    ) -> HandWay | ReachAnswer:
+        """The best way of arm and hand through a plan, or why there is none.
+
+        Args:
+            plan: what is to be done.
+            state: what is believed.
+            spare: by how much less than its clearance each of the others may be away [m].
+        """
+        if plan.grasp is None:
+            return ReachAnswer(False, "kinematics", "nothing is held")
+        closes = hand_grip if plan.grasp.part == "body" else pinch
+        grip = closes(plan.grasp.width)
+        if grip is None:
+            least, most = 1e3 * self.narrowest, 1e3 * self.widest
+            return ReachAnswer(
+                False,
+                "width",
+                f"the hand holds what is {least:.0f} to {most:.0f} mm wide",
+                numbers={"width": plan.grasp.width, "narrowest": NARROWEST, "widest": WIDEST},
+            )
+        if plan.grasp.squeeze > grip.grip.strongest:
+            return ReachAnswer(
+                False,
+                "torque",
+                f"the hand squeezes with {grip.grip.strongest:.1f} N there, and "
+                f"{plan.grasp.squeeze:.1f} N are needed",
+                numbers={"strength": grip.grip.strongest, "force": plan.grasp.squeeze},
+            )
+        return best_way(self.mount, self.home, plan, grip, state, spare)
+
+    def stance(
+        self, push: Push, state: WorldState, spare: float = 0.0
+    ) -> tuple[Stance, ReachAnswer] | ReachAnswer:
+        """The best stance for a push, or why there is none.
+
+        Args:
+            push: what is to be done.
+            state: what is believed.
+            spare: by how much less than its clearance each of the others may be away [m].
+        """
+        if push.p_BC[2] < self.lowest_height - 1e-9:
+            height = 1e3 * push.p_BC[2]
+            return ReachAnswer(
+                False, "table", f"the finger would touch the table {height:.0f} mm up"
+            )
+        way = Way.of(push, state.objects[push.object])
+        search = Search(self.mount, self.home, push, way, state, self._effort, spare)
+        every = hands(push.fingers, push.spread, fine=self._effort.fine)
+        strong = every.strength * push.fingers >= push.force_limit
+        found = search.best(every[strong])
+        if strong.all() or not isinstance(found, ReachAnswer):
+            return found
+        weak = np.flatnonzero(~strong)
+        weaker = search.best(every[weak[np.argsort(-every.strength[weak], kind="stable")]])
+        if not isinstance(weaker, ReachAnswer):
+            return _too_weak(push, weaker[1].numbers["strength"])
+        return found if strong.any() else weaker
+
+
+def _too_weak(push: Push, strength: float) -> ReachAnswer:
+    return ReachAnswer(
+        ok=False,
+        reason="torque",
+        message=f"the hands that get there bear {strength:.1f} N, and the push may need "
+        f"{push.force_limit:.1f} N",
+        numbers={"strength": strength, "force": push.force_limit},
+    )

@@ -1,0 +1,1 @@
+"""Where fingertip and held object go."""

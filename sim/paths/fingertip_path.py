@@ -1,0 +1,88 @@
+"""The way of the fingertips during a push: to the face, along the stroke, and how the palm turns.
+
+Model: a push that turns an object goes along an arc, since a fingertip that sticks to the object
+and keeps its direction relative to it makes the object turn about a point at rest; see
+`objectmodels.turning`. All other pushes go straight.
+
+Frames: W is the world, T the midpoint of the pushing fingertips' centres, D as in
+`sim.motion.arm_configuration`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from planner.plan import Push
+from planner.state import SeenObject
+from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
+from sim.rotations import Array, rot_z
+
+STANDOFF = 0.03
+"""Distance before the face at which the guarded approach begins [m]."""
+
+BACK = 0.03
+"""Distance by which the fingertips leave the face [m]."""
+
+STROKE_POINTS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
+"""Shares of the stroke at which the arm's pose is looked at."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """Where the midpoint of the fingertips goes in W, and how the palm turns on it.
+
+    Attributes:
+        inward: horizontal unit vector to which the hand is square: into the touched face, as that
+            should look at the end of a straight push.
+        start: before the face; `touch`: at the face; `end`: after the stroke.
+        turn: angle by which the palm turns about the vertical during the stroke, evenly [rad]; the
+            stroke is then an arc.
+    """
+
+    inward: Array
+    start: Array
+    touch: Array
+    end: Array
+    turn: float = 0.0
+
+    @classmethod
+    def of(cls, push: Push, target: SeenObject) -> Way:
+        """The way of a push on an object that is seen somewhere.
+
+        A push that turns the object goes along the arc on which the stroke is used up when it has
+        turned; the real one is shorter.
+        """
+        outward = np.array(push.normal_W)
+        contact = target.pose.R_WB @ np.array(push.p_BC) + target.pose.p_WB
+        touch = contact + TIP_RADIUS * outward
+        along = push.stroke * np.array(push.direction_W)
+        if push.ends_on == "turned":
+            half = 0.5 * push.turn
+            chord = np.sinc(half / np.pi) * rot_z(half) @ along
+            end = contact + chord + TIP_RADIUS * rot_z(push.turn) @ outward
+            return cls(-outward, touch + STANDOFF * outward, touch, end, turn=push.turn)
+        inward = -(rot_z(push.turn) @ outward if push.ends_on == "stroke" else outward)
+        return cls(inward, touch - STANDOFF * inward, touch, touch + along)
+
+    def raised(self, height: float) -> Way:
+        """The same so much higher [m]."""
+        up = np.array([0.0, 0.0, height])
+        return replace(self, start=self.start + up, touch=self.touch + up, end=self.end + up)
+
+    @property
+    def R_WD(self) -> Array:
+        """Orientation of the push's frame D when the hand touches, shape (3, 3)."""
+        return rot_z(np.arctan2(self.inward[1], self.inward[0]))
+
+    def points(self, shares: Array = STROKE_POINTS) -> Array:
+        """Start, and the stroke at shares of it, shape (1 + n, 3)."""
+        half, chord = 0.5 * self.turn, self.end - self.touch
+        sines = np.sinc(shares * half / np.pi) / np.sinc(half / np.pi)
+        turned = rot_z((shares - 1.0) * half) @ chord
+        return np.vstack([self.start, self.touch + (shares * sines)[:, None] * turned])
+
+    def turns(self, shares: Array = STROKE_POINTS) -> Array:
+        """How far the palm has turned at these points, shape (1 + n,) [rad]."""
+        return np.append(0.0, shares * self.turn)

@@ -1,0 +1,252 @@
+"""The way of what is held, leg after leg: a point goes straight, the rest turns evenly about it.
+
+An object that the hand has yet to reach, or has left, is thought to hang in the hand as well, so
+that one kind of leg serves everything. While something is poured the lip is the point: it stays
+where it is put. It comes down to the other object's rim only when the held one leans so far that
+its body is no more in the way.
+
+Frames: W is the world, B the held object, G the middle of the grasp.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from planner.handling.plan import (
+    Carry,
+    Grasp,
+    HandStep,
+    LiftUp,
+    PourOut,
+    PutOn,
+    SetDown,
+    TurnCap,
+)
+from planner.state import SeenObject
+from sim.paths.held_object import THREAD, Handled
+from sim.rotations import Array, axis_rotation, wrap
+
+BEYOND = 0.03
+"""How far the open hand is drawn off from what it is to hold, beyond its end [m]."""
+
+LIFT_SPEED, CARRY_SPEED, REACH_SPEED = 0.06, 0.12, 0.10
+"""Of the hand that lifts, carries, and reaches for something [m/s]."""
+
+TURN_SPEED, RIGHTING_SPEED = 0.6, 0.9
+"""Of what is carried about the vertical, and back upright after pouring [rad/s]."""
+
+_LOWERS = (np.radians(52.0), np.radians(74.0))  # tilts between which the lip comes down [rad]
+_LOWERS_SHARE = (0.55, 0.85)  # of the largest tilt, if that is little
+_HALF_HAND = 0.04  # of index and ring about the middle finger, with their thickness [m]
+_DOWN = 0.7  # of an approach from above
+_STROKE = np.radians(125.0)  # by which a wrist turns a cap at most before it grips anew
+_LETS_GO = (SetDown, PutOn, TurnCap)  # if it is the last step
+_STEP, _TURN_STEP = 0.025, np.radians(8.0)  # between poses that are looked at
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """A point C of the held object goes straight while it turns evenly about an axis.
+
+    Attributes:
+        phase: of the trace.
+        R_WB: orientation at the start, shape (3, 3).
+        p_BC: the point, shape (3,) [m].
+        start, end: where it is in W, shape (3,) [m].
+        axis: of the turn in W, shape (3,).
+        turn: angle altogether [rad].
+        speed, rate: largest ones of the point [m/s] and of the turn [rad/s].
+        free: whether the hand is open, and the object stands where the leg begins or ends.
+    """
+
+    phase: str
+    R_WB: Array
+    p_BC: Array
+    start: Array
+    end: Array
+    axis: Array
+    turn: float
+    speed: float
+    rate: float
+    free: bool = False
+
+    def poses(self, shares: Array) -> tuple[Array, Array]:
+        """R_WB, shape (n, 3, 3), and p_WB, shape (n, 3), after shares of the leg, shape (n,)."""
+        R_WB = axis_rotation(self.axis, self.turn * shares) @ self.R_WB
+        p_WC = self.start + shares[:, None] * (self.end - self.start)
+        return R_WB, p_WC - R_WB @ self.p_BC
+
+    def sampled(self) -> Array:
+        """Shares between which nothing is missed."""
+        far = np.linalg.norm(self.end - self.start)
+        n = int(np.ceil(max(far / _STEP, abs(self.turn) / _TURN_STEP, 1.0)))
+        return np.linspace(0.0, 1.0, n + 1)
+
+    @property
+    def fastest(self) -> float:
+        """Largest share of the leg per time [1/s]."""
+        far = float(np.linalg.norm(self.end - self.start))
+        return min(self.speed / max(far, 1e-9), self.rate / max(abs(self.turn), 1e-9))
+
+    @property
+    def ends(self) -> tuple[Array, Array]:
+        """R_WB and p_WB at the end."""
+        R_WB, p_WB = self.poses(np.ones(1))
+        return R_WB[0], p_WB[0]
+
+    def back(self, **changes: object) -> Leg:
+        """The same leg the other way."""
+        R_WB, _ = self.ends
+        there = replace(self, R_WB=R_WB, start=self.end, end=self.start, turn=-self.turn)
+        return replace(there, **changes)  # type: ignore[arg-type]
+
+
+def grasp_frame(grasp: Grasp, R_WB: Array) -> tuple[Array, Array]:
+    """R_BG, shape (3, 3), whose axes are those of the palm, and p_BG, shape (3,) [m].
+
+    Args:
+        grasp: whose directions are in W.
+        R_WB: how the object stands then, shape (3, 3).
+    """
+    closing, approach = np.array(grasp.closing_W), np.array(grasp.approach_W)
+    R_WG = np.column_stack([closing, np.cross(approach, closing), approach])
+    return R_WB.T @ R_WG, np.array(grasp.p_BG)
+
+
+def withdrawals(grasp: Grasp, held: SeenObject) -> tuple[Array, ...]:
+    """Ways of the open hand off what it holds, in W: back along its fingers, or straight up."""
+    approach = np.array(grasp.approach_W)
+    corners = np.vstack([np.c_[held.model.outline, np.full(len(held.model.outline), z)]
+                         for z in (0.0, held.model.top)])  # fmt: skip
+    off = (corners - np.array(grasp.p_BG)) @ held.pose.R_WB.T
+    back = -(BEYOND + float(np.max(off @ -approach))) * approach
+    up = np.array([0.0, 0.0, BEYOND + held.model.top - grasp.p_BG[2] + _HALF_HAND])
+    return (back,) if approach[2] < -_DOWN else (back, up)
+
+
+def legs_of(handled: Handled, off: Array) -> tuple[tuple[Leg, ...], ...]:
+    """The legs of a plan: of the approach, of each step, and of the way back.
+
+    Args:
+        handled: what is held, and the plan.
+        off: the way of the open hand off it, in W, shape (3,) [m].
+
+    Returns:
+        Of the approach and of the way back there is one, or none where the hand holds it already,
+        or still does.
+    """
+    plan, held = handled.plan, handled.held
+    R_WB, p_WB = held.pose.R_WB, held.pose.p_WB + np.array([0.0, 0.0, handled.height])
+    there = _straight("approach", R_WB, p_WB + off, p_WB, REACH_SPEED, free=True)
+    made: list[tuple[Leg, ...]] = [() if plan.held else (there,)]
+    for step in plan.steps:
+        legs = _step(step, handled, R_WB, p_WB)
+        made.append(tuple(replace(leg, speed=min(leg.speed, plan.speed)) for leg in legs))
+        if made[-1]:
+            R_WB, p_WB = made[-1][-1].ends
+    if not isinstance(plan.steps[-1], _LETS_GO):
+        return (*made, ())
+    # The hand may have turned about the vertical meanwhile.
+    away = R_WB @ held.pose.R_WB.T @ off
+    back = _straight("retreat", R_WB, p_WB, p_WB + away, REACH_SPEED, free=True)
+    return (*made, (back,))
+
+
+def _step(step: HandStep, handled: Handled, R_WB: Array, p_WB: Array) -> Iterator[Leg]:
+    """The legs of a step that begins somewhere."""
+    if isinstance(step, LiftUp):
+        up = np.array([0.0, 0.0, step.height])
+        yield _straight("lift", R_WB, p_WB, p_WB + up, LIFT_SPEED)
+    elif isinstance(step, Carry):
+        yield _carry(step, R_WB, p_WB)
+    elif isinstance(step, PourOut):
+        yield from _pour(step, handled.held, R_WB, p_WB)
+    elif isinstance(step, SetDown):
+        yield _straight("set_down", R_WB, p_WB, p_WB * [1.0, 1.0, 0.0], LIFT_SPEED)
+    elif isinstance(step, PutOn):
+        on = np.array([*p_WB[:2], handled.seat])
+        yield _straight("lid", R_WB, p_WB, on, LIFT_SPEED)
+    elif isinstance(step, TurnCap):
+        yield from _turns(step, handled.pitch, R_WB, p_WB)
+
+
+def _straight(
+    phase: str, R_WB: Array, start: Array, end: Array, speed: float, *, free: bool = False
+) -> Leg:
+    up = np.array([0.0, 0.0, 1.0])
+    return Leg(phase, R_WB, np.zeros(3), start, end, up, 0.0, speed, TURN_SPEED, free)
+
+
+def _turns(step: TurnCap, pitch: float, R_WB: Array, p_WB: Array) -> Iterator[Leg]:
+    """Turns of the held cap, and of the open hand back between them."""
+    strokes = max(1, int(np.ceil(abs(step.angle) / _STROKE)))
+    turn = step.angle / strokes
+    rise = np.array([0.0, 0.0, pitch * turn / THREAD])
+    for k in range(strokes):
+        leg = replace(_straight("lid", R_WB, p_WB, p_WB + rise, LIFT_SPEED), turn=turn)
+        yield leg
+        _, p_WB = leg.ends
+        if k < strokes - 1:
+            yield leg.back(start=p_WB, end=p_WB, free=True)
+
+
+def _carry(step: Carry, R_WB: Array, p_WB: Array) -> Leg:
+    turn = 0.0
+    if step.to.yaw is not None:
+        turn = float(wrap(step.to.yaw - np.arctan2(R_WB[1, 0], R_WB[0, 0])))
+    end = np.array([step.to.x, step.to.y, p_WB[2]])
+    return replace(_straight("carry", R_WB, p_WB, end, CARRY_SPEED), turn=turn)
+
+
+def _pour(step: PourOut, held: SeenObject, R_WB: Array, p_WB: Array) -> Iterator[Leg]:
+    """Over the other object, tilted there, and upright again where it came from."""
+    lean = np.array([np.cos(step.heading), np.sin(step.heading), 0.0])
+    axis = np.cross([0.0, 0.0, 1.0], lean)
+    p_BC = lip(held, R_WB.T @ lean)
+    here, there = p_WB + R_WB @ p_BC, np.array(step.lip_W)
+    over = np.array([*there[:2], max(here[2], there[2])])
+    lowers = np.minimum(_LOWERS, np.multiply(_LOWERS_SHARE, step.angle))
+    tilts = np.array([0.0, *lowers, step.angle])
+    places = [over, over, there, there]
+    first = Leg("pour", R_WB, p_BC, here, over, axis, 0.0, CARRY_SPEED, step.rate)
+    tilting = [
+        Leg("pour", axis_rotation(axis, tilts[k]) @ R_WB, p_BC, places[k], places[k + 1], axis,
+            float(tilts[k + 1] - tilts[k]), CARRY_SPEED, step.rate)
+        for k in range(3)
+    ]  # fmt: skip
+    yield first
+    yield from tilting
+    for leg in reversed(tilting):
+        yield leg.back(rate=RIGHTING_SPEED)
+    yield first.back()
+
+
+def lip(held: SeenObject, lean_B: Array) -> Array:
+    """The point of the opening's rim that comes lowest when the object leans, in B, shape (3,).
+
+    Args:
+        held: what is poured from.
+        lean_B: horizontal unit direction of the lean in B, shape (3,).
+    """
+    container = held.model.container
+    assert container is not None, "only a container is poured from"
+    x, y = np.array(container.opening.centre) + container.opening.radius * lean_B[:2]
+    return np.array([x, y, held.model.top])
+
+
+def upright_again(done: Sequence[Leg], leg: Leg, share: float) -> tuple[Leg, ...]:
+    """The way back upright after pouring.
+
+    Args:
+        done: legs that were made.
+        leg: the last one, which may have been stopped.
+        share: of it that was made.
+    """
+    R_WB, _ = leg.poses(np.array([share]))
+    here = leg.start + share * (leg.end - leg.start)
+    rest = replace(leg, R_WB=R_WB[0], start=here, end=leg.start, turn=-share * leg.turn)
+    way = [rest, *(each.back() for each in reversed(done))]
+    return tuple(replace(each, rate=max(each.rate, RIGHTING_SPEED)) for each in way)

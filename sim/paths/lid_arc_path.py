@@ -1,0 +1,180 @@
+"""The way of a fingertip that flips a lid about its hinge, and back.
+
+Model: the lid is a plate of known thickness with its hinge on its lower side, at the rim. To open
+it the fingertip goes under the tab and stays below the plate; to close it it comes from behind and
+stays above it, pressing inside the rim where the object stands below. It touches the plate at a
+constant distance from the hinge.
+
+Frames: W is the world. E stands at the hinge: z up, x level from the hinge to the tab. L is E
+turned with the lid.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from objectmodels import lids
+from objectmodels.lids import GRIP, TAB_WIDTH, THICKNESS
+from objectmodels.parts import FlipLid
+from planner.handling.plan import FlipOver
+from planner.state import SeenObject
+from sim.collision import collision_spheres as spheres
+from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
+from sim.rotations import Array, rot_y, rot_z
+
+STANDOFF = 0.045
+"""How far from the lid the fingertip begins [m]."""
+
+_GAP = 0.004  # between fingertip and lid before it touches [m]
+_OFF = 0.025  # how far it goes off the lid at the end [m]
+_POINTS = 8  # of the arc
+
+
+@dataclass(frozen=True)
+class LidShape:
+    """A lid as it matters to the hand; equal for equal lids.
+
+    Attributes:
+        length: from the hinge to the opposite rim [m].
+        half_width: of the plate [m].
+        tab: how far the tab stands out [m].
+        height: of the hinge above the table [m].
+        start, end: angles of the lid at the ends of the way [rad].
+    """
+
+    length: float
+    half_width: float
+    tab: float
+    height: float
+    start: float
+    end: float
+
+    @property
+    def opens(self) -> bool:
+        """Whether it is opened."""
+        return self.end > self.start
+
+    @property
+    def lever(self) -> float:
+        """Where it is touched, from the hinge [m]."""
+        return self.length + GRIP * self.tab
+
+    def tips(self, angles: Array, off: Array | float = 0.0) -> Array:
+        """Centres of the fingertip at angles of the lid, in E, shape (n, 3) [m].
+
+        Args:
+            angles: shape (n,) [rad].
+            off: distance from the lid [m].
+        """
+        across = -(TIP_RADIUS + off) if self.opens else TIP_RADIUS + THICKNESS + off
+        c, s = np.cos(angles), np.sin(angles)
+        x, z = self.lever * c - across * s, self.lever * s + across * c
+        return np.stack([x, np.zeros_like(x), z], axis=-1)
+
+    def normals(self, angles: Array) -> Array:
+        """Directions from the fingertip into the lid, in E, shape (n, 3)."""
+        into = 1.0 if self.opens else -1.0
+        c, s = np.cos(angles), np.sin(angles)
+        return into * np.stack([-s, np.zeros_like(s), c], axis=-1)
+
+    def angle(self, tip: Array) -> float:
+        """Angle of a lid that touches a fingertip at a point in E [rad]."""
+        x, _, z = tip
+        across = -TIP_RADIUS if self.opens else TIP_RADIUS + THICKNESS
+        beyond = float(np.arcsin(np.clip(across / max(float(np.hypot(x, z)), 1e-9), -1.0, 1.0)))
+        return float(np.arctan2(z, x)) - beyond
+
+    def distance(self, robot: Array, angle: Array) -> Array:
+        """Signed distance of spheres in E from the plate and its tab, shape (..., k) [m].
+
+        Args:
+            robot: shape (..., k, 4).
+            angle: of the lid, shape (...) [rad].
+        """
+        # A lid opens about −y.
+        in_L = spheres.placed(robot, rot_y(angle), np.zeros(3))
+        plate = spheres.distance_to_box(
+            in_L,
+            np.array([0.0, -self.half_width, 0.0]),
+            np.array([self.length, self.half_width, THICKNESS]),
+        )
+        half = TAB_WIDTH / 2.0
+        tab = spheres.distance_to_box(
+            in_L,
+            np.array([0.0, -half, 0.0]),
+            np.array([self.length + self.tab, half, THICKNESS]),
+        )
+        return np.minimum(plate, tab)
+
+
+@dataclass(frozen=True, eq=False)
+class LidWay:
+    """Where the fingertip goes in E, and how: before the lid, along the arc, off it and back.
+
+    Attributes:
+        points: p_ET, shape (w, 3) [m].
+        shares: of the arc by which the palm has turned, shape (w,).
+        angles: of the lid meanwhile, shape (w,) [rad].
+        touching: which points are those of the arc.
+    """
+
+    points: Array
+    shares: Array
+    angles: Array
+    touching: slice
+
+    @classmethod
+    def of(cls, lid: LidShape) -> LidWay:
+        """The way on which a lid is opened or closed."""
+        arc = np.linspace(lid.start, lid.end, _POINTS)
+        first, last = arc[:1], arc[-1:]
+        if lid.opens:
+            before = lid.tips(first, _GAP) + np.array([STANDOFF, 0.0, 0.0])
+            points = [before, lid.tips(first, _GAP), lid.tips(arc)]
+        else:
+            before = lid.tips(first, STANDOFF)
+            points = [before, lid.tips(first, _GAP), lid.tips(arc)]
+        off = lid.tips(last, _OFF)
+        back = np.array([0.5, 1.0])[:, None] * (before - off) + off
+        return cls(
+            np.vstack([*points, off, back]),
+            np.concatenate([[0.0, 0.0], np.linspace(0.0, 1.0, _POINTS), [1.0, 0.5, 0.0]]),
+            np.concatenate([[lid.start] * 2, arc, [lid.end] * 3]),
+            slice(2, 2 + _POINTS),
+        )
+
+
+def lid_shape(step: FlipOver, target: SeenObject) -> LidShape:
+    """The lid of an object that is seen."""
+    lid, hinge = _lid(target)
+    rim = lids.rim(target.model)
+    across = np.array([-hinge.out[1], hinge.out[0]])
+    return LidShape(
+        length=round(hinge.reach, 5),
+        half_width=round(float(rim.extent(across[None])[0]), 5),
+        tab=lid.tab,
+        height=target.model.top,
+        start=_rounded(step.start),
+        end=_rounded(step.end),
+    )
+
+
+def hinge_pose(target: SeenObject) -> tuple[Array, Array]:
+    """R_WE, shape (3, 3), and p_WE of the hinge of an object's lid, shape (3,) [m]."""
+    lid, hinge = _lid(target)
+    R_WE = target.pose.R_WB @ rot_z(lid.tab_heading)
+    return R_WE, target.pose.p_WB + target.pose.R_WB @ hinge.p_BH
+
+
+def _lid(target: SeenObject) -> tuple[FlipLid, lids.Hinge]:
+    """Of an object that has a flip lid."""
+    lid = target.model.lid
+    assert isinstance(lid, FlipLid), "only a flip lid is flipped over"
+    return lid, lids.hinge(lid, lids.rim(target.model), target.model.top)
+
+
+def _rounded(angle: float) -> float:
+    """To 5°, so that lids seen a little differently are equal [rad]."""
+    return float(np.radians(5.0 * round(np.degrees(angle) / 5.0)))

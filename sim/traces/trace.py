@@ -1,0 +1,198 @@
+"""The record of an execution: what happened, sampled over time.
+
+`poses` is what an observer of the world recorded; it is for judging and for replay, and nothing
+that plans or controls reads it. `seen` and `felt` are what the robot itself knew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+EndReason = Literal[
+    "stroke",  # the stroke was travelled
+    "turned",  # the object was seen to have turned by the asked angle
+    "returned",  # it was tilted by the asked angle and stands on its base again
+    "event",  # what the push was to last until has happened
+    "reached",  # nothing had to be done
+    "toppled",  # the object was seen to pass its angle of no return
+    "force",  # the force limit was reached and nothing moved any more
+    "speed",  # the object or the finger became faster than allowed
+    "tilted",  # the object tilted where it was to slide
+    "slid",  # it slid where it was to tilt
+    "turned_off",  # it turned where it was not to
+    "too_close",  # it came too close to another object
+    "guard",  # another guard of the push stopped it (see `detail`)
+    "no_touch",  # the guarded approach ended without contact
+    "unreachable",  # the hand could not get to the contact
+    "handled",  # all steps of the hand were made
+    "no_grasp",  # the fingers closed on nothing, or on less than they should
+    "slipped",  # what was held slipped in the hand
+    "missed",  # the lid did not follow the finger
+    "nudged",  # another object was seen to be moved
+]
+
+
+@dataclass(frozen=True)
+class ContactEvent:
+    """Two bodies that began to touch.
+
+    Attributes:
+        time: when [s].
+        body_a, body_b: the scene's names of the two, e.g. `index_tip` and `ice tea box`.
+    """
+
+    time: float
+    body_a: str
+    body_b: str
+
+
+@dataclass(frozen=True)
+class Trace:
+    """What an execution did, sampled n times.
+
+    Attributes:
+        time: shape (n,) [s].
+        phase: shape (n,), one of `look`, `transit`, `approach`, `touch`, `push`, `retreat`,
+            `settle`, or of a whole hand `grasp`, `lift`, `carry`, `pour`, `set_down`, `lid`, at
+            each sample.
+        poses: per object, shape (n, 7): quaternion (w, x, y, z) and position p_WB [m] of the
+            frame B that the object had at the start.
+        seen: per object, shape (n, 7): the newest pose from the vision port.
+        joints: robot positions, shape (n, m) [rad]; `joint_names` names them.
+        tips: per pushing finger, position of the fingertip's centre in W, shape (n, 3) [m].
+        felt: per pushing finger, force of the fingertip on the object in W, from the joint
+            torque sensors, shape (n, 3) [N].
+        force_limit: the force limit in force at each sample, shape (n,) [N].
+        contacts: touches in order of time.
+        pushed: name of the pushed object.
+        direction: unit direction of the push in W, shape (3,).
+        end: why the push ended; `detail` says it in words.
+        seed: what everything random was drawn from.
+        contents: per container, true volume in it, shape (n,) [m³].
+        lids: per object with a lid, how far that truly is open: the angle of a flip lid [rad], the
+            turn of a cap [rad], the distance of one that lifts off from its seat [m], shape (n,).
+        seen_lids: the same from the vision port.
+        lid_poses: per object whose lid comes off, that lid's pose X_WL as in `poses`; see
+            `sim.worlds.drake.lid_bodies`.
+        spilled: true volume that has run onto the table or elsewhere, shape (n,) [m³].
+    """
+
+    time: Array
+    phase: NDArray[np.str_]
+    poses: dict[str, Array]
+    seen: dict[str, Array]
+    joints: Array
+    joint_names: tuple[str, ...]
+    tips: dict[str, Array]
+    felt: dict[str, Array]
+    force_limit: Array
+    contacts: tuple[ContactEvent, ...]
+    pushed: str
+    direction: Array
+    end: EndReason
+    detail: str
+    seed: int
+    contents: dict[str, Array] = field(default_factory=dict)
+    lids: dict[str, Array] = field(default_factory=dict)
+    seen_lids: dict[str, Array] = field(default_factory=dict)
+    lid_poses: dict[str, Array] = field(default_factory=dict)
+    spilled: Array = field(default_factory=lambda: np.zeros(0))
+
+    def displacement(self, name: str) -> Array:
+        """Displacement p_WB(end) − p_WB(start) of an object, shape (3,) [m]."""
+        p = self.poses[name][:, 4:]
+        return np.asarray(p[-1] - p[0])
+
+    def seen_displacement(self, name: str) -> Array:
+        """The same as far as the robot saw it, horizontal, shape (3,) [m].
+
+        Means over what was seen in the first look and after the hand was home at the end.
+        """
+        p = self.seen[name][:, 4:]
+        first, last = self._still
+        moved = p[last].mean(axis=0) - p[first].mean(axis=0)
+        return np.array([moved[0], moved[1], 0.0])
+
+    def seen_turn(self, name: str) -> float:
+        """Angle by which the robot saw it turn, counter-clockwise, less than half a turn [rad]."""
+        w, x, y, z = self.seen[name][:, :4].T
+        heading = np.exp(1j * np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+        first, last = self._still
+        return float(np.angle(heading[last].mean() / heading[first].mean()))
+
+    @property
+    def _still(self) -> tuple[slice, slice]:
+        """The first look, and the time after the hand was home at the end."""
+        looked = int(np.argmax(self.phase != "look"))
+        settling = int(np.flatnonzero(self.phase != "settle")[-1]) + 1
+        return slice(looked), slice(settling, None)
+
+    def tilt(self, name: str) -> Array:
+        """Angle between the object's axis B_z and the vertical over time, shape (n,) [rad]."""
+        _, x, y, _ = self.poses[name][:, :4].T
+        return np.asarray(np.arccos(np.clip(1.0 - 2.0 * (x**2 + y**2), -1.0, 1.0)))
+
+    def yaw(self, name: str) -> Array:
+        """Heading of B_x over time, relative to the start and unwrapped, shape (n,) [rad]."""
+        w, x, y, z = self.poses[name][:, :4].T
+        heading = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y**2 + z**2))
+        return np.asarray(np.unwrap(heading) - heading[0])
+
+    def push_force(self) -> Array:
+        """Felt force of all fingers along the push direction over time, shape (n,) [N]."""
+        return np.asarray(np.sum([f @ self.direction for f in self.felt.values()], axis=0))
+
+
+def joined(traces: Sequence[Trace]) -> Trace:
+    """Executions one after another in one world as one.
+
+    How it ended, the direction and the names of the fingers are those of the last one.
+
+    Args:
+        traces: of the same world and the same pushed object, in order of time; at least one.
+    """
+    if len(traces) == 1:
+        return traces[0]
+    last = traces[-1]
+    names = last.poses.keys()
+    # One that ended before the hand got there has none.
+    fingers = tuple(next((trace.tips for trace in reversed(traces) if trace.tips), ()))
+    tips, felt = zip(*(_by_slots(trace, len(fingers)) for trace in traces), strict=True)
+    return replace(
+        last,
+        time=np.concatenate([trace.time for trace in traces]),
+        phase=np.concatenate([trace.phase for trace in traces]),
+        poses={name: np.concatenate([trace.poses[name] for trace in traces]) for name in names},
+        seen={name: np.concatenate([trace.seen[name] for trace in traces]) for name in names},
+        joints=np.concatenate([trace.joints for trace in traces]),
+        tips=dict(zip(fingers, np.concatenate(tips, axis=1), strict=True)),
+        felt=dict(zip(fingers, np.concatenate(felt, axis=1), strict=True)),
+        force_limit=np.concatenate([trace.force_limit for trace in traces]),
+        contacts=tuple(event for trace in traces for event in trace.contacts),
+        contents=_one_after_another([trace.contents for trace in traces]),
+        lids=_one_after_another([trace.lids for trace in traces]),
+        seen_lids=_one_after_another([trace.seen_lids for trace in traces]),
+        lid_poses=_one_after_another([trace.lid_poses for trace in traces]),
+        spilled=np.concatenate([trace.spilled for trace in traces]),
+    )
+
+
+def _one_after_another(parts: Sequence[dict[str, Array]]) -> dict[str, Array]:
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+def _by_slots(trace: Trace, slots: int) -> tuple[Array, Array]:
+    """Tips and forces for so many fingers, shape (slots, n, 3) each; midpoint and sum are kept."""
+    n = len(trace.time)
+    middle = np.mean(list(trace.tips.values()), axis=0) if trace.tips else np.zeros((n, 3))
+    total = np.sum(list(trace.felt.values()), axis=0) if trace.felt else np.zeros((n, 3))
+    if len(trace.tips) == slots > 0:
+        return np.array(list(trace.tips.values())), np.array(list(trace.felt.values()))
+    return np.tile(middle, (slots, 1, 1)), np.tile(total / max(slots, 1), (slots, 1, 1))

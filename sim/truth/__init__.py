@@ -1,0 +1,1 @@
+"""CLOSED to planning and control: scene file with truth, world sampling, observer."""

@@ -1,0 +1,183 @@
+"""How an object of the simulated world really is: shape, mass, friction, contents.
+
+Frame: B is the object's frame at the centre of its base.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import Field, model_validator
+
+from objectmodels import lids
+from objectmodels.base import Base, Disc, Polygon
+from objectmodels.parts import Container, Lid
+from objectmodels.vessel import Vessel
+from sim.cell.strict_model import Fraction, NonNegative, Part, Point2, Point3, Positive
+
+_RIM_POINTS = 16
+
+
+class Truth(Part):
+    """How an object really is; only the simulated world and an observer of it may read this.
+
+    Its shape is one of three: a box (`size_m`), an upright cylinder (`radius_m`, `height_m`) or a
+    prism over a convex polygon (`corners_m`, `height_m`).
+
+    Attributes:
+        size_m: of a box along B's axes.
+        radius_m: of a cylinder.
+        base_radius_m: of the circle on which a cylinder stands, if that is smaller.
+        corners_m: of a prism's base in B's x, y, in order.
+        height_m: of a cylinder or prism.
+        mass_kg: true mass.
+        friction_table: the one coefficient of the contact between base and table. A discrete
+            simulation has no separate static coefficient; this is the sliding one.
+        friction_finger: the same between object and fingertip.
+        centre_of_mass_m: in B; above the origin at half the height if not given.
+        contents_shift_m: standard deviation of a shift of the centre of mass along each axis of B,
+            drawn anew whenever the robot begins to touch the object; 0 for contents that lie still.
+            Not for containers, whose contents lie as gravity has it.
+        support_m: points of the base on which the object stands, in B's x, y; its corners (of a
+            cylinder: points of its rim) if not given.
+        container: what it really holds; `mass_kg` includes the contents.
+        lid: what really covers it; `mass_kg` includes the lid.
+        colour: red, green, blue in 0…1, for the camera and for pictures.
+    """
+
+    size_m: tuple[Positive, Positive, Positive] | None = None
+    radius_m: Positive | None = None
+    base_radius_m: Positive | None = None
+    corners_m: Annotated[tuple[Point2, ...], Field(min_length=3)] | None = None
+    height_m: Positive | None = None
+    mass_kg: Positive
+    friction_table: Positive
+    friction_finger: Positive
+    centre_of_mass_m: Point3 | None = None
+    contents_shift_m: NonNegative = 0.0
+    support_m: tuple[Point2, ...] | None = None
+    container: Container | None = None
+    lid: Lid | None = None
+    colour: tuple[Fraction, Fraction, Fraction] = (0.8, 0.7, 0.4)
+
+    @model_validator(mode="after")
+    def _one_shape(self) -> Truth:
+        shapes = (self.size_m, self.radius_m, self.corners_m)
+        if sum(shape is not None for shape in shapes) != 1:
+            raise ValueError("needs one shape: size_m, radius_m or corners_m")
+        if (self.size_m is None) == (self.height_m is None):
+            raise ValueError("height_m belongs to a radius_m or corners_m, and to nothing else")
+        if self.base_radius_m is not None and self.radius_m is None:
+            raise ValueError("base_radius_m belongs to a radius_m")
+        if self.corners_m is not None:
+            Polygon.convex(self.corners_m)
+        return self
+
+    @model_validator(mode="after")
+    def _inside(self) -> Truth:
+        if not self._contains(self.centre_of_mass):
+            raise ValueError(f"centre_of_mass_m {self.centre_of_mass} lies outside the object")
+        if self.support_m is not None and len(self.support_m) < 3:
+            raise ValueError("support_m needs three points or more")
+        if self.lid is not None and not (
+            self.lid.mass < self.mass_kg and self._contains(self.uncovered.centre_of_mass)
+        ):
+            raise ValueError("mass_kg and centre_of_mass_m include those of the lid")
+        return self
+
+    @model_validator(mode="after")
+    def _holds_its_contents(self) -> Truth:
+        if self.container is None:
+            return self
+        _ = self.vessel  # which refuses what does not fit
+        if self.container.mass >= self.mass_kg:
+            raise ValueError(f"the contents weigh {self.container.mass:.3f} kg, more than mass_kg")
+        if self.contents_shift_m > 0.0:
+            raise ValueError("contents_shift_m is not for containers")
+        return self
+
+    @cached_property
+    def vessel(self) -> Vessel | None:
+        """Its cavity, as a function of how it leans; None if it is not hollow."""
+        if self.container is None:
+            return None
+        return Vessel.inside(self.rim, self.height, self.container)
+
+    def _contains(self, p_B: Point3) -> bool:
+        x, y, z = p_B
+        outline = Polygon.convex(self.outline)
+        return bool((outline.normals @ [x, y] < outline.offsets).all() and 0 < z < self.height)
+
+    def shifted(self, shift: ArrayLike) -> Truth:
+        """The same with its centre of mass moved, by a half or less where it would fall over.
+
+        Args:
+            shift: in B, shape (3,) [m].
+        """
+        for share in (1.0, 0.5, 0.25):
+            x, y, z = (np.array(self.centre_of_mass) + share * np.asarray(shift)).tolist()
+            if self._contains((x, y, z)) and _surrounded((x, y), self.support):
+                return self.model_copy(update={"centre_of_mass_m": (x, y, z)})
+        return self
+
+    @property
+    def height(self) -> float:
+        """Of its top above the table [m]."""
+        if self.size_m is not None:
+            return self.size_m[2]
+        assert self.height_m is not None
+        return self.height_m
+
+    @property
+    def outline(self) -> tuple[Point2, ...]:
+        """Corners of its sides in B's x, y [m]; points around a round one."""
+        if self.size_m is not None:
+            a, b = self.size_m[0] / 2, self.size_m[1] / 2
+            return ((a, b), (-a, b), (-a, -b), (a, -b))
+        return self.corners_m or _circle(self.radius_m or 0.0)
+
+    @property
+    def centre_of_mass(self) -> Point3:
+        """Centre of mass in B [m]."""
+        return self.centre_of_mass_m or (0.0, 0.0, self.height / 2)
+
+    @property
+    def rim(self) -> Base:
+        """Outline of its top in B."""
+        return Polygon.convex(self.outline) if self.radius_m is None else Disc(self.radius_m)
+
+    @property
+    def uncovered(self) -> Truth:
+        """What stays of it without its lid, which is a body of its own."""
+        if self.lid is None:
+            return self
+        left = self.mass_kg - self.lid.mass
+        p_BL = lids.middle(self.lid, self.rim, self.height)
+        com = (self.mass_kg * np.array(self.centre_of_mass) - self.lid.mass * p_BL) / left
+        return self.model_copy(
+            update={"mass_kg": left, "centre_of_mass_m": tuple(com.tolist()), "lid": None}
+        )
+
+    @property
+    def support(self) -> tuple[Point2, ...]:
+        """Support points in B's x, y [m]."""
+        if self.support_m is not None:
+            return self.support_m
+        return self.outline if self.base_radius_m is None else _circle(self.base_radius_m)
+
+
+def _surrounded(point: Point2, points: tuple[Point2, ...]) -> bool:
+    """Whether a point lies inside the hull of others: no half plane at it is free of them."""
+    x, y = (np.array(points) - point).T
+    angles = np.sort(np.arctan2(y, x))
+    return bool(np.diff(angles, append=angles[0] + 2.0 * np.pi).max() < np.pi)
+
+
+def _circle(radius: float) -> tuple[Point2, ...]:
+    """Points of a rim on which a round object stands."""
+    turns = (2.0 * math.pi * k / _RIM_POINTS for k in range(_RIM_POINTS))
+    return tuple((radius * math.cos(phi), radius * math.sin(phi)) for phi in turns)

@@ -1,0 +1,103 @@
+"""The observer of the simulated world, who alone may ask the truth.
+
+In the paper a person watched what an object did; here it is this. It judges from true poses what
+moved first, and tells the true parameters to reports. Nothing that plans, controls, senses or fits
+may ask it, and a contract of the project's checks sees to that.
+
+Model: an object slides when a corner of its base has moved sideways by more than a bound, and
+topples when one has risen by more than it, as happens when it tilts about an edge: the bound
+over the base's length is the tilt that counts, 0.6° for 1 mm and 90 mm. What came first is the
+class. Any simulator creeps a little below the threshold, so that less than the bound is no motion;
+an object that is pressed down sinks, which is no tilt.
+
+Frames: W is the world, z up; B an object's frame at the centre of its base.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.face_experiment.face_contact import Moved
+from sim.rotations import Array
+from sim.truth.object_truth import Truth
+from sim.truth.scene_file import Scene
+
+BOUND = 1e-3
+"""Displacement of a corner of the base that counts as motion [m]."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What an object did, sampled n times.
+
+    Attributes:
+        outcome: what moved first, or `none`.
+        sample: the first one beyond the bound; the last one if nothing moved.
+        slip: largest sideways displacement of a corner of the base so far, shape (n,) [m].
+        lift: how far the highest corner has risen, shape (n,) [m].
+    """
+
+    outcome: Moved
+    sample: int
+    slip: Array
+    lift: Array
+
+
+class Observer:
+    """Watches the objects of a scene.
+
+    Args:
+        scene: the world as it is.
+        bound: see `BOUND` [m].
+    """
+
+    def __init__(self, scene: Scene, *, bound: float = BOUND) -> None:
+        self._scene = scene
+        self._bound = bound
+
+    def truth(self, name: str) -> Truth:
+        """How an object really is, for reports.
+
+        Raises:
+            KeyError: there is no object of that name.
+        """
+        return self._scene.object(name).truth
+
+    def judge(self, name: str, poses: Array) -> Verdict:
+        """What an object did first, compared with where it was at the first sample.
+
+        Args:
+            name: of the object.
+            poses: quaternions (w, x, y, z) and positions p_WB [m], shape (n, 7), as worlds and
+                traces keep them.
+
+        Raises:
+            KeyError: there is no object of that name.
+        """
+        corners = _corners(self.truth(name).outline, np.asarray(poses, dtype=float))
+        moved = corners - corners[0]
+        slip = np.hypot(moved[..., 0], moved[..., 1]).max(axis=1)
+        lift = moved[..., 2].max(axis=1)
+        (beyond,) = np.nonzero(np.maximum(slip, lift) > self._bound)
+        if not beyond.size:
+            return Verdict("none", len(slip) - 1, slip, lift)
+        first = int(beyond[0])
+        return Verdict("slide" if slip[first] > lift[first] else "topple", first, slip, lift)
+
+
+def _corners(outline: tuple[tuple[float, float], ...], poses: Array) -> Array:
+    """Places of the base's corners in W, shape (n, k, 3)."""
+    w, x, y, z = poses[:, :4].T[..., None]
+    a, b = np.array(outline).T
+    # The first two columns of R_WB, since the base lies in the plane z = 0 of B.
+    p_BC_W = np.stack(
+        [
+            (1.0 - 2.0 * (y * y + z * z)) * a + 2.0 * (x * y - w * z) * b,
+            2.0 * (x * y + w * z) * a + (1.0 - 2.0 * (x * x + z * z)) * b,
+            2.0 * (x * z - w * y) * a + 2.0 * (y * z + w * x) * b,
+        ],
+        axis=-1,
+    )
+    return np.asarray(poses[:, None, 4:] + p_BC_W)

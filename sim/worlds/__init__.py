@@ -1,0 +1,1 @@
+"""Ports of robot and observer, sensor noise."""

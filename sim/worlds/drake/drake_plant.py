@@ -1,0 +1,259 @@
+"""The simulated world as a Drake diagram: robot, table and objects.
+
+Model: point contact, lagged approximation; with "sap" a sliding fingertip chatters (2.3 N of
+standard deviation in a push of 3.6 N, against 0.07 N). Objects are boxes, cylinders and prisms
+that touch the table with small spheres at their support points (a solid yields one contact point
+only); the solid itself touches everything but the table.
+Lids are bodies of their own (`sim.worlds.drake.lid_bodies`), what a holder keeps is welded to the
+table. How bodies touch is in `sim.worlds.drake.contact_material`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import resources
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sim.hands.four_finger import hand_kinematics as hand
+from sim.rotations import Array
+from sim.truth.object_truth import Truth
+from sim.truth.scene_file import Scene, SceneObject
+from sim.worlds.drake.contact_material import ROUGH, surface
+from sim.worlds.drake.lid_bodies import LidBody, add_lid, filter_lids
+
+if TYPE_CHECKING:
+    from pydrake.geometry import GeometryId, SceneGraph, Shape
+    from pydrake.math import RigidTransform
+    from pydrake.multibody.plant import MultibodyPlant
+    from pydrake.multibody.tree import ModelInstanceIndex, RigidBody, SpatialInertia
+    from pydrake.systems.framework import DiagramBuilder
+
+_STICTION = 1e-4  # slip speed up to which friction counts as sticking [m/s]
+_CORNER_RADIUS = 1e-4
+_HOLDER = (0.008, 0.03)  # thickness and height of what is drawn of a holder [m]
+_HOLDER_COLOUR = np.array([0.35, 0.37, 0.40, 1.0])
+_SHELL = 0.35  # opacity of a container, so that one sees what is inside
+_OFF_TABLE = 5e-4  # of the lower side of a shell as it is drawn [m]
+
+
+@dataclass(frozen=True)
+class Feet:
+    """The spheres on which an object stands, or lies on a side.
+
+    Attributes:
+        geometries: k of them.
+        p_B: their centres in B, shape (k, 3) [m].
+    """
+
+    geometries: list[GeometryId]
+    p_B: Array
+
+
+@dataclass(frozen=True)
+class Standing:
+    """A finalised plant in its builder, and the objects of a scene and their lids in it."""
+
+    plant: MultibodyPlant
+    scene_graph: SceneGraph
+    bodies: Mapping[str, RigidBody]
+    feet: Mapping[str, Feet]
+    lids: Mapping[str, LidBody]
+
+
+@dataclass(frozen=True)
+class Plant(Standing):
+    """The same with the robot."""
+
+    arm: ModelInstanceIndex
+    hand: ModelInstanceIndex
+
+
+def add_plant(builder: DiagramBuilder, scene: Scene) -> Plant:
+    """Adds robot, table and objects of a scene to a diagram."""
+    from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlantConfig
+
+    config = MultibodyPlantConfig(
+        time_step=scene.time_step_s,
+        contact_model="point",
+        discrete_contact_approximation="lagged",
+        stiction_tolerance=_STICTION,
+        use_sampled_output_ports=False,
+    )
+    plant, scene_graph = AddMultibodyPlant(config, builder)
+    arm, hand_ = _add_robot(plant, scene)
+    table = add_table(plant, scene)
+    solids: list[GeometryId] = []
+    feet: dict[str, Feet] = {}
+    bodies = {}
+    lids = {}
+    for item in scene.objects:
+        bare = item.model_copy(update={"truth": item.truth.uncovered})
+        body, solid, feet[item.name] = add_object(plant, bare)
+        bodies[item.name] = body
+        solids.append(solid)
+        lid = add_lid(plant, item, body, solid)
+        if lid is not None:
+            lids[item.name] = lid
+        if item.fixed:
+            _hold(plant, item, body)
+    plant.Finalize()
+    for item in scene.objects:
+        if not item.fixed:
+            plant.SetDefaultFloatingBaseBodyPose(bodies[item.name], initial_pose(item))
+    robot = [
+        geometry
+        for instance in (arm, hand_)
+        for index in plant.GetBodyIndices(instance)
+        for geometry in plant.GetCollisionGeometriesForBody(plant.get_body(index))
+    ]
+    standing = [foot for each in feet.values() for foot in each.geometries]
+    filter_collisions(scene_graph, robot=robot, table=table, solids=solids, feet=standing)
+    filter_lids(scene_graph, lids.values(), robot=robot, table=table, feet=standing)
+    return Plant(plant, scene_graph, bodies, feet, lids, arm, hand_)
+
+
+def _add_robot(
+    plant: MultibodyPlant, scene: Scene
+) -> tuple[ModelInstanceIndex, ModelInstanceIndex]:
+    from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
+    from pydrake.multibody.parsing import Parser
+
+    arm_folder = resources.files("sim") / "arms" / "lwr"
+    hand_folder = resources.files("sim") / "hands" / "four_finger"
+    parser = Parser(plant)
+    (arm,) = parser.AddModelsFromString((arm_folder / "lwr_arm.urdf").read_text("utf-8"), "urdf")
+    (hand_,) = parser.AddModelsFromString(
+        (hand_folder / "four_finger_hand.urdf").read_text("utf-8"), "urdf"
+    )
+    X_WA = RigidTransform(
+        RollPitchYaw(np.radians(scene.robot.base_rpy_deg)), np.array(scene.robot.base_m)
+    )
+    plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("arm_base"), X_WA)
+    X_FP = RigidTransform(RotationMatrix(hand.R_FP), np.array([0, 0, hand.FLANGE_TO_PALM]))
+    plant.WeldFrames(plant.GetFrameByName("arm_link_7"), plant.GetFrameByName("palm"), X_FP)
+    # Gravity compensation of the arm and hand is taken as perfect.
+    for instance in (arm, hand_):
+        plant.set_gravity_enabled(instance, False)
+    return arm, hand_
+
+
+def add_table(plant: MultibodyPlant, scene: Scene) -> GeometryId:
+    """Adds the table top, fixed to the world."""
+    from pydrake.geometry import Box
+    from pydrake.math import RigidTransform
+
+    table = scene.table
+    shape = Box(*table.size_m, table.thickness_m)
+    X_WT = RigidTransform(np.array([*table.centre_m, -table.thickness_m / 2]))
+    world = plant.world_body()
+    plant.RegisterVisualGeometry(world, X_WT, shape, "table", np.array([0.62, 0.52, 0.42, 1.0]))
+    return plant.RegisterCollisionGeometry(world, X_WT, shape, "table", surface(ROUGH))
+
+
+def add_object(plant: MultibodyPlant, item: SceneObject) -> tuple[RigidBody, GeometryId, Feet]:
+    """Adds an object; returns its body, its solid and the spheres on which it stands or lies."""
+    from pydrake.geometry import Sphere
+    from pydrake.math import RigidTransform
+
+    truth = item.truth
+    shape, X_BG = _shape(truth)
+    body = plant.AddRigidBody(item.name, plant.AddModelInstance(item.name), inertia(truth))
+    opacity = 1.0 if truth.container is None else _SHELL
+    # The floor that is seen through a shell must not lie in the plane of the table top.
+    X_BV = RigidTransform(np.array([0.0, 0.0, 0.0 if truth.container is None else _OFF_TABLE]))
+    colour = np.array([*truth.colour, opacity])
+    plant.RegisterVisualGeometry(body, X_BV @ X_BG, shape, "solid", colour)
+    solid = plant.RegisterCollisionGeometry(
+        body, X_BG, shape, "solid", surface(truth.friction_finger / 2)
+    )
+    r = _CORNER_RADIUS
+    base = [(*_drawn_in(point, r), r) for point in truth.support]
+    top = [(*_drawn_in(point, r), truth.height - r) for point in truth.outline]
+    feet = [
+        plant.RegisterCollisionGeometry(
+            body,
+            RigidTransform(np.array(p)),
+            Sphere(r),
+            f"foot_{i}",
+            surface(truth.friction_table / 2),
+        )
+        for i, p in enumerate(base + top)
+    ]
+    return body, solid, Feet(feet, np.array(base + top))
+
+
+def _hold(plant: MultibodyPlant, item: SceneObject, body: RigidBody) -> None:
+    """Keeps an object where it stands, and draws what does so."""
+    from pydrake.geometry import Box, Cylinder
+    from pydrake.math import RigidTransform
+
+    plant.WeldFrames(plant.world_frame(), body.body_frame(), initial_pose(item))
+    thickness, height = _HOLDER
+    outline = np.array(item.truth.outline)
+    x, y = np.ptp(outline, axis=0) + 2.0 * thickness
+    radius = item.truth.radius_m
+    shape = Box(x, y, height) if radius is None else Cylinder(radius + thickness, height)
+    X_BH = RigidTransform(np.array([*outline.mean(axis=0), height / 2]))
+    plant.RegisterVisualGeometry(body, X_BH, shape, "holder", _HOLDER_COLOUR)
+
+
+def _drawn_in(point: tuple[float, float], r: float) -> tuple[float, float]:
+    """A corner moved inwards by a radius along each axis, so that a sphere there stays inside."""
+    x, y = point
+    return x - r * float(np.sign(x)), y - r * float(np.sign(y))
+
+
+def _shape(truth: Truth) -> tuple[Shape, RigidTransform]:
+    """The solid, and where it is in B."""
+    from pydrake.geometry import Box, Convex, Cylinder
+    from pydrake.math import RigidTransform
+
+    middle = RigidTransform(np.array([0.0, 0.0, truth.height / 2]))
+    if truth.size_m is not None:
+        return Box(*truth.size_m), middle
+    if truth.radius_m is not None:
+        return Cylinder(truth.radius_m, truth.height), middle
+    ends = [[(x, y, z) for x, y in truth.outline] for z in (0.0, truth.height)]
+    return Convex(np.array(ends[0] + ends[1]).T, "prism"), RigidTransform()
+
+
+def inertia(truth: Truth) -> SpatialInertia:
+    """Mass spread as in the solid, about the true centre of mass."""
+    from pydrake.multibody.tree import CalcSpatialInertia, SpatialInertia
+
+    solid = CalcSpatialInertia(_shape(truth)[0], 1.0)
+    G_GGcm = solid.get_unit_inertia().ShiftToCenterOfMass(solid.get_com())
+    p_BBcm = np.array(truth.centre_of_mass)
+    return SpatialInertia(truth.mass_kg, p_BBcm, G_GGcm.ShiftFromCenterOfMass(p_BBcm))
+
+
+def filter_collisions(
+    scene_graph: SceneGraph,
+    *,
+    robot: list[GeometryId],
+    table: GeometryId,
+    solids: list[GeometryId],
+    feet: list[GeometryId],
+) -> None:
+    """Feet touch the table only, solids everything but the table, the robot not itself."""
+    from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
+
+    pairs = CollisionFilterDeclaration()
+    pairs.ExcludeBetween(GeometrySet(solids), GeometrySet(table))
+    pairs.ExcludeBetween(GeometrySet(feet), GeometrySet(robot))
+    pairs.ExcludeBetween(GeometrySet(feet), GeometrySet(solids))
+    pairs.ExcludeWithin(GeometrySet(feet))
+    pairs.ExcludeWithin(GeometrySet(robot))
+    scene_graph.collision_filter_manager().Apply(pairs)
+
+
+def initial_pose(item: SceneObject) -> RigidTransform:
+    """Pose X_WB in which an object stands at the start."""
+    from pydrake.math import RigidTransform, RotationMatrix
+
+    pose = item.pose
+    R_WB = RotationMatrix.MakeZRotation(np.radians(pose.yaw_deg))
+    return RigidTransform(R_WB, np.array([pose.x_m, pose.y_m, 0.0]))

@@ -1,0 +1,333 @@
+"""The simulated world behind the robot's ports.
+
+What the robot has: commands to the joints' impedance controllers, what the joints' position
+sensors and the finger joints' torque sensors read, and the vision port. What an observer of the
+world has besides: the true poses and who touches whom, kept in `history` for judging and replay.
+
+Frames: W is the world, B an object.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from planner.state import PlanarPose
+from sim.arms.lwr import lwr_kinematics as arm
+from sim.hands.four_finger import hand_kinematics as hand
+from sim.hands.four_finger.hand_kinematics import FINGERS, RESTING, Angles
+from sim.perception.camera_port import Frame, VisionPort, averaged, lids_in
+from sim.rotations import Array
+from sim.traces.trace import ContactEvent
+from sim.truth.object_truth import Truth
+from sim.truth.scene_file import Scene
+from sim.truth.world_sampling import drawn
+from sim.worlds.drake.contact_watch import ContactWatch
+from sim.worlds.drake.contents import ShiftingContents
+from sim.worlds.drake.drake_plant import Standing, add_plant
+from sim.worlds.drake.lid_mechanics import Lids
+from sim.worlds.drake.liquid_transfer import Liquid
+from sim.worlds.drake.world_variation import VaryingFriction
+from sim.worlds.sensor_noise import JointReadings, TorqueReadings
+
+if TYPE_CHECKING:
+    from pydrake.multibody.plant import MultibodyPlant
+    from pydrake.multibody.tree import ModelInstanceIndex, RevoluteJoint
+    from pydrake.systems.framework import Context, DiagramBuilder, OutputPort
+
+    from sim.control.grasping.held_object_sensing import Holding
+
+
+@dataclass(frozen=True)
+class Sample:
+    """The world at one time.
+
+    Attributes:
+        time: [s].
+        poses: per object, quaternion (w, x, y, z) and position p_WB [m], shape (7,).
+        joints: angles of all robot joints, shape (23,) [rad].
+        contents: per container, volume in it [m³].
+        spilled: volume that ran out and into none of them [m³].
+        lids: how far each lid is open, as in `sim.traces.trace.Trace.lids`.
+        lid_poses: as in `sim.traces.trace.Trace.lid_poses`, shape (7,) each.
+    """
+
+    time: float
+    poses: Mapping[str, Array]
+    joints: Array
+    contents: Mapping[str, float] = field(default_factory=dict)
+    spilled: float = 0.0
+    lids: Mapping[str, float] = field(default_factory=dict)
+    lid_poses: Mapping[str, Array] = field(default_factory=dict)
+
+
+class Change(Protocol):
+    """Something about the objects that does not stay as it is."""
+
+    def prepare(self, touched: Sequence[str], poses: Mapping[str, tuple[Array, Array]]) -> None:
+        """Changes what must change before a step, knowing what the robot touches anew."""
+
+    def present(self, name: str, truth: Truth) -> Truth:
+        """The truth of an object, as it is now."""
+        ...
+
+
+class DrakeWorld:
+    """A scene in Drake, that moves on when the robot's controller makes a step.
+
+    Args:
+        scene: what its file says.
+        seed: of everything random.
+
+    Attributes:
+        scene: what is true in this world; see `sim.truth.world_sampling`.
+        seed: as given.
+        period: time of a control step [s].
+        time: simulated time [s].
+        history: what happened, a sample per control step.
+        contacts: touches, in order of time.
+        joint_names: of `Sample.joints`.
+        simulator: of the diagram; for measuring its cost, not for control.
+        holding: what the robot knows to be in its hand, from one execution to the next.
+    """
+
+    def __init__(self, scene: Scene, *, seed: int = 0) -> None:
+        from pydrake.systems.analysis import Simulator
+        from pydrake.systems.framework import DiagramBuilder
+
+        scene = drawn(scene, seed)
+        self.scene = scene
+        self.seed = seed
+        self.period = 1.0 / scene.control_rate_hz
+        builder = DiagramBuilder()
+        self._model = add_plant(builder, scene)
+        self._plant = self._model.plant
+        self._effort = summed(builder, self._plant, self._model.hand, scene.time_step_s)
+        self.simulator = Simulator(builder.Build())
+        root = self.simulator.get_mutable_context()
+        self._context = self._plant.GetMyMutableContextFromRoot(root)
+        self._effort_context = self._effort.get_system().GetMyContextFromRoot(root)
+        self._arm_joints = [self._joint(name) for name in arm.JOINT_NAMES]
+        self._finger_joints = {
+            finger: [self._joint(f"{finger}_{name}") for name in hand.FINGER_JOINTS]
+            for finger in FINGERS
+        }
+        joints = [*self._arm_joints, *(j for f in FINGERS for j in self._finger_joints[f])]
+        self.joint_names = tuple(joint.name() for joint in joints)
+        self._places = np.array([joint.position_start() for joint in joints])
+        self._vision = VisionPort(scene.vision, scene.names, lids_in(scene), seed=seed)
+        self._impulse = np.zeros(len(hand.JOINT_NAMES))
+        self._mean_torques = np.zeros(len(hand.JOINT_NAMES))
+        self._torques = TorqueReadings(scene.torque_sensor, self.period, seed)
+        self._angles = JointReadings(scene.joint_sensor, len(self._arm_joints), len(joints), seed)
+        self._measured = np.zeros(len(joints))
+        self._steps = 0
+        self.history: list[Sample] = []
+        self._watch = ContactWatch(
+            self._plant,
+            self._model.bodies,
+            {each.body.name(): name for name, each in self._model.lids.items()},
+        )
+        self.contacts: list[ContactEvent] = self._watch.events
+        self._lids = Lids(self._model, root)
+        self._liquid = Liquid(self._model, root, scene, self._lids.is_open)
+        self._changes: tuple[Change, ...] = (
+            self._lids,
+            self._liquid,
+            *changes_in(self._model, root, scene, seed),
+        )
+        self._poses: dict[str, tuple[Array, Array]] = {}
+        self._touched: list[str] = []
+        self._frames: list[Frame] = []
+        self.holding: Holding | None = None
+        self._start()
+
+    def _joint(self, name: str) -> RevoluteJoint:
+        return self._plant.GetJointByName(name)
+
+    def _start(self) -> None:
+        self._q_arm = np.radians(self.scene.robot.home_deg)
+        self._q_hand = RESTING.joints
+        for joint, angle in zip(self._arm_joints, self._q_arm, strict=True):
+            joint.set_angle(self._context, angle)
+        for finger in FINGERS:
+            abduction, proximal, middle = RESTING.angles[finger]
+            angles = (abduction, proximal, middle, middle)
+            for joint, angle in zip(self._finger_joints[finger], angles, strict=True):
+                joint.set_angle(self._context, angle)
+        self._command(self._q_arm, self._q_hand)
+        self.simulator.Initialize()
+        self._observe()
+        self._prepare()
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._steps * self.period
+
+    @property
+    def commanded(self) -> tuple[Array, Array]:
+        """Angles that arm and hand were last told to take, shapes (7,) and (12,) [rad]."""
+        return self._q_arm, self._q_hand
+
+    def step(self, q_arm: Array, q_hand: Array) -> None:
+        """Commands joint angles and lets one control period pass.
+
+        Args:
+            q_arm: of the arm's joints, shape (7,) [rad].
+            q_hand: of the fingers' independent joints, in the order of `hand.JOINT_NAMES`,
+                shape (12,) [rad].
+        """
+        self._command(q_arm, q_hand)
+        self._steps += 1
+        self._prepare()
+        self.simulator.AdvanceTo(self.time)
+        impulse = self._efforts()
+        self._mean_torques, self._impulse = (impulse - self._impulse) / self.period, impulse
+        self._observe()
+
+    def _efforts(self) -> Array:
+        """Time integrals of the hand's drive torques, shape (12,) [N·m·s]."""
+        return np.array(self._effort.Eval(self._effort_context))
+
+    def _prepare(self) -> None:
+        for change in self._changes:
+            change.prepare(self._touched, self._poses)
+
+    def _command(self, q_arm: Array, q_hand: Array) -> None:
+        """Desired angles for the impedance controllers, and rates that lead there."""
+        for model, q, before in (
+            (self._model.arm, q_arm, self._q_arm),
+            (self._model.hand, q_hand, self._q_hand),
+        ):
+            port = self._plant.get_desired_state_input_port(model)
+            port.FixValue(self._context, np.concatenate([q, (q - before) / self.period]))
+        self._q_arm, self._q_hand = np.array(q_arm), np.array(q_hand)
+
+    def arm_angles(self) -> Array:
+        """Measured angles of the arm's joints, shape (7,) [rad]."""
+        return np.array(self._measured[: len(self._arm_joints)])
+
+    def finger_angles(self, finger: str) -> Angles:
+        """Measured abduction, proximal and middle flexion [rad]."""
+        first = len(self._arm_joints) + len(hand.FINGER_JOINTS) * FINGERS.index(finger)
+        abduction, proximal, middle = self._measured[first : first + 3].tolist()
+        return abduction, proximal, middle
+
+    def finger_torques(self, finger: str) -> Array:
+        """What a finger's joint torque sensors read, shape (3,) [N·m].
+
+        The torque of the joint's drive, the mean of the samples since the last control step. The
+        middle joint's one drives the distal joint too.
+        """
+        first = 3 * FINGERS.index(finger)
+        torques = self._mean_torques[first : first + 3]
+        return self._torques.read(finger, torques)
+
+    @property
+    def torque_noise(self) -> float:
+        """Standard deviation of what a torque sensor reads in a control step [N·m]."""
+        sensor = self.scene.torque_sensor
+        return sensor.noise_nm / math.sqrt(max(1.0, sensor.rate_hz * self.period))
+
+    def frames(self) -> list[Frame]:
+        """Camera frames that arrived since the last call."""
+        frames, self._frames = self._frames, []
+        return frames
+
+    def look(self, seconds: float) -> dict[str, PlanarPose]:
+        """Waits and averages the camera frames that arrive meanwhile; nothing may move.
+
+        Args:
+            seconds: how long [s]; longer if no frame arrives.
+        """
+        return averaged(self.watch(seconds))
+
+    def watch(self, seconds: float) -> list[Frame]:
+        """Waits and returns the camera frames that arrive meanwhile.
+
+        Args:
+            seconds: how long [s]; longer if no frame arrives.
+        """
+        frames = self.frames()
+        until = self._steps + round(seconds / self.period)
+        while self._steps < until or not frames:
+            self.step(self._q_arm, self._q_hand)
+            frames += self.frames()
+        return frames
+
+    @property
+    def lids(self) -> dict[str, float]:
+        """How far each lid truly is open now, as in `Trace.lids`; for an observer."""
+        return self._lids.opened()
+
+    def truth_now(self, name: str) -> Truth:
+        """How an object is at this time; for an observer, never for the robot.
+
+        It differs from `scene` by the place where it stands and by the touch that began last.
+        """
+        truth = self.scene.object(name).truth
+        for change in self._changes:
+            truth = change.present(name, truth)
+        return truth
+
+    def _observe(self) -> None:
+        poses = {}
+        for name, body in self._model.bodies.items():
+            X_WB = self._plant.EvalBodyPoseInWorld(self._context, body)
+            p_WB = X_WB.translation()
+            poses[name] = np.concatenate([X_WB.rotation().ToQuaternion().wxyz(), p_WB])
+            self._poses[name] = (X_WB.rotation().matrix(), p_WB)
+        joints = self._plant.GetPositions(self._context)[self._places]
+        self._measured = self._angles.read(joints)
+        lids = self._lids.opened()
+        self.history.append(
+            Sample(
+                self.time,
+                poses,
+                joints,
+                dict(self._liquid.contents),
+                self._liquid.spilled,
+                lids,
+                self._lids.poses(),
+            )
+        )
+        self._vision.observe(self.time, self._poses, lids, self._lids.loose())
+        self._frames += self._vision.arrived(self.time)
+        self._touched = self._watch.note(self.time, self._context)
+
+
+def summed(
+    builder: DiagramBuilder, plant: MultibodyPlant, model: ModelInstanceIndex, time_step: float
+) -> OutputPort:
+    """The drives' torques of a model, integrated over time: samples alone would alias.
+
+    Under a control loop the torques repeat with its period, so that a sample at the end of each
+    step is not their mean.
+    """
+    from pydrake.systems.primitives import DiscreteTimeIntegrator
+
+    torques = plant.get_net_actuation_output_port(model)
+    integrator = builder.AddSystem(DiscreteTimeIntegrator(torques.size(), time_step))
+    builder.Connect(torques, integrator.get_input_port())
+    return integrator.get_output_port()
+
+
+def changes_in(model: Standing, root: Context, scene: Scene, seed: int) -> Iterable[Change]:
+    """What changes in a scene; nothing of it costs any time where nothing does.
+
+    Args:
+        model: the objects.
+        root: context of the diagram.
+        scene: what is true.
+        seed: of the world.
+    """
+    variation = scene.table.friction_variation
+    if variation.over_table > 0.0 or variation.per_trial > 0.0:
+        yield VaryingFriction(model, root, scene, seed)
+    if any(item.truth.contents_shift_m > 0.0 for item in scene.objects):
+        yield ShiftingContents(model, root, scene, seed)

@@ -1,0 +1,93 @@
+"""What the joints' sensors tell of what is true: noise, steps, bias and gain.
+
+Model: a sensor shows round(((1 + gain error) x + bias + noise) / resolution) · resolution. The
+noise is white and drawn for every sample, the bias is constant for each joint of a world. The true
+value is held over a control period, since the simulated joints hardly move within one.
+
+The steps of rounding stay visible in a mean of samples only where the noise is smaller than they
+are; a larger noise smooths them away.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sim.hands.four_finger.hand_kinematics import FINGERS
+from sim.random_streams import Stream, source
+from sim.rotations import Array
+from sim.truth.scene_file import JointSensor, TorqueSensor
+
+_MEASURED = 3  # joints of a finger that have a torque sensor
+
+
+class TorqueReadings:
+    """The finger joints' torque sensors of a world.
+
+    Args:
+        sensor: how good they are.
+        period: of a control step [s].
+        seed: of the world.
+    """
+
+    def __init__(self, sensor: TorqueSensor, period: float, seed: int) -> None:
+        self._sensor = sensor
+        self._samples = max(1, round(sensor.rate_hz * period))
+        self._noise = source(seed, Stream.TORQUE_NOISE)
+        bias = source(seed, Stream.TORQUE_BIAS).standard_normal((len(FINGERS), _MEASURED))
+        self._bias = dict(zip(FINGERS, sensor.bias_nm * bias, strict=True))
+        self._rounded = _Rounding(np.full(_MEASURED, sensor.resolution_nm))
+
+    def read(self, finger: str, torques: Array) -> Array:
+        """Mean of the samples of a control step, shape (3,) [N·m].
+
+        Args:
+            finger: whose joints.
+            torques: the true ones, shape (3,) [N·m].
+        """
+        noise = self._noise.standard_normal((self._samples, _MEASURED))
+        true = (1.0 + self._sensor.gain_error) * torques + self._bias[finger]
+        samples = self._rounded(true + self._sensor.noise_nm * noise)
+        return np.asarray(samples.sum(axis=0) / self._samples)
+
+
+class JointReadings:
+    """The joints' position sensors of a world.
+
+    Args:
+        sensor: how good they are.
+        arm_joints: number of the joints that are the arm's; they come first.
+        joints: number of all.
+        seed: of the world.
+    """
+
+    def __init__(self, sensor: JointSensor, arm_joints: int, joints: int, seed: int) -> None:
+        def each(arm: float, finger: float) -> Array:
+            return np.where(np.arange(joints) < arm_joints, arm, finger)
+
+        self._rng = source(seed, Stream.JOINT_NOISE)
+        self._noise = each(sensor.arm_noise_rad, sensor.finger_noise_rad)
+        self._rounded = _Rounding(each(sensor.arm_resolution_rad, sensor.finger_resolution_rad))
+        self._offset = each(sensor.arm_offset_rad, sensor.finger_offset_rad)
+        self._offset *= source(seed, Stream.JOINT_OFFSET).standard_normal(joints)
+
+    def read(self, angles: Array) -> Array:
+        """What is shown of true angles, shape (n,) [rad]."""
+        noise = self._noise * self._rng.standard_normal(len(self._noise))
+        return self._rounded(angles + self._offset + noise)
+
+
+class _Rounding:
+    """Rounds values to whole steps, and leaves them as they are where the step is zero.
+
+    Args:
+        step: for each value, shape (n,).
+    """
+
+    def __init__(self, step: Array) -> None:
+        self._stepped = step > 0.0
+        self._step = np.where(self._stepped, step, 1.0)
+
+    def __call__(self, values: Array) -> Array:
+        """Rounded, shape (..., n)."""
+        rounded = np.rint(values / self._step) * self._step
+        return rounded if self._stepped.all() else np.where(self._stepped, rounded, values)
