@@ -38,9 +38,9 @@ from benchmarks.strokes import (
     upright,
 )
 from nlcontrol import Controller, Registry
-from planner.plan import Plan, Push
-from planner.reach import ReachAnswer
-from planner.state import WorldState
+from planner.types.plan import Plan, Push
+from planner.types.robot import ReachAnswer
+from planner.types.world_state import WorldState
 from sim.motion.robot_reach import ArmReach
 from sim.truth.scene_file import Pose, Scene, SceneObject, Vision
 

@@ -15,7 +15,7 @@ import statistics
 import time
 
 from nlcontrol import Controller
-from planner.plan import Plan
+from planner.types.plan import Plan
 from sim import DrakeWorld, load_scene
 from sim.truth.scene_file import Scene
 

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
         PrismModel,
         Registry,
     )
-    from planner.plan import Plan, Refusal
+    from planner.types.plan import Plan, Refusal
 
 __version__ = "0.1.0"
 
@@ -53,8 +53,8 @@ _HOMES = {
     "Frame": "grammar",
     "ModelError": "objectmodels",
     "ParseError": "grammar",
-    "Plan": "planner.plan",
-    "Refusal": "planner.plan",
+    "Plan": "planner.types.plan",
+    "Refusal": "planner.types.plan",
     "Registry": "objectmodels",
     "Result": "nlcontrol.result",
     "parse": "grammar",

@@ -25,12 +25,12 @@ from nlcontrol.errors import NOT_UNDERSTOOD, ControlError, ErrorInfo, refusal_er
 from nlcontrol.handwork import TRIED_AGAIN, believed_after, weighed
 from nlcontrol.learning import learned
 from nlcontrol.result import Result, ResultStatus, Step, summary, with_
-from planner.directions import angle_between
-from planner.explain import Basis
-from planner.handling.plan import HandlingPlan
-from planner.plan import Plan, Push, Reached, Refusal
-from planner.reach import Reach, ReachAnswer
-from planner.state import WorldState
+from planner.explanation.push_explanation import Basis
+from planner.geometry.directions import angle_between
+from planner.types.actions import HandlingPlan
+from planner.types.plan import Plan, Push, Reached, Refusal
+from planner.types.robot import Reach, ReachAnswer
+from planner.types.world_state import WorldState
 from sim.traces.trace import EndReason, Trace, joined
 
 if TYPE_CHECKING:

@@ -21,8 +21,8 @@ from nlcontrol.names import Candidate
 from nlcontrol.resolve import NOTHING_SAID, Context, resolve
 from nlcontrol.result import Result, with_
 from objectmodels import ModelError, ObjectModel, Registry
-from planner.plan import Plan, Reached, Refusal
-from planner.state import Held, PlanarPose, SeenObject, TableState, WorldState
+from planner.types.plan import Plan, Reached, Refusal
+from planner.types.world_state import Held, PlanarPose, SeenObject, TableState, WorldState
 from sim.perception.camera_port import beheld, first_frames
 from sim.truth.scene_file import Scene, SceneObject, load_scene
 
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from grammar.parser import Parser
     from nlcontrol.answers import Answer
     from planner.affordances import Affordance
-    from planner.defaults import Defaults
-    from planner.handling.plan import HandlingPlan
-    from planner.reach import Reach
+    from planner.types.actions import HandlingPlan
+    from planner.types.defaults import Defaults
+    from planner.types.robot import Reach
     from sim import ArmReach, DrakeWorld
     from sim.traces.trace import Trace
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.experiments import Kind
+from planner.touch_experiments import Kind
 from sim.exploration.trial_extraction import curve
 from sim.rotations import Array
 

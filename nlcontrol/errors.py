@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from pydantic import BaseModel, ConfigDict
 
 if TYPE_CHECKING:
-    from planner.plan import Refusal
+    from planner.types.plan import Refusal
 
 OK, INTERNAL, USAGE, NOT_UNDERSTOOD, NO_PLAN, NOT_HELD = range(6)
 """Exit codes of the command line."""
@@ -149,7 +149,7 @@ def known_error(raised: Exception) -> ControlError | None:
     # Late: a failing command must not load stages that it never reached.
     from grammar import ParseError
     from objectmodels import ModelError
-    from planner.defaults import DefaultsError
+    from planner.types.defaults import DefaultsError
     from sim.errors import SimError
 
     if isinstance(raised, ParseError):

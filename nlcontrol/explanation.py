@@ -13,7 +13,7 @@ from nlcontrol.ways import NO_MEANING, NOT_PLANNED
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from planner.rows import PartName, Row
+    from planner.explanation.rows import PartName, Row
 
 NOT_SAID = "(not said)"
 WIDTH = 110

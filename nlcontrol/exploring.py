@@ -29,13 +29,13 @@ from objectmodels.identification.estimates import Estimates, Statistics, estimat
 from objectmodels.identification.fit import Fit, fit
 from objectmodels.identification.update import guess as guessed
 from objectmodels.parameters import UNCERTAIN, Provenance
-from planner.experiments import Experiment, Kind, expected
+from planner.touch_experiments import Experiment, Kind, expected
 
 if TYPE_CHECKING:
     from nlcontrol.controller import Controller, Progress
     from objectmodels import ObjectModel
     from objectmodels.identification import Trial
-    from planner.state import SeenObject
+    from planner.types.world_state import SeenObject
     from sim.exploration.exploration_run import Explorer, Touched
     from sim.traces.trace import Trace
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nlcontrol.errors import error
-from planner.directions import face_name
+from planner.geometry.directions import face_name
 
 if TYPE_CHECKING:
     from objectmodels import Face, ObjectModel

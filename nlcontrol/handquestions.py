@@ -22,18 +22,18 @@ from nlcontrol.inquiry import inquiry, target_of
 from nlcontrol.places import most_favourable
 from nlcontrol.text import quantity
 from planner import plan
-from planner.directions import HEADINGS, phrase
-from planner.handling.opening import is_open
-from planner.handling.plan import HandlingPlan
-from planner.handling.planning import is_handled
-from planner.handling.reach import HandReach
-from planner.plan import Refusal
-from planner.reach import Reach
-from planner.tilts import meant
+from planner.geometry.directions import HEADINGS, phrase
+from planner.grasping.grasp_planning import is_handled
+from planner.grasping.lid_planner import is_open
+from planner.problem.tilt_goals import meant
+from planner.types.actions import HandlingPlan
+from planner.types.hand_reach import HandReach
+from planner.types.plan import Refusal
+from planner.types.robot import Reach
 
 if TYPE_CHECKING:
-    from planner.defaults import Defaults
-    from planner.state import SeenObject, WorldState
+    from planner.types.defaults import Defaults
+    from planner.types.world_state import SeenObject, WorldState
 
 
 class WholeReach(Reach, HandReach, Protocol):

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from nlcontrol.names import listed
 from nlcontrol.text import quantity
-from planner.directions import phrase
-from planner.handling.plan import (
+from planner.geometry.directions import phrase
+from planner.types.actions import (
     Carry,
     FlipOver,
     Grasp,

@@ -18,7 +18,7 @@ from nlcontrol import measures
 from nlcontrol.learning import Change, Lesson
 from objectmodels.contents import holding, reweighed
 from objectmodels.thresholds import GRAVITY
-from planner.handling.plan import HandlingPlan, LiftUp, PourOut
+from planner.types.actions import HandlingPlan, LiftUp, PourOut
 from sim.control.grasping.weighing import Weight, weight
 
 if TYPE_CHECKING:

@@ -18,17 +18,17 @@ from nlcontrol.answers import Considered
 from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error
 from nlcontrol.predictions import PushPrediction, predict_push
 from nlcontrol.text import quantity
-from planner import refusals
 from planner.affordances import pushed_face
-from planner.asked import Asked, read
-from planner.directions import FACE_HEADINGS, HEADINGS, heading_of, unit
-from planner.refusals import RefusedError
+from planner.geometry.directions import FACE_HEADINGS, HEADINGS, heading_of, unit
+from planner.problem.push_problem import Asked, read
+from planner.refusals import push_refusals as refusals
+from planner.refusals.push_refusals import RefusedError
 
 if TYPE_CHECKING:
     from objectmodels import Face
-    from planner.defaults import Defaults
-    from planner.plan import FaceName
-    from planner.state import SeenObject, WorldState
+    from planner.types.defaults import Defaults
+    from planner.types.plan import FaceName
+    from planner.types.world_state import SeenObject, WorldState
 
 Vector3 = tuple[float, float, float]
 EVENTS: dict[str, g.Event] = {"topple": "tips", "tilt": "tilts", "rotate": "turns"}

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from objectmodels import ObjectModel
     from objectmodels.identification import Trial
     from objectmodels.identification.update import Update
-    from planner.plan import Plan
-    from planner.state import SeenObject
+    from planner.types.plan import Plan
+    from planner.types.world_state import SeenObject
     from sim.traces.trace import EndReason, Trace
 
 CONTRADICTIONS: dict[EndReason, str] = {

@@ -18,8 +18,8 @@ from nlcontrol.predictions import PushPrediction, in_turn, needed, threshold
 from nlcontrol.spread import CERTAIN
 
 if TYPE_CHECKING:
-    from planner.defaults import Defaults
-    from planner.state import WorldState
+    from planner.types.defaults import Defaults
+    from planner.types.world_state import WorldState
 
 _MAKE = {"moves": "move", "slides": "slide", "tips": "topple", "tilts": "tilt", "turns": "turn"}
 

@@ -21,8 +21,8 @@ from planner.affordances import SPACING, least, turning_map
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from planner.defaults import Defaults
-    from planner.state import WorldState
+    from planner.types.defaults import Defaults
+    from planner.types.world_state import WorldState
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict
 from nlcontrol.errors import error
 from nlcontrol.spread import deviations
 from objectmodels import Face, ObjectModel
-from planner.directions import HEADINGS, heading_of
+from planner.geometry.directions import HEADINGS, heading_of
 
 VERBS = {
     "none": "stays where it is",

@@ -18,7 +18,7 @@ from nlcontrol.names import listed
 from nlcontrol.text import known, quantity
 
 if TYPE_CHECKING:
-    from planner.state import SeenObject, WorldState
+    from planner.types.world_state import SeenObject, WorldState
 
 Told = tuple[str, dict[str, float]]
 

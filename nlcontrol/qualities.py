@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 
 from nlcontrol.colours import SHADES, colour_names
 from objectmodels.base import Polygon
-from planner.footprints import footprint, overlaps
+from planner.geometry.footprints import footprint, overlaps
 
 if TYPE_CHECKING:
     from grammar.frames import Quality, Relation
-    from planner.state import SeenObject
+    from planner.types.world_state import SeenObject
 
 Array = NDArray[np.float64]
 

@@ -25,14 +25,14 @@ from nlcontrol.properties import value
 from nlcontrol.text import quantity
 from planner import plan
 from planner.affordances import TURNING_ARM, affordances
-from planner.directions import HEADINGS, heading_of, phrase
-from planner.handling.plan import HandlingPlan
-from planner.plan import Plan, Reached
+from planner.geometry.directions import HEADINGS, heading_of, phrase
+from planner.types.actions import HandlingPlan
+from planner.types.plan import Plan, Reached
 
 if TYPE_CHECKING:
     from planner.affordances import Affordance
-    from planner.defaults import Defaults
-    from planner.state import WorldState
+    from planner.types.defaults import Defaults
+    from planner.types.world_state import WorldState
 
 
 def answer(

@@ -10,13 +10,13 @@ from nlcontrol import handwords
 from nlcontrol.answers import Answer
 from nlcontrol.checks import HAND_ENDS, PLANNED_ENDS
 from nlcontrol.text import quantity
-from planner.directions import phrase
-from planner.handling.plan import HandlingPlan
+from planner.geometry.directions import phrase
+from planner.types.actions import HandlingPlan
 
 if TYPE_CHECKING:
     from nlcontrol.checks import Check
     from nlcontrol.result import Result
-    from planner.plan import Plan
+    from planner.types.plan import Plan
 
 
 def reason(result: Result) -> Answer:

@@ -23,7 +23,7 @@ from nlcontrol.qualities import having, related
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
-    from planner.state import WorldState
+    from planner.types.world_state import WorldState
 
 _SPOKEN: tuple[Quality, ...] = ("other", "same")
 

@@ -14,9 +14,9 @@ from nlcontrol.checks import Check
 from nlcontrol.names import listed
 from nlcontrol.result import Result, Step
 from nlcontrol.text import error_lines, quantity, words
-from planner.directions import phrase
-from planner.handling.plan import HandlingPlan
-from planner.plan import Aim, DefaultUsed, Limits, Plan, Push
+from planner.geometry.directions import phrase
+from planner.types.actions import HandlingPlan
+from planner.types.plan import Aim, DefaultUsed, Limits, Plan, Push
 
 
 def report(result: Result) -> str:

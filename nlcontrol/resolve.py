@@ -25,7 +25,7 @@ from nlcontrol.references import Spoken, Surroundings, find, fitting
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
-    from planner.state import WorldState
+    from planner.types.world_state import WorldState
 
 Part = TypeVar("Part", bound=BaseModel)
 

@@ -16,11 +16,11 @@ from nlcontrol.checks import Check
 from nlcontrol.errors import OK, ErrorInfo
 from nlcontrol.exploring import ExplorationReport
 from nlcontrol.learning import Lesson
-from planner.explain import Basis
-from planner.handling.plan import HandlingPlan
-from planner.plan import DefaultUsed, Plan, Vector3
-from planner.rows import Row
-from planner.state import PlanarPose
+from planner.explanation.push_explanation import Basis
+from planner.explanation.rows import Row
+from planner.types.actions import HandlingPlan
+from planner.types.plan import DefaultUsed, Plan, Vector3
+from planner.types.world_state import PlanarPose
 from sim.traces.trace import Trace
 
 ResultStatus = Literal[

@@ -13,7 +13,7 @@ from nlcontrol.fitting import FitReport
 from nlcontrol.learning import Lesson
 from nlcontrol.predictions import PushPrediction
 from nlcontrol.result import Result
-from planner.settings import settings
+from planner.types.default_settings import settings
 
 _ANSWERS = (Result, Command, PushPrediction, FitReport, ExplorationReport)
 _SCHEMA = "https://json-schema.org/draft/2020-12/schema"

@@ -27,7 +27,7 @@ from objectmodels.identification.design import precisions, reached
 if TYPE_CHECKING:
     from nlcontrol.controller import Controller, Progress
     from objectmodels import ObjectModel
-    from planner.state import WorldState
+    from planner.types.world_state import WorldState
 
 BY_TOUCH: dict[str, tuple[str, ...]] = {
     "mass": ("mass",),

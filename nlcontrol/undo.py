@@ -17,14 +17,14 @@ from typing import TYPE_CHECKING
 from grammar import frames as g
 from nlcontrol.text import quantity
 from objectmodels.base import Disc
-from planner.directions import angle_between, heading_of, phrase
-from planner.handling.plan import HandlingPlan
+from planner.geometry.directions import angle_between, heading_of, phrase
+from planner.types.actions import HandlingPlan
 
 if TYPE_CHECKING:
     from nlcontrol.result import Result
-    from planner.defaults import Defaults
-    from planner.plan import Plan
-    from planner.state import PlanarPose, SeenObject, WorldState
+    from planner.types.defaults import Defaults
+    from planner.types.plan import Plan
+    from planner.types.world_state import PlanarPose, SeenObject, WorldState
 
 
 @dataclass(frozen=True, eq=False)

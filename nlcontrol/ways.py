@@ -1,9 +1,9 @@
 """The way of each word of a sentence: to the frame, and on to a push, an answer or a refusal.
 
-What was planned is explained by the planner (`planner.explain`). Here stands what else may become
-of a frame: a question its answer, with the push that was considered; a refused frame the words that
-cannot be satisfied, with the reason; a frame that was not reached its parts alone. In the end come
-the words that no part of a frame stands for.
+What was planned is explained by the planner (`planner.explanation.push_explanation`). Here stands
+what else may become of a frame: a question its answer, with the push that was considered; a refused
+frame the words that cannot be satisfied, with the reason; a frame that was not reached its parts
+alone. In the end come the words that no part of a frame stands for.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from grammar import frames as g
 from nlcontrol.answers import DOES, chance, newtons
 from nlcontrol.spread import CERTAIN
 from nlcontrol.text import quantity
-from planner.directions import phrase
-from planner.explain import believed, explain
-from planner.handling.explaining import explain_hand
-from planner.handling.plan import HandlingPlan
-from planner.rows import Clause, Row, Value, clauses, quoted, row
+from planner.explanation.grasp_explanation import explain_hand
+from planner.explanation.push_explanation import believed, explain
+from planner.explanation.rows import Clause, Row, Value, clauses, quoted, row
+from planner.geometry.directions import phrase
+from planner.types.actions import HandlingPlan
 
 if TYPE_CHECKING:
     from nlcontrol.answers import Answer, Considered
     from nlcontrol.errors import ErrorInfo
     from nlcontrol.result import Result, Step
-    from planner.rows import PartName
+    from planner.explanation.rows import PartName
 
 NOT_PLANNED, NOT_ANSWERED = "not planned", "not answered"
 NO_MEANING = "no meaning of their own"

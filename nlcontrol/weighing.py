@@ -14,8 +14,8 @@ from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error
 from nlcontrol.handwork import felt_weight, weighed
 from nlcontrol.text import known
 from objectmodels.thresholds import GRAVITY
-from planner.handling.plan import HandlingPlan, SetDown
-from planner.plan import Refusal
+from planner.types.actions import HandlingPlan, SetDown
+from planner.types.plan import Refusal
 
 if TYPE_CHECKING:
     from nlcontrol.controller import Controller, Progress

@@ -42,7 +42,7 @@ _LEAST_PRESS = 1e-6  # share of the squeeze with which each contact must press
 
 @dataclass(frozen=True)
 class Contacts:
-    """Where thumb and fingers touch; see `planner.handling.reach.Grip`.
+    """Where thumb and fingers touch; see `planner.types.hand_reach.Grip`.
 
     Attributes:
         places: along the approach, and along approach × closing, shape (k, 2) [m].

@@ -17,11 +17,11 @@ import numpy as np
 
 from grammar import frames as g
 from objectmodels.outcomemap import OutcomeMap, outcome_map
-from planner.defaults import DEFAULTS, Defaults
-from planner.directions import HEADINGS, angle_between, face_name, heading_of
-from planner.handling.plan import HandlingPlan
-from planner.plan import Plan, Refusal
+from planner.geometry.directions import HEADINGS, angle_between, face_name, heading_of
 from planner.planning import plan
+from planner.types.actions import HandlingPlan
+from planner.types.defaults import DEFAULTS, Defaults
+from planner.types.plan import Plan, Refusal
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from objectmodels import Face
-    from planner.handling.reach import HandReach
-    from planner.plan import FaceName
-    from planner.reach import Reach
-    from planner.state import SeenObject, WorldState
+    from planner.types.hand_reach import HandReach
+    from planner.types.plan import FaceName
+    from planner.types.robot import Reach
+    from planner.types.world_state import SeenObject, WorldState
 
 SPACING = 0.01
 """Distance of the contacts that are looked at [m]."""

@@ -1,11 +1,12 @@
 """From a frame to actions whose predicted outcome satisfies it, or to a refusal with numbers.
 
-What takes a whole hand (lifting, pouring, opening) is planned in `planner.handling`, if the robot
+What takes a whole hand (lifting, pouring, opening) is planned in `planner.grasping`, if the robot
 has one; what is to be placed is lifted where it can be, and pushed where not. All else is pushed.
 
-What is asked (`planner.asked`) is a fall or a tilt (`planner.falls`), or an aim on the table, to
-which the object goes by several pushes (`planner.journey`). All pushes together must be likely
-enough; before that is refused, it is attempted with more effort (`planner.attempts`).
+What is asked (`planner.problem.push_problem`) is a fall or a tilt
+(`planner.pushing.topple_planner`), or an aim on the table, to which the object goes by several
+pushes (`planner.pushing.push_sequence`). All pushes together must be likely enough; before that is
+refused, it is attempted with more effort (`planner.pushing.strategies`).
 
 Frames: W is the world, B the object.
 """
@@ -15,21 +16,21 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, overload
 
 from grammar import frames as g
-from planner import refusals
-from planner.asked import read
-from planner.attempts import Attempt, persistently
-from planner.defaults import DEFAULTS, Defaults
-from planner.handling.planning import handle, is_handled
-from planner.plan import Plan, Reached, Refusal
-from planner.reach import Patient
-from planner.refusals import RefusedError
-from planner.relations import region
+from planner.grasping.grasp_planning import handle, is_handled
+from planner.problem.place_regions import region
+from planner.problem.push_problem import read
+from planner.pushing.strategies import Attempt, persistently
+from planner.refusals import push_refusals as refusals
+from planner.refusals.push_refusals import RefusedError
+from planner.types.defaults import DEFAULTS, Defaults
+from planner.types.plan import Plan, Reached, Refusal
+from planner.types.robot import Patient
 
 if TYPE_CHECKING:
-    from planner.handling.plan import HandlingPlan
-    from planner.handling.reach import HandReach
-    from planner.reach import Reach
-    from planner.state import WorldState
+    from planner.types.actions import HandlingPlan
+    from planner.types.hand_reach import HandReach
+    from planner.types.robot import Reach
+    from planner.types.world_state import WorldState
 
 
 @overload

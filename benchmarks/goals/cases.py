@@ -23,7 +23,7 @@ from benchmarks.record import Kept
 from grammar.frames import Frame
 from nlcontrol import Controller
 from nlcontrol.checks import Check
-from planner.plan import Plan
+from planner.types.plan import Plan
 
 if TYPE_CHECKING:
     from nlcontrol.result import Step

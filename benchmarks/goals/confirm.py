@@ -38,7 +38,7 @@ from benchmarks.strokes import Array, heading_of, upright
 from nlcontrol.checks import require_checkable
 from nlcontrol.errors import ControlError
 from objectmodels import ObjectModel
-from planner.state import WorldState
+from planner.types.world_state import WorldState
 from sim.truth.scene_file import Pose, Scene
 
 Verdict = Literal["confirmed", "unlikely", "unconfirmed", "not looked for"]

@@ -22,11 +22,11 @@ import numpy as np
 
 from grammar import frames as g
 from nlcontrol import measures
-from planner.defaults import DEFAULTS
-from planner.directions import HEADINGS, angle_between, bisector, heading_of, unit
+from planner.geometry.directions import HEADINGS, angle_between, bisector, heading_of, unit
+from planner.types.defaults import DEFAULTS
 
 if TYPE_CHECKING:
-    from planner.plan import Plan
+    from planner.types.plan import Plan
     from sim.traces.trace import Trace
 
 _LYING = math.radians(45.0)  # an object that is tilted so far at the end has no heading [rad]

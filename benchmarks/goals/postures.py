@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.strokes import Array, Generator, Stroke
-from planner.state import WorldState
+from planner.types.world_state import WorldState
 from sim.arms.lwr import lwr_kinematics as arm
 from sim.collision import collision_spheres as spheres
 from sim.collision.collision_scene import FRAGILE_CLEARANCE

@@ -33,10 +33,10 @@ from grammar import frames as g
 from nlcontrol.checks import Check, check
 from nlcontrol.resolve import mentioned
 from objectmodels import ObjectModel
-from planner.defaults import DEFAULTS
-from planner.directions import HEADINGS, bisector
-from planner.footprints import footprint, gap, overlaps
-from planner.state import PlanarPose, SeenObject, TableState
+from planner.geometry.directions import HEADINGS, bisector
+from planner.geometry.footprints import footprint, gap, overlaps
+from planner.types.defaults import DEFAULTS
+from planner.types.world_state import PlanarPose, SeenObject, TableState
 from sim.traces.trace import ContactEvent, Trace
 from sim.truth.scene_file import Scene
 

@@ -26,14 +26,14 @@ import numpy as np
 from grammar import frames as g
 from objectmodels import ObjectModel
 from objectmodels.faces import Face
-from planner.asked import Asked, read
-from planner.defaults import DEFAULTS
-from planner.directions import angle_between, heading_of
-from planner.footprints import footprint, free_travel, gap, landing_strip, travel_to_edge
-from planner.plan import Aim
-from planner.refusals import RefusedError
-from planner.state import SeenObject, WorldState
-from planner.ways import obliqueness
+from planner.geometry.directions import angle_between, heading_of
+from planner.geometry.footprints import footprint, free_travel, gap, landing_strip, travel_to_edge
+from planner.problem.push_problem import Asked, read
+from planner.pushing.push_paths import obliqueness
+from planner.refusals.push_refusals import RefusedError
+from planner.types.defaults import DEFAULTS
+from planner.types.plan import Aim
+from planner.types.world_state import SeenObject, WorldState
 from sim.motion.robot_reach import ArmReach
 
 TABLE = ((0.36, 0.80), (-0.45, 0.45))

@@ -24,7 +24,7 @@ from benchmarks.goals.worlds import Generator, Job, believed, drawn, generator, 
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
 from objectmodels import CylinderModel, ObjectModel
-from planner.state import WorldState
+from planner.types.world_state import WorldState
 from sim.truth.scene_file import Scene
 
 Kind = Literal["displace", "place", "rotate", "tilt", "topple", "until", "steps"]

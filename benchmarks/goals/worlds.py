@@ -18,8 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel, Registry
-from planner.footprints import footprint, overlaps
-from planner.state import PlanarPose, SeenObject
+from planner.geometry.footprints import footprint, overlaps
+from planner.types.world_state import PlanarPose, SeenObject
 from sim.motion.robot_reach import ArmReach
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import (

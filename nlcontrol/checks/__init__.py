@@ -3,8 +3,8 @@
 The checker knows nothing of the plan. Besides frame and trace it takes the believed shapes of the
 objects where a clause is about them (the upper third of a height, a gap between surfaces), the
 extent of the table, and the table of defaults for what a clause means when the sentence says no
-more. What a place or a displacement means it shares with the planner (`planner.relations`,
-`planner.displacements`): a word has one meaning.
+more. What a place or a displacement means it shares with the planner
+(`planner.problem.place_regions`, `planner.problem.displacement_goals`): a word has one meaning.
 
 A clause without a check is an error, raised before anything is executed: no sentence is called
 satisfied because a part of it was skipped.
@@ -22,12 +22,12 @@ from nlcontrol.checks.goals import GOALS
 from nlcontrol.checks.others import others
 from nlcontrol.checks.verdicts import Check, named
 from nlcontrol.errors import error
-from planner.defaults import DEFAULTS, Defaults
+from planner.types.defaults import DEFAULTS, Defaults
 
 if TYPE_CHECKING:
     from nlcontrol.errors import ErrorInfo
     from objectmodels import ObjectModel
-    from planner.state import TableState
+    from planner.types.world_state import TableState
     from sim.traces.trace import Trace
 
 __all__ = ["Check", "check", "not_held", "require_checkable"]

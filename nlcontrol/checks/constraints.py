@@ -14,8 +14,8 @@ from nlcontrol.checks.goals import stands
 from nlcontrol.checks.handling import by_hand
 from nlcontrol.checks.others import met
 from nlcontrol.checks.verdicts import Check, Relation, compare, named
-from planner.directions import face_name
-from planner.footprints import gap
+from planner.geometry.directions import face_name
+from planner.geometry.footprints import gap
 
 if TYPE_CHECKING:
     from nlcontrol.checks.evidence import Evidence

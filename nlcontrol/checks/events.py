@@ -11,10 +11,10 @@ from grammar import frames as g
 from nlcontrol.checks.goals import fell, stands
 from nlcontrol.checks.others import met
 from nlcontrol.checks.verdicts import Check, compare, named, placed
-from planner.directions import heading_of, unit
-from planner.displacements import asked_heading
-from planner.footprints import footprint, gap
-from planner.relations import region, table_region
+from planner.geometry.directions import heading_of, unit
+from planner.geometry.footprints import footprint, gap
+from planner.problem.displacement_goals import asked_heading
+from planner.problem.place_regions import region, table_region
 
 if TYPE_CHECKING:
     from nlcontrol.checks.evidence import Evidence

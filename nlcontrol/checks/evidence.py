@@ -13,7 +13,7 @@ import numpy as np
 
 from nlcontrol import measures
 from objectmodels.errors import ModelError
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from grammar.frames import Frame
     from nlcontrol.measures import Array
     from objectmodels import ObjectModel
-    from planner.defaults import Defaults
-    from planner.state import TableState
+    from planner.types.defaults import Defaults
+    from planner.types.world_state import TableState
     from sim.traces.trace import Trace
 
 LEVEL = np.radians(15.0)

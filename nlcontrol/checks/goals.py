@@ -11,14 +11,14 @@ from grammar import frames as g
 from nlcontrol import measures
 from nlcontrol.checks import handling
 from nlcontrol.checks.verdicts import Check, Clause, Relation, compare, named, placed
-from planner.directions import HEADINGS, angle_between, heading_of
-from planner.displacements import asked_distance, asked_heading
-from planner.relations import region, share_of_way
-from planner.tilts import meant
+from planner.geometry.directions import HEADINGS, angle_between, heading_of
+from planner.problem.displacement_goals import asked_distance, asked_heading
+from planner.problem.place_regions import region, share_of_way
+from planner.problem.tilt_goals import meant
 
 if TYPE_CHECKING:
     from nlcontrol.checks.evidence import Evidence
-    from planner.defaults import Defaults
+    from planner.types.defaults import Defaults
 
 
 def stands(clause: Clause, e: Evidence) -> Check:

@@ -15,7 +15,7 @@ from grammar import frames as g
 from nlcontrol import measures
 from nlcontrol.checks.verdicts import Check, Clause, Relation, compare, named
 from objectmodels.parts import FlipLid, LiftOffLid, ScrewCap
-from planner.handling.opening import is_off
+from planner.grasping.lid_planner import is_off
 
 if TYPE_CHECKING:
     from nlcontrol.checks.evidence import Evidence

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict
 from grammar.frames import Spans
 
 if TYPE_CHECKING:
-    from planner.relations import Measure
+    from planner.problem.place_regions import Measure
 
 Relation = Literal["about", "at_most", "at_least", "is"]
 Unit = Literal["m", "rad", "N", "m/s", "s", "m³", ""]

@@ -68,7 +68,7 @@ def controller_of(scene: str, seed: int, settings: Settings) -> Controller:
     """
     from nlcontrol.controller import Controller
     from nlcontrol.errors import translated
-    from planner.settings import changed
+    from planner.types.default_settings import changed
     from sim.truth.scene_file import load_scene
 
     with translated():

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.cylinder import CylinderModel
-from planner.state import SeenObject, WorldState
+from planner.types.world_state import SeenObject, WorldState
 from sim.collision import collision_spheres as spheres
 from sim.rotations import Array, rot_z
 

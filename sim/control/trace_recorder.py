@@ -14,7 +14,7 @@ from sim.traces.trace import Trace
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from planner.state import PlanarPose
+    from planner.types.world_state import PlanarPose
     from sim.motion.arm_configuration import Mount
     from sim.perception.camera_port import Frame, SeenPose
     from sim.rotations import Array

@@ -13,8 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from objectmodels.thresholds import GRAVITY
-from planner.handling.plan import HandStep, LiftUp, PourOut, SetDown
-from planner.state import Held
+from planner.types.actions import HandStep, LiftUp, PourOut, SetDown
+from planner.types.world_state import Held
 from sim.control.grasping.hand_motion import ACCELERATES, HandMotion
 from sim.control.grasping.held_object_sensing import HandSense
 from sim.control.grasping.weighing import Weight, weight

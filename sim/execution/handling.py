@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.handling.plan import HandlingPlan
-from planner.reach import ReachAnswer
+from planner.types.actions import HandlingPlan
+from planner.types.robot import ReachAnswer
 from sim.collision.collision_scene import SPARE
 from sim.control.grasping.flip_control import flip_over
 from sim.control.pushing.guarded_touch import EarlyEndError

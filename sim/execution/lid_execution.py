@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from objectmodels.parts import LiftOffLid
-from planner.handling.plan import HandStep, LiftUp, PutOn, SetDown, TurnCap
+from planner.types.actions import HandStep, LiftUp, PutOn, SetDown, TurnCap
 from sim.control.grasping.lid_sensing import LidSense
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.trace_recorder import Recorder

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.handling.plan import HandlingPlan
-from planner.plan import Plan
+from planner.types.actions import HandlingPlan
+from planner.types.plan import Plan
 from sim.control.pushing.force_control import Errand, PlannedControl
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.pushing.push_control import PushControl

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.plan import Push
-from planner.reach import ReachAnswer
-from planner.state import WorldState
+from planner.types.plan import Push
+from planner.types.robot import ReachAnswer
+from planner.types.world_state import WorldState
 from sim.collision.collision_scene import SPARE
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.trace_recorder import Recorder

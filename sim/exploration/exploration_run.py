@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from objectmodels.identification import Trial
-from planner.experiments import Experiment, Kind, experiments
-from planner.plan import FaceName
-from planner.state import WorldState
+from planner.touch_experiments import Experiment, Kind, experiments
+from planner.types.plan import FaceName
+from planner.types.world_state import WorldState
 from sim.exploration.probe_control import probe
 from sim.exploration.touch_recording import Recording
 from sim.exploration.trial_extraction import trials

@@ -23,8 +23,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.experiments import Experiment
-from planner.state import PlanarPose, WorldState
+from planner.touch_experiments import Experiment
+from planner.types.world_state import PlanarPose, WorldState
 from sim.control.pushing.guarded_touch import EarlyEndError, TouchControl
 from sim.execution.push_execution import Progress, Trip, silent
 from sim.exploration.touch_recording import Recording

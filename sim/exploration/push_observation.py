@@ -19,8 +19,8 @@ from objectmodels.identification import Moved, Trial, detect_onset
 from objectmodels.identification.onset import LEAST_SAMPLES
 
 if TYPE_CHECKING:
-    from planner.plan import Push
-    from planner.state import SeenObject
+    from planner.types.plan import Push
+    from planner.types.world_state import SeenObject
     from sim.rotations import Array
     from sim.traces.trace import Trace
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.experiments import Experiment
-from planner.state import PlanarPose
+from planner.touch_experiments import Experiment
+from planner.types.world_state import PlanarPose
 from sim.rotations import Array
 from sim.traces.trace import EndReason, Trace
 

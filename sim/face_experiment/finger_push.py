@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.experiments import press as press_at
-from planner.state import SeenObject, WorldState
+from planner.touch_experiments import press as press_at
+from planner.types.world_state import SeenObject, WorldState
 from sim.execution.push_execution import LOOK
 from sim.exploration.trial_extraction import curve
 from sim.face_experiment.face_contact import Contact, TouchResult

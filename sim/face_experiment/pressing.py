@@ -7,8 +7,8 @@ others to see. The hand stays where it is then: a press is the last thing done i
 
 from __future__ import annotations
 
-from planner.experiments import Experiment
-from planner.state import WorldState
+from planner.touch_experiments import Experiment
+from planner.types.world_state import WorldState
 from sim.control.pushing.guarded_touch import PAUSE, EarlyEndError
 from sim.execution.push_execution import Trip, silent
 from sim.exploration.probe_control import ProbeControl

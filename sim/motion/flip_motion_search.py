@@ -17,9 +17,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.handling.plan import FlipOver
-from planner.reach import ReachAnswer
-from planner.state import WorldState
+from planner.types.actions import FlipOver
+from planner.types.robot import ReachAnswer
+from planner.types.world_state import WorldState
 from sim.arms.lwr import lwr_kinematics as arm
 from sim.collision import collision_spheres as spheres
 from sim.collision.collision_scene import TABLE_CLEARANCE, Scenery

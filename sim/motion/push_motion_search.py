@@ -19,9 +19,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.plan import Push
-from planner.reach import ReachAnswer
-from planner.state import WorldState
+from planner.types.plan import Push
+from planner.types.robot import ReachAnswer
+from planner.types.world_state import WorldState
 from sim.arms.lwr import lwr_kinematics as arm
 from sim.collision import collision_spheres as spheres
 from sim.collision.collision_scene import (

@@ -15,11 +15,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.handling.plan import FlipOver, HandlingPlan
-from planner.handling.reach import Grip
-from planner.plan import Push
-from planner.reach import ReachAnswer
-from planner.state import WorldState
+from planner.types.actions import FlipOver, HandlingPlan
+from planner.types.hand_reach import Grip
+from planner.types.plan import Push
+from planner.types.robot import ReachAnswer
+from planner.types.world_state import WorldState
 from sim.collision import collision_spheres as spheres
 from sim.collision.collision_scene import TABLE_CLEARANCE
 from sim.hands.four_finger.grasp_postures import NARROWEST, WIDEST, hand_grip, pinch

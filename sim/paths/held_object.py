@@ -14,8 +14,8 @@ import numpy as np
 
 from objectmodels import lids
 from objectmodels.parts import ScrewCap
-from planner.handling.plan import Grasp, HandlingPlan
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.types.actions import Grasp, HandlingPlan
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.collision.collision_scene import Obstacle
 
 THREAD = 2.0 * np.pi

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from planner.handling.plan import (
+from planner.types.actions import (
     Carry,
     Grasp,
     HandStep,
@@ -25,7 +25,7 @@ from planner.handling.plan import (
     SetDown,
     TurnCap,
 )
-from planner.state import SeenObject
+from planner.types.world_state import SeenObject
 from sim.paths.held_object import THREAD, Handled
 from sim.rotations import Array, axis_rotation, wrap
 

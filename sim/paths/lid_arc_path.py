@@ -18,8 +18,8 @@ import numpy as np
 from objectmodels import lids
 from objectmodels.lids import GRIP, TAB_WIDTH, THICKNESS
 from objectmodels.parts import FlipLid
-from planner.handling.plan import FlipOver
-from planner.state import SeenObject
+from planner.types.actions import FlipOver
+from planner.types.world_state import SeenObject
 from sim.collision import collision_spheres as spheres
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.rotations import Array, rot_y, rot_z

@@ -21,7 +21,7 @@ from objectmodels.lids import called, loose
 from objectmodels.model import ObjectModel
 from objectmodels.parts import Lid, LiftOffLid
 from objectmodels.resting import LEVEL
-from planner.state import Colour, PlanarPose, SeenObject
+from planner.types.world_state import Colour, PlanarPose, SeenObject
 from sim.random_streams import Stream, source
 from sim.rotations import Array, rot_x, rot_y, rot_z, yaw_of
 from sim.truth.scene_file import Scene, Vision

@@ -19,8 +19,8 @@ import yaml
 from pydantic import BeforeValidator, Field, InstanceOf, ValidationError, model_validator
 
 from objectmodels.yamlfile import parse_yaml
-from planner.defaults import DEFAULTS, Defaults, DefaultsError
-from planner.settings import changed
+from planner.types.default_settings import changed
+from planner.types.defaults import DEFAULTS, Defaults, DefaultsError
 from sim.cell.strict_model import Fraction, NonNegative, Part, Point2, Point3, Positive, Spread
 from sim.errors import SceneError
 from sim.truth.object_truth import Truth
@@ -191,7 +191,7 @@ class Scene(Part):
         control_rate_hz: of the robot's control loop.
         hidden: how worlds of this scene differ from it and from each other.
         defaults: what a clause means when a sentence does not say more; in the file by the names of
-            `planner.settings`.
+            `planner.types.default_settings`.
         models: model files, or folders of them, that belong to the scene; relative to its file.
     """
 

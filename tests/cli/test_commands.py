@@ -13,7 +13,7 @@ import pytest
 from nlcontrol import cli
 from nlcontrol.cli import output, run
 from nlcontrol.result import Result
-from planner.plan import Plan
+from planner.types.plan import Plan
 
 SENTENCE = "push the ice tea box away without toppling it"
 

@@ -9,8 +9,8 @@ import pytest
 
 from nlcontrol import Controller
 from nlcontrol.cli import run
-from planner.defaults import DEFAULTS
-from planner.settings import changed
+from planner.types.default_settings import changed
+from planner.types.defaults import DEFAULTS
 from tests.unit.sim.test_scene_files import SCENE
 
 SENTENCE = "push the crate away"

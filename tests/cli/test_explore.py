@@ -15,9 +15,9 @@ from nlcontrol.cli import run
 from nlcontrol.errors import ControlError
 from nlcontrol.exploring import explore
 from objectmodels import Registry
-from planner.experiments import experiments
-from planner.plan import Plan
-from planner.state import SeenObject, WorldState
+from planner.touch_experiments import experiments
+from planner.types.plan import Plan
+from planner.types.world_state import SeenObject, WorldState
 from sim import load_scene
 
 BOX = "ice tea box"

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from nlcontrol.cli import run
-from planner.defaults import DEFAULTS, Defaults, kinds
-from planner.settings import changed, settings, table
+from planner.types.default_settings import changed, settings, table
+from planner.types.defaults import DEFAULTS, Defaults, kinds
 from tests.unit.sim.test_scene_files import SCENE
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "defaults.md").read_text(encoding="utf-8")

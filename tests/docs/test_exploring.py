@@ -19,8 +19,8 @@ from nlcontrol.exploringreport import _COLUMNS
 from nlcontrol.fitting import NAMES
 from objectmodels.identification.fit import MOST_DROPPED, OUTLIER
 from objectmodels.identification.update import SURPRISING
-from planner import experiments
-from planner.defaults import DEFAULTS
+from planner import touch_experiments as experiments
+from planner.types.defaults import DEFAULTS
 from sim.control.pushing import guarded_touch as touch
 from sim.exploration import probe_control as probing
 

@@ -14,8 +14,8 @@ import pytest
 from nlcontrol import Controller
 from nlcontrol.cli import run
 from nlcontrol.cli.sentences import plan as plan_command
-from planner.defaults import DEFAULTS
-from planner.plan import Plan, RefusalReason
+from planner.types.defaults import DEFAULTS
+from planner.types.plan import Plan, RefusalReason
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "goals.md").read_text(encoding="utf-8")
 PLAIN = " ".join(GUIDE.split())

@@ -12,8 +12,8 @@ import pytest
 
 from grammar import parse
 from nlcontrol.cli import run
-from planner.defaults import DEFAULTS
-from planner.handling.planning import is_handled
+from planner.grasping.grasp_planning import is_handled
+from planner.types.defaults import DEFAULTS
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "handling.md").read_text(encoding="utf-8")
 SECTIONS = dict(re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", GUIDE, re.MULTILINE | re.DOTALL))

@@ -7,7 +7,7 @@ from typing import Any, get_args
 
 from grammar import frames as g
 from nlcontrol.schema import schema, schema_json
-from planner.settings import settings
+from planner.types.default_settings import settings
 
 
 def _definition(name: str) -> dict[str, Any]:

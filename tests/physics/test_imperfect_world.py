@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller
-from planner.plan import Plan
+from planner.types.plan import Plan
 from sim import DrakeWorld, Trace, load_scene
 from sim.random_streams import Stream, source
 from sim.truth.object_truth import Truth

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from objectmodels import ObjectModel, Registry
-from planner.plan import Limits, Margins, Plan, Prediction, Push
+from planner.types.plan import Limits, Margins, Plan, Prediction, Push
 from sim import DrakeWorld, Trace, execute, load_scene
 from sim.truth.scene_file import Pose, Scene
 

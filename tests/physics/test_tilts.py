@@ -9,7 +9,7 @@ import grammar
 from grammar.frames import Frame
 from nlcontrol import Controller
 from planner import plan
-from planner.plan import Limits, Plan
+from planner.types.plan import Limits, Plan
 from sim import DrakeWorld, Trace, execute, load_scene
 
 

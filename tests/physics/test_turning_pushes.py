@@ -9,7 +9,7 @@ import pytest
 
 from objectmodels import Registry
 from objectmodels.turning import TurningPush, best_turn
-from planner.plan import Limits, Margins, Plan, Prediction, Push
+from planner.types.plan import Limits, Margins, Plan, Prediction, Push
 from sim import ArmReach, DrakeWorld, Trace, execute, load_scene
 from sim.execution.push_execution import JOINT_SPEED, Trip, silent
 from sim.rotations import Array, rot_z

@@ -13,12 +13,12 @@ from objectmodels import Registry
 from objectmodels.opening import flip
 from objectmodels.parts import FlipLid
 from planner import plan
-from planner.defaults import DEFAULTS
-from planner.footprints import footprint, gap
-from planner.handling.plan import Carry, HandlingPlan
-from planner.plan import Reached, Refusal
-from planner.relations import moved
-from planner.state import PlanarPose, SeenObject, TableState, WorldState
+from planner.geometry.footprints import footprint, gap
+from planner.problem.place_regions import moved
+from planner.types.actions import Carry, HandlingPlan
+from planner.types.defaults import DEFAULTS
+from planner.types.plan import Reached, Refusal
+from planner.types.world_state import PlanarPose, SeenObject, TableState, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of
 from tests.unit.planner.handling.conftest import RuledHand
 

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 
 from objectmodels import BoxModel
 from planner import plan
-from planner.defaults import DEFAULTS
-from planner.plan import Plan, Refusal
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.types.defaults import DEFAULTS
+from planner.types.plan import Plan, Refusal
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import TABLE, RuledReach, frame_of
 
 pytestmark = pytest.mark.slow

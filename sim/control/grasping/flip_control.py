@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.handling.plan import FlipOver, HandlingPlan
-from planner.reach import ReachAnswer
-from planner.state import SeenObject
+from planner.types.actions import FlipOver, HandlingPlan
+from planner.types.robot import ReachAnswer
+from planner.types.world_state import SeenObject
 from sim.control.grasping.lidview import LidView
 from sim.control.pushing.guarded_touch import PAUSE, TOUCH_SPEED
 from sim.control.trace_recorder import Recorder

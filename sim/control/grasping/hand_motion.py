@@ -22,7 +22,7 @@ from sim.paths.point_attractor import attracted
 from sim.rotations import Array
 
 if TYPE_CHECKING:
-    from planner.state import Held
+    from planner.types.world_state import Held
     from sim.control.trace_recorder import Recorder
     from sim.motion.grasp_motion_search import HandWay
 

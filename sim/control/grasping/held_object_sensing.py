@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.state import Held, WorldState
+from planner.types.world_state import Held, WorldState
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.hands.four_finger.grasp_postures import HOLDING, inward
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS, finger_points

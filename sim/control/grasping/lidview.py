@@ -11,7 +11,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from objectmodels.lids import called
-from planner.state import SeenObject
+from planner.types.world_state import SeenObject
 from sim.perception.camera_port import Frame
 from sim.rotations import wrap, yaw_of
 

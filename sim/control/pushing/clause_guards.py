@@ -5,7 +5,7 @@ to them and how it is turned are filtered. Other objects stand where they were s
 limit counts as reached while the estimate's doubt still keeps the object this side of it. A
 constant error of the camera cannot be known and is not in the doubt.
 
-Frames: W; footprints as in `planner.footprints`.
+Frames: W; footprints as in `planner.geometry.footprints`.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from collections.abc import Iterable
 import numpy as np
 
 from objectmodels.base import Disc
-from planner.footprints import footprint, gap
-from planner.plan import Push
-from planner.state import SeenObject, WorldState
+from planner.geometry.footprints import footprint, gap
+from planner.types.plan import Push
+from planner.types.world_state import SeenObject, WorldState
 from sim.control.pushing.push_guards import MOVED
 from sim.perception.camera_port import Frame, SeenPose
 from sim.rotations import Array, wrap, yaw_of

@@ -21,8 +21,8 @@ from typing import Protocol
 
 import numpy as np
 
-from planner.plan import Plan
-from planner.state import WorldState
+from planner.types.plan import Plan
+from planner.types.world_state import WorldState
 from sim.control.pushing.clause_guards import LimitGuards
 from sim.control.pushing.guarded_touch import TouchControl
 from sim.control.pushing.push_guards import RAMP, band

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.plan import Plan, Push
+from planner.types.plan import Plan, Push
 from sim.control.pushing.tilt_estimator import TiltView
 from sim.traces.trace import EndReason
 

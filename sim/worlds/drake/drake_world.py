@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from planner.state import PlanarPose
+from planner.types.world_state import PlanarPose
 from sim.arms.lwr import lwr_kinematics as arm
 from sim.hands.four_finger import hand_kinematics as hand
 from sim.hands.four_finger.hand_kinematics import FINGERS, RESTING, Angles

@@ -24,7 +24,7 @@ from benchmarks.goals.worlds import (
 )
 from grammar import frames as g
 from nlcontrol import Controller, Registry
-from planner.footprints import footprint, overlaps
+from planner.geometry.footprints import footprint, overlaps
 
 CASES = 3 * len(KINDS)
 

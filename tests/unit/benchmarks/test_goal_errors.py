@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from benchmarks.goals.final import final
 from grammar import frames as g
 from grammar.parser import parser_for
-from planner.plan import Aim, Margins, Plan, Prediction, Push
+from planner.types.plan import Aim, Margins, Plan, Prediction, Push
 from sim.traces.trace import Trace
 
 BOX = "ice tea box"

@@ -7,7 +7,7 @@ import pytest
 from benchmarks.goals.sense import sensible, tips
 from benchmarks.goals.worlds import as_believed, scene, standing
 from nlcontrol import Controller, Registry
-from planner.state import WorldState
+from planner.types.world_state import WorldState
 from sim.truth.scene_file import Pose, SceneObject, Vision
 
 REGISTRY = Registry.built_in()

@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from objectmodels import BoxModel
-from planner.plan import Plan
+from planner.types.plan import Plan
 from sim.traces.trace import ContactEvent, EndReason, Trace
 from tests.unit.nlcontrol.pushes import Happens, TraceMaker, stuck
 

@@ -12,8 +12,8 @@ import pytest
 from numpy.typing import NDArray
 
 from nlcontrol import Controller
-from planner.plan import Plan
-from planner.state import PlanarPose
+from planner.types.plan import Plan
+from planner.types.world_state import PlanarPose
 from sim.perception.camera_port import Frame, SeenPose
 from sim.traces.trace import Trace
 

@@ -12,9 +12,9 @@ import pytest
 
 from nlcontrol import Controller
 from nlcontrol.carrying import Untried
-from planner.defaults import DEFAULTS
-from planner.directions import angle_between
-from planner.plan import Plan
+from planner.geometry.directions import angle_between
+from planner.types.defaults import DEFAULTS
+from planner.types.plan import Plan
 from sim.traces.trace import EndReason, Trace
 from tests.unit.nlcontrol.pushes import BOX, Happens, Stage, TraceMaker
 from tests.unit.planner.conftest import RuledReach

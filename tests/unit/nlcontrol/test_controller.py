@@ -17,7 +17,7 @@ from nlcontrol.checks.constraints import CONSTRAINTS
 from nlcontrol.errors import ControlError
 from nlcontrol.result import Result
 from objectmodels import Registry
-from planner.plan import Plan, Refusal
+from planner.types.plan import Plan, Refusal
 from tests.unit.nlcontrol.pushes import BOX, FORWARDS, Happens, Stage, TraceMaker, shown
 
 SENTENCE = "push the ice tea box away without toppling it"

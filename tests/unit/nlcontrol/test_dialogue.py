@@ -16,10 +16,10 @@ from nlcontrol.remarks import continued, corrected, overlaid, repeated
 from nlcontrol.result import Result
 from nlcontrol.undo import Pushed, way_back
 from objectmodels import Registry
-from planner.defaults import DEFAULTS
-from planner.directions import angle_between
-from planner.plan import Plan
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.geometry.directions import angle_between
+from planner.types.defaults import DEFAULTS
+from planner.types.plan import Plan
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.traces.trace import Trace
 from tests.unit.nlcontrol.pushes import BOX, FORWARDS, Happens, Stage
 

@@ -15,7 +15,7 @@ from nlcontrol.drawing import save_explanation
 from nlcontrol.errors import ControlError
 from nlcontrol.explanation import groups, table
 from nlcontrol.sheet import Sheet
-from planner.rows import Row
+from planner.explanation.rows import Row
 
 SENTENCE = "push the ice tea box away without toppling it"
 LONG = (

@@ -9,8 +9,8 @@ import pytest
 from grammar.sampling import samples
 from nlcontrol import Controller, Result
 from nlcontrol.errors import CODES
-from planner.handling.plan import HandlingPlan
-from planner.plan import Plan
+from planner.types.actions import HandlingPlan
+from planner.types.plan import Plan
 
 NOUNS = ("ice tea box", "cereal box", "coffee box", "box", "ice tea", "mug", "soup can")
 """On the table, several of them, and known to the registry alone."""

@@ -11,7 +11,7 @@ import pytest
 from grammar import frames as g
 from nlcontrol import Controller
 from nlcontrol.checks import Check, not_held, require_checkable
-from planner.defaults import DEFAULTS
+from planner.types.defaults import DEFAULTS
 from sim.traces.trace import ContactEvent, Trace
 from tests.unit.nlcontrol.hands import hand_trace, over_time
 

@@ -11,8 +11,7 @@ from nlcontrol.handwork import believed_after, refilled, weighed
 from nlcontrol.undo import Pushed, in_words, way_back
 from objectmodels import ObjectModel
 from objectmodels.thresholds import GRAVITY
-from planner.defaults import DEFAULTS
-from planner.handling.plan import (
+from planner.types.actions import (
     FlipOver,
     Grasp,
     HandlingPlan,
@@ -21,7 +20,8 @@ from planner.handling.plan import (
     PourOut,
     SetDown,
 )
-from planner.state import Held, PlanarPose, SeenObject, WorldState
+from planner.types.defaults import DEFAULTS
+from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
 from tests.unit.nlcontrol.hands import hand_trace
 
 ML = 1e-6

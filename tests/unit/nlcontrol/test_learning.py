@@ -22,8 +22,8 @@ from objectmodels.identification import Trial
 from objectmodels.identification.update import SURPRISING
 from objectmodels.parameters import UNCERTAIN
 from objectmodels.turning import turning
-from planner.plan import Plan
-from planner.state import SeenObject
+from planner.types.plan import Plan
+from planner.types.world_state import SeenObject
 from sim.traces.trace import EndReason, Trace
 from tests.unit.nlcontrol.pushes import TraceMaker, stuck
 

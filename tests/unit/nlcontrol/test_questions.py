@@ -26,7 +26,7 @@ from nlcontrol.predictions import predict_push
 from nlcontrol.result import Result
 from nlcontrol.spread import deviations
 from objectmodels import BoxModel
-from planner.plan import Plan, Refusal
+from planner.types.plan import Plan, Refusal
 
 MASS, MASS_SD, MU, MU_SD, HALF, COM_SD = 0.9952, 0.0375, 0.378, 0.0689, 0.045, 0.003
 WEIGHT = MASS * 9.81

@@ -17,7 +17,7 @@ from nlcontrol.names import Candidate
 from nlcontrol.qualities import gap
 from nlcontrol.resolve import Context, resolve
 from objectmodels import BoxModel, Registry
-from planner.state import Colour, PlanarPose, SeenObject, WorldState
+from planner.types.world_state import Colour, PlanarPose, SeenObject, WorldState
 
 RED, BLUE, GREEN = (0.8, 0.1, 0.1), (0.1, 0.2, 0.8), (0.1, 0.6, 0.2)
 

@@ -14,7 +14,7 @@ from nlcontrol.errors import CODES, NO_PLAN, ErrorInfo
 from nlcontrol.report import check_line, plan_lines, report
 from nlcontrol.result import Execution, Result, Step
 from nlcontrol.text import error_lines, quantity, words
-from planner.plan import (
+from planner.types.plan import (
     Aim,
     DefaultUsed,
     Limits,

@@ -10,7 +10,7 @@ from nlcontrol.errors import ControlError
 from nlcontrol.names import Candidate
 from nlcontrol.resolve import Context, mentioned, resolve, spoken_of
 from objectmodels import Registry
-from planner.state import WorldState
+from planner.types.world_state import WorldState
 
 TABLE = (
     Candidate("ice tea box", ("ice tea box", "ice tea", "ice tea carton")),

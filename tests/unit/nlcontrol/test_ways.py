@@ -14,7 +14,7 @@ from nlcontrol.dialogue import Conversation
 from nlcontrol.explanation import filler, groups, steps, table
 from nlcontrol.result import Result
 from nlcontrol.ways import ways
-from planner.rows import Row
+from planner.explanation.rows import Row
 
 SENTENCES = Path(__file__).parents[2] / "data" / "commands"
 

@@ -13,9 +13,9 @@ import grammar
 from grammar.frames import Frame, ObjectRef
 from objectmodels import Registry
 from planner import plan
-from planner.plan import Plan, Push, Refusal
-from planner.reach import ReachAnswer
-from planner.state import PlanarPose, SeenObject, TableState, WorldState
+from planner.types.plan import Plan, Push, Refusal
+from planner.types.robot import ReachAnswer
+from planner.types.world_state import PlanarPose, SeenObject, TableState, WorldState
 
 Part = TypeVar("Part", bound=BaseModel)
 

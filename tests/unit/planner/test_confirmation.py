@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, CylinderModel, HullModel, ObjectModel
-from planner.asked import read
-from planner.candidates import rated
-from planner.defaults import DEFAULTS
-from planner.forecast import confirmed
-from planner.plan import Plan, Refusal
 from planner.planning import plan
-from planner.sides import Side
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.problem.push_problem import read
+from planner.pushing.contact_sampling import rated
+from planner.pushing.outcome_prediction import confirmed
+from planner.pushing.touchable_sides import Side
+from planner.types.defaults import DEFAULTS
+from planner.types.plan import Plan, Refusal
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of
 
 # Its mass lies to one side, so that one finger in the middle turns it: the ellipsoid believes that

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planner.detours import detour
-from planner.directions import unit
-from planner.footprints import footprint, gap
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.geometry.directions import unit
+from planner.geometry.footprints import footprint, gap
+from planner.geometry.visibility_graph import detour
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import world
 
 QUARTERS = tuple(k * math.pi / 2 for k in range(4))

@@ -7,10 +7,10 @@ import math
 import pytest
 
 from grammar import frames as g
-from planner.defaults import DEFAULTS
-from planner.directions import angle_between
-from planner.displacements import asked_distance, asked_heading
-from planner.state import PlanarPose
+from planner.geometry.directions import angle_between
+from planner.problem.displacement_goals import asked_distance, asked_heading
+from planner.types.defaults import DEFAULTS
+from planner.types.world_state import PlanarPose
 from tests.unit.planner.conftest import world
 
 CEREAL = g.ObjectRef(text="cereal", id="cereal box")

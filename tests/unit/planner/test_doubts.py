@@ -7,10 +7,10 @@ import pytest
 
 from objectmodels import BoxModel
 from planner import plan
-from planner.defaults import DEFAULTS
-from planner.doubts import Touch, experiment, outcome_probability
-from planner.plan import Plan, Refusal
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.pushing.doubts import Touch, experiment, outcome_probability
+from planner.types.defaults import DEFAULTS
+from planner.types.plan import Plan, Refusal
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of
 
 NORMAL = (-1.0, 0.0, 0.0)

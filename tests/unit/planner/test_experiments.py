@@ -9,7 +9,7 @@ import pytest
 
 from objectmodels import BoxModel, CylinderModel, ObjectModel, Registry
 from objectmodels.identification.balance import Balance
-from planner.experiments import (
+from planner.touch_experiments import (
     BELOW_TOP,
     RUB,
     SLIDE,
@@ -19,8 +19,8 @@ from planner.experiments import (
     expected,
     experiments,
 )
-from planner.reach import Reach
-from planner.state import PlanarPose, SeenObject
+from planner.types.robot import Reach
+from planner.types.world_state import PlanarPose, SeenObject
 from sim import ArmReach, load_scene
 
 MODELS = {model.name: model for model in Registry.built_in()}

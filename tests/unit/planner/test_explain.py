@@ -7,10 +7,10 @@ import re
 import pytest
 
 from planner import Plan, plan
-from planner.defaults import DEFAULTS
-from planner.explain import Basis, explain
-from planner.rows import Row, quoted
-from planner.state import PlanarPose
+from planner.explanation.push_explanation import Basis, explain
+from planner.explanation.rows import Row, quoted
+from planner.types.defaults import DEFAULTS
+from planner.types.world_state import PlanarPose
 from tests.unit.planner.conftest import RuledReach, frame_of, world
 
 STATE = world(ice_tea_box=PlanarPose(0.5, 0.0), mug=PlanarPose(0.5, 0.5))

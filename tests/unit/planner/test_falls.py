@@ -8,8 +8,8 @@ from dataclasses import replace
 import pytest
 
 from planner import plan
-from planner.plan import Refusal
-from planner.state import PlanarPose, WorldState
+from planner.types.plan import Refusal
+from planner.types.world_state import PlanarPose, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, planned, refused, world
 
 EXACT = 1e-9  # of a few rotations

@@ -11,15 +11,15 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from objectmodels import Registry
-from planner.directions import angle_between, bisector, face_name, heading_of, phrase, unit
-from planner.footprints import (
+from planner.geometry.directions import angle_between, bisector, face_name, heading_of, phrase, unit
+from planner.geometry.footprints import (
     footprint,
     free_travel,
     landing_strip,
     overlaps,
     travel_to_edge,
 )
-from planner.state import PlanarPose, SeenObject, TableState
+from planner.types.world_state import PlanarPose, SeenObject, TableState
 from tests.unit.planner.conftest import world
 
 angles = st.floats(-math.pi, math.pi)

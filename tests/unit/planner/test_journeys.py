@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from planner import plan
-from planner.defaults import DEFAULTS
-from planner.footprints import footprint, gap
-from planner.plan import Aim, Move, Plan, Push, Reached
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.geometry.footprints import footprint, gap
+from planner.types.defaults import DEFAULTS
+from planner.types.plan import Aim, Move, Plan, Push, Reached
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, planned, refused, world
 
 RING = [(0.1, 0.0), (-0.1, 0.0), (0.1, 0.1), (-0.1, 0.1), (0.1, -0.1), (-0.1, -0.1),

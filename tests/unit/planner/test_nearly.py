@@ -11,13 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner import plan
-from planner.asked import read
-from planner.defaults import DEFAULTS
-from planner.directions import angle_between, heading_of
-from planner.footprints import footprint, free_travel, gap
-from planner.nearly import nearly
-from planner.plan import Plan
-from planner.state import PlanarPose, WorldState
+from planner.geometry.directions import angle_between, heading_of
+from planner.geometry.footprints import footprint, free_travel, gap
+from planner.problem.push_problem import read
+from planner.pushing.nearly import nearly
+from planner.types.defaults import DEFAULTS
+from planner.types.plan import Plan
+from planner.types.world_state import PlanarPose, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, planned, refused, world
 
 EXACT = 1e-9  # sums of a few floats of order one

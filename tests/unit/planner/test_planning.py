@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from planner import plan
-from planner.defaults import DEFAULTS
-from planner.plan import Plan, Reached, Refusal
-from planner.state import PlanarPose, WorldState
+from planner.types.defaults import DEFAULTS
+from planner.types.plan import Plan, Reached, Refusal
+from planner.types.world_state import PlanarPose, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, planned, refused, world
 
 LENGTHS = 1e-9  # sums of a few numbers of order one

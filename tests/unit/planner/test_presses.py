@@ -7,8 +7,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from planner.experiments import PRESS, RAISED, experiments, press
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.touch_experiments import PRESS, RAISED, experiments, press
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import RuledReach, world
 
 FRONT = np.array([-1.0, 0.0, 0.0])

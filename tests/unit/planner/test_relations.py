@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grammar import frames as g
-from planner.defaults import DEFAULTS
-from planner.footprints import footprint, gap
-from planner.relations import Between, Region, moved, region, share_of_way, table_region
-from planner.state import PlanarPose, WorldState
+from planner.geometry.footprints import footprint, gap
+from planner.problem.place_regions import Between, Region, moved, region, share_of_way, table_region
+from planner.types.defaults import DEFAULTS
+from planner.types.world_state import PlanarPose, WorldState
 from tests.unit.planner.conftest import world
 
 TEA = g.ObjectRef(text="tea", id="ice tea box")

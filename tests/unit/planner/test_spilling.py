@@ -9,11 +9,11 @@ import pytest
 
 from objectmodels import BoxModel
 from objectmodels.parts import Container, FlipLid, Opening
-from planner.asked import read
-from planner.defaults import DEFAULTS
-from planner.refusals import RefusedError
-from planner.state import PlanarPose, SeenObject, WorldState
-from planner.tilts import spill_tilt
+from planner.problem.push_problem import read
+from planner.problem.tilt_goals import spill_tilt
+from planner.refusals.push_refusals import RefusedError
+from planner.types.defaults import DEFAULTS
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import TABLE, frame_of
 
 CUP = BoxModel(

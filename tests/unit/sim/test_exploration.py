@@ -9,9 +9,9 @@ import pytest
 
 from objectmodels import Registry
 from objectmodels.identification import Trial
-from planner.experiments import Experiment, Kind, expected
-from planner.plan import FaceName
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.touch_experiments import Experiment, Kind, expected
+from planner.types.plan import FaceName
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import ArmReach, load_scene
 from sim.exploration.exploration_run import OPPOSITE, SPIRAL, Explorer, Touched
 from sim.exploration.touch_recording import Recording

@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from objectmodels import BoxModel
-from planner.plan import Push
-from planner.state import PlanarPose, SeenObject
+from planner.types.plan import Push
+from planner.types.world_state import PlanarPose, SeenObject
 from sim.exploration.push_observation import EVEN, FORCE_SD, shown
 from sim.traces.trace import EndReason, Trace
 

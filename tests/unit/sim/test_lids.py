@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller
-from planner.state import SeenObject
+from planner.types.world_state import SeenObject
 from sim import DrakeWorld, SceneError, load_scene, save_replay
 from sim.control.trace_recorder import Recorder
 from sim.motion.arm_configuration import Mount

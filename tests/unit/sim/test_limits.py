@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from objectmodels import Registry
-from planner.plan import Limits, Push
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.types.plan import Limits, Push
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.control.pushing.clause_guards import End, LimitGuards
 from sim.perception.camera_port import Frame, SeenPose
 from sim.rotations import Array, rot_y, rot_z

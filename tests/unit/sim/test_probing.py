@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from objectmodels import Registry
-from planner.experiments import Experiment, Kind, experiments
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.touch_experiments import Experiment, Kind, experiments
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import ArmReach, DrakeWorld, load_scene
 from sim.exploration.probe_control import probe
 from sim.exploration.touch_recording import Recording

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from objectmodels import Registry
-from planner.plan import Push
-from planner.reach import ReachAnswer
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.types.plan import Push
+from planner.types.robot import ReachAnswer
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import ArmReach, load_scene
 from sim.collision.collision_spheres import arm_spheres, distance_to_box, hand_spheres
 from sim.hands.four_finger.hand_kinematics import FINGER_JOINTS, FINGERS

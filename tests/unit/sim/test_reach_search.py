@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, Registry
-from planner.directions import face_name
-from planner.plan import Push
-from planner.reach import ReachAnswer
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.geometry.directions import face_name
+from planner.types.plan import Push
+from planner.types.robot import ReachAnswer
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import ArmReach, load_scene
 from sim.collision import collision_spheres as spheres
 from sim.collision.collision_scene import (

@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from objectmodels import BoxModel
-from planner.experiments import Experiment, experiments
-from planner.state import PlanarPose, SeenObject
+from planner.touch_experiments import Experiment, experiments
+from planner.types.world_state import PlanarPose, SeenObject
 from sim import ArmReach, load_scene
 from sim.exploration.touch_recording import Recording
 from sim.exploration.trial_extraction import curve, trials

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from planner.defaults import DEFAULTS
+from planner.types.defaults import DEFAULTS
 from sim import SceneError, load_scene
 from sim.truth.scene_file import built_in_scenes, parse_scene
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from nlcontrol import Controller
 from objectmodels import Registry
-from planner.plan import Push
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.types.plan import Push
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
 from sim.collision.collision_scene import FRAGILE_CLEARANCE, OBJECT_CLEARANCE, Obstacle, Scenery
 from sim.collision.collision_spheres import distance_to_cylinder, distance_to_prism

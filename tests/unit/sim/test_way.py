@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from objectmodels import Registry
-from planner.plan import Push
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.types.plan import Push
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.motion.arm_configuration import Mount, Stance

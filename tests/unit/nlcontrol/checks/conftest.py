@@ -9,7 +9,7 @@ from grammar import frames as g
 from nlcontrol import checks as clause_checks
 from nlcontrol.checks import Check
 from objectmodels import BoxModel, CylinderModel
-from planner.state import TableState
+from planner.types.world_state import TableState
 from sim.traces.trace import Trace
 
 TraceMaker = Callable[..., Trace]

@@ -11,7 +11,7 @@ import pytest
 
 from grammar import frames as g
 from objectmodels import BoxModel
-from planner.defaults import DEFAULTS
+from planner.types.defaults import DEFAULTS
 from sim.traces.trace import joined
 from tests.unit.nlcontrol.checks.conftest import (
     AWAY,

@@ -10,7 +10,7 @@ import pytest
 from grammar import frames as g
 from nlcontrol import checks as clause_checks
 from objectmodels import BoxModel
-from planner.defaults import DEFAULTS
+from planner.types.defaults import DEFAULTS
 from tests.unit.nlcontrol.checks.conftest import (
     AWAY,
     MUG,

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from planner import plan
-from planner.handling.plan import HandlingPlan
-from planner.handling.reach import Grip
-from planner.plan import Refusal
-from planner.reach import ReachAnswer
-from planner.state import PlanarPose, WorldState
+from planner.types.actions import HandlingPlan
+from planner.types.hand_reach import Grip
+from planner.types.plan import Refusal
+from planner.types.robot import ReachAnswer
+from planner.types.world_state import PlanarPose, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, world
 
 CONTACTS = np.array([[0.0, 0.0], [0.0, 0.027], [0.0, 0.0], [0.0, -0.027]])

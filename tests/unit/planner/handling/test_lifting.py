@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from planner import plan
-from planner.defaults import DEFAULTS
-from planner.handling.plan import Carry, Grasp, HandlingPlan, LiftUp, SetDown
-from planner.plan import Plan, Refusal
-from planner.state import Held, PlanarPose, WorldState
+from planner.types.actions import Carry, Grasp, HandlingPlan, LiftUp, SetDown
+from planner.types.defaults import DEFAULTS
+from planner.types.plan import Plan, Refusal
+from planner.types.world_state import Held, PlanarPose, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, world
 from tests.unit.planner.handling.conftest import RuledHand, planned, refused
 

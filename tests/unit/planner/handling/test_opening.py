@@ -11,10 +11,10 @@ import pytest
 from objectmodels.opening import flip
 from objectmodels.parts import FlipLid, LiftOffLid
 from planner import plan
-from planner.defaults import DEFAULTS
-from planner.handling.plan import Carry, FlipOver, PutOn, TurnCap
-from planner.plan import Reached
-from planner.state import Held, PlanarPose, SeenObject, WorldState
+from planner.types.actions import Carry, FlipOver, PutOn, TurnCap
+from planner.types.defaults import DEFAULTS
+from planner.types.plan import Reached
+from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, world
 from tests.unit.planner.handling.conftest import RuledHand, planned, refused
 

@@ -10,10 +10,10 @@ import pytest
 
 from grammar.frames import Frame, ObjectRef, Pour
 from planner import plan
-from planner.defaults import DEFAULTS
-from planner.handling.plan import HandlingPlan, PourOut
-from planner.plan import Reached, Refusal
-from planner.state import Held, WorldState
+from planner.types.actions import HandlingPlan, PourOut
+from planner.types.defaults import DEFAULTS
+from planner.types.plan import Reached, Refusal
+from planner.types.world_state import Held, WorldState
 from tests.unit.planner.conftest import RuledReach
 from tests.unit.planner.handling.conftest import RuledHand, planned
 

@@ -8,8 +8,8 @@ from objectmodels.box import BoxModel
 from objectmodels.cylinder import CylinderModel
 from objectmodels.model import ObjectModel
 from objectmodels.parts import Container, Opening
-from planner.handling.plan import Grasp, HandlingPlan, HandlingPrediction, HandStep
-from planner.state import Held, PlanarPose, SeenObject, WorldState
+from planner.types.actions import Grasp, HandlingPlan, HandlingPrediction, HandStep
+from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject, load_scene
 

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from objectmodels import Registry
 from objectmodels.lids import THICKNESS
-from planner.handling.plan import FlipOver, HandlingPlan, HandlingPrediction
-from planner.reach import ReachAnswer
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.types.actions import FlipOver, HandlingPlan, HandlingPrediction
+from planner.types.robot import ReachAnswer
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.arms.lwr.lwr_kinematics import LIMITS
 from sim.control.grasping.lidview import LidView
 from sim.execution.plan_execution import execute

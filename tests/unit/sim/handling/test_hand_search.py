@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from objectmodels.box import BoxModel
-from planner.handling.plan import Carry, Grasp, HandlingPlan, LiftUp, PourOut, SetDown
-from planner.plan import Aim
-from planner.reach import ReachAnswer
-from planner.state import Held, PlanarPose, SeenObject, WorldState
+from planner.types.actions import Carry, Grasp, HandlingPlan, LiftUp, PourOut, SetDown
+from planner.types.plan import Aim
+from planner.types.robot import ReachAnswer
+from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
 from sim.arms.lwr import lwr_kinematics as arm
 from sim.motion.grasp_motion_search import HandWay
 from sim.motion.robot_reach import ArmReach

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from objectmodels.cylinder import CylinderModel
-from planner.handling.plan import Carry, HandlingPlan, LiftUp, SetDown
-from planner.plan import Aim
+from planner.types.actions import Carry, HandlingPlan, LiftUp, SetDown
+from planner.types.plan import Aim
 from sim import execute
 from sim.traces.trace import Trace
 from sim.truth.scene_file import Scene

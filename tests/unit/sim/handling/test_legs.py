@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from planner.handling.plan import Carry, LiftUp, PourOut, SetDown
-from planner.plan import Aim
+from planner.types.actions import Carry, LiftUp, PourOut, SetDown
+from planner.types.plan import Aim
 from sim.paths.held_object import Handled
 from sim.paths.held_object_path import Leg, grasp_frame, legs_of, lip, upright_again, withdrawals
 from sim.rotations import axis_rotation

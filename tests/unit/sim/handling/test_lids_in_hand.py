@@ -9,7 +9,7 @@ import pytest
 
 from objectmodels import Registry
 from objectmodels.parts import LiftOffLid, ScrewCap
-from planner.handling.plan import (
+from planner.types.actions import (
     Carry,
     Grasp,
     HandlingPlan,
@@ -20,8 +20,8 @@ from planner.handling.plan import (
     SetDown,
     TurnCap,
 )
-from planner.plan import Aim
-from planner.state import PlanarPose, SeenObject, WorldState
+from planner.types.plan import Aim
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.hands.four_finger.grasp_postures import pinch
 from sim.hands.four_finger.hand_kinematics import finger_points
 from sim.motion.robot_reach import ArmReach

@@ -1,0 +1,1 @@
+"""Rows of an explanation: words to parameters."""

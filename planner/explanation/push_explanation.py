@@ -1,0 +1,313 @@
+"""Which words became which parameters of the controller: the way of a sentence as a table.
+
+The rows go from the words over the field of the frame to the parameter and its value, as in
+Figures 2 and 3 of the paper "Prediction of action outcomes using an object model": the verb picks
+the controller, the noun the object model, "away" is the wanted outcome, "without toppling it" a
+constraint. What the sentence did not say has no words, and what the table of defaults gave says so.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import TYPE_CHECKING, Any
+
+from grammar import frames as g
+from planner.explanation.rows import Clause, Row, Value, clauses, named, read, row, shown
+from planner.geometry.directions import phrase
+
+if TYPE_CHECKING:
+    from planner.types.defaults import Defaults
+    from planner.types.plan import DefaultUsed, Plan, Push
+    from planner.types.world_state import SeenObject, WorldState
+
+
+@dataclass(frozen=True)
+class Basis:
+    """What was known when a frame was planned or answered.
+
+    Attributes:
+        target: the object as it was believed to be.
+        defaults: what a clause means when the sentence does not say more.
+    """
+
+    target: SeenObject
+    defaults: Defaults
+
+    @classmethod
+    def of(cls, frame: g.Frame, state: WorldState, defaults: Defaults) -> Basis | None:
+        """What is known about the object of a frame; None if it has none that is seen."""
+        seen = state.objects.get(frame.object.id or "") if frame.object else None
+        return cls(seen, defaults) if seen else None
+
+
+def explain(frame: g.Frame, plan: Plan, text: str, basis: Basis) -> tuple[Row, ...]:
+    """The rows of a planned frame: its head, its object, its goal, its constraints, and the rest.
+
+    Args:
+        frame: what was asked.
+        plan: what came of it.
+        text: the sentence.
+        basis: what was known when it was planned.
+    """
+    rows: list[Row] = []
+    for clause in clauses(frame, "push controller"):
+        values: Iterable[Value]
+        if clause.part == "push controller":
+            values = _controller(plan)
+        elif clause.part == "object model":
+            values = (*believed(basis.target), *_predicted(plan))
+        elif clause.part == "wanted outcome":
+            values = _goal(frame.goal, plan, basis)
+        else:
+            values = _constraint(clause.said, plan, basis)
+        rows += [row(clause, text, value) for value in values]
+    rest = Clause("left open", "controller", (), None)
+    return (*rows, *(row(rest, text, value) for value in _rest(frame, plan)))
+
+
+def believed(target: SeenObject) -> tuple[Value, ...]:
+    """The numbers of an object model, with their standard deviations."""
+    model = target.model
+    sizes = " × ".join(f"{1e3 * side:.0f}" for side in model.extents)
+    return (
+        Value("weight", f"{_with_sd(model.mass, model.mass_sd)} kg"),
+        Value("friction on the table", _with_sd(model.friction, model.friction_sd)),
+        Value("friction at the finger", _with_sd(model.finger_friction, model.finger_friction_sd)),
+        Value("size", f"{sizes} mm"),
+        Value(
+            "centre of mass",
+            f"{_with_sd(1e3 * model.com[2], 1e3 * model.com_sd[2], digits=0)} mm high",
+        ),
+    )
+
+
+def _with_sd(value: float, sd: float, *, digits: int = 3) -> str:
+    # As decimals: 0.0375 lies half-way as it stands in a model file, but below that as a float.
+    text, spread = (f"{Decimal(repr(float(x))):.{digits}f}" for x in (value, sd))
+    return f"{text} ± {spread}" if sd else text
+
+
+def _controller(plan: Plan) -> Iterator[Value]:
+    yield Value("controller", f"push with {_fingers(plan)}, until {_until(plan.push)}")
+    if plan.later:
+        then = [f"{move.push.face} face, until {_until(move.push)}" for move in plan.later]
+        yield Value("pushes", f"{1 + len(then)} foreseen; then {'; then '.join(then)}")
+
+
+def _until(push: Push) -> str:
+    """When a push ends."""
+    if push.until is not None:
+        return _EVENTS[push.until].format(push.meets)
+    return {
+        "stroke": f"it has gone {shown(push.stroke, 'm')}",
+        "turned": f"it has turned by {_turn(push.turn)}",
+        "tilted": f"it is tilted by {shown(push.tilt, 'rad')}, then let it back",
+        "toppled": "it falls by itself",
+    }[push.ends_on]
+
+
+_EVENTS = {"moves": "it moves", "touching": "it touches the {}"}
+
+
+def _turn(angle: float) -> str:
+    return f"{shown(abs(angle), 'rad')} to the {'left' if angle > 0.0 else 'right'}"
+
+
+def _fingers(plan: Plan) -> str:
+    push = plan.push
+    return "one finger" if push.fingers == 1 else f"two fingers {shown(push.spread, 'm')} apart"
+
+
+def _predicted(plan: Plan) -> Iterator[Value]:
+    p = plan.prediction
+    yield Value("moves from", f"{p.onset:.1f} N on")
+    if p.critical_height is not None:
+        yield Value("tips if pushed above", shown(p.critical_height, "m"))
+    yield Value("falls by itself beyond", shown(p.stay_on_base_angle, "rad"))
+
+
+def _goal(goal: g.Goal, plan: Plan, basis: Basis) -> Iterator[Value]:
+    used = {default.name: default for default in plan.defaults}
+    last = plan.later[-1] if plan.later else plan
+    does = {"turned": "turn", "tilted": "tilt"}.get(last.push.ends_on, last.prediction.outcome)
+    likely = "over 0.999" if plan.probability > 0.999 else f"{plan.probability:.3f}"
+    yield Value("outcome", f"{does}, probability {likely}")
+    if plan.aim is None:
+        yield _direction(goal, last.push.direction_W[:2], used)
+        if last.push.ends_on == "tilted":
+            yield _amount("tilt", shown(last.push.tilt, "rad"), used.get("tilt"))
+        return
+    aim, here = plan.aim, basis.target.pose
+    if isinstance(goal, g.Rotate):
+        assert aim.yaw is not None, "what is to turn has a heading"
+        angle = aim.yaw - here.yaw
+        told = _turn(angle)
+        if goal.angle is not None and not math.isclose(goal.angle, abs(angle)):
+            told += f", asked: {_bound(goal.bound)}{shown(goal.angle, 'rad')}"
+        yield _amount("turn", told, used.get("turn"))
+    else:
+        way = aim.x - here.x, aim.y - here.y
+        yield _direction(goal, way, used)
+        yield _distance(goal, math.hypot(*way), used.get("distance"))
+    heading = "" if aim.yaw is None else f", heading {shown(aim.yaw, 'rad')}"
+    yield Value("aim", f"x {shown(aim.x, 'm')}, y {shown(aim.y, 'm')}{heading}")
+
+
+def _direction(goal: g.Goal, way: tuple[float, float], used: dict[str, DefaultUsed]) -> Value:
+    told = phrase(math.atan2(way[1], way[0]))
+    if "direction" in used:
+        return Value("direction", f"{told} (not said: by default)", default=True, said=False)
+    if isinstance(goal, g.Topple | g.Tilt) and goal.direction is None:
+        return Value("direction", f"{told} (not said: chosen)", default=True, said=False)
+    return Value("direction", told)
+
+
+def _amount(name: str, told: str, used: DefaultUsed | None) -> Value:
+    """A number, and whether it comes from the table of defaults."""
+    if used is None:
+        return Value(name, told)
+    # Words may name an amount, but what number that is stands in the table.
+    in_words = used.reason.startswith("“")
+    why = f"{used.reason}, from the table of defaults" if in_words else "not said: by default"
+    return Value(name, f"{told} ({why})", default=True, said=in_words)
+
+
+def _distance(goal: g.Goal, length: float, used: DefaultUsed | None) -> Value:
+    told = shown(length, "m")
+    if used is not None and math.isclose(used.value, length):
+        return _amount("distance", told, used)
+    asked = getattr(goal, "distance", None)
+    # The distance of a place is a gap.
+    if isinstance(goal, g.Displace) and asked is not None and not math.isclose(asked, length):
+        return Value("distance", f"{told}, asked: {_bound(goal.bound)}{shown(asked, 'm')}")
+    return Value("distance", told)
+
+
+def _bound(bound: g.Bound) -> str:
+    return "" if bound == "exact" else f"{bound.replace('_', ' ')} "
+
+
+def _constraint(clause: Any, plan: Plan, basis: Basis) -> Iterator[Value]:
+    push, defaults = plan.push, basis.defaults
+    match clause:
+        case g.NoTopple() | g.NoTilt():
+            yield Value("contact height", shown(push.p_BC[2], "m"))
+            yield Value("margin", _margin(plan))
+            most, share = defaults.no_tilt, ""
+            if clause.kind == "no_topple":
+                most = defaults.no_topple_share * plan.prediction.stay_on_base_angle
+                share = f", {100 * defaults.no_topple_share:.0f} % of where it falls by itself"
+            yield Value("largest tilt", f"{shown(most, 'rad')}{share}")
+        case g.NoTurn():
+            yield Value("contact", f"{_fingers(plan)}, around the middle of the {push.face} face")
+            yield Value("largest turn", shown(defaults.no_turn, "rad"))
+        case g.NoTouch():
+            other = named(clause.object) if clause.object else "everything"
+            yield Value("free way", f"{shown(defaults.clearance, 'm')} or more from the {other}")
+        case g.ContactRegion():
+            yield Value("contact", _contact(plan))
+            yield from _heights(clause, basis)
+        case g.Effector():
+            yield Value("fingers", _fingers(plan))
+        case g.Gentle():
+            yield _speed(plan, basis, "gentle")
+            more = f"{100 * defaults.force_reserve_gentle:.0f} % above what is needed"
+            yield Value("force limit", f"{_force(plan)}, {more}")
+        case g.Slow():
+            yield _speed(plan, basis, "slow")
+        case _:
+            yield Value(*(_force_value(clause, plan, defaults) or _limit(clause, plan)))
+            if clause.kind in _TIMES and push.limits.duration is not None:
+                yield Value("stopped after", shown(push.limits.duration, "s"))
+
+
+_SPEEDS = {"speed", "min_speed", "fast"}
+_TIMES = {"duration", "max_duration"}
+
+
+def _force_value(clause: Any, plan: Plan, defaults: Defaults) -> tuple[str, str] | None:
+    """What a clause about the force became; None if it is about something else."""
+    told = {
+        "force": "",
+        "max_force": ", asked: at most {:g} N",
+        "min_force": ", ready to press with {:g} N",
+        "hard": ", ready to press with {:g} N",
+    }.get(clause.kind)
+    if told is None:
+        return None
+    value = defaults.force_hard if clause.kind == "hard" else clause.value
+    return "force limit", _force(plan) + told.format(value)
+
+
+def _limit(clause: Any, plan: Plan) -> tuple[str, str]:
+    """What a clause about speed, time, way or end became."""
+    push = plan.push
+    match clause:
+        case g.MaxSpeed():
+            asked = shown(clause.value, "m/s")
+            return "largest speed", f"{shown(push.speed, 'm/s')}, asked: at most {asked}"
+        case _ if clause.kind in _SPEEDS | _TIMES:
+            return "largest speed", shown(push.speed, "m/s")
+        case g.MaxDistance():
+            asked = shown(clause.value, "m")
+            return "distance", f"{shown(push.stroke, 'm')}, asked: at most {asked}"
+        case g.MaxTilt():
+            return "stopped at a tilt of", shown(clause.value, "rad")
+        case g.MaxTurn():
+            return "stopped at a turn of", shown(clause.value, "rad")
+        case g.Until():
+            return "ends", f"when {_until((plan.later or (plan,))[-1].push)}"
+    return "kept", read(clause)
+
+
+def _margin(plan: Plan) -> str:
+    if plan.prediction.critical_height is None:
+        return "no push on this face tips it"
+    return f"{shown(plan.margins.height, 'm')} below where it may tip"
+
+
+def _heights(clause: g.ContactRegion, basis: Basis) -> Iterator[Value]:
+    """The heights that a clause allows."""
+    top, height = basis.target.model.top, clause.height
+    if clause.region is not None:
+        third = ("bottom", "middle", "top").index(clause.region)
+        low, high = (f"{1e3 * top * k / 3:.0f}" for k in (third, third + 1))
+        yield Value("heights allowed", f"{low} to {high} mm, a third of its side")
+    if height is not None and isinstance(height.value, float):
+        at = height.value if height.origin == "table" else top - height.value
+        upwards = (height.bound == "at_least") == (height.origin == "table")
+        bound = "" if height.bound == "exact" else f"at {'least' if upwards else 'most'} "
+        yield Value("heights allowed", f"{bound}{shown(at, 'm')}")
+
+
+def _speed(plan: Plan, basis: Basis, degree: str) -> Value:
+    told = shown(plan.push.speed, "m/s")
+    if not math.isclose(plan.push.speed, basis.defaults.speed_gentle):
+        return Value("largest speed", told)
+    return Value("largest speed", f"{told} ({degree}, from the table of defaults)", default=True)
+
+
+def _rest(frame: g.Frame, plan: Plan) -> Iterator[Value]:
+    """What no clause of the sentence decided."""
+    said = {clause.kind for clause in frame.constraints}
+    push = plan.push
+    if any(default.name == "speed" for default in plan.defaults):
+        speed = shown(push.speed, "m/s")
+        yield Value("largest speed", f"{speed} (not said: by default)", default=True, said=False)
+    if "contact" not in said:
+        yield Value("contact", _contact(plan), default=True)
+    if not said & {"max_force", "gentle", "force", "min_force", "hard"}:
+        yield Value("force limit", _force(plan), default=True)
+    if push.ends_on in {"toppled", "tilted"}:
+        yield Value("longest stroke", shown(push.stroke, "m"), default=True)
+
+
+def _contact(plan: Plan) -> str:
+    return f"{plan.push.face} face, {shown(plan.push.p_BC[2], 'm')} above the table"
+
+
+def _force(plan: Plan) -> str:
+    return f"{plan.push.force_limit:.1f} N"

@@ -1,0 +1,1 @@
+"""Directions, footprints, visibility graph."""

@@ -1,0 +1,174 @@
+"""Ways around what stands on the table, along the faces of an object.
+
+Model: the object keeps its heading and moves along the normals of two of its faces, so its origin
+goes along the lines of a grid in these two directions. A place is free if the origin lies in no
+obstacle's configuration-space polygon (the Minkowski difference of the two footprints, grown by the
+clearance along its edges' normals). The shortest way is searched with A* (Hart, Nilsson and Raphael
+1968); a turn costs as much as a piece of way, since it takes another push.
+
+Frames: W, its table plane.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
+
+from planner.geometry.directions import unit
+from planner.geometry.footprints import footprint
+from planner.pushing.push_paths import ANOTHER_PUSH
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from planner.types.world_state import SeenObject, WorldState
+
+Array = NDArray[np.float64]
+
+STEP = 0.02
+"""Distance of the grid's lines [m]."""
+
+MOST_LEGS = 4
+"""Legs of a way; more pushes than that are not worth it."""
+
+_AROUND = 0.30  # how far beyond start and end the grid reaches [m]
+
+
+def detour(
+    target: SeenObject,
+    aim: tuple[float, float],
+    headings: tuple[float, ...],
+    state: WorldState,
+    clearances: Mapping[str, float],
+    margin: float,
+) -> list[tuple[float, float]] | None:
+    """The cheapest way of straight legs, (heading in W [rad], length [m]) each.
+
+    Args:
+        target: the object, where the way begins.
+        aim: where its origin should be [m].
+        headings: in which it can be pushed, in W [rad]; two across each other and their opposites.
+        state: what is believed.
+        clearances: distance kept from each other object [m].
+        margin: distance kept from the table's edge [m].
+
+    Returns:
+        None if there is no way.
+    """
+    first, second = _axes(headings)
+    axes = np.column_stack((unit(first)[:2], unit(second)[:2]))
+    start, end = (np.linalg.solve(axes, p) for p in (target.pose.p_WB[:2], np.array(aim)))
+    lines = [_lines(a, b) for a, b in zip(start, end, strict=True)]
+    grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1) @ axes.T
+    free = _free(grid, target, state, clearances, margin)
+    here, there = (_nearest(lines, p) for p in (start, end))
+    steps = {
+        heading: move
+        for heading, move in (
+            (first, (1, 0)), (first + math.pi, (-1, 0)),
+            (second, (0, 1)), (second + math.pi, (0, -1)),
+        )
+        if any(abs(math.remainder(heading - h, math.tau)) < 1e-6 for h in headings)
+    }  # fmt: skip
+    return _searched(lines, free, here, there, steps)
+
+
+def _axes(headings: tuple[float, ...]) -> tuple[float, float]:
+    """Two headings that are as square to each other as any."""
+    pairs = [(a, b) for i, a in enumerate(headings) for b in headings[i + 1 :]]
+    return max(pairs, key=lambda pair: abs(math.sin(pair[1] - pair[0])))
+
+
+def _lines(a: float, b: float) -> Array:
+    """Coordinates of the grid's lines along one axis: through the end, and through the start."""
+    low, high = min(a, b) - _AROUND, max(a, b) + _AROUND
+    count = np.arange(math.ceil((low - b) / STEP), math.floor((high - b) / STEP) + 1)
+    lines = b + STEP * count
+    apart = np.abs(lines - a).min()
+    return np.asarray(np.sort(np.append(lines, a)) if apart > 1e-9 else lines)
+
+
+def _nearest(lines: list[Array], p: Array) -> tuple[int, int]:
+    """The lines through a point."""
+    i, j = (int(np.argmin(np.abs(line - x))) for line, x in zip(lines, p, strict=True))
+    return i, j
+
+
+def _free(
+    grid: Array,
+    target: SeenObject,
+    state: WorldState,
+    clearances: Mapping[str, float],
+    margin: float,
+) -> NDArray[np.bool_]:
+    """Which places of the origin, shape (n, m, 2) [m], are free, shape (n, m)."""
+    own = footprint(target) - target.pose.p_WB[:2]
+    table = state.table
+    low = np.array([table.x_min, table.y_min]) + margin - own.min(axis=0)
+    high = np.array([table.x_max, table.y_max]) - margin - own.max(axis=0)
+    free = np.asarray(((grid >= low) & (grid <= high)).all(axis=-1))
+    for name, apart in clearances.items():
+        other = footprint(state.objects[name])
+        corners = (other[:, None] - own[None]).reshape(-1, 2)
+        # Rows of n · x + d, negative inside.
+        planes = ConvexHull(corners).equations
+        inside = (grid @ planes[:, :2].T + planes[:, 2] < apart - 1e-9).all(axis=-1)
+        free &= ~inside
+    return free
+
+
+def _searched(
+    lines: list[Array],
+    free: NDArray[np.bool_],
+    here: tuple[int, int],
+    there: tuple[int, int],
+    steps: Mapping[float, tuple[int, int]],
+) -> list[tuple[float, float]] | None:
+    """The cheapest way over the grid; the start itself need not be free."""
+
+    def left(at: tuple[int, int]) -> float:
+        ways = [abs(line[i] - line[k]) for line, i, k in zip(lines, at, there, strict=True)]
+        return float(sum(ways))
+
+    best: dict[tuple[int, int, float], float] = {}
+    # Estimate, cost, number of legs, place, heading of the last leg, legs as a linked list.
+    queue: list[tuple[float, float, int, tuple[int, int], float, object]] = [
+        (left(here), 0.0, 0, here, math.inf, None)
+    ]
+    while queue:
+        _, cost, legs, at, heading, way = heapq.heappop(queue)
+        if at == there:
+            return _unlinked(way)
+        for next_heading, (di, dj) in steps.items():
+            i, j = at[0] + di, at[1] + dj
+            if not (0 <= i < free.shape[0] and 0 <= j < free.shape[1] and free[i, j]):
+                continue
+            length = abs(float(lines[0][i] - lines[0][at[0]] + lines[1][j] - lines[1][at[1]]))
+            turns = next_heading != heading
+            if legs + turns > MOST_LEGS:
+                continue
+            total = cost + length + ANOTHER_PUSH * turns
+            if total < best.get((i, j, next_heading), math.inf) - 1e-9:
+                best[i, j, next_heading] = total
+                estimate = total + left((i, j))
+                linked = (way, next_heading, length)
+                heapq.heappush(queue, (estimate, total, legs + turns, (i, j), next_heading, linked))
+    return None
+
+
+def _unlinked(way: object) -> list[tuple[float, float]]:
+    """Steps joined to legs, in order."""
+    legs: list[tuple[float, float]] = []
+    while way is not None:
+        assert isinstance(way, tuple)
+        way, heading, length = way
+        if legs and legs[-1][0] == heading:
+            legs[-1] = (heading, legs[-1][1] + length)
+        else:
+            legs.append((heading, length))
+    return legs[::-1]

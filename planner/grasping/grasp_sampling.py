@@ -1,0 +1,264 @@
+"""Where a hand could hold an object: between two sides that look away from each other.
+
+Model: the thumb touches one side, the other fingers the opposite one, on a line across. The
+straight fingers come along the sides, level or from above, or askew where that does not do. A grip
+is a pattern of contacts about its middle (`planner.types.hand_reach.Grip`); all of them must lie on
+the sides and between the heights at which the model may be touched. Along the sides the middle is
+where the centre of mass is, so that the weight does not turn the object about the line across. A
+knob or a cap is held from above, with the fingers around it.
+
+Frame: B of the object.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from objectmodels.base import Array
+from planner.geometry.footprints import footprint, overlaps
+from planner.refusals import grasp_refusals as refusals
+
+if TYPE_CHECKING:
+    from objectmodels.faces import Face
+    from objectmodels.parts import LiftOffLid, ScrewCap
+    from planner.problem.grasp_limits import Manner
+    from planner.types.hand_reach import Grip, HandReach
+    from planner.types.world_state import SeenObject, WorldState
+
+_HEADINGS = np.radians(np.arange(0.0, 180.0, 22.5))  # in W, across which a round side is held
+_BORDER = 0.004  # distance of a contact from the border of its side [m]
+_OVER = 0.0015  # between fingertips and what a knob stands on [m]
+_SQUARE = np.array([0.0, math.pi / 2.0])  # pitches at which the fingers come: level, from above
+_ASKEW = np.radians([30.0, 45.0, 60.0])
+_HEIGHTS = 3  # at which each side is tried
+_UP = np.array([0.0, 0.0, 1.0])
+_DOWN = -_UP
+_LEVEL = np.array([1.0, 1.0, 0.0])
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A way to hold something.
+
+    Attributes:
+        part: `body`, or `lid`.
+        middle: between thumb and fingers, p_BG, shape (3,) [m].
+        closing: unit direction from the fingers' side to the thumb's, shape (3,).
+        approach: unit direction of the straight fingers, shape (3,).
+        width: between the sides [m].
+        grip: how the hand closes about that width.
+    """
+
+    part: Literal["body", "lid"]
+    middle: Array
+    closing: Array
+    approach: Array
+    width: float
+    grip: Grip
+
+    def crowded(self, target: SeenObject, state: WorldState) -> bool:
+        """Whether something stands where the knuckles would be, as seen from above."""
+        R_WB = target.pose.R_WB
+        closing = (R_WB @ self.closing)[:2]
+        across = np.array([-closing[1], closing[0]])
+        at = (R_WB @ self.middle + target.pose.p_WB)[:2]
+        fingers, thumb = (0.5 * self.width + room for room in self.grip.room)
+        half = 0.5 * float(np.ptp(self.grip.contacts, axis=0).max()) + _BORDER
+        swept = np.array(
+            [
+                at - fingers * closing - half * across,
+                at + thumb * closing - half * across,
+                at + thumb * closing + half * across,
+                at - fingers * closing + half * across,
+            ]
+        )
+        others = (seen for name, seen in state.objects.items() if name != target.name)
+        low = float(self.middle[2])
+        return any(
+            seen.bulk()[1] > low and overlaps(swept, footprint(seen), 0.0) for seen in others
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Sides:
+    """Two upright sides that look away from each other.
+
+    Attributes:
+        normal: outward unit normal of one of them, horizontal, shape (3,).
+        along: ẑ × normal, shape (3,).
+        middle: of the line across, shape (3,) at height 0 [m].
+        width: between them [m].
+        extent: between which they may be touched along `along`, from the middle [m].
+    """
+
+    normal: Array
+    along: Array
+    middle: Array
+    width: float
+    extent: tuple[float, float]
+
+
+def of_body(target: SeenObject, hand: HandReach, how: Manner) -> list[Candidate]:
+    """All ways to hold an object by its body.
+
+    Args:
+        target: the object.
+        hand: what holds it.
+        how: between which heights the sentence allows it.
+
+    Raises:
+        RefusedError: there is none.
+    """
+    graspable = target.model.grasp
+    if graspable is None:
+        raise refusals.not_graspable(target)
+    low, high = max(graspable.lowest, how.low), min(graspable.highest, how.high)
+    if low > high:
+        raise refusals.no_such_height(target, graspable, how)
+    sides = list(_sides(target))
+    grips = [(pair, hand.grip(pair.width)) for pair in sides if _fits(pair.width, hand)]
+    closing = [(pair, grip) for pair, grip in grips if grip is not None]
+    if not closing:
+        raise refusals.not_that_wide(target, [pair.width for pair in sides], hand)
+    found: list[Candidate] = []
+    # Where neither level nor upright fingers find room, those that come down askew may.
+    for pitches in (_SQUARE, _ASKEW):
+        for pair, grip in closing:
+            found += _about(target, pair, grip, (low, high), hand.lowest_level, pitches)
+        if found:
+            break
+    else:
+        raise refusals.no_room(target, low, high, how)
+    return found
+
+
+def of_lid(
+    target: SeenObject, lid: LiftOffLid | ScrewCap, hand: HandReach, headings: Array = _HEADINGS
+) -> list[Candidate]:
+    """All ways to hold a lid by its knob or by its rim, from above.
+
+    Args:
+        target: the object that it is on.
+        lid: what is held.
+        hand: what holds it.
+        headings: directions in W across which it may be held [rad].
+
+    Raises:
+        RefusedError: the hand does not close about it, or it is too low for the fingers.
+    """
+    radius, low, high = held_part(target, lid)
+    grip = hand.pinch(2.0 * radius) if _fits(2.0 * radius, hand) else None
+    if grip is None:
+        raise refusals.not_that_wide(target, [2.0 * radius], hand, part="lid")
+    # The fingertips stay above what a knob stands on, and below its upper end.
+    height = max(0.5 * (low + high), low + grip.ahead + _OVER)
+    if height > high - _BORDER:
+        raise refusals.low_lid(target, high - low, grip.ahead + _OVER + _BORDER)
+    middle = np.array([*lid_middle(target), height])
+    both = np.concatenate((headings, headings + np.pi)) - target.pose.yaw
+    return [
+        Candidate("lid", middle, np.array([np.cos(a), np.sin(a), 0.0]), _DOWN, 2.0 * radius, grip)
+        for a in both
+    ]
+
+
+def held_part(target: SeenObject, lid: LiftOffLid | ScrewCap) -> tuple[float, float, float]:
+    """Radius, lowest and highest point of what a lid is held by [m]."""
+    top = target.model.top
+    if lid.kind == "screw":
+        return lid.radius, top, top + lid.height
+    return lid.knob_radius, top + lid.height, top + lid.height + lid.knob_height
+
+
+def lid_middle(target: SeenObject) -> tuple[float, float]:
+    """Where the middle of a lid is, in B [m]."""
+    container = target.model.container
+    return (0.0, 0.0) if container is None else container.opening.centre
+
+
+def _fits(width: float, hand: HandReach) -> bool:
+    return hand.narrowest <= width <= hand.widest
+
+
+def _sides(target: SeenObject) -> Iterator[_Sides]:
+    """Pairs of opposite sides; a round side is held across some directions."""
+    faces = target.model.faces(_HEADINGS - target.pose.yaw)
+    upright = [face for face in faces if abs(face.normal[2]) < 1e-9]
+    for number, face in enumerate(upright):
+        if face.curvature > 0.0:
+            n = np.array(face.normal)
+            axis = np.array(face.centre) - n / face.curvature
+            half = 0.5 * face.width
+            yield _Sides(
+                n, np.array(face.tangent), axis * _LEVEL, 2 / face.curvature, (-half, half)
+            )
+            continue
+        for other in upright[number + 1 :]:
+            pair = _opposite(face, other)
+            if pair is not None:
+                yield pair
+
+
+def _opposite(one: Face, other: Face) -> _Sides | None:
+    """Two flat sides as a pair, if they look away from each other and face one another."""
+    n, along = np.array(one.normal), np.array(one.tangent)
+    if other.curvature or n @ np.array(other.normal) > -1.0 + 1e-6:
+        return None
+    a, b = np.array(one.centre), np.array(other.centre)
+    low = max(face @ along - 0.5 * width for face, width in ((a, one.width), (b, other.width)))
+    high = min(face @ along + 0.5 * width for face, width in ((a, one.width), (b, other.width)))
+    if high <= low:
+        return None
+    across = 0.5 * (a @ n + b @ n)
+    middle = across * n + 0.5 * (low + high) * along
+    half = 0.5 * float(high - low) - _BORDER
+    return _Sides(n, along, middle * _LEVEL, float((a - b) @ n), (-half, half))
+
+
+def _about(
+    target: SeenObject,
+    pair: _Sides,
+    grip: Grip,
+    limits: tuple[float, float],
+    level: float,
+    pitches: Array,
+) -> Iterator[Candidate]:
+    """All ways to hold a pair of sides between two heights, from beside not below a level."""
+    for closing, approach in product((pair.normal, -pair.normal), _approaches(pair, pitches)):
+        offsets = grip.contacts @ np.array([approach, np.cross(approach, closing)])
+        heights = _within(limits, offsets @ _UP)
+        laterals = _within(pair.extent, offsets @ pair.along)
+        if heights is None or laterals is None:
+            continue
+        if approach[2] == 0.0:
+            heights = (max(heights[0], level), heights[1])
+            if heights[0] > heights[1]:
+                continue
+        balanced = (np.array(target.model.com) - pair.middle) @ pair.along
+        at = pair.middle + float(np.clip(balanced, *laterals)) * pair.along
+        for height in np.unique(np.linspace(*heights, _HEIGHTS)):
+            yield Candidate("body", at + height * _UP, closing, approach, pair.width, grip)
+
+
+def _approaches(pair: _Sides, pitches: Array) -> list[Array]:
+    """Directions of the straight fingers, as steep as some pitches."""
+    found = [
+        math.cos(pitch) * along - math.sin(pitch) * _UP
+        for pitch in pitches.tolist()
+        for along in (pair.along, -pair.along)
+        if pitch < math.pi / 2.0
+    ]
+    return [*found, _DOWN] if math.pi / 2.0 in pitches else found
+
+
+def _within(limits: tuple[float, float], offsets: Array) -> tuple[float, float] | None:
+    """Where the middle of some contacts may be so that all of them lie between limits."""
+    low = limits[0] - float(offsets.min())
+    high = limits[1] - float(offsets.max())
+    return (low, high) if low <= high else None

@@ -1,0 +1,347 @@
+"""Which grasp holds, and which of those that hold the hand gets to.
+
+Model: the hand squeezes harder than what just holds by a reserve, and as hard as the worst case of
+what is believed takes, if it can; that must be likely enough to hold. Of several grasps the one
+with most squeeze to spare is asked for first.
+
+Frames: W is the world, B the object.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from objectmodels.base import Array
+from objectmodels.grasping import STRONGEST, Contacts, Lifted
+from objectmodels.thresholds import GRAVITY
+from planner.refusals import grasp_refusals as refusals
+from planner.types.actions import Grasp, HandlingPlan, HandlingPrediction, HandStep
+from planner.types.plan import Aim, DefaultUsed, Vector3
+
+if TYPE_CHECKING:
+    from objectmodels.model import ObjectModel
+    from planner.grasping.grasp_sampling import Candidate
+    from planner.problem.planning_problem import Task
+    from planner.types.actions import Action
+    from planner.types.robot import ReachAnswer
+
+_NOTHING = HandlingPrediction()
+_PATCH = np.array([[0.0, 0.0], [0.0, 0.004], [0.0, -0.004]])  # contacts at a knob [m]
+_TILTS = 8  # at which a motion is looked at
+
+ACCELERATION = 1.0
+"""Of what is lifted and carried slowly, with what makes it tremble [m/s²]."""
+
+
+@dataclass(frozen=True)
+class Load:
+    """What a hand bears that is not the object's weight.
+
+    Attributes:
+        force: downwards [N].
+        force_sd: its standard deviation [N].
+    """
+
+    force: float
+    force_sd: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Bearing:
+    """A grasp, and what it has to bear.
+
+    Attributes:
+        candidate: the grasp.
+        load: that hangs on it; the object's weight if None.
+        lean: direction in B in which it is tilted [rad].
+        angle: how far [rad].
+    """
+
+    candidate: Candidate
+    load: Load | None = None
+    lean: float = 0.0
+    angle: float = 0.0
+
+    def lifted(self, model: ObjectModel) -> Lifted:
+        """It in the hand, through its motion."""
+        each = self.candidate
+        closing, approach, contacts = each.closing, each.approach, each.grip.contacts
+        shares = each.grip.shares
+        borne = _slippery(model)
+        if self.load is not None:
+            force = {"mass": self.load.force / GRAVITY, "mass_sd": self.load.force_sd / GRAVITY}
+            borne = borne.model_copy(update=force)
+        if each.part == "lid":
+            # The fingers around a knob do not keep it from swinging until its weight is below.
+            borne = borne.model_copy(update={"com": tuple(each.middle), "com_sd": (0.0, 0.0, 0.0)})
+            contacts, shares = _PATCH, np.array([1.0, 0.5, 0.5])
+        tilts = np.linspace(0.0, self.angle, _TILTS) if self.angle else np.zeros(1)
+        ahead, ones = np.sin(tilts), np.ones(len(tilts))
+        down = np.stack(
+            [ahead * math.cos(self.lean), ahead * math.sin(self.lean), -np.cos(tilts) * ones], -1
+        )
+        R_BG = np.column_stack([closing, np.cross(approach, closing), approach])
+        grasp = Contacts(contacts, shares)
+        return Lifted(borne, grasp, each.middle, R_BG, down, ACCELERATION)
+
+
+@dataclass(frozen=True, eq=False)
+class Hold:
+    """A grasp that holds.
+
+    Attributes:
+        grasp: as a plan states it.
+        probability: that it holds.
+        lean: direction in B in which it holds while it is tilted [rad]; None if any will do.
+    """
+
+    grasp: Grasp
+    probability: float
+    lean: float | None = None
+
+
+@dataclass(frozen=True)
+class Draft:
+    """What a hand could do once it holds something.
+
+    Attributes:
+        steps: one after the other.
+        prediction: what comes of it, but for the hold.
+        probability: that it comes so if the hold holds.
+        aim: where the object should stand at the end.
+        defaults: values that the sentence left open.
+        notes: how it was chosen.
+    """
+
+    steps: tuple[HandStep, ...]
+    prediction: HandlingPrediction = _NOTHING
+    probability: float = 1.0
+    aim: Aim | None = None
+    defaults: tuple[DefaultUsed, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+Way = tuple[Hold | None, Draft]
+
+
+def held_already(task: Task) -> list[Hold]:
+    """The grasp in which the hand holds it; none if it holds nothing."""
+    held = task.state.held
+    return [] if held is None else [Hold(held.grasp, 1.0)]
+
+
+def holds(task: Task, bearings: Sequence[Bearing]) -> list[Hold]:
+    """The grasps that hold, those with most squeeze to spare first.
+
+    Args:
+        task: what is planned for.
+        bearings: ways to hold it.
+
+    Raises:
+        RefusedError: none does.
+    """
+    d, known = task.defaults, _Known(task.target.model)
+    just, worst = (np.array(found) for found in zip(*map(known.needed, bearings), strict=True))
+    wanted = task.how.reserve * just
+    limit = np.array([strongest(task, each.candidate) for each in bearings])
+    spare = limit / wanted
+    if not (spare >= 1.0).any():
+        best = int(spare.argmax())
+        mu = friction(task.target.model)
+        raise refusals.too_heavy(task, bearings[best].candidate, float(wanted[best]), mu)
+    squeeze = np.minimum(np.maximum(wanted, worst), limit)
+    probability = np.array(
+        [known.probability(*each) for each in zip(bearings, squeeze, strict=True)]
+    )
+    unsure = probability < d.probability
+    # Where the belief is uncertain, more squeeze may do.
+    squeeze[unsure] = limit[unsure]
+    for i in np.flatnonzero(unsure & (spare >= 1.0)).tolist():
+        probability[i] = known.probability(bearings[i], squeeze[i])
+    good = (spare >= 1.0) & (probability >= d.probability)
+    if not good.any():
+        best = int(np.where(spare >= 1.0, probability, -1.0).argmax())
+        learn = _experiment(task.target.model, bearings[best], squeeze[best], d.found_to)
+        raise refusals.may_slip(task, float(squeeze[best]), float(probability[best]), *learn)
+    crowded = [each.candidate.crowded(task.target, task.state) for each in bearings]
+    # Height does not matter to a hold; in the middle there is most room for the hand.
+    heights = np.array([each.candidate.middle[2] for each in bearings])
+    off = np.abs(heights - 0.5 * (heights.min() + heights.max()))
+    # Except for a hand that comes down askew: its palm is low.
+    steep = np.array([-each.candidate.approach[2] for each in bearings])
+    off = np.where((steep > 0.0) & (steep < 1.0), heights.max() - heights, off)
+    order = sorted(
+        np.flatnonzero(good).tolist(),
+        key=lambda i: (crowded[i], -round(float(spare[i]), 2), off[i]),
+    )
+    return [
+        Hold(
+            _grasp(task, bearings[i].candidate, float(squeeze[i]), float(just[i])),
+            float(probability[i]),
+            bearings[i].lean if bearings[i].angle else None,
+        )
+        for i in order
+    ]
+
+
+def strongest(task: Task, candidate: Candidate) -> float:
+    """Largest squeeze that hand, object and sentence allow [N]."""
+    allowed = min(candidate.grip.strongest, task.how.most_force)
+    graspable = task.target.model.grasp
+    if candidate.part == "lid" or graspable is None:
+        return allowed
+    return min(allowed, graspable.crush)
+
+
+class _Known:
+    """What is believed of grasps; those that differ by a turn only are looked at once."""
+
+    def __init__(self, model: ObjectModel) -> None:
+        self._model = model
+        self._needed: dict[bytes, tuple[float, float]] = {}
+        self._likely: dict[bytes, float] = {}
+
+    def needed(self, bearing: Bearing) -> tuple[float, float]:
+        """Squeeze with everything as believed, and in the worst case [N]."""
+        lifted = bearing.lifted(self._model)
+        key = self._key(lifted)
+        if key not in self._needed:
+            found = lifted.hold(STRONGEST)
+            self._needed[key] = found.needed, found.worst
+        return self._needed[key]
+
+    def probability(self, bearing: Bearing, squeeze: float) -> float:
+        """That a squeeze holds."""
+        lifted = bearing.lifted(self._model)
+        key = self._key(lifted) + f"{squeeze:.6g}".encode()
+        if key not in self._likely:
+            self._likely[key] = lifted.probability(squeeze)
+        return self._likely[key]
+
+    @staticmethod
+    def _key(lifted: Lifted) -> bytes:
+        """All that a hold depends on, in the frame of the grasp."""
+        R, model = lifted.R_BG, lifted.model
+        spread = R.T @ np.diag(np.square(model.com_sd)) @ R
+        parts = (
+            lifted.contacts.places,
+            (np.array(model.com) - lifted.p_BG) @ R,
+            spread,
+            lifted.down_B @ R,
+            np.array([model.mass, model.mass_sd]),
+        )
+        return b"".join((np.round(part, 7) + 0.0).tobytes() for part in parts)
+
+
+def _slippery(model: ObjectModel) -> ObjectModel:
+    """A model whose fingers have slipped, as far as that is known: what creeps must still hold."""
+    return model.model_copy(update={"finger_friction": friction(model)})
+
+
+def friction(model: ObjectModel) -> float:
+    """The coefficient at the fingers that a hold relies on."""
+    kinetic = model.finger_friction_kinetic
+    return model.finger_friction if kinetic is None else kinetic
+
+
+def _grasp(task: Task, candidate: Candidate, squeeze: float, needed: float) -> Grasp:
+    R_WB = task.target.pose.R_WB
+    return Grasp(
+        part=candidate.part,
+        p_BG=_tuple(candidate.middle),
+        closing_W=_tuple(R_WB @ candidate.closing),
+        approach_W=_tuple(R_WB @ candidate.approach),
+        width=candidate.width,
+        squeeze=squeeze,
+        needed=needed,
+        strongest=candidate.grip.strongest,
+    )
+
+
+def _tuple(v: Array) -> Vector3:
+    # Adding zero turns −0.0 into 0.0 in what people read.
+    x, y, z = (np.round(v, 12) + 0.0).tolist()
+    return x, y, z
+
+
+def _experiment(
+    model: ObjectModel, bearing: Bearing, squeeze: float, found_to: float
+) -> tuple[str, float]:
+    """What to find out first, and how likely the hold is then."""
+    sd = {"finger_friction_sd": model.finger_friction, "mass_sd": model.mass}
+    words = {
+        "finger_friction_sd": f"find out how slippery the {model.name} is to the fingers first",
+        "mass_sd": f"find out the weight of the {model.name} first",
+    }
+    then = {}
+    for name, mean in sd.items():
+        known = model.model_copy(update={name: min(getattr(model, name), found_to * mean)})
+        then[name] = bearing.lifted(known).probability(squeeze)
+    best = max(then, key=lambda name: then[name])
+    return words[best], then[best]
+
+
+# -- what the hand gets to ----------------------------------------------------------------------
+
+
+def each_with_each(ways: Sequence[Hold], drafts: Sequence[Draft]) -> list[Way]:
+    """All grasps with all that may be done, the best with the best first."""
+    places = product(range(len(ways)), range(len(drafts)))
+    return [(ways[i], drafts[j]) for i, j in sorted(places, key=sum)]
+
+
+def first_way(task: Task, action: Action, ways: Sequence[Way], considered: int) -> HandlingPlan:
+    """The first plan that hand and arm can carry out.
+
+    Args:
+        task: what is planned for.
+        action: what it amounts to.
+        ways: what may be done and with which grasp, the best first; not empty.
+        considered: how many ways were looked at before.
+
+    Raises:
+        RefusedError: there is none.
+    """
+    answers: list[ReachAnswer] = []
+    unlikely: HandlingPlan | None = None
+    for hold, draft in ways:
+        made = _plan(task, action, hold, draft)
+        made = made.model_copy(update={"considered": considered, "satisfying": len(ways)})
+        if made.probability < task.defaults.probability:
+            unlikely = unlikely or made
+            continue
+        if len(answers) == task.defaults.most_grasps:
+            break
+        answers.append(task.hand.handles(made, task.state))
+        if answers[-1].ok:
+            return made
+    if not answers and unlikely is not None:
+        raise refusals.unlikely(task, unlikely)
+    raise refusals.no_reach(task, answers)
+
+
+def _plan(task: Task, action: Action, hold: Hold | None, draft: Draft) -> HandlingPlan:
+    held = task.state.held is not None
+    sure = 1.0 if hold is None else hold.probability
+    prediction = draft.prediction.model_copy(update={"holds": None if hold is None else sure})
+    return HandlingPlan(
+        action=action,
+        object=task.target.name,
+        grasp=None if hold is None else hold.grasp,
+        held=held,
+        steps=draft.steps,
+        prediction=prediction,
+        # Whatever hangs together, it is at least so likely.
+        probability=max(draft.probability + sure - 1.0, 0.0),
+        aim=draft.aim,
+        speed=task.how.speed,
+        clear_of=task.how.clear_of,
+        defaults=draft.defaults + task.how.defaults,
+        notes=draft.notes,
+    )

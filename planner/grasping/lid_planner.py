@@ -1,0 +1,261 @@
+"""Opening and closing lids: which steps a lid takes, and whether the standing object bears them.
+
+Model: a flip lid is moved over its arc by a fingertip on its tab; a lid that lifts off and a cap
+are held from above, pulled or turned, and put aside on the table. The object itself is not held:
+it must resist what moves its lid by a reserve (`objectmodels.opening`), or stand in a holder.
+
+Frames: W is the world, B the object.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from objectmodels.opening import FlipArc, Loosening, flip, lift_off, unscrew
+from objectmodels.parts import FlipLid, LiftOffLid, ScrewCap
+from objectmodels.thresholds import GRAVITY
+from planner.grasping.aside import spots
+from planner.grasping.grasp_sampling import held_part, lid_middle, of_lid
+from planner.grasping.grasp_selection import (
+    Bearing,
+    Draft,
+    Load,
+    each_with_each,
+    first_way,
+    holds,
+)
+from planner.refusals import lid_refusals as lidrefusals
+from planner.types.actions import (
+    Carry,
+    FlipOver,
+    HandlingPlan,
+    HandlingPrediction,
+    LiftUp,
+    PutOn,
+    SetDown,
+    TurnCap,
+)
+from planner.types.plan import Aim, DefaultUsed, Reached
+
+if TYPE_CHECKING:
+    from planner.grasping.grasp_selection import Hold
+    from planner.problem.planning_problem import Task
+    from planner.types.actions import Action, HandStep
+    from planner.types.defaults import Defaults
+    from planner.types.world_state import SeenObject
+
+_ASIDE = 6  # places beside it that are looked at for its lid
+
+
+def open_lid(task: Task) -> HandlingPlan | Reached:
+    """Flips, lifts or screws the lid open.
+
+    Raises:
+        RefusedError: it has none, or would come along with it.
+    """
+    lid, seen = task.target.model.lid, task.target.lid or 0.0
+    match lid:
+        case FlipLid():
+            if seen >= task.defaults.lid_opened:
+                return Reached(lid=seen)
+            return _flipped(task, lid, "open", min(task.defaults.lid_open, lid.opens_to))
+        case LiftOffLid():
+            return Reached(lid=seen) if is_off(lid, seen) else _pulled_off(task, lid)
+        case ScrewCap():
+            return Reached(lid=seen) if is_off(lid, seen) else _screwed_off(task, lid)
+    raise lidrefusals.no_lid(task)
+
+
+def close_lid(task: Task) -> HandlingPlan | Reached:
+    """Flips the lid back, or puts it on.
+
+    Raises:
+        RefusedError: it has none, or nobody knows where it lies.
+    """
+    lid, seen = task.target.model.lid, task.target.lid or 0.0
+    match lid:
+        case FlipLid():
+            if seen <= task.defaults.lid_closed:
+                return Reached(lid=seen)
+            return _flipped(task, lid, "close", 0.0)
+        case LiftOffLid():
+            return _put_on(task, lid) if is_off(lid, seen) else Reached(lid=seen)
+        case ScrewCap():
+            if seen <= task.defaults.lid_closed:
+                return Reached(lid=seen)
+            return _screwed_on(task, lid, seen)
+    raise lidrefusals.no_lid(task)
+
+
+def is_open(seen: SeenObject, defaults: Defaults) -> bool:
+    """Whether something could run out: its lid is open, or it has none."""
+    lid, angle = seen.model.lid, seen.lid or 0.0
+    match lid:
+        case None:
+            return True
+        case FlipLid():
+            return angle >= defaults.lid_opened
+    return is_off(lid, angle)
+
+
+def is_off(lid: LiftOffLid | ScrewCap, seen: float) -> bool:
+    """Whether a lid is off, by how far it is seen to be open."""
+    return seen > (lid.travel if isinstance(lid, LiftOffLid) else _whole_turn(lid))
+
+
+def _whole_turn(cap: ScrewCap) -> float:
+    """Angle by which a cap turns until it is off [rad]; a camera sees it a little wrongly."""
+    return 0.97 * math.tau * cap.turns
+
+
+# -- flip lids ----------------------------------------------------------------------------------
+
+
+def _flipped(task: Task, lid: FlipLid, action: Action, end: float) -> HandlingPlan:
+    target, d = task.target, task.defaults
+    start = target.lid or 0.0
+    arc = flip(target.model, lid, start=start, end=end, fixed=target.fixed)
+    if arc.largest_force > task.how.most_force:
+        raise lidrefusals.too_weak(task, arc.largest_force)
+    if arc.least_margin < d.lid_reserve:
+        raise lidrefusals.gives_way(task, arc)
+    if arc.probability < d.probability:
+        raise lidrefusals.may_give_way(task, arc)
+    step = FlipOver(
+        start=start,
+        end=end,
+        speed=task.how.lid_speed,
+        force_limit=_force_limit(task, arc),
+        heading=math.remainder(target.pose.yaw + lid.tab_heading, math.tau),
+    )
+    used = DefaultUsed(name="lid_open", value=end, unit="rad", reason="no angle said")
+    draft = Draft(
+        (step,),
+        _arc_prediction(arc, end),
+        arc.probability,
+        defaults=(used,) if action == "open" else (),
+    )
+    return first_way(task, action, [(None, draft)], 1)
+
+
+def _force_limit(task: Task, arc: FlipArc) -> float:
+    """Force at which a finger stops: more than the lid takes, less than moves the object [N]."""
+    needed = arc.largest_force
+    given_way = float(min(arc.slide.min(), arc.topple.min()))
+    most = max(given_way, task.defaults.lid_reserve * needed)
+    return min((1.0 + task.defaults.force_reserve) * needed, most, task.how.most_force)
+
+
+def _arc_prediction(arc: FlipArc, end: float) -> HandlingPrediction:
+    near = arc.nearest
+    slide, topple = (float(force[near]) for force in (arc.slide, arc.topple))
+    return HandlingPrediction(
+        lid_force=arc.largest_force,
+        nearest_angle=float(arc.angles[near]),
+        nearest_force=float(arc.force[near]),
+        slide_force=slide if math.isfinite(slide) else None,
+        topple_force=topple if math.isfinite(topple) else None,
+        lid_angle=end,
+    )
+
+
+# -- lids that come off -------------------------------------------------------------------------
+
+
+def _pulled_off(task: Task, lid: LiftOffLid) -> HandlingPlan:
+    found = lift_off(task.target.model, lid, fixed=task.target.fixed)
+    _require_still(task, found)
+    load = Load(found.needed, lid.retention_sd)
+    prediction = HandlingPrediction(lid_force=found.needed, lifting_force=_finite(found.held))
+    return _taken_off(task, lid, _lid_holds(task, lid, load), (),
+                      prediction, found.probability)  # fmt: skip
+
+
+def _screwed_off(task: Task, cap: ScrewCap) -> HandlingPlan:
+    found = unscrew(task.target.model, cap, fixed=task.target.fixed)
+    _require_still(task, found)
+    rest = math.tau * cap.turns - (task.target.lid or 0.0)
+    turn = _turn(task, cap, rest)
+    return _taken_off(task, cap, _cap_holds(task, cap), (turn,), _torques(found),
+                      found.probability)  # fmt: skip
+
+
+def _taken_off(
+    task: Task, lid: LiftOffLid | ScrewCap, ways: list[Hold], before: tuple[HandStep, ...],
+    prediction: HandlingPrediction, probability: float,
+) -> HandlingPlan:  # fmt: skip
+    """A lid that is loose, lifted off and put aside."""
+    drafts = []
+    for spot, tallest in spots(task, lid.radius, _ASIDE):
+        # Its lower side is as high as the object, and passes over what stands on the way.
+        up = max(tallest - task.target.model.top, 0.0) + task.defaults.carry_clearance
+        steps = (*before, LiftUp(height=up, hold=0.0), Carry(to=spot), SetDown())
+        drafts.append(Draft(steps, prediction, probability))
+    if not drafts:
+        raise lidrefusals.no_room_aside(task, lid.radius)
+    return first_way(task, "open", each_with_each(ways, drafts), len(ways) * len(drafts))
+
+
+def _put_on(task: Task, lid: LiftOffLid) -> HandlingPlan:
+    """A lid that lies aside put on its rim."""
+    target, d = task.target, task.defaults
+    x, y, _ = (target.pose.R_WB @ [*lid_middle(target), 0.0] + target.pose.p_WB).tolist()
+    if target.lid_at is None:
+        raise lidrefusals.lid_not_seen(task)
+    press = max(lid.retention, d.lid_press)
+    # Pressed on, it must not slide through the fingers.
+    ways = _lid_holds(task, lid, Load(max(press, lid.mass * GRAVITY)))
+    up = max(target.model.top - target.lid_at[2], 0.0) + d.carry_clearance
+    down = PutOn(onto=target.name, press=press)
+    draft = Draft((LiftUp(height=up, hold=0.0), Carry(to=Aim(x=x, y=y)), down))
+    return first_way(task, "close", [(way, draft) for way in ways], len(ways))
+
+
+def _screwed_on(task: Task, cap: ScrewCap, seen: float) -> HandlingPlan:
+    """A cap that is turned back.
+
+    Raises:
+        RefusedError: it is off, and no hand gets a thread to catch.
+    """
+    if is_off(cap, seen):
+        raise lidrefusals.thread(task)
+    found = unscrew(task.target.model, cap, fixed=task.target.fixed)
+    _require_still(task, found)
+    turn = _turn(task, cap, -seen)
+    ways = _cap_holds(task, cap)
+    draft = Draft((turn,), _torques(found), found.probability)
+    return first_way(task, "close", [(way, draft) for way in ways], len(ways))
+
+
+def _require_still(task: Task, found: Loosening) -> None:
+    """The object stays where it is while its lid comes off."""
+    if found.margin < task.defaults.lid_reserve:
+        raise lidrefusals.comes_along(task, found)
+    if found.probability < task.defaults.probability:
+        raise lidrefusals.may_come_along(task, found)
+
+
+def _cap_holds(task: Task, cap: ScrewCap) -> list[Hold]:
+    """How a cap is held for turning: friction at its rim bears the torque."""
+    radius, *_ = held_part(task.target, cap)
+    torque = cap.friction_torque / radius
+    return _lid_holds(task, cap, Load(torque, cap.friction_torque_sd / radius))
+
+
+def _lid_holds(task: Task, lid: LiftOffLid | ScrewCap, load: Load) -> list[Hold]:
+    """How a lid is held while something pulls at it."""
+    return holds(task, [Bearing(each, load) for each in of_lid(task.target, lid, task.hand)])
+
+
+def _turn(task: Task, cap: ScrewCap, angle: float) -> TurnCap:
+    limit = (1.0 + task.defaults.force_reserve) * cap.friction_torque
+    return TurnCap(angle=angle, torque_limit=limit)
+
+
+def _torques(found: Loosening) -> HandlingPrediction:
+    return HandlingPrediction(lid_torque=found.needed, turning_torque=_finite(found.held))
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,122 @@
+"""How much is to be poured, and whether it is there and fits.
+
+Model: what is believed to be in both containers; a cavity holds its volume up to the brim.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from planner.grasping.lid_planner import is_open
+from planner.refusals import pour_refusals as pourrefusals
+from planner.types.plan import DefaultUsed
+
+if TYPE_CHECKING:
+    from grammar import frames as g
+    from objectmodels.parts import Container
+    from objectmodels.vessel import Vessel
+    from planner.problem.planning_problem import Task
+    from planner.types.defaults import Defaults
+    from planner.types.world_state import SeenObject
+
+
+@dataclass(frozen=True, eq=False)
+class Hollow:
+    """An open container that stands, as it is believed to be.
+
+    Attributes:
+        seen: the object.
+        container: what is in it.
+        vessel: its cavity.
+    """
+
+    seen: SeenObject
+    container: Container
+    vessel: Vessel
+
+    @classmethod
+    def of(cls, seen: SeenObject, defaults: Defaults) -> Hollow:
+        """An object as a container.
+
+        Raises:
+            RefusedError: it is none, lies, or is closed.
+        """
+        if seen.lies_on != "bottom":
+            raise pourrefusals.lies(seen)
+        container, vessel = seen.model.container, seen.model.vessel
+        if container is None or vessel is None:
+            raise pourrefusals.no_container(seen)
+        if not is_open(seen, defaults):
+            raise pourrefusals.is_closed(seen)
+        return cls(seen, container, vessel)
+
+    @property
+    def room(self) -> float:
+        """What still fits in [m³]; less than nothing if it is believed to be too full."""
+        return self.vessel.capacity - self.container.contents
+
+
+_DROP = 1e-6  # less than this is nothing [m³]
+
+
+@dataclass(frozen=True)
+class Amount:
+    """What is to be poured.
+
+    Attributes:
+        volume: how much [m³].
+        room: how much fits in [m³].
+        all: whether that is everything.
+        defaults: what the sentence left open.
+    """
+
+    volume: float
+    room: float
+    all: bool = False
+    defaults: tuple[DefaultUsed, ...] = ()
+
+
+def amount(task: Task, source: Hollow, into: Hollow, goal: g.Pour) -> Amount | None:
+    """How much is to be poured; None if it is filled as far as it should be already.
+
+    Raises:
+        RefusedError: there is not so much, or it does not fit.
+    """
+    has, room = source.container.contents, into.room
+    if has < _DROP:
+        raise pourrefusals.is_empty(task)
+    wanted, used = _wanted(source, into, goal, task.defaults)
+    if goal.fill is not None and wanted < _DROP:
+        return None
+    if wanted > room:
+        raise pourrefusals.does_not_fit(into.seen, wanted, room, has, goal.spans)
+    if wanted > has:
+        raise pourrefusals.not_so_much(task, wanted, has, goal.spans)
+    everything = goal.volume is None and goal.fill is None and wanted > has - _DROP
+    return Amount(wanted, room, everything, used)
+
+
+def _wanted(
+    source: Hollow, into: Hollow, goal: g.Pour, d: Defaults
+) -> tuple[float, tuple[DefaultUsed, ...]]:
+    """The volume that is meant [m³], and what the sentence left open."""
+    has = source.container.contents
+    if goal.volume is not None:
+        return goal.volume, ()
+    if goal.fraction is not None:
+        return goal.fraction * has, ()
+    if goal.fill is not None:
+        share = min(goal.fill, d.pour_fill)
+        full = DefaultUsed(name="pour_fill", value=d.pour_fill, unit="", reason="“full”")
+        volume = share * into.vessel.capacity - into.container.contents
+        return volume, (full,) if goal.fill > d.pour_fill else ()
+    if goal.amount is None:
+        return has, ()
+    said = {
+        "little": ("pour_little", min(d.pour_little, has), "m³", "“a little”"),
+        "lot": ("pour_lot", d.pour_lot, "", "“a lot”"),
+    }
+    name, value, unit, reason = said[goal.amount]
+    used = DefaultUsed(name=name, value=value, unit=unit, reason=reason)
+    return value if unit else value * has, (used,)

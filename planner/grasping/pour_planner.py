@@ -1,0 +1,285 @@
+"""Pouring from one container into another one.
+
+Model: `objectmodels.pouring` says what runs out over time, where it lands and what is caught. The
+lip is held so that the stream falls into the middle of the opening below. The container leans
+towards the thumb or away from it, so that the contacts do not turn under it, and towards the side
+where its opening is. Everything is poured by a tilt at which it runs out fast; a part of it by the
+tilt at which even the least contents that are believed give as much, and the hand stops when it
+feels that so much has left.
+
+Frames: W is the world, B the container that is poured from.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from objectmodels.pouring import Catch, Poured, pour, predict, tilt_for
+from planner.geometry.directions import heading_of, unit
+from planner.grasping.grasp_sampling import of_body
+from planner.grasping.grasp_selection import Bearing, Draft, first_way, held_already, holds
+from planner.grasping.lift_planner import TO_THE_SIDE, over, raised, require_liftable
+from planner.grasping.pour_amounts import Amount, Hollow, amount
+from planner.refusals import grasp_refusals as refusals
+from planner.refusals import pour_refusals as pourrefusals
+from planner.types.actions import (
+    Carry,
+    HandlingPlan,
+    HandlingPrediction,
+    HandStep,
+    PourOut,
+    SetDown,
+)
+from planner.types.plan import Aim, DefaultUsed, Reached
+
+if TYPE_CHECKING:
+    from grammar import frames as g
+    from objectmodels.base import Array
+    from objectmodels.vessel import Vessel
+    from planner.grasping.grasp_sampling import Candidate
+    from planner.grasping.grasp_selection import Hold
+    from planner.problem.planning_problem import Task
+
+_TURNS = np.radians([0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0, 135.0, -135.0, 180.0])
+_ANGLES = np.radians(np.arange(0.0, 60.0, 5.0))  # beyond the tilt at which it would run out slowly
+_LEAST_LEFT = 0.01  # share that may stay where everything is poured
+_SOON = 1.0  # everything has run out so soon after the tilt [s]
+_PART_WAIT = 2.0  # a part of it has run out so soon after the tilt [s]
+_CENTRED = 0.001  # an opening so near to the middle has no side [m]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How a container is tilted, and what comes of it.
+
+    Attributes:
+        lean: direction in B [rad].
+        angle: largest tilt [rad].
+        wait: at that [s].
+        ahead: of the lip, where the stream lands [m].
+        poured: over the cases of what is not known.
+        probability: that enough is received, and next to nothing spilled.
+    """
+
+    lean: float
+    angle: float
+    wait: float
+    ahead: float
+    poured: Poured
+    probability: float
+
+
+def pour_out(task: Task, goal: g.Pour) -> HandlingPlan | Reached:
+    """Lifts a container, pours from it and sets it down again.
+
+    Raises:
+        RefusedError: nothing runs out, it does not fit, or it would be spilled.
+    """
+    if goal.into is None:
+        raise pourrefusals.into_nothing(task, goal.spans)
+    if goal.into.id == task.target.name:
+        raise pourrefusals.into_itself(task, goal.spans)
+    source = Hollow.of(task.target, task.defaults)
+    into = Hollow.of(task.state.objects[goal.into.id or ""], task.defaults)
+    require_liftable(task)
+    if task.how.upright:
+        raise refusals.not_while(task, task.how.upright, "tilts it")
+    wanted = amount(task, source, into, goal)
+    return Reached() if wanted is None else _Pouring(task, source, into, wanted).best()
+
+
+class _Pouring:
+    """One container that is poured into another one.
+
+    Args:
+        task: what is planned for.
+        source, into: the two.
+        wanted: how much.
+    """
+
+    def __init__(self, task: Task, source: Hollow, into: Hollow, wanted: Amount) -> None:
+        self._task, self._source, self._into, self._wanted = task, source, into, wanted
+        slower = task.how.speed / task.defaults.carry_speed
+        self._rate = task.defaults.pour_rate * min(slower, 1.0)
+
+    def best(self) -> HandlingPlan:
+        """The first way that hand and arm can go.
+
+        Raises:
+            RefusedError: there is none.
+        """
+        task, held = self._task, held_already(self._task)
+        if held:
+            closing = [np.array(held[0].grasp.closing_W) @ task.target.pose.R_WB]
+            motions = self._motions(closing)
+            ways = [replace(held[0], lean=motion.lean) for motion in motions.values()]
+        else:
+            each = of_body(task.target, task.hand, task.how)
+            motions = self._motions([candidate.closing for candidate in each])
+            ways = sorted(holds(task, self._bearings(each, motions)), key=_beside)
+        found = []
+        for rank, hold in enumerate(ways):
+            assert hold.lean is not None, "it is tilted"
+            motion = motions[_key(hold.lean)]
+            for times, turn in enumerate(_TURNS.tolist()):
+                found.append((rank + times, (hold, self._draft(motion, turn))))
+        found.sort(key=lambda each: each[0])
+        return first_way(task, "pour", [way for _, way in found], len(found))
+
+    # -- how it is tilted -----------------------------------------------------------------------
+
+    def _bearings(self, each: list[Candidate], motions: dict[int, Motion]) -> list[Bearing]:
+        """All ways to hold it through its motion."""
+        found = []
+        for candidate in each:
+            for lean in self._leans(candidate.closing):
+                motion = motions.get(_key(lean))
+                if motion is not None:
+                    found.append(Bearing(candidate, None, motion.lean, motion.angle))
+        return found
+
+    def _leans(self, closing: Array) -> list[float]:
+        """Directions in B in which it may lean, held so: along the line across [rad]."""
+        opening = np.array([*self._source.container.opening.centre, 0.0])
+        off = float(np.linalg.norm(opening))
+        return [
+            heading_of(side * closing)
+            for side in (1.0, -1.0)
+            if off < _CENTRED or side * closing @ opening > TO_THE_SIDE * off
+        ]
+
+    def _motions(self, closing: list[Array]) -> dict[int, Motion]:
+        """The motion for each direction in which it may lean, if it is likely enough."""
+        leans = {_key(lean): lean for each in closing for lean in self._leans(each)}
+        if not leans:
+            raise pourrefusals.wrong_side(self._task)
+        found = {key: self._motion(lean) for key, lean in leans.items()}
+        best = max(found.values(), key=lambda motion: motion.probability)
+        if best.probability < self._task.defaults.probability:
+            raise pourrefusals.may_spill(self._task, self._into.seen, self._wanted, best)
+        asked = self._task.defaults.probability
+        return {key: motion for key, motion in found.items() if motion.probability >= asked}
+
+    def _motion(self, lean: float) -> Motion:
+        container, vessel, d = self._source.container, self._source.vessel, self._task.defaults
+        wanted, basin = self._wanted, self._into.container
+        if wanted.all:
+            angle, wait = _all_of_it(vessel, container.contents, lean, self._rate)
+        else:
+            least = max(container.contents - d.sigmas * container.contents_sd, wanted.volume)
+            angle, wait = _part_of_it(vessel, least, wanted.volume, lean, self._rate)
+        motion = {"heading": lean, "angle": angle, "rate": self._rate, "wait": wait}
+        ahead = float(pour(vessel, container.contents, **motion).landing(d.pour_clearance)[0])
+        catch = Catch(
+            along=ahead, across=0.0, fall=d.pour_clearance, radius=basin.opening.radius,
+            free=wanted.room, sd=d.pour_aim,
+        )  # fmt: skip
+        # What is not known of either content counts where it runs over.
+        sd = math.hypot(container.contents_sd, basin.contents_sd)
+        poured = predict(vessel, container.contents, catch, contents_sd=sd, **motion)
+        if not wanted.all:
+            poured = _stopped(poured, wanted.volume)
+        return Motion(lean, angle, wait, ahead, poured, self._probability(poured))
+
+    def _probability(self, poured: Poured) -> float:
+        """How likely enough is received, and next to nothing spilled."""
+        d, wanted = self._task.defaults, self._wanted
+        if wanted.all:
+            enough = poured.received >= d.pour_all * poured.contents
+        else:
+            missing = d.pour_tolerance * self._source.container.contents
+            enough = poured.received >= wanted.volume - missing
+        clean = poured.spilled <= d.spill_tolerance * poured.poured
+        return float((enough & clean).mean())
+
+    # -- where it is held -----------------------------------------------------------------------
+
+    def _draft(self, motion: Motion, turn: float) -> Draft:
+        """The steps after the grasp, with the container turned about the vertical before."""
+        task, into, d = self._task, self._into.seen, self._task.defaults
+        pose, held = task.target.pose, task.state.held is not None
+        heading = math.remainder(pose.yaw + turn + motion.lean, math.tau)
+        lip = self._opening_W() - motion.ahead * unit(heading)
+        behind = float(np.linalg.norm(self._source.vessel.lip(motion.lean)[:2]))
+        x, y, _ = (lip - behind * unit(heading)).tolist()
+        up = max(over(task, Aim(x=x, y=y)), into.model.top + d.carry_clearance)
+        out = PourOut(
+            into=into.name,
+            heading=heading,
+            lip_W=(float(lip[0]), float(lip[1]), into.model.top + d.pour_clearance),
+            angle=motion.angle,
+            rate=self._rate,
+            wait=motion.wait + d.pour_wait,
+            volume=None if self._wanted.all else self._wanted.volume,
+        )
+        steps: tuple[HandStep, ...] = (*raised(task, up), out)
+        if turn:
+            turned, back = (Aim(x=pose.x, y=pose.y, yaw=pose.yaw + by) for by in (turn, 0.0))
+            steps = (*raised(task, up), Carry(to=turned), out, Carry(to=back))
+        return Draft(
+            steps if held else (*steps, SetDown()),
+            self._prediction(motion.poured),
+            motion.probability,
+            aim=None if held else Aim(x=pose.x, y=pose.y, yaw=pose.yaw),
+            defaults=(*self._wanted.defaults, *self._used()),
+            notes=(f"the stream lands {refusals.mm(motion.ahead)} ahead of the lip",),
+        )
+
+    def _opening_W(self) -> Array:
+        """Middle of the opening that is poured into, at height 0, shape (3,) [m]."""
+        pose = self._into.seen.pose
+        centre = np.array([*self._into.container.opening.centre, 0.0])
+        return np.asarray(pose.p_WB + pose.R_WB @ centre)
+
+    def _used(self) -> tuple[DefaultUsed, ...]:
+        rate = self._task.defaults.pour_rate
+        if self._rate < rate:
+            return ()
+        return (DefaultUsed(name="pour_rate", value=rate, unit="rad/s", reason="no rate said"),)
+
+    def _prediction(self, poured: Poured) -> HandlingPrediction:
+        mean = {name: float(value) for name, value in poured.mean().items()}
+        filled = self._into.container.contents + mean["received"]
+        return HandlingPrediction(**mean, level_after=filled / self._into.vessel.capacity)
+
+
+def _key(lean: float) -> int:
+    """A direction in whole degrees."""
+    return round(math.degrees(lean)) % 360
+
+
+def _beside(hold: Hold) -> bool:
+    """The hand had better be beside what pours, not over it."""
+    return hold.grasp.approach_W[2] < -0.5
+
+
+def _all_of_it(vessel: Vessel, volume: float, lean: float, rate: float) -> tuple[float, float]:
+    """Least tilt at which all runs out soon, and how long to wait there."""
+    nearly = (1.0 - _LEAST_LEFT) * volume
+    angles = float(tilt_for(vessel, volume, nearly, lean)) + _ANGLES
+    running = pour(vessel, volume, heading=lean, angle=angles, rate=rate, wait=2.0 * _SOON)
+    late = running.finished - angles / rate
+    good = (running.total >= nearly) & (late <= _SOON)
+    first = int(good.argmax()) if good.any() else len(angles) - 1
+    return float(angles[first]), max(float(late[first]), 0.0)
+
+
+def _part_of_it(
+    vessel: Vessel, volume: float, part: float, lean: float, rate: float
+) -> tuple[float, float]:
+    """Least tilt at which a part runs out soon, and how long to wait there."""
+    angles = float(tilt_for(vessel, volume, part, lean)) + 0.5 * _ANGLES
+    running = pour(vessel, volume, heading=lean, angle=angles, rate=rate, wait=_PART_WAIT)
+    good = running.total >= part
+    first = int(good.argmax()) if good.any() else len(angles) - 1
+    return float(angles[first]), _PART_WAIT
+
+
+def _stopped(poured: Poured, volume: float) -> Poured:
+    """A pour that ends when so much has left."""
+    share = np.minimum(volume / np.maximum(poured.poured, 1e-12), 1.0)
+    return Poured(poured.contents, share * poured.poured, share * poured.received)

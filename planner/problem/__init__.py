@@ -1,0 +1,1 @@
+"""Frame to planning problem: goal poses, regions, limits."""

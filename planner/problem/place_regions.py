@@ -1,0 +1,376 @@
+"""What places mean: next to, left of, between, touching, at the edge.
+
+Model: objects cover convex polygons of the table plane, and a place is a region of poses. The same
+region tells where an object has to go and, afterwards, whether it is there; so planner and checker
+cannot differ about a word. Left, right, in front and behind are those of the robot. Gaps are exact
+distances between surfaces; the middle of an object is its origin.
+
+Frames: everything in W's table plane [m].
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grammar import frames as g
+from planner.geometry.directions import HEADINGS, heading_of, unit
+from planner.geometry.footprints import footprint, gap
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from planner.types.defaults import Defaults
+    from planner.types.world_state import SeenObject, TableState, WorldState
+
+Array = NDArray[np.float64]
+
+SIDES: dict[str, str] = {
+    "left_of": "left",
+    "right_of": "right",
+    "in_front_of": "toward",
+    "behind": "away",
+}
+"""Relations to one side of an object, and the direction in which that lies."""
+
+_EDGES: dict[str, tuple[tuple[str, ...], ...]] = {
+    "left_edge": (("left",),),
+    "right_edge": (("right",),),
+    "front_edge": (("toward",),),
+    "back_edge": (("away",),),
+    "edge": (("left",), ("right",), ("toward",), ("away",)),
+    "front_left_corner": (("toward", "left"),),
+    "front_right_corner": (("toward", "right"),),
+    "back_left_corner": (("away", "left"),),
+    "back_right_corner": (("away", "right"),),
+    "corner": (("toward", "left"), ("toward", "right"), ("away", "left"), ("away", "right")),
+}
+"""Edges at which an object must stand to be in a region of the table; any of the choices will do.
+"""
+
+_CLOSE = 1e-5  # accuracy of a gap [m]
+_STEPS = 60  # advances until a gap is that accurate
+
+
+@dataclass(frozen=True)
+class Measure:
+    """One quantity of a place, as it should be and as it is.
+
+    Attributes:
+        quantity: what is measured, in words.
+        relation: how `measured` must stand to `expected`.
+        expected: what it should be [m].
+        measured: what it is [m].
+        tolerance: by how much it may miss [m].
+    """
+
+    quantity: str
+    relation: Literal["about", "at_most"]
+    expected: float
+    measured: float
+    tolerance: float
+
+    @property
+    def miss(self) -> float:
+        """How far it is from what it should be [m]; never negative."""
+        excess = self.measured - self.expected
+        return abs(excess) if self.relation == "about" else max(excess, 0.0)
+
+    @property
+    def ok(self) -> bool:
+        """Whether it is within its tolerance."""
+        return self.miss <= self.tolerance
+
+
+class Region(ABC):
+    """A place: the poses in which an object is where a word says."""
+
+    @abstractmethod
+    def spots(self, own: SeenObject) -> list[Array]:
+        """Positions of an object's origin in W at which it is in the middle of the place.
+
+        Args:
+            own: the object, with the heading that it will have there.
+
+        Returns:
+            Positions, shape (2,) each [m], the nearest to where it is first; none if there is no
+            room for it.
+        """
+
+    @abstractmethod
+    def measures(self, own: SeenObject) -> tuple[Measure, ...]:
+        """How well an object is there."""
+
+    def holds(self, own: SeenObject) -> bool:
+        """Whether an object is there, within the tolerances."""
+        return all(measure.ok for measure in self.measures(own))
+
+
+def region(goal: g.Place, state: WorldState, d: Defaults) -> Region | None:
+    """The place that a goal asks for, without its share of the way; None for one on an object.
+
+    Args:
+        goal: its objects resolved, its length in metres.
+        state: the objects on the table, and the table.
+        d: what a place means when no more is said.
+    """
+    reference = goal.reference
+    if isinstance(reference, g.Point):
+        return Spot(reference.x, reference.y, d.place_tolerance)
+    if isinstance(reference, str):
+        return table_region(reference, state.table, d)
+    objects = tuple(state.objects[ref.id or ""] for ref in reference)
+    match goal.relation, objects:
+        case "between", (one, other):
+            return Between(one, other, d.between_tolerance)
+        case "touching", (other,):
+            return Beside(other, None, 0.0, d.touching_gap, d.place_aside)
+        case "next_to" | "at" | "left_of" | "right_of" | "in_front_of" | "behind", (other,):
+            side = SIDES.get(goal.relation)
+            if goal.distance is None:
+                return Beside(other, side, d.place_gap, d.place_gap_tolerance, d.place_aside)
+            assert isinstance(goal.distance, float), "lengths measured in objects are resolved"
+            return Beside(other, side, goal.distance, d.place_tolerance, d.place_aside)
+    return None
+
+
+def table_region(name: str, table: TableState, d: Defaults) -> Region:
+    """A region of the table by its name in the frame contract."""
+    if name == "center":
+        middle = (table.x_min + table.x_max) / 2.0, (table.y_min + table.y_max) / 2.0
+        return Spot(*middle, d.centre_tolerance)
+    return AtEdge(table, _EDGES[name], d.edge_gap, d.edge_tolerance)
+
+
+@dataclass(frozen=True)
+class Spot(Region):
+    """A point of the table.
+
+    Attributes:
+        x, y: the point in W [m].
+        tolerance: distance from it within which an object is there [m].
+    """
+
+    x: float
+    y: float
+    tolerance: float
+
+    def spots(self, own: SeenObject) -> list[Array]:
+        """The point."""
+        return [np.array([self.x, self.y])]
+
+    def measures(self, own: SeenObject) -> tuple[Measure, ...]:
+        """How far the object is from it."""
+        off = math.hypot(own.pose.x - self.x, own.pose.y - self.y)
+        where = f"x {self.x:.3g} m, y {self.y:.3g} m"
+        return (Measure(f"distance from {where}", "at_most", 0.0, off, self.tolerance),)
+
+
+@dataclass(frozen=True)
+class Beside(Region):
+    """A place next to an object, on one side of it or on any.
+
+    Attributes:
+        other: the object.
+        side: direction in which the place lies, seen from `other`; None for any.
+        gap: between the surfaces [m].
+        tolerance: of the gap [m].
+        aside: share of the offset at which the two would no longer face each other.
+    """
+
+    other: SeenObject
+    side: str | None
+    gap: float
+    tolerance: float
+    aside: float
+
+    def spots(self, own: SeenObject) -> list[Array]:
+        """On its side: straight across from where the object is, and in the middle of the side."""
+        here, there = _middle(own), _middle(self.other)
+        if self.side is None:
+            straight = [self._at(own, unit(heading_of(here - there))[:2], 0.0)]
+            sides = [self._at(own, unit(heading)[:2], 0.0) for heading in HEADINGS.values()]
+            return _nearest_first(here, straight + sides)
+        u = unit(HEADINGS[self.side])[:2]
+        room = max(self._room(own, u) - self.tolerance, 0.0)
+        offset = float(np.clip((here - there) @ _across(u), -room, room))
+        return _nearest_first(here, [self._at(own, u, offset), self._at(own, u, 0.0)])
+
+    def measures(self, own: SeenObject) -> tuple[Measure, ...]:
+        """The gap, less than nothing on the wrong side; and how far it is from facing the other."""
+        name = self.other.name
+        apart = gap(footprint(own), footprint(self.other))
+        if self.side is None:
+            return (Measure(f"gap to the {name}", "about", self.gap, apart, self.tolerance),)
+        u = unit(HEADINGS[self.side])[:2]
+        way = _middle(own) - _middle(self.other)
+        apart = apart if way @ u > 0.0 else -abs(apart)
+        where = {"toward": "in front", "away": "behind"}.get(self.side, f"to the {self.side}")
+        offset, room = abs(float(way @ _across(u))), self._room(own, u)
+        return (
+            Measure(f"gap to the {name}, {where}", "about", self.gap, apart, self.tolerance),
+            Measure(f"off the middle of the {name}'s side", "at_most", 0.0, offset, room),
+        )
+
+    def _room(self, own: SeenObject, u: Array) -> float:
+        """Offset across a direction that is allowed [m]."""
+        widths = [np.ptp(footprint(seen) @ _across(u)) for seen in (own, self.other)]
+        return float(self.aside * sum(widths) / 2.0)
+
+    def _at(self, own: SeenObject, u: Array, offset: float) -> Array:
+        """Where an object is that came straight against `u` until the gap was left."""
+        standing, shape = footprint(self.other), footprint(own) - _middle(own)
+        far = np.linalg.norm(shape, axis=1).max() + self.gap
+        far += np.linalg.norm(standing - _middle(self.other), axis=1).max()
+        at = _middle(self.other) + offset * _across(u) + far * u
+        for _ in range(_STEPS):
+            # A step as long as what is left of the gap never takes it too close.
+            left = gap(shape + at, standing) - self.gap
+            if left < _CLOSE:
+                break
+            at = at - left * u
+        return np.asarray(at)
+
+
+@dataclass(frozen=True)
+class Between(Region):
+    """The place between two objects, with the same gap to both.
+
+    Attributes:
+        one, other: the two.
+        tolerance: distance from the middle within which an object is there [m].
+    """
+
+    one: SeenObject
+    other: SeenObject
+    tolerance: float
+
+    def spots(self, own: SeenObject) -> list[Array]:
+        """The middle; none if the object does not fit in between."""
+        at = self._halfway(own)
+        shape = footprint(own) - _middle(own) + at
+        fits = all(gap(shape, footprint(seen)) > 0.0 for seen in (self.one, self.other))
+        return [at] if fits else []
+
+    def measures(self, own: SeenObject) -> tuple[Measure, ...]:
+        """How far the object is from the middle."""
+        off = float(np.linalg.norm(_middle(own) - self._halfway(own)))
+        quantity = f"off the middle between the {self.one.name} and the {self.other.name}"
+        return (Measure(quantity, "at_most", 0.0, off, self.tolerance),)
+
+    def apart(self, own: SeenObject) -> float:
+        """The gap to each of the two, with the object in the middle [m]."""
+        at = moved(own, self._halfway(own))
+        return gap(footprint(at), footprint(self.one))
+
+    def _halfway(self, own: SeenObject) -> Array:
+        """Where on the line between the two an object is as far from one as from the other."""
+        a, b = _middle(self.one), _middle(self.other)
+        first, second = footprint(self.one), footprint(self.other)
+        shape = footprint(own) - _middle(own)
+        u = (b - a) / np.linalg.norm(b - a)
+        at = (a + b) / 2.0
+        for _ in range(_STEPS):
+            # Each gap changes by no more than the step, so half of the difference is never too far.
+            more = gap(shape + at, first) - gap(shape + at, second)
+            if abs(more) < _CLOSE:
+                break
+            at = at - 0.5 * more * u
+        return np.asarray(at)
+
+
+@dataclass(frozen=True)
+class AtEdge(Region):
+    """A place at an edge of the table, or at two of them.
+
+    Attributes:
+        table: whose edges they are.
+        choices: directions in which the edges lie; any of the choices will do.
+        gap: between the object and each edge [m].
+        tolerance: of the gap [m].
+    """
+
+    table: TableState
+    choices: tuple[tuple[str, ...], ...]
+    gap: float
+    tolerance: float
+
+    def spots(self, own: SeenObject) -> list[Array]:
+        """Straight across to the edge, for each choice."""
+        here = _middle(own)
+        ways = [
+            sum(
+                ((self._room(own, side) - self.gap) * unit(HEADINGS[side])[:2] for side in sides),
+                start=np.zeros(2),
+            )
+            for sides in self.choices
+        ]
+        return _nearest_first(here, [here + way for way in ways])
+
+    def measures(self, own: SeenObject) -> tuple[Measure, ...]:
+        """The gap to each edge of the choice that it is nearest to."""
+        found = [
+            tuple(
+                Measure(
+                    f"gap to the table's {_edge(side)} edge",
+                    "about", self.gap, self._room(own, side), self.tolerance,
+                )
+                for side in sides
+            )
+            for sides in self.choices
+        ]  # fmt: skip
+        return min(found, key=lambda gaps: sum(one.miss for one in gaps))
+
+    def _room(self, own: SeenObject, side: str) -> float:
+        """Distance from an object to an edge, negative beyond it [m]."""
+        t, u = self.table, unit(HEADINGS[side])[:2]
+        corner = np.array([t.x_max if u[0] > 0 else t.x_min, t.y_max if u[1] > 0 else t.y_min])
+        return float((corner - footprint(own)).dot(u).min())
+
+
+def share_of_way(place: Region, share: float, start: SeenObject, tolerance: float) -> Region:
+    """The place at a share of the straight way to another one ("halfway to the left edge").
+
+    Args:
+        place: where the whole way would lead.
+        share: of the way.
+        start: the object where the way begins.
+        tolerance: of the end [m].
+    """
+    spots = place.spots(start)
+    if not spots:
+        return place
+    here = _middle(start)
+    x, y = (here + share * (spots[0] - here)).tolist()
+    return Spot(x, y, tolerance)
+
+
+def moved(seen: SeenObject, at: Array) -> SeenObject:
+    """An object at another position, with the heading that it has."""
+    return replace(seen, pose=replace(seen.pose, x=float(at[0]), y=float(at[1])))
+
+
+def _middle(seen: SeenObject) -> Array:
+    return np.array([seen.pose.x, seen.pose.y])
+
+
+def _across(u: Array) -> Array:
+    return np.array([-u[1], u[0]])
+
+
+def _edge(side: str) -> str:
+    return {"toward": "front", "away": "back"}.get(side, side)
+
+
+def _nearest_first(here: Array, spots: Iterable[Array]) -> list[Array]:
+    """Spots by their distance, none of them twice."""
+    found: list[Array] = []
+    for spot in sorted(spots, key=lambda at: float(np.linalg.norm(at - here))):
+        if not any(np.allclose(spot, other, atol=_CLOSE) for other in found):
+            found.append(spot)
+    return found

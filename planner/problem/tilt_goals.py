@@ -1,0 +1,181 @@
+"""Tilting an object and letting it back onto its base: how far, and whether it surely comes back.
+
+Model: the object pivots about the far edge of its base; see `objectmodels.tilting`. It must come
+back with the probability that plans need, from the asked angle and from what the control may miss
+it by. It leans over by sin θ times its height on the way.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from objectmodels.tilting import largest_return, return_probability
+from planner.geometry.footprints import footprint, free_travel
+from planner.types.plan import Limits, Refusal
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from grammar.frames import Tilt
+    from objectmodels import ObjectModel
+    from planner.types.defaults import Defaults
+    from planner.types.plan import Prediction, Push
+    from planner.types.world_state import SeenObject, WorldState
+
+CLEARANCE = 0.01
+"""Distance that a leaning object keeps from others [m]."""
+
+_HEADINGS = 24  # to which what is tilted may lean
+_SLACK = 0.015  # travel beyond what the model says, for what it does not know [m]
+
+
+def meant(goal: Tilt, model: ObjectModel, defaults: Defaults) -> tuple[float, str | None]:
+    """The angle to plan for [rad], and why it is a default, if it is one."""
+    if goal.angle is not None:
+        # A bound is kept with the tolerance to spare.
+        spare = {"exact": 0.0, "at_least": 1.0, "at_most": -1.0}[goal.bound]
+        return goal.angle + spare * min(defaults.tilt_tolerance, 0.5 * goal.angle), None
+    most = almost_tips(model, defaults)
+    if goal.amount == "lot":
+        return most, "“a lot”"
+    if goal.amount == "little":
+        return min(defaults.tilt_little, most), "“a little”"
+    return min(defaults.tilt, most), "no angle said"
+
+
+def almost_tips(model: ObjectModel, defaults: Defaults) -> float:
+    """A tilt well short of the angle of no return, whichever way it is tilted [rad]."""
+    least = min(model.angle_of_no_return(face.normal) for face in model.faces())
+    return defaults.tilt_lot * least
+
+
+def spill_tilt(target: SeenObject, sigmas: float) -> float | None:
+    """Least tilt at which an object may begin to spill [rad]; None if nothing can run out.
+
+    Args:
+        target: the object.
+        sigmas: standard deviations by which there may be more in it than is believed.
+    """
+    container, vessel = target.model.container, target.model.vessel
+    if container is None or vessel is None or target.covered:
+        return None
+    volume = container.contents + sigmas * container.contents_sd
+    if volume <= 0.0:
+        return None
+    headings = np.linspace(-np.pi, np.pi, _HEADINGS, endpoint=False)
+    return float(vessel.spill_angle(volume, headings).min())
+
+
+def hindered(
+    target: SeenObject,
+    state: WorldState,
+    normal: ArrayLike,
+    u: NDArray[np.float64],
+    angle: float,
+    defaults: Defaults,
+) -> Refusal | None:
+    """Why an object is not tilted from a face; None if it may be.
+
+    Args:
+        target: the object.
+        state: what stands around it.
+        normal: outward normal of the face in B, shape (3,).
+        u: unit direction of the push in W, shape (3,).
+        angle: by which it is to be tilted [rad].
+        defaults: the least probability, and the tolerance of a tilt.
+    """
+    most = angle + defaults.tilt_tolerance
+    inward = -np.asarray(normal)
+    if return_probability(target.model, inward, most) < defaults.probability:
+        return _may_fall(target, inward, angle, defaults)
+    leans = target.model.top * math.sin(most)
+    here = footprint(target)
+    for name, other in state.objects.items():
+        if name == target.name:
+            continue
+        free = free_travel(here, footprint(other), u[:2], CLEARANCE)
+        if free < leans:
+            return Refusal(
+                reason="blocked",
+                message=f"tilted by {_deg(angle)}, the {target.name} would lean over by "
+                f"{1e3 * leans:.0f} mm; the {name} leaves it {1e3 * max(free, 0.0):.0f} mm",
+                numbers={"free": free, "leans_over": leans},
+                suggestions=("tilt it to another side",),
+            )
+    return None
+
+
+def tilted(
+    push: Push,
+    model: ObjectModel,
+    inward: NDArray[np.float64],
+    angle: float,
+    defaults: Defaults,
+) -> Push:
+    """The push with a tilt as its end.
+
+    Args:
+        push: high on the face, as for a topple.
+        model: of the object.
+        inward: inward normal of the face in B, shape (3,).
+        angle: by which it is tilted [rad].
+        defaults: the tolerance of a tilt.
+    """
+    most = angle + defaults.tilt_tolerance
+    stroke = model.topple_stroke(inward, push.p_BC[2], most) + _SLACK
+    changes = {
+        "ends_on": "tilted", "tilt": angle, "stroke": stroke,
+        "limits": Limits(tilt=most),
+    }  # fmt: skip
+    return push.model_copy(update=changes)
+
+
+def returning(
+    predicted: Prediction,
+    model: ObjectModel,
+    inward: NDArray[np.float64],
+    angle: float,
+    defaults: Defaults,
+) -> Prediction:
+    """The prediction with the chance that the object also comes back from a tilt."""
+    back = return_probability(model, inward, angle + defaults.tilt_tolerance)
+    # At least so likely, however the two hang together.
+    both = max(predicted.probability + back - 1.0, 0.0)
+    return predicted.model_copy(update={"probability": both})
+
+
+def _may_fall(
+    target: SeenObject, inward: NDArray[np.float64], angle: float, defaults: Defaults
+) -> Refusal:
+    """It would not surely come back."""
+    no_return = target.model.angle_of_no_return(inward)
+    sure = largest_return(target.model, inward, defaults.probability)
+    possible = max(sure - defaults.tilt_tolerance, 0.0)
+    impossible = angle >= no_return
+    unknown = (
+        ""
+        if impossible
+        else f"; with what is known of its centre of mass, it is sure to come back from up to "
+        f"{_floor(sure)} only, and a tilt may be {_deg(defaults.tilt_tolerance)} more than asked"
+    )
+    ways = (f"up to {_floor(possible)} would do",) if possible > math.radians(1.0) else ()
+    learn = () if impossible else ("find out where its centre of mass is first",)
+    return Refusal(
+        reason="impossible" if impossible else "too_uncertain",
+        message=f"{_deg(angle)} are asked, and the {target.name} falls by itself beyond "
+        f"{_deg(no_return)}{unknown}",
+        numbers={"tilt": angle, "stay_on_base_angle": no_return, "sure_return": sure},
+        suggestions=(*ways, *learn),
+    )
+
+
+def _deg(angle: float) -> str:
+    return f"{math.degrees(angle):.1f}°".replace(".0°", "°")
+
+
+def _floor(angle: float) -> str:
+    """An angle in words that is not rounded up."""
+    return f"{math.floor(10.0 * math.degrees(angle)) / 10.0:g}°"

@@ -1,0 +1,1 @@
+"""Contacts, sequences, topples, turns, strategies."""

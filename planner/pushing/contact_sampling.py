@@ -1,0 +1,265 @@
+"""Contact points over the side faces, and what the object model says of each.
+
+Model: a fingertip may transmit any force in its friction cone, so a contact counts only if the
+wanted outcome holds for all of them. First the whole cone is taken; if nothing is left, the part
+of it that the hand's stiffness allows (`Reach.force_skew`), which the plan then says. The
+parameters are taken at two standard deviations, then at fewer if the outcome still has the
+probability that is asked.
+
+Frames: contacts are in B; heights above the table.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.geometry.directions import angle_between
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from objectmodels import ConeThresholds, Face, ObjectModel
+    from planner.problem.push_problem import Asked
+    from planner.pushing.touchable_sides import Side
+    from planner.types.defaults import Defaults
+    from planner.types.robot import Reach
+
+Array = NDArray[np.float64]
+
+EDGE = 0.006
+"""How far from the edges of a face contacts stay at least; fingertips may overhang them [m]."""
+
+_HEIGHT_STEP = 0.004
+_SIDESTEPS = {1: (0.0,), 2: (0.0, 0.01, -0.01, 0.02, -0.02)}
+_ROUND = 0.7  # sine of the largest angle at which two fingertips touch a round side
+# Places in the order of margins at which the reach may be asked for; the hand that does not get
+# down beside a neighbour often gets to a place that is higher up.
+_SHARES = np.array([0.0, 0.15, 0.4, 0.75])
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """Contacts of one face with one number of fingers, n of them, and their thresholds.
+
+    Attributes:
+        side: the face.
+        fingers: how many fingertips push.
+        spread: distance between two of them [m]; 0 for one.
+        points: contacts (midpoints of two) in B, shape (n, 3) [m].
+        lateral: room to the nearest edge of the face, shape (n,) [m].
+        cone: thresholds over the friction cone at `sigmas`.
+        sigmas: standard deviations that the worst case takes.
+        guarded: whether the cone is that of the hand's stiffness instead of friction's.
+        chosen: contacts whose outcome is as wanted, the best first.
+        probability: of the wanted outcome, for the chosen ones.
+    """
+
+    side: Side
+    fingers: Literal[1, 2]
+    spread: float
+    points: Array
+    lateral: Array
+    cone: ConeThresholds
+    sigmas: float
+    guarded: bool
+    chosen: NDArray[np.intp]
+    probability: Array
+
+
+def grid(
+    model: ObjectModel, side: Side, fingers: int, asked: Asked, reach: Reach
+) -> tuple[Array, Array]:
+    """Contacts of a face: points in B, shape (n, 3) [m], and room to its edges, shape (n,) [m]."""
+    points, room, _ = _places(side.face, fingers, _allowed(model, side, fingers, asked, reach))
+    return points, room
+
+
+@dataclass(frozen=True)
+class _Allowed:
+    """Where on a face contacts may lie.
+
+    Attributes:
+        low, high: heights [m].
+        aim: the best place along the face, from its middle [m].
+        beside: further places, from there [m].
+        tip: radius of a fingertip [m].
+        spread: distance between two of them [m]; 0 for one.
+        edge: how far from the edges of the face they stay [m].
+    """
+
+    low: float
+    high: float
+    aim: float
+    beside: tuple[float, ...]
+    tip: float
+    spread: float
+    edge: float
+
+
+def _allowed(model: ObjectModel, side: Side, fingers: int, asked: Asked, reach: Reach) -> _Allowed:
+    tip, face = reach.fingertip_radius, side.face
+    low = max(asked.low, reach.lowest_height, face.bottom)
+    high = min(asked.high, face.top - tip)
+    spread, edge = _spread(face, fingers, reach)
+    if asked.swing:
+        return _Allowed(low, high, asked.lateral, (0.0,), tip, spread, edge)
+    # To a micrometre, so that equal pushes are looked up as such.
+    aim = round(_through_the_middle(model, side, asked), 6)
+    return _Allowed(low, high, aim, _SIDESTEPS[fingers], tip, spread, edge)
+
+
+def _spread(face: Face, fingers: int, reach: Reach) -> tuple[float, float]:
+    """The largest distance at which fingertips find a place, and that place's from the edge [m].
+
+    They find it whole if they can; the least of both if they do not find it at all.
+    """
+    whole = reach.fingertip_radius
+    spreads = reach.finger_spreads if fingers == 2 else (0.0,)
+    if face.curvature:
+        return spreads[0], whole  # two hold what is round between them
+    for edge, spread in itertools.product((whole, EDGE), spreads):
+        if spread + 2.0 * edge <= face.width + 1e-9:
+            return spread, edge
+    return spreads[-1], EDGE
+
+
+def _through_the_middle(model: ObjectModel, side: Side, asked: Asked) -> float:
+    """Where a push along the asked heading goes through the centre of mass, on the face [m]."""
+    face = side.face
+    if face.curvature:
+        return 0.0
+    oblique = 0.0
+    if asked.outcome == "slide" and asked.heading is not None:
+        oblique = angle_between(asked.heading, side.heading)
+    off = np.array(model.com) - face.centre
+    depth = -float(off @ np.array(face.normal))
+    # The tangent is ẑ × normal: to the right of the push.
+    return float(off @ np.array(face.tangent)) + depth * math.tan(oblique)
+
+
+def _places(face: Face, fingers: int, allowed: _Allowed) -> tuple[Array, Array, Array]:
+    """Points in B (n, 3), room to the edges (n,), distances from the best place (n,)."""
+    room = face.width / 2 - allowed.edge - allowed.spread / 2
+    if face.curvature and fingers == 2:
+        # Fingertips that would meet it too far round its side slip off.
+        around = _ROUND * (1.0 / face.curvature + allowed.tip)
+        room = 0.0 if allowed.spread / 2 <= around else -1.0
+    low, high = allowed.low, allowed.high
+    if room < -1e-9 or high < low - 1e-9:
+        return np.empty((0, 3)), np.empty(0), np.empty(0)
+    aim = float(np.clip(allowed.aim, -max(room, 0.0), max(room, 0.0)))
+    lateral = np.array([aim + y for y in allowed.beside if abs(aim + y) <= room + 1e-9 or y == 0])
+    heights = np.linspace(low, high, max(1, round((high - low) / _HEIGHT_STEP)) + 1)
+    z, y = (a.ravel() for a in np.meshgrid(heights, lateral, indexing="ij"))
+    on = face.contains(y, z)
+    points, _ = face.at(y[on], z[on])
+    return points, room - np.abs(y[on]), np.abs(y[on] - aim)
+
+
+def as_held(model: ObjectModel, reach: Reach) -> ObjectModel:
+    """The object for forces that the hand's stiffness lets a fingertip transmit, and no others."""
+    return model.model_copy(
+        update={
+            "finger_friction": min(reach.force_skew, model.finger_friction),
+            "finger_friction_sd": 0.0,
+        }
+    )
+
+
+def rated(
+    model: ObjectModel, sides: list[Side], asked: Asked, reach: Reach, defaults: Defaults
+) -> Iterator[list[Contacts]]:
+    """Contacts at which the wanted outcome is sure enough, from the surest case to the least.
+
+    Two fingers come before one, since they hold the object's heading by themselves.
+    """
+    held = as_held(model, reach)
+    for fingers in asked.fingers:
+        places = [(side, _allowed(model, side, fingers, asked, reach)) for side in sides]
+        turns = fingers == 1
+        cases = [(model, False, turns), (held, True, turns)]
+        if turns and asked.outcome == "topple":
+            # Over an edge that lies on the table it does not turn; that it does not turn before it
+            # is over, `forecast.confirmed` looks at.
+            cases.append((held, True, False))
+        for believed, guarded, turning in cases:
+            for sigmas in (defaults.sigmas, defaults.sigmas / 2, 0.0):
+                # Within all sigmas the outcome is sure; within fewer it must also be likely.
+                least = 0.0 if sigmas == defaults.sigmas else defaults.probability
+                found = [
+                    Contacts(
+                        side=side,
+                        fingers=fingers,
+                        spread=allowed.spread,
+                        sigmas=sigmas,
+                        guarded=guarded,
+                        **_rating(
+                            believed,
+                            side.face,
+                            fingers,
+                            allowed,
+                            sigmas,
+                            asked.outcome,
+                            least,
+                            turning,
+                        ),
+                    )
+                    for side, allowed in places
+                ]
+                yield [contacts for contacts in found if len(contacts.chosen)]
+
+
+class _Rating(TypedDict):
+    """What of `Contacts` depends on the model and the face alone."""
+
+    points: Array
+    lateral: Array
+    cone: ConeThresholds
+    chosen: NDArray[np.intp]
+    probability: Array
+
+
+@functools.lru_cache(maxsize=1024)
+def _rating(
+    model: ObjectModel,
+    face: Face,
+    fingers: Literal[1, 2],
+    allowed: _Allowed,
+    sigmas: float,
+    outcome: Literal["slide", "topple"],
+    least: float,
+    turning: bool,
+) -> _Rating:
+    """The contacts of a face, kept: models and faces never change, new beliefs are new models."""
+    points, lateral, aside = _places(face, fingers, allowed)
+    normals = np.tile(np.array(face.normal), (len(points), 1))
+    cone = model.cone_thresholds(points, normals, sigmas=sigmas, yaw=turning)
+    holds = cone.slides if outcome == "slide" else cone.topples
+    margin = cone.slide_margin if outcome == "slide" else cone.topple_margin
+    # Off the best place the object turns, or one finger carries more.
+    order = np.argsort(-np.where(holds, margin, -np.inf) + 1e-3 * aside)
+    chosen = _spread_out(order[: np.count_nonzero(holds)])
+    probability = np.empty(0)
+    if len(chosen):
+        few = model.cone_thresholds(points[chosen], normals[chosen], sigmas=sigmas, yaw=turning)
+        probability = few.probability_slide if outcome == "slide" else few.probability_topple
+        likely = probability >= least
+        chosen, probability = chosen[likely], probability[likely]
+    return _Rating(
+        points=points, lateral=lateral, cone=cone, chosen=chosen, probability=probability
+    )
+
+
+def _spread_out(order: NDArray[np.intp]) -> NDArray[np.intp]:
+    """The best of an order of contacts and some that are less good, but reached otherwise."""
+    if not len(order):
+        return order
+    at = np.unique((_SHARES * len(order)).astype(np.intp))
+    return np.asarray(order[at], dtype=np.intp)

@@ -1,0 +1,194 @@
+"""Ways of an object over the table: straight legs along its faces from where it is to its aim.
+
+Model: a straight push moves an object along the inward normal of a face, or a little oblique to it
+as long as the fingertips stick; its heading stays. So the way to a place is one leg, or two along
+the normals of two faces, or more around what stands in the way. A round object has a face
+everywhere. Legs must be free for the moving footprint; shorter ways come first.
+
+Frames: W, its table plane.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from objectmodels.base import Disc
+from planner.geometry.directions import angle_between, heading_of, unit
+from planner.geometry.footprints import footprint, free_travel, travel_to_edge
+from planner.problem.place_regions import moved
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from planner.types.plan import Aim
+    from planner.types.world_state import SeenObject, WorldState
+
+OBLIQUE = math.radians(17.5)
+"""Largest angle between a push and the inward normal of the face, if friction allows it."""
+
+_STEEPEST = 0.85
+"""Share of the angle at which two fingertips slip up to which they may push where nothing else is
+left; beyond it they creep along the face."""
+
+ANOTHER_PUSH = 0.15
+"""Way that costs as much as another push [m]."""
+
+_DETOURS = np.arange(0.04, 0.33, 0.04)
+"""Lengths of a first leg around what stands in the way [m]."""
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A straight piece of a way: heading in W [rad] and length [m]."""
+
+    heading: float
+    distance: float
+
+    @property
+    def displacement(self) -> NDArray[np.float64]:
+        """Of the object in W, shape (3,) [m]."""
+        return self.distance * unit(self.heading)
+
+
+@dataclass(frozen=True)
+class Stop:
+    """What ends a way too early.
+
+    Attributes:
+        free: length that is free [m].
+        leg: on which it is met.
+        other: name of the object in the way; None if it is the table's edge.
+    """
+
+    free: float
+    leg: Leg
+    other: str | None
+
+
+def displaced(target: SeenObject, leg: Leg) -> SeenObject:
+    """The object after a leg."""
+    return moved(target, (target.pose.p_WB + leg.displacement)[:2])
+
+
+def grip(target: SeenObject, sigmas: float, *, steep: bool = False) -> float:
+    """Largest angle between a push and the normal of a face at which fingertips stick [rad].
+
+    Args:
+        target: the object.
+        sigmas: by which friction may be less than believed.
+        steep: whether two fingertips may go nearly to where they would slip.
+    """
+    model = target.model
+    least = model.finger_friction - sigmas * model.finger_friction_sd
+    slips = math.atan(max(least, 0.0))
+    return _STEEPEST * slips if steep else min(OBLIQUE, slips)
+
+
+def obliqueness(target: SeenObject, heading: float) -> float:
+    """Angle by which an object would have to turn for a face to be square to a push [rad]."""
+    inward = _inward(target)
+    if isinstance(target.model.base, Disc) or not inward:
+        return 0.0
+    return min((angle_between(heading, h) for h in inward), key=abs)
+
+
+def ways(target: SeenObject, aim: Aim, within: float, largest: float) -> Iterator[tuple[Leg, ...]]:
+    """Ways of one or two legs from where an object is to an aim, the shortest first.
+
+    Args:
+        target: the object.
+        aim: where it should be; its heading is not looked at.
+        within: distance that need not be travelled [m]; legs shorter than half of it are left out.
+        largest: angle between a leg and the normal of its face, if it is the only one [rad].
+    """
+    rest = np.array([aim.x, aim.y, 0.0]) - target.pose.p_WB
+    length, heading = float(np.linalg.norm(rest)), heading_of(rest)
+    if isinstance(target.model.base, Disc):
+        yield (Leg(heading, length),)
+        return
+    inward = _inward(target)
+    if not inward:
+        return
+    off = min(abs(angle_between(heading, h)) for h in inward)
+    if off <= largest:
+        yield (Leg(heading, length),)
+    pairs = []
+    for a, b in itertools.combinations(inward, 2):
+        along = np.column_stack((unit(a)[:2], unit(b)[:2]))
+        if abs(np.linalg.det(along)) < 0.1:
+            continue
+        lengths = np.linalg.solve(along, rest[:2])
+        if (lengths < -0.5 * within).any():
+            continue
+        legs = [Leg(h, float(s)) for h, s in zip((a, b), lengths, strict=True) if s > 0.5 * within]
+        pairs.append(sorted(legs, key=lambda leg: -leg.distance))
+    for legs in sorted(pairs, key=lambda each: sum(leg.distance for leg in each)):
+        for order in itertools.permutations(legs):
+            if order:
+                yield order
+
+
+def headings(target: SeenObject, aim: Aim) -> tuple[float, ...]:
+    """Headings in which an object is pushed square to a face; of a round one four [rad].
+
+    Args:
+        target: the object.
+        aim: where it should be; a round object is pushed that way, and across.
+    """
+    if not isinstance(target.model.base, Disc):
+        return tuple(_inward(target))
+    ahead = heading_of(np.array([aim.x, aim.y, 0.0]) - target.pose.p_WB)
+    return tuple(ahead + quarter * math.pi / 2.0 for quarter in range(4))
+
+
+def around(target: SeenObject, aim: Aim, within: float, largest: float) -> list[tuple[Leg, ...]]:
+    """Ways that begin with a leg to the side, the shortest first."""
+    found = []
+    for heading, length in itertools.product(headings(target, aim), _DETOURS):
+        first = Leg(heading, float(length))
+        found += [(first, *then) for then in ways(displaced(target, first), aim, within, largest)]
+    return sorted(found, key=lambda way: sum(leg.distance for leg in way))
+
+
+def stop(
+    target: SeenObject,
+    way: tuple[Leg, ...],
+    state: WorldState,
+    clearances: dict[str, float],
+    margin: float,
+) -> Stop | None:
+    """What stands in a way first; None if it is free.
+
+    Args:
+        target: the object, where the way begins.
+        way: its legs.
+        state: what is believed.
+        clearances: distance kept from each other object [m].
+        margin: distance kept from the table's edge [m].
+    """
+    here, free = footprint(target), 0.0
+    others = {name: footprint(state.objects[name]) for name in clearances}
+    for leg in way:
+        u = unit(leg.heading)[:2]
+        room: list[tuple[float, str | None]] = [
+            (travel_to_edge(here, state.table, u, margin), None)
+        ]
+        for name, corners in others.items():
+            room.append((free_travel(here, corners, u, clearances[name]), name))
+        least, other = min(room, key=lambda each: each[0])
+        if least < leg.distance:
+            return Stop(free + max(least, 0.0), leg, other)
+        here, free = here + leg.distance * u, free + leg.distance
+    return None
+
+
+def _inward(target: SeenObject) -> list[float]:
+    """Headings in W of the inward normals of the side faces [rad]."""
+    R_WB = target.pose.R_WB
+    return [heading_of(-R_WB @ np.array(face.normal)) for face in target.model.faces()]

@@ -1,0 +1,221 @@
+"""Turning an object about the vertical: pushes off the middle of opposite sides by turns.
+
+Model: each push turns the object about a pivot off its middle (`objectmodels.turning`), so that it
+is displaced as well; the next push, on the opposite side, takes most of that back. Of some ways to
+part a turn (equal parts, or those of `objectmodels.turnsequence`, whose displacements cancel) and
+of all sides to begin on, the one is taken that ends nearest to where the object should be with few
+pushes. It is parted anew after each push, from where the object is seen then.
+
+Frames: W, its table plane; pivots in B.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from objectmodels.base import Disc
+from objectmodels.turning import best_turn
+from objectmodels.turnsequence import turn_parts
+from planner.geometry.directions import heading_of
+from planner.geometry.footprints import footprint, gap, travel_to_edge
+from planner.pushing.touchable_sides import Side
+
+if TYPE_CHECKING:
+    from objectmodels.faces import Face
+    from objectmodels.turning import TurningPush
+    from planner.types.plan import Aim, Push
+    from planner.types.world_state import PlanarPose, SeenObject, WorldState
+
+MOST = math.radians(52.0)
+"""Largest turn by one push: the palm turns with the object, and the arm must follow."""
+
+_SMALL = math.radians(20.0)  # turn whose pivot stands for all
+_AT_PLACE = 0.004  # an object so near to its place needs no further push [m]
+_CORRECTION = 2.2, 0.1  # pushes that a correction takes, and one more for each so much way [m]
+_EXCURSION = 0.05  # way from its place on the way that counts as much as a push [m]
+_ROUND_HEADINGS = np.radians(np.arange(-180.0, 180.0, 30.0))
+_LOOKED_AT = 4  # poses of one push that must be free
+
+
+@dataclass(frozen=True)
+class Swing:
+    """A push that turns the object.
+
+    Attributes:
+        side: on which side.
+        angle: by what angle, counter-clockwise [rad].
+        pivot: about which point of B, (x, y) [m].
+    """
+
+    side: Side
+    angle: float
+    pivot: tuple[float, float]
+
+    def push(self, target: SeenObject, height: float = 0.0) -> TurningPush:
+        """The push that does it best at a height."""
+        found = best_turn(target.model, self.side.face, self.angle, height)
+        assert found is not None, "its side was chosen for that"
+        return found
+
+    def lateral(self, target: SeenObject) -> float:
+        """Where along the face it is touched, from its middle [m]."""
+        face = self.side.face
+        return float((np.array(self.push(target).point) - face.centre) @ np.array(face.tangent))
+
+    def left(self, target: SeenObject, share: float = 1.0) -> SeenObject:
+        """The object after a share of the turn, as predicted."""
+        pose, angle = target.pose, share * self.angle
+        pivot, after = np.array(self.pivot), replace(pose, yaw=pose.yaw + angle)
+        # The pivot stays where it is.
+        x, y = (pose.p_WB + (pose.R_WB - after.R_WB) @ np.append(pivot, 0.0))[:2].tolist()
+        return replace(target, pose=replace(after, x=x, y=y))
+
+
+def swings(target: SeenObject, turn: float, aim: Aim) -> Iterator[tuple[Swing, ...]]:
+    """Ways to turn an object, the best first.
+
+    Args:
+        target: the object.
+        turn: angle by which it has to turn [rad].
+        aim: where it should be.
+    """
+    sides = _turnable(target, math.copysign(_SMALL, turn))
+    found = []
+    for parts, (number, side) in itertools.product(_partings(turn), enumerate(sides)):
+        steps = tuple(
+            replace(each, angle=angle) for each, angle in zip(itertools.cycle(side), parts)
+        )
+        offs, there = [], target
+        for step in steps:
+            there = step.left(there)
+            offs.append(math.dist((aim.x, aim.y), (there.pose.x, there.pose.y)))
+        rest = 0.0 if offs[-1] < _AT_PLACE else _CORRECTION[0] + offs[-1] / _CORRECTION[1]
+        # On its way it had better stay near, too.
+        cost = len(steps) + rest + max(offs) / _EXCURSION
+        found.append((round(cost, 3), abs(side[0].side.heading), number, steps))
+    for *_, steps in sorted(found, key=lambda each: each[:3]):
+        yield steps
+
+
+def continued(
+    target: SeenObject, turn: float, foreseen: tuple[Push, ...]
+) -> tuple[Swing, ...] | None:
+    """The rest of a turn as it was foreseen, its parts scaled to what is left; None if it ended.
+
+    Args:
+        target: the object.
+        turn: angle by which it still has to turn [rad].
+        foreseen: the pushes that were planned to come next.
+    """
+    parts = [*itertools.takewhile(lambda push: push.ends_on == "turned", foreseen)]
+    whole = sum(push.turn for push in parts)
+    if not parts or whole * turn <= 0.0:
+        return None
+    steps = []
+    for push in parts:
+        swing = _swing(_touched(target, push), target, push.turn * turn / whole)
+        if swing is None or abs(swing.angle) > MOST:
+            return None
+        steps.append(swing)
+    return tuple(steps)
+
+
+def _touched(target: SeenObject, push: Push) -> Side:
+    """The side that a push touches."""
+    p = np.array(push.p_BC)
+    headings = np.array([math.atan2(-p[1], -p[0])])
+    faces = target.model.faces(headings if isinstance(target.model.base, Disc) else None)
+    on = [abs(float((p - face.centre) @ np.array(face.normal))) for face in faces]
+    beside = [abs(float((p - face.centre) @ np.array(face.tangent))) for face in faces]
+    off = [o + max(b - 0.5 * f.width, 0.0) for o, b, f in zip(on, beside, faces, strict=True)]
+    return _side(faces[int(np.argmin(off))], target.pose)
+
+
+def _partings(turn: float) -> list[tuple[float, ...]]:
+    """Ways to part a turn, none of whose parts is too large."""
+    least = max(math.ceil(abs(turn) / MOST), 1)
+    parted = [(turn / n,) * n for n in (least, least + 1)]
+    cancelling = turn_parts(turn)
+    parted.append(cancelling)
+    # What is left of one after its first push.
+    rest = sum(cancelling[1:])
+    parted.append(tuple(part * turn / rest for part in cancelling[1:]))
+    return [parts for parts in dict.fromkeys(parted) if max(map(abs, parts)) <= MOST]
+
+
+def _turnable(target: SeenObject, angle: float) -> list[tuple[Swing, Swing]]:
+    """Opposite sides on which a finger turns the object in a sense, each as the first once."""
+    found = []
+    for side in _sides(target):
+        pair = [_swing(each, target, angle) for each in (side, _opposite(side, target))]
+        if pair[0] is not None and pair[1] is not None:
+            found.append((pair[0], pair[1]))
+    return found
+
+
+def _swing(side: Side, target: SeenObject, angle: float) -> Swing | None:
+    pushed = best_turn(target.model, side.face, angle, 0.0)
+    if pushed is None:
+        return None
+    x, y, turned = pushed.pose
+    across = 1.0 / math.tan(0.5 * turned)
+    return Swing(side, angle, (0.5 * (x - across * y), 0.5 * (y + across * x)))
+
+
+def free(
+    target: SeenObject,
+    steps: tuple[Swing, ...],
+    state: WorldState,
+    clearances: dict[str, float],
+    margin: float,
+) -> str | None:
+    """What the object would come too close to as it turns.
+
+    Args:
+        target: the object before.
+        steps: its pushes.
+        state: what is believed.
+        clearances: distance kept from each other object [m].
+        margin: distance kept from the table's edge [m].
+
+    Returns:
+        Name of another object, "table", or None if the turn is free.
+    """
+    for step in steps:
+        for share in np.linspace(0.0, 1.0, _LOOKED_AT + 1)[1:]:
+            here = footprint(step.left(target, float(share)))
+            for name, apart in clearances.items():
+                if gap(here, footprint(state.objects[name])) < apart:
+                    return name
+            for u in np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]):
+                if travel_to_edge(here, state.table, u, margin) < 0.0:
+                    return "table"
+        target = step.left(target)
+    return None
+
+
+def _sides(target: SeenObject) -> list[Side]:
+    """Sides of an object; of a round one some, evenly around it."""
+    pose, model = target.pose, target.model
+    headings = _ROUND_HEADINGS - pose.yaw if isinstance(model.base, Disc) else None
+    return [_side(face, pose) for face in model.faces(headings)]
+
+
+def _side(face: Face, pose: PlanarPose) -> Side:
+    return Side(face, heading_of(-pose.R_WB @ np.array(face.normal)))
+
+
+def _opposite(side: Side, target: SeenObject) -> Side:
+    """The side that looks the other way in B."""
+    normal = np.array(side.face.normal)
+    headings = None
+    if isinstance(target.model.base, Disc):
+        headings = np.array([math.atan2(normal[1], normal[0])])
+    faces = target.model.faces(headings)
+    return _side(min(faces, key=lambda face: float(np.array(face.normal) @ normal)), target.pose)

@@ -1,0 +1,1 @@
+"""Every reason in words, with its numbers."""

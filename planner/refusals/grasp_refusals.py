@@ -1,0 +1,229 @@
+"""Why a hand does not hold, lift or place something: a sentence with the numbers that decide."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from planner.refusals.push_refusals import RefusedError, unsupported
+from planner.types.plan import Refusal
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from objectmodels.parts import Graspable
+    from planner.grasping.grasp_sampling import Candidate
+    from planner.problem.grasp_limits import Manner
+    from planner.problem.planning_problem import Task
+    from planner.types.actions import HandlingPlan
+    from planner.types.hand_reach import HandReach
+    from planner.types.plan import RefusalReason
+    from planner.types.robot import ReachAnswer
+    from planner.types.world_state import SeenObject
+
+Spans = tuple[tuple[int, int], ...]
+
+
+def refused(
+    reason: RefusalReason,
+    message: str,
+    spans: Spans,
+    *suggestions: str,
+    **numbers: float,
+) -> RefusedError:
+    """A refusal because of some words, or of none, with its numbers by their names."""
+    return RefusedError(
+        Refusal(
+            reason=reason, message=message, numbers=numbers, spans=spans, suggestions=suggestions
+        )
+    )
+
+
+def mm(length: float) -> str:
+    """A length as people read it."""
+    return f"{1e3 * length:.0f} mm"
+
+
+# -- where it may be held -----------------------------------------------------------------------
+
+
+def not_graspable(target: SeenObject) -> RefusedError:
+    """Nobody has said where it may be held."""
+    return unsupported(
+        f"holding the {target.name}",
+        f"the model of the {target.name} does not say where a hand may hold it",
+        (),
+        "push it",
+        "add a `grasp` block to its model",
+    )
+
+
+def not_that_wide(
+    target: SeenObject, widths: Sequence[float], hand: HandReach, part: str = "body"
+) -> RefusedError:
+    """The hand does not close about it."""
+    what = f"the {target.name}" if part == "body" else f"the {target.name}'s lid"
+    if not widths:
+        return refused("impossible", f"{what} has no two sides that a hand could hold", ())
+    width = min(widths)
+    if width > hand.widest:
+        opens = f"the hand opens to {mm(hand.widest)}"
+    else:
+        width = max(widths)
+        opens = f"the hand closes to {mm(hand.narrowest)}"
+    return refused(
+        "impossible",
+        f"{what} is {mm(width)} wide, {opens}",
+        (),
+        "push it",
+        width=width,
+        widest=hand.widest,
+        narrowest=hand.narrowest,
+    )
+
+
+def low_lid(target: SeenObject, tall: float, needed: float) -> RefusedError:
+    """The fingers find no room about what its lid is held by."""
+    return refused(
+        "impossible",
+        f"the {target.name}'s lid can be held over {mm(tall)} of its height, the fingers need "
+        f"{mm(needed)}",
+        (),
+        height=tall,
+        needed=needed,
+    )
+
+
+def no_such_height(target: SeenObject, graspable: Graspable, how: Manner) -> RefusedError:
+    """The sentence leaves no height at which it may be held."""
+    return refused(
+        "impossible",
+        f"the {target.name} may be held between {mm(graspable.lowest)} and "
+        f"{mm(graspable.highest)} above its base, not {how.region}",
+        how.contact_spans,
+        "leave out where to hold it",
+        lowest=graspable.lowest,
+        highest=graspable.highest,
+    )
+
+
+def no_room(target: SeenObject, low: float, high: float, how: Manner) -> RefusedError:
+    """The fingers, one beside the other, find no place on it."""
+    return refused(
+        "impossible",
+        f"the fingers side by side find no room on the {target.name} between {mm(low)} and "
+        f"{mm(high)} above its base",
+        how.contact_spans,
+        *(("leave out where to hold it",) if how.region else ()),
+        lowest=low,
+        highest=high,
+    )
+
+
+# -- how hard it must be held -------------------------------------------------------------------
+
+
+def too_heavy(task: Task, candidate: Candidate, wanted: float, mu: float) -> RefusedError:
+    """It takes more squeeze than there is."""
+    how, model = task.how, task.target.model
+    has = candidate.grip.strongest
+    bears = math.inf if model.grasp is None or candidate.part == "lid" else model.grasp.crush
+    numbers = {"needed_force": wanted, "strongest": has, "friction": mu}
+    what = f"{task.doing} the {task.target.name}"
+    needs = f"{what} needs {wanted:.1f} N of squeeze with μ {mu:.2f}; "
+    if how.most_force <= min(has, bears):
+        return refused(
+            "impossible",
+            f"{needs}{how.most_force:.1f} N are allowed",
+            how.force_spans,
+            f"allow {math.ceil(2.0 * wanted) / 2.0:g} N",
+            allowed_force=how.most_force,
+            **numbers,
+        )
+    if bears < has:
+        return refused("impossible", f"{needs}it bears {bears:.1f} N", (), crush=bears, **numbers)
+    at = f"the fingers have {has:.1f} N at {mm(candidate.width)}"
+    return refused("impossible", f"{needs}{at}", (), "push it instead", **numbers)
+
+
+def may_slip(
+    task: Task, squeeze: float, probability: float, learn: str, then: float
+) -> RefusedError:
+    """It may slip, since weight or friction are not known well enough."""
+    asked = task.defaults.probability
+    return refused(
+        "too_uncertain",
+        f"squeezed with {squeeze:.1f} N the {task.target.name} holds with a probability of "
+        f"{probability:.2f}, and {asked:.2f} is asked",
+        (),
+        learn,
+        squeeze=squeeze,
+        probability=probability,
+        probability_then=then,
+        asked_probability=asked,
+    )
+
+
+def unlikely(task: Task, made: HandlingPlan) -> RefusedError:
+    """Each part of a plan is likely enough, but not all of them together."""
+    asked = task.defaults.probability
+    return refused(
+        "too_uncertain",
+        f"{task.doing} the {task.target.name} succeeds with a probability of "
+        f"{made.probability:.2f}, and {asked:.2f} is asked",
+        (),
+        f"find out the weight of the {task.target.name} first",
+        probability=made.probability,
+        asked_probability=asked,
+    )
+
+
+def no_reach(task: Task, answers: Sequence[ReachAnswer]) -> RefusedError:
+    """There are ways, but the hand cannot make them."""
+    blockers = [a for a in answers if a.reason == "obstacle" and a.blocker]
+    last = (blockers or answers)[0]
+    ways = "one way" if len(answers) == 1 else f"{len(answers)} ways"
+    other = f"move the {blockers[0].blocker}" if blockers else "move it to another place"
+    if task.state.held is not None:
+        other = f"put the {task.target.name} down, then it may be held otherwise"
+    return refused(
+        "blocked" if blockers else "out_of_reach",
+        f"there {'is' if len(answers) == 1 else 'are'} {ways} of {task.doing} the "
+        f"{task.target.name}, but the hand does not get there: {last.message}",
+        (),
+        other,
+        **{"ways": float(len(answers)), **last.numbers},
+    )
+
+
+# -- what the hand holds, and where things stand ------------------------------------------------
+
+
+def holds_nothing() -> RefusedError:
+    """There is nothing to be set down."""
+    return refused("impossible", "the hand holds nothing that could be put down", ())
+
+
+def is_fixed(task: Task) -> RefusedError:
+    """A holder keeps it where it is."""
+    return refused(
+        "impossible",
+        f"the {task.target.name} is fixed in a holder; {task.doing} it would tear it out",
+        (),
+    )
+
+
+def not_while(task: Task, spans: Spans, forbidden: str) -> RefusedError:
+    """The sentence asks for something and forbids what that takes."""
+    return refused("impossible", f"{task.doing} the {task.target.name} {forbidden}", spans)
+
+
+def no_place(task: Task, what: str, blocker: str | None) -> RefusedError:
+    """Where it should stand there is no room."""
+    met = "the table ends there" if blocker is None else f"the {blocker} stands there"
+    return refused(
+        "impossible" if blocker is None else "blocked",
+        f"{what} cannot be put there: {met}",
+        (),
+        *(() if blocker is None else (f"move the {blocker} first",)),
+    )

@@ -1,0 +1,149 @@
+"""Why a lid is neither opened nor closed, with the forces that decide."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from planner.refusals.grasp_refusals import mm, refused
+
+if TYPE_CHECKING:
+    from objectmodels.opening import FlipArc, Loosening
+    from planner.problem.planning_problem import Task
+    from planner.refusals.push_refusals import RefusedError
+
+
+def no_lid(task: Task) -> RefusedError:
+    """There is nothing to open."""
+    return refused("impossible", f"the {task.target.name} has no lid", ())
+
+
+def lid_not_seen(task: Task) -> RefusedError:
+    """Nobody knows where its lid lies."""
+    return refused("impossible", f"the lid of the {task.target.name} is not seen anywhere", ())
+
+
+def thread(task: Task) -> RefusedError:
+    """The cap is off."""
+    name = task.target.name
+    return refused(
+        "unsupported",
+        f"the cap of the {name} is off, and this hand cannot set it on its thread again: it takes "
+        "off caps, and closes those that are still on the thread",
+        (),
+    )
+
+
+def too_weak(task: Task, needed: float) -> RefusedError:
+    """The sentence does not allow as much force as the lid takes."""
+    allowed = task.how.most_force
+    return refused(
+        "impossible",
+        f"{task.doing} the {task.target.name} takes up to {needed:.1f} N at the tab; "
+        f"{allowed:.1f} N are allowed",
+        task.how.force_spans,
+        f"allow {math.ceil(2.0 * needed) / 2.0:g} N",
+        needed_force=needed,
+        allowed_force=allowed,
+    )
+
+
+def gives_way(task: Task, arc: FlipArc) -> RefusedError:
+    """The standing object would slide or topple before its lid moves all the way."""
+    return refused(
+        "impossible",
+        f"{_over_the_arc(task, arc)}; {task.defaults.lid_reserve:.1f} times as much as the lid "
+        "takes is asked",
+        (),
+        "fix it in a holder",
+        **_forces(arc),
+        margin=arc.least_margin,
+    )
+
+
+def may_give_way(task: Task, arc: FlipArc) -> RefusedError:
+    """It may, since weight, friction or the lid are not known well enough."""
+    asked = task.defaults.probability
+    return refused(
+        "too_uncertain",
+        f"{_over_the_arc(task, arc)}; it opens with a probability of {arc.probability:.2f}, and "
+        f"{asked:.2f} is asked",
+        (),
+        f"find out the weight of the {task.target.name} first",
+        **_forces(arc),
+        probability=arc.probability,
+        asked_probability=asked,
+    )
+
+
+def _over_the_arc(task: Task, arc: FlipArc) -> str:
+    near, name = arc.nearest, task.target.name
+    slides = bool(arc.slide[near] < arc.topple[near])
+    verb, limit = ("slides", arc.slide) if slides else ("tips", arc.topple)
+    return (
+        f"{task.doing} the {name} takes {arc.force[near]:.2f} N at the tab with the lid at "
+        f"{math.degrees(arc.angles[near]):.0f}°; the standing {name}, "
+        f"{task.target.model.mass:.2f} kg, {verb} at {limit[near]:.2f} N there"
+    )
+
+
+def _forces(arc: FlipArc) -> dict[str, float]:
+    near = arc.nearest
+    found = {
+        "lid_force": float(arc.force[near]),
+        "largest_lid_force": arc.largest_force,
+        "slide_force": float(arc.slide[near]),
+        "topple_force": float(arc.topple[near]),
+        "angle": float(arc.angles[near]),
+    }
+    return {name: value for name, value in found.items() if math.isfinite(value)}
+
+
+def comes_along(task: Task, found: Loosening) -> RefusedError:
+    """The object would be lifted or turned with its lid."""
+    return refused("impossible", _both(task, found), (), "fix it in a holder", **_numbers(found))
+
+
+def may_come_along(task: Task, found: Loosening) -> RefusedError:
+    """It may, since friction, weight or the lid are not known well enough."""
+    asked = task.defaults.probability
+    return refused(
+        "too_uncertain",
+        f"{_both(task, found)}; it stays with a probability of {found.probability:.2f}, and "
+        f"{asked:.2f} is asked",
+        (),
+        f"find out how slippery the {task.target.name} is first",
+        "fix it in a holder",
+        **_numbers(found),
+        probability=found.probability,
+        asked_probability=asked,
+    )
+
+
+def _both(task: Task, found: Loosening) -> str:
+    name = task.target.name
+    assert task.target.model.lid is not None, "only lids are loosened"
+    if task.target.model.lid.kind == "screw":
+        return (
+            f"turning the cap of the {name} takes {found.needed:.3f} N·m; the standing {name} "
+            f"turns along at {found.held:.3f} N·m"
+        )
+    return (
+        f"pulling the lid off the {name} takes {found.needed:.1f} N; the {name} itself is lifted "
+        f"at {found.held:.1f} N"
+    )
+
+
+def _numbers(found: Loosening) -> dict[str, float]:
+    return {"needed": found.needed, "held": found.held, "margin": found.margin}
+
+
+def no_room_aside(task: Task, radius: float) -> RefusedError:
+    """There is no free place for the lid."""
+    return refused(
+        "blocked",
+        f"there is no free place near the {task.target.name} for its lid, {mm(2.0 * radius)} wide",
+        (),
+        "move something away first",
+        width=2.0 * radius,
+    )

@@ -1,0 +1,116 @@
+"""Why nothing is poured, with the volumes that decide."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from planner.refusals.grasp_refusals import Spans, refused
+
+if TYPE_CHECKING:
+    from planner.grasping.pour_amounts import Amount
+    from planner.grasping.pour_planner import Motion
+    from planner.problem.planning_problem import Task
+    from planner.refusals.push_refusals import RefusedError
+    from planner.types.world_state import SeenObject
+
+
+def ml(volume: float) -> str:
+    """A volume as people read it."""
+    return f"{1e6 * volume:.0f} ml"
+
+
+def into_nothing(task: Task, spans: Spans) -> RefusedError:
+    """It would land on the table."""
+    return refused(
+        "impossible",
+        f"pouring from the {task.target.name} needs something to pour into",
+        spans,
+        "say what it is to be poured into",
+    )
+
+
+def into_itself(task: Task, spans: Spans) -> RefusedError:
+    """Both are the same object."""
+    return refused("impossible", f"the {task.target.name} cannot be poured into itself", spans)
+
+
+def no_container(seen: SeenObject) -> RefusedError:
+    """It is solid, as far as is known."""
+    return refused("impossible", f"the {seen.name} is no container", ())
+
+
+def lies(seen: SeenObject) -> RefusedError:
+    """It does not stand, so that it holds nothing."""
+    return refused("impossible", f"the {seen.name} lies on its side", (), "set it upright first")
+
+
+def is_closed(seen: SeenObject) -> RefusedError:
+    """Its lid is in the way."""
+    message = f"the {seen.name} is closed"
+    return refused("impossible", message, (), f"open the {seen.name} first")
+
+
+def is_empty(task: Task) -> RefusedError:
+    """There is nothing in it."""
+    return refused("impossible", f"the {task.target.name} is empty", (), contents=0.0)
+
+
+def does_not_fit(
+    into: SeenObject, wanted: float, room: float, has: float, spans: Spans
+) -> RefusedError:
+    """It would run over, whether or not there is so much."""
+    fits = min(max(room, 0.0), has)
+    most = f"pour up to {ml(fits)}" + ("" if has > room else ", which is all there is to pour")
+    return refused(
+        "impossible",
+        f"{ml(wanted)} do not fit into the {into.name}: it has room for {ml(max(room, 0.0))}",
+        spans,
+        *((most,) if fits > 0.0 else ()),
+        volume=wanted,
+        room=max(room, 0.0),
+        contents=has,
+    )
+
+
+def not_so_much(task: Task, wanted: float, has: float, spans: Spans) -> RefusedError:
+    """There is less in it."""
+    return refused(
+        "impossible",
+        f"{ml(wanted)} are asked; {ml(has)} are in the {task.target.name}",
+        spans,
+        f"pour up to {ml(has)}",
+        volume=wanted,
+        contents=has,
+    )
+
+
+def wrong_side(task: Task) -> RefusedError:
+    """Held as it can be, or is, it does not lean to where its opening is."""
+    held = task.state.held is not None
+    as_it_is = "is held" if held else "can be held"
+    return refused(
+        "impossible",
+        f"as it {as_it_is}, the {task.target.name} does not lean to the side of its opening",
+        (),
+        *((f"put the {task.target.name} down, then pour from it",) if held else ()),
+    )
+
+
+def may_spill(task: Task, into: SeenObject, wanted: Amount, motion: Motion) -> RefusedError:
+    """Too much may miss or run over, or too little run out."""
+    mean = {name: float(value) for name, value in motion.poured.mean().items()}
+    asked = task.defaults.probability
+    return refused(
+        "too_uncertain",
+        f"of {ml(wanted.volume)} the {into.name}, with room for {ml(wanted.room)}, receives "
+        f"{ml(mean['received'])} and {ml(mean['spilled'])} are spilled; that it goes well has a "
+        f"probability of {motion.probability:.2f}, and {asked:.2f} is asked",
+        (),
+        f"find out the weight of the {task.target.name} first",
+        "pour less",
+        volume=wanted.volume,
+        room=wanted.room,
+        **mean,
+        probability=motion.probability,
+        asked_probability=asked,
+    )

@@ -1,0 +1,1 @@
+"""Plan and actions, refusal, world state, robot, defaults."""

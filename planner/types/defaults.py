@@ -1,0 +1,298 @@
+"""What a clause means when the sentence does not say more: the one table of defaults.
+
+Results name each default that they used. All values are SI. A scene file, the command line and the
+API may set them; `planner.types.default_settings` has the names and units in which people do that.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from functools import cache
+from typing import Annotated, get_type_hints
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What a default is measured in, and between which values it lies.
+
+    Attributes:
+        unit: SI unit; "" for a plain number.
+        suffix: of its name where people set it.
+        scale: SI units in one unit of theirs.
+        most: the largest value.
+        zero: whether it may be 0.
+        whole: whether it counts something.
+    """
+
+    unit: str
+    suffix: str
+    scale: float
+    most: float
+    zero: bool = False
+    whole: bool = False
+
+
+DEGREE = math.radians(1.0)
+
+Length = Annotated[float, Kind("m", "_m", 1.0, 10.0)]
+Gap = Annotated[float, Kind("m", "_m", 1.0, 10.0, zero=True)]
+Angle = Annotated[float, Kind("rad", "_deg", DEGREE, math.tau)]
+Rate = Annotated[float, Kind("rad/s", "_deg_s", DEGREE, math.tau)]
+Volume = Annotated[float, Kind("m³", "_ml", 1e-6, 1e-2)]
+Force = Annotated[float, Kind("N", "_n", 1.0, 1000.0)]
+Speed = Annotated[float, Kind("m/s", "_m_s", 1.0, 10.0)]
+Time = Annotated[float, Kind("s", "_s", 1.0, 1000.0)]
+Share = Annotated[float, Kind("", "", 1.0, 1.0)]
+Probability = Annotated[float, Kind("", "", 1.0, 0.9999)]
+Count = Annotated[int, Kind("", "", 1.0, 1000.0, whole=True)]
+Factor = Annotated[float, Kind("", "", 1.0, 10.0)]
+
+
+class DefaultsError(ValueError):
+    """A default that is none, or that has no sensible value.
+
+    Attributes:
+        suggestions: what would be right.
+    """
+
+    def __init__(self, message: str, suggestions: tuple[str, ...] = ()) -> None:
+        super().__init__(message)
+        self.suggestions = suggestions
+
+
+@dataclass(frozen=True)
+class Defaults:
+    """Distances, speeds, margins and tolerances.
+
+    Raises:
+        DefaultsError: a value is out of its range.
+
+    Attributes:
+        distance: of "away" and the other directions, if none is said [m].
+        distance_little: of "a little" [m].
+        distance_lot: of "a lot" [m].
+        distance_tolerance: of a bare distance, along the direction [m].
+        direction_tolerance: between the asked and the travelled direction [rad].
+        rest_tilt: an object tilted by less than this stands on its base [rad].
+        no_topple_share: `no_topple` holds while the tilt stays below this share of the angle of
+            no return.
+        no_turn: `no_turn` holds while the object turns by less than this [rad].
+        no_tilt: `no_tilt` holds while the object tilts by less than this [rad].
+        no_spill: `no_spill` holds while less than this share of the contents is spilled.
+        toppled: an object that ends tilted by more than this has toppled [rad].
+        speed: of a push [m/s].
+        speed_gentle: of a gentle push [m/s].
+        force_reserve: share by which the force limit exceeds the largest force needed.
+        force_reserve_gentle: the same for a gentle push.
+        sigmas: standard deviations that a worst case takes.
+        probability: the least probability of the wanted outcome that a plan may have.
+        probability_on: the same of what is left of it once its first push is made.
+        speed_fast: least speed of a fast push [m/s].
+        force_hard: a hard push is ready to press with at least so much [N].
+        force_tolerance: of the felt force, from the sensor's noise [N].
+        speed_tolerance: of a speed [m/s].
+        duration_tolerance: of a bare duration [s].
+        height_tolerance: of a contact height [m].
+        side_tolerance: between the asked and the actual direction of a fall or of a tilt [rad].
+        place_gap: between the surfaces of an object and of what it is brought next to, behind,
+            left of… if no distance is said [m].
+        place_gap_tolerance: of that gap [m].
+        place_tolerance: of a gap that is said, and of a point on the table [m].
+        place_aside: an object left of another (behind it, …) may be off the middle of that side by
+            this share of the offset at which the two would no longer face each other.
+        between_tolerance: of a place between two objects, from the middle of the gap [m].
+        touching_gap: surfaces that are closer than this touch [m].
+        edge_gap: between an object at the table's edge and that edge [m].
+        edge_tolerance: of that gap [m].
+        centre_tolerance: of the middle of the table [m].
+        clear_tolerance: of a distance that is to be kept from another object, from their shapes
+            [m].
+        in_line_tolerance: between two objects that are in line [m].
+        tap: the farthest that an object is to go when it is only touched [m].
+        turn: angle of a turn, if none is said [rad].
+        turn_little: of "a little" [rad].
+        turn_lot: of "a lot" [rad].
+        turn_tolerance: of a bare angle [rad].
+        turn_drift: an object that is turned stays where it is within this [m].
+        tilt: angle of a tilt, if none is said [rad].
+        tilt_little: of "a little" [rad].
+        tilt_lot: of "a lot" and of "until it almost tips", as a share of the angle of no return.
+        tilt_tolerance: of a bare angle [rad].
+        tips: an object tilted by more than this has begun to tip [rad].
+        moves: an object that went farther than this has moved [m].
+        overrun: way that an object goes on after the event that it was to stop at [m].
+        no_slide: `no_slide` holds while the base slides by less than this [m].
+        no_lift: `no_lift` holds while the lowest point rises by less than this [m].
+        clearance: that objects keep from each other, and from the table's edge, on their way [m].
+        clearance_fragile: from what is fragile [m].
+        speed_most: fastest push with which an object keeps to the fingertips [m/s].
+        push_overhead: time of a push beside its way at full speed: until it moves, and braking [s].
+        aim_position: an object this near to where it should be is there [m].
+        aim_drift: the same of one that is turned on the spot [m].
+        aim_angle: an object turned by less than this from how it should look is there [rad].
+        lift_height: of a lift, if none is said [m].
+        lift_little: of "a little" [m].
+        lift_lot: of "a lot" [m].
+        grasp_reserve: factor by which a squeeze exceeds the one that just holds.
+        grasp_reserve_gentle: the same of a gentle one.
+        carry_speed: of the hand while it holds something [m/s].
+        carry_speed_gentle: the same of a gentle or slow one [m/s].
+        carry_clearance: height of what is carried over the table and over what it passes [m].
+        upright: what is held counts as upright while it tilts by less than this [rad].
+        pour_rate: of tilting while it is poured [rad/s].
+        pour_clearance: of the lip over the rim of what is poured into [m].
+        pour_wait: with the largest tilt, after all has run out [s].
+        pour_little: volume of "a little" [m³].
+        pour_lot: share of what can be poured that is "a lot".
+        pour_fill: share of its volume up to which something is filled that is to be full.
+        pour_aim: standard deviation of where a stream lands [m].
+        pour_tolerance: of a volume that is said, as a share of what was in it.
+        pour_all: share of what is poured that is everything.
+        spill_tolerance: share of what is poured that may miss.
+        lid_open: angle to which a flip lid is opened [rad].
+        lid_opened: a flip lid that is open by more than this is open [rad].
+        lid_closed: a flip lid that is open by less than this is closed [rad].
+        lid_speed: of the fingertip that moves a lid [m/s].
+        lid_reserve: factor by which a standing object must resist what opens its lid.
+        lid_press: force with which a lid is put on [N].
+        most_grasps: ways with a whole hand for which one plan asks whether it gets there.
+        most_tries: times that a whole hand tries what failed, before it is given up.
+        lift_tolerance: of the height to which something is lifted [m].
+        stays_put: what stands by itself while a hand works on it, or pours into it, moves by less
+            than this [m].
+        pour_least: share of what was to be poured in that must arrive, if no volume is said.
+        pour_share: by which the volume that arrives may differ from one that is said.
+        pour_margin: the same as a volume; the larger of the two counts [m³].
+        most_contacts: of one push, with as many fingertips, for which it is asked whether the hand
+            gets there.
+        most_contacts_last: the same before it is refused that the hand gets there.
+        most_looks: pushes for which one plan asks whether the hand gets there.
+        most_looks_last: the same once more before it is refused that the hand gets there.
+        most_pushes: pushes made for one frame before it is given up.
+        known_to: relative standard deviation up to which a property counts as known: a question
+            about it is then answered without touching the object.
+        found_to: relative standard deviation to which a property is found out by touching.
+    """
+
+    distance: Length = 0.10
+    distance_little: Length = 0.05
+    distance_lot: Length = 0.20
+    distance_tolerance: Length = 0.01
+    direction_tolerance: Angle = 10.0 * DEGREE
+    rest_tilt: Angle = 2.0 * DEGREE
+    no_topple_share: Share = 0.5
+    no_turn: Angle = 10.0 * DEGREE
+    no_tilt: Angle = 5.0 * DEGREE
+    no_spill: Share = 0.01
+    toppled: Angle = 60.0 * DEGREE
+    speed: Speed = 0.05
+    speed_gentle: Speed = 0.02
+    force_reserve: Factor = 0.5
+    force_reserve_gentle: Factor = 0.25
+    sigmas: Factor = 2.0
+    probability: Probability = 0.95
+    probability_on: Probability = 0.85
+    speed_fast: Speed = 0.10
+    force_hard: Force = 8.0
+    force_tolerance: Force = 0.3
+    speed_tolerance: Speed = 0.005
+    duration_tolerance: Time = 0.25
+    height_tolerance: Length = 0.005
+    side_tolerance: Angle = 45.0 * DEGREE
+    place_gap: Gap = 0.03
+    place_gap_tolerance: Length = 0.02
+    place_tolerance: Length = 0.01
+    place_aside: Share = 0.5
+    between_tolerance: Length = 0.03
+    touching_gap: Gap = 0.003
+    edge_gap: Gap = 0.05
+    edge_tolerance: Length = 0.02
+    centre_tolerance: Length = 0.05
+    clear_tolerance: Gap = 0.002
+    in_line_tolerance: Length = 0.01
+    tap: Length = 0.005
+    turn: Angle = 90.0 * DEGREE
+    turn_little: Angle = 15.0 * DEGREE
+    turn_lot: Angle = 180.0 * DEGREE
+    turn_tolerance: Angle = 3.0 * DEGREE
+    turn_drift: Length = 0.01
+    tilt: Angle = 10.0 * DEGREE
+    tilt_little: Angle = 5.0 * DEGREE
+    tilt_lot: Share = 0.47
+    tilt_tolerance: Angle = 2.0 * DEGREE
+    tips: Angle = 2.0 * DEGREE
+    moves: Length = 0.002
+    overrun: Length = 0.01
+    no_slide: Length = 0.01
+    no_lift: Length = 0.005
+    clearance: Gap = 0.01
+    clearance_fragile: Gap = 0.03
+    speed_most: Speed = 0.12
+    push_overhead: Time = 4.5
+    aim_position: Length = 0.002
+    aim_drift: Length = 0.005
+    aim_angle: Angle = 1.0 * DEGREE
+    lift_height: Length = 0.10
+    lift_little: Length = 0.03
+    lift_lot: Length = 0.20
+    grasp_reserve: Factor = 1.5
+    grasp_reserve_gentle: Factor = 1.2
+    carry_speed: Speed = 0.10
+    carry_speed_gentle: Speed = 0.04
+    carry_clearance: Length = 0.03
+    upright: Angle = 10.0 * DEGREE
+    pour_rate: Rate = 20.0 * DEGREE
+    pour_clearance: Length = 0.03
+    pour_wait: Time = 1.0
+    pour_little: Volume = 5e-5
+    pour_lot: Share = 0.75
+    pour_fill: Share = 0.9
+    pour_aim: Length = 0.006
+    pour_tolerance: Share = 0.05
+    pour_all: Share = 0.9
+    spill_tolerance: Share = 0.02
+    lid_open: Angle = 90.0 * DEGREE
+    lid_opened: Angle = 80.0 * DEGREE
+    lid_closed: Angle = 5.0 * DEGREE
+    lid_speed: Speed = 0.05
+    lid_reserve: Factor = 1.1
+    lid_press: Force = 3.0
+    most_grasps: Count = 120
+    most_tries: Count = 3
+    lift_tolerance: Length = 0.02
+    stays_put: Length = 0.01
+    pour_least: Share = 0.9
+    pour_share: Share = 0.1
+    pour_margin: Volume = 1e-5
+    most_contacts: Count = 6
+    most_contacts_last: Count = 24
+    most_looks: Count = 100
+    most_looks_last: Count = 300
+    most_pushes: Count = 12
+    known_to: Share = 0.10
+    found_to: Share = 0.03
+
+    def __post_init__(self) -> None:
+        for name, kind in kinds().items():
+            value = getattr(self, name)
+            if not (0.0 < value <= kind.most or (kind.zero and value == 0.0)):
+                raise out_of_range(name + kind.suffix, value / kind.scale, kind)
+
+
+def out_of_range(name: str, value: float, kind: Kind) -> DefaultsError:
+    """The error of a value, in the unit in which people give it."""
+    least = "at least 0" if kind.zero else "more than 0"
+    return DefaultsError(
+        f"{name} must be {least} and at most {kind.most / kind.scale:g}, found {value:g}"
+    )
+
+
+@cache
+def kinds() -> dict[str, Kind]:
+    """What each default is measured in, by its name."""
+    hints = get_type_hints(Defaults, include_extras=True)
+    return {field.name: hints[field.name].__metadata__[0] for field in fields(Defaults)}
+
+
+DEFAULTS = Defaults()

@@ -1,0 +1,179 @@
+"""What the robot believes about the scene while it plans.
+
+Frames: W is the world, z up, the table plane is z = 0; B is an object's frame with its origin
+at the centre of the base the object stands on. Nothing in here may come from the simulated
+world's truth: poses come through the vision port, geometry and physics from the registry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from objectmodels.errors import ModelError
+from objectmodels.lids import rise
+from objectmodels.support import hull
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from objectmodels.model import ObjectModel
+    from planner.types.actions import Grasp
+
+Colour = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class PlanarPose:
+    """Pose X_WB of an object on the table.
+
+    Attributes:
+        x, y: position of B's origin in W [m].
+        yaw: angle of B's x axis, counter-clockwise from W's x axis [rad].
+        attitude: rotation of B against an upright frame of that yaw, row by row; None if the object
+            stands upright.
+    """
+
+    x: float
+    y: float
+    yaw: float = 0.0
+    attitude: tuple[float, ...] | None = None
+
+    @property
+    def R_WB(self) -> NDArray[np.float64]:
+        """Rotation of B in W, shape (3, 3)."""
+        c, s = np.cos(self.yaw), np.sin(self.yaw)
+        upright = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        if self.attitude is None:
+            return upright
+        return np.asarray(upright @ np.reshape(self.attitude, (3, 3)))
+
+    @property
+    def p_WB(self) -> NDArray[np.float64]:
+        """Position of B's origin in W, shape (3,) [m]."""
+        return np.array([self.x, self.y, 0.0])
+
+
+@dataclass(frozen=True)
+class SeenObject:
+    """An object on the table as the robot knows it: who it is, where it is seen, how it behaves.
+
+    Attributes:
+        name: the object's name in the scene; unique.
+        pose: where the vision port sees it.
+        model: the registry's model of it (the belief, never the truth), as it lies.
+        lies_on: name of the face that is below; `bottom` if it stands as its model does.
+        colour: what the camera sees, red, green, blue in 0…1; None if it was not looked at.
+        fragile: whether hand and other objects are to keep well away from it.
+        attitude: rotation of B in W, row by row, of one that lies on nothing flat.
+        fixed: whether a holder on the table keeps it where it stands.
+        lid: how far its lid is seen to be open, as in `sim.traces.trace.Trace.lids`; None without
+            one.
+        lid_at: where the middle of a lid that is off lies in W, its lower side [m]; None if it is
+            on, or does not lie level.
+    """
+
+    name: str
+    pose: PlanarPose
+    model: ObjectModel
+    lies_on: str = "bottom"
+    colour: Colour | None = None
+    fragile: bool = False
+    attitude: tuple[float, ...] | None = None
+    fixed: bool = False
+    lid: float | None = None
+    lid_at: tuple[float, float, float] | None = None
+
+    @property
+    def covered(self) -> bool:
+        """Whether its contents are kept in by a lid, as far as is seen; one unseen is closed."""
+        lid = self.model.lid
+        return lid is not None and not lid.leaves_free(self.lid or 0.0)
+
+    @classmethod
+    def lying(
+        cls,
+        name: str,
+        pose: PlanarPose,
+        model: ObjectModel,
+        colour: Colour | None = None,
+        *,
+        fragile: bool = False,
+        fixed: bool = False,
+        lid: float | None = None,
+    ) -> SeenObject:
+        """An object as it is seen: its pose picks the base that it lies on.
+
+        One that leans on something keeps the model that stands upright.
+        """
+        if pose.attitude is None:
+            return cls(name, pose, model, colour=colour, fragile=fragile, fixed=fixed, lid=lid)
+        try:
+            rest = model.lying(pose.R_WB)
+        except ModelError:
+            here = PlanarPose(pose.x, pose.y, pose.yaw)
+            attitude = tuple(pose.R_WB.ravel().tolist())
+            return cls(name, here, model, "nothing flat", colour, fragile, attitude, fixed, lid)
+        R_WN, p_WN = pose.R_WB @ rest.R_BN, pose.p_WB + pose.R_WB @ rest.p_BN
+        yaw = float(np.arctan2(R_WN[1, 0], R_WN[0, 0]))
+        here = PlanarPose(float(p_WN[0]), float(p_WN[1]), yaw)
+        return cls(name, here, rest.model, rest.face, colour, fragile, None, fixed, lid)
+
+    def bulk(self) -> tuple[NDArray[np.float64], float]:
+        """An upright prism around it as it lies: corners in W, shape (k, 2), and height [m].
+
+        A lid counts as far as it rises above it, not as far as it stands out.
+        """
+        outline, top = self.model.outline, self.model.top
+        if self.lid is not None and self.lid_at is None:
+            top += rise(self.model, self.lid)
+        if self.attitude is None:
+            return outline @ self.pose.R_WB[:2, :2].T + self.pose.p_WB[:2], top
+        corners = np.array([[x, y, z] for z in (0.0, top) for x, y in outline])
+        turned = corners @ np.reshape(self.attitude, (3, 3)).T
+        return hull(turned[:, :2] + self.pose.p_WB[:2]).vertices, float(np.ptp(turned[:, 2]))
+
+
+@dataclass(frozen=True)
+class TableState:
+    """Extent of the table top in W [m]; its plane is z = 0."""
+
+    x_min: float
+    x_max: float
+    y_min: float
+    y_max: float
+
+
+@dataclass(frozen=True)
+class Held:
+    """What the hand holds.
+
+    Attributes:
+        name: of the object in the scene.
+        grasp: how it is held.
+        height: of its base above the table [m].
+        arm: angles of the arm, as it was left [rad]; empty if they are not known.
+    """
+
+    name: str
+    grasp: Grasp
+    height: float
+    arm: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class WorldState:
+    """Everything that a plan may depend on.
+
+    Attributes:
+        objects: by name in the scene.
+        table: where things may stand.
+        held: what the hand holds; None if nothing.
+    """
+
+    objects: Mapping[str, SeenObject] = field(default_factory=dict)
+    table: TableState = TableState(-0.2, 1.2, -0.8, 0.8)
+    held: Held | None = None
