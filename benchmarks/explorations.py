@@ -32,9 +32,9 @@ import numpy as np
 
 from benchmarks.record import Kept, carried_out
 from nlcontrol import Controller
-from nlcontrol.exploring import CENTRE_OF_MASS, ExplorationReport, explore
-from nlcontrol.exploringreport import with_truth
-from nlcontrol.learning import taken
+from nlcontrol.learning.exploration_session import CENTRE_OF_MASS, ExplorationReport, explore
+from nlcontrol.learning.push_lessons import taken
+from nlcontrol.reports.exploration_report import with_truth
 from objectmodels import ObjectModel
 from objectmodels.identification import guess
 from objectmodels.parameters import UNCERTAIN

@@ -12,10 +12,10 @@ from __future__ import annotations
 import argparse
 from time import perf_counter
 
-from nlcontrol.comparison import Comparison, contacts_of
-from nlcontrol.controller import Controller
-from nlcontrol.faceexperiment import FaceExperiment
-from nlcontrol.faces import face_of
+from nlcontrol.outcome_maps.experiment_runner import FaceExperiment
+from nlcontrol.outcome_maps.map_comparison import Comparison, contacts_of
+from nlcontrol.references.face_names import face_of
+from nlcontrol.session.controller import Controller
 from objectmodels import ObjectModel
 from objectmodels.outcomemap import outcome_map
 from sim.truth.observer import Observer

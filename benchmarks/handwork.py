@@ -31,8 +31,8 @@ from benchmarks.goals.worlds import as_believed
 from benchmarks.record import Kept, carried_out
 from nlcontrol import Controller, Registry
 from nlcontrol.checks import PLANNED_ENDS, Check
-from nlcontrol.handwork import refilled
-from nlcontrol.measures import tilt_at_end
+from nlcontrol.checks.trace_measures import tilt_at_end
+from nlcontrol.learning.grasp_lessons import refilled
 from objectmodels import ObjectModel
 from objectmodels.parts import Lid, LiftOffLid
 from sim.truth.object_truth import Truth

@@ -18,7 +18,7 @@ from concurrent.futures import Executor, ProcessPoolExecutor
 import numpy as np
 
 from nlcontrol import Controller, Registry
-from nlcontrol.result import Result
+from nlcontrol.results.result import Result
 from sim.truth.scene_file import Scene, load_scene
 
 SENTENCE = "push the ice tea box away without toppling it"

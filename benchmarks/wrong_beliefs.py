@@ -16,7 +16,7 @@ from concurrent.futures import Executor, ProcessPoolExecutor
 
 from benchmarks.ten_scenes import SENTENCE
 from nlcontrol import Controller, Registry
-from nlcontrol.result import Result
+from nlcontrol.results.result import Result
 from objectmodels import ObjectModel
 from sim.truth.scene_file import load_scene
 

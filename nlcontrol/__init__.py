@@ -21,10 +21,10 @@ refuse_shadowed()
 if TYPE_CHECKING:
     from grammar import Command, Frame, ParseError, parse
     from nlcontrol.checks import Check
-    from nlcontrol.controller import Controller
-    from nlcontrol.dialogue import Conversation
     from nlcontrol.errors import ControlError, ErrorInfo
-    from nlcontrol.result import Result
+    from nlcontrol.results.result import Result
+    from nlcontrol.session.controller import Controller
+    from nlcontrol.session.conversation import Conversation
     from objectmodels import (
         BoxModel,
         CylinderModel,
@@ -43,8 +43,8 @@ _HOMES = {
     "Check": "nlcontrol.checks",
     "Command": "grammar",
     "ControlError": "nlcontrol.errors",
-    "Controller": "nlcontrol.controller",
-    "Conversation": "nlcontrol.dialogue",
+    "Controller": "nlcontrol.session.controller",
+    "Conversation": "nlcontrol.session.conversation",
     "CylinderModel": "objectmodels",
     "HullModel": "objectmodels",
     "ObjectModel": "objectmodels",
@@ -56,7 +56,7 @@ _HOMES = {
     "Plan": "planner.types.plan",
     "Refusal": "planner.types.plan",
     "Registry": "objectmodels",
-    "Result": "nlcontrol.result",
+    "Result": "nlcontrol.results.result",
     "parse": "grammar",
 }
 

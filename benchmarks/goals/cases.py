@@ -26,7 +26,7 @@ from nlcontrol.checks import Check
 from planner.types.plan import Plan
 
 if TYPE_CHECKING:
-    from nlcontrol.result import Step
+    from nlcontrol.results.result import Step
     from sim.traces.trace import Trace
 
 

@@ -31,7 +31,7 @@ from benchmarks.strokes import (
 )
 from grammar import frames as g
 from nlcontrol.checks import Check, check
-from nlcontrol.resolve import mentioned
+from nlcontrol.references.reference_resolution import mentioned
 from objectmodels import ObjectModel
 from planner.geometry.directions import HEADINGS, bisector
 from planner.geometry.footprints import footprint, gap, overlaps

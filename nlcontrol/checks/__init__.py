@@ -16,10 +16,10 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from grammar import frames as g
-from nlcontrol.checks.constraints import CONSTRAINTS
+from nlcontrol.checks.bystander_checks import others
+from nlcontrol.checks.constraint_checks import CONSTRAINTS
 from nlcontrol.checks.evidence import Evidence
-from nlcontrol.checks.goals import GOALS
-from nlcontrol.checks.others import others
+from nlcontrol.checks.goal_checks import GOALS
 from nlcontrol.checks.verdicts import Check, named
 from nlcontrol.errors import error
 from planner.types.defaults import DEFAULTS, Defaults

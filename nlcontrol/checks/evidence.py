@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nlcontrol import measures
+from nlcontrol.checks import trace_measures as measures
 from objectmodels.errors import ModelError
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from grammar.frames import Frame
-    from nlcontrol.measures import Array
+    from nlcontrol.checks.trace_measures import Array
     from objectmodels import ObjectModel
     from planner.types.defaults import Defaults
     from planner.types.world_state import TableState

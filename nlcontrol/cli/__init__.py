@@ -18,17 +18,33 @@ import click
 
 from nlcontrol import __version__
 from nlcontrol.cli import (
-    defaults,
-    doctor,
-    exploring,
-    fitting,
-    maps,
-    objects,
-    predictions,
-    sentences,
-    shell,
+    defaults_command as defaults,
 )
-from nlcontrol.cli.output import print_error
+from nlcontrol.cli import (
+    doctor_command as doctor,
+)
+from nlcontrol.cli import (
+    explore_command as exploring,
+)
+from nlcontrol.cli import (
+    fit_command as fitting,
+)
+from nlcontrol.cli import (
+    map_command as maps,
+)
+from nlcontrol.cli import (
+    objects_command as objects,
+)
+from nlcontrol.cli import (
+    predict_command as predictions,
+)
+from nlcontrol.cli import (
+    say_command as sentences,
+)
+from nlcontrol.cli import (
+    shell_command as shell,
+)
+from nlcontrol.cli.console_output import print_error
 from nlcontrol.errors import INTERNAL, OK, USAGE, ErrorInfo, described
 
 INTERRUPTED = 130  # what shells expect after control-C
@@ -53,7 +69,7 @@ def cli() -> None:
 @cli.command()
 def schema() -> int:
     """Print the JSON schema of what `parse`, `plan` and `say` answer with --json."""
-    from nlcontrol.schema import schema_json
+    from nlcontrol.results.json_schema import schema_json
 
     click.echo(schema_json())
     return OK

@@ -11,8 +11,9 @@ from typing import Any
 import pytest
 
 from nlcontrol import cli
-from nlcontrol.cli import output, run
-from nlcontrol.result import Result
+from nlcontrol.cli import console_output as output
+from nlcontrol.cli import run
+from nlcontrol.results.result import Result
 from planner.types.plan import Plan
 
 SENTENCE = "push the ice tea box away without toppling it"
@@ -224,7 +225,7 @@ def test_a_defect_becomes_one_document_and_exit_1(
     def broken(*_: object, **__: object) -> None:
         raise ZeroDivisionError("by zero")
 
-    monkeypatch.setattr("nlcontrol.controller.Controller.plan", broken)
+    monkeypatch.setattr("nlcontrol.session.controller.Controller.plan", broken)
     status, document = _json(capsys, "plan", SENTENCE)
     assert status == 1
     assert document["error"]["code"] == "internal"
@@ -242,7 +243,7 @@ def test_control_c_is_no_defect(
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("nlcontrol.controller.Controller.plan", interrupted)
+    monkeypatch.setattr("nlcontrol.session.controller.Controller.plan", interrupted)
     assert run(["plan", SENTENCE]) == cli.INTERRUPTED
     assert "interrupted" in capsys.readouterr().err
 
@@ -285,7 +286,7 @@ def test_doctor_fails_if_an_essential_is_missing(
     def broken() -> str:
         raise RuntimeError("no models")
 
-    monkeypatch.setattr("nlcontrol.cli.doctor._registry", broken)
+    monkeypatch.setattr("nlcontrol.cli.doctor_command._registry", broken)
     status, document = _json(capsys, "doctor")
     assert status == 1
     assert not document["ok"]

@@ -13,7 +13,7 @@ from PIL import Image
 from nlcontrol import Controller
 from nlcontrol.cli import run
 from nlcontrol.errors import ControlError
-from nlcontrol.exploring import explore
+from nlcontrol.learning.exploration_session import explore
 from objectmodels import Registry
 from planner.touch_experiments import experiments
 from planner.types.plan import Plan

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from nlcontrol.cli import run
-from nlcontrol.result import Result
+from nlcontrol.results.result import Result
 
 pytestmark = pytest.mark.slow
 

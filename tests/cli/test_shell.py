@@ -22,10 +22,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nlcontrol import Conversation
-from nlcontrol.cli import lines
-from nlcontrol.cli.output import Narrator
-from nlcontrol.cli.shell import Interruptible, command
-from nlcontrol.result import Result as Answer
+from nlcontrol.cli import prompt_lines as lines
+from nlcontrol.cli.console_output import Narrator
+from nlcontrol.cli.shell_command import Interruptible, command
+from nlcontrol.results.result import Result as Answer
 
 NAMES = ("ice tea box", "cereal box", "coffee box")
 

@@ -14,9 +14,9 @@ import pytest
 
 import grammar
 from grammar import frames as g
-from nlcontrol.cli.exploring import command
-from nlcontrol.exploringreport import _COLUMNS
-from nlcontrol.fitting import NAMES
+from nlcontrol.cli.explore_command import command
+from nlcontrol.learning.log_fitting import NAMES
+from nlcontrol.reports.exploration_report import _COLUMNS
 from objectmodels.identification.fit import MOST_DROPPED, OUTLIER
 from objectmodels.identification.update import SURPRISING
 from planner import touch_experiments as experiments

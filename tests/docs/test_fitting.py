@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from nlcontrol.cli import run
-from nlcontrol.fitting import EXPERIMENTS
+from nlcontrol.learning.log_fitting import EXPERIMENTS
 from objectmodels import Registry
 from objectmodels.identification import datafile, recordings
 from objectmodels.parameters import UNCERTAIN

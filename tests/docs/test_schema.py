@@ -6,7 +6,7 @@ import json
 from typing import Any, get_args
 
 from grammar import frames as g
-from nlcontrol.schema import schema, schema_json
+from nlcontrol.results.json_schema import schema, schema_json
 from planner.types.default_settings import settings
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller
-from nlcontrol.exploring import Exploration, explore
+from nlcontrol.learning.exploration_session import Exploration, explore
 from objectmodels.outcomemap import outcome_map
 from sim import load_scene
 from sim.exploration.exploration_run import Explorer, Touched

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller
-from nlcontrol.dialogue import Conversation
+from nlcontrol.session.conversation import Conversation
 from sim import load_scene
 
 pytestmark = pytest.mark.slow

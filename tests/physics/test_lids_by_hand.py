@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller
-from nlcontrol.dialogue import Conversation
-from nlcontrol.result import Result
+from nlcontrol.results.result import Result
+from nlcontrol.session.conversation import Conversation
 from sim import load_scene
 
 pytestmark = pytest.mark.slow

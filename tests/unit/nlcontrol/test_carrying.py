@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller
-from nlcontrol.carrying import Untried
+from nlcontrol.session.frame_execution import Untried
 from planner.geometry.directions import angle_between
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import XKCD_COLORS, to_rgb
 
-from nlcontrol.colours import SHADES, colour_names
+from nlcontrol.references.colour_names import SHADES, colour_names
 from sim import load_scene, seen_colours
 
 

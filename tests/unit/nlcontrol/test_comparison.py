@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nlcontrol import comparison
-from nlcontrol.comparison import Comparison, contacts_of, told
+from nlcontrol.outcome_maps import map_comparison as comparison
+from nlcontrol.outcome_maps.map_comparison import Comparison, contacts_of, told
 from objectmodels import BoxModel
 from objectmodels.outcomemap import OutcomeMap, outcome_map
 from sim.face_experiment.face_contact import TouchResult, Way

@@ -13,9 +13,9 @@ import pytest
 
 import grammar
 from nlcontrol import Controller
-from nlcontrol.checks.constraints import CONSTRAINTS
+from nlcontrol.checks.constraint_checks import CONSTRAINTS
 from nlcontrol.errors import ControlError
-from nlcontrol.result import Result
+from nlcontrol.results.result import Result
 from objectmodels import Registry
 from planner.types.plan import Plan, Refusal
 from tests.unit.nlcontrol.pushes import BOX, FORWARDS, Happens, Stage, TraceMaker, shown

@@ -12,9 +12,9 @@ import pytest
 
 from grammar import frames as g
 from nlcontrol import Controller, Conversation
-from nlcontrol.remarks import continued, corrected, overlaid, repeated
-from nlcontrol.result import Result
-from nlcontrol.undo import Pushed, way_back
+from nlcontrol.results.result import Result
+from nlcontrol.session.follow_up_frames import continued, corrected, overlaid, repeated
+from nlcontrol.session.undo_frames import Pushed, way_back
 from objectmodels import Registry
 from planner.geometry.directions import angle_between
 from planner.types.defaults import DEFAULTS

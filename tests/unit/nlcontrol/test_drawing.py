@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from nlcontrol import Controller, drawing
-from nlcontrol.drawing import save_explanation
+from nlcontrol import Controller
 from nlcontrol.errors import ControlError
-from nlcontrol.explanation import groups, table
-from nlcontrol.sheet import Sheet
+from nlcontrol.reports import explanation_drawing as drawing
+from nlcontrol.reports.drawing_canvas import Sheet
+from nlcontrol.reports.explanation_drawing import save_explanation
+from nlcontrol.reports.explanation_table import groups, table
 from planner.explanation.rows import Row
 
 SENTENCE = "push the ice tea box away without toppling it"

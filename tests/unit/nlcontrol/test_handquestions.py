@@ -9,7 +9,7 @@ import pytest
 from grammar import frames as g
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
-from nlcontrol.handwork import refilled
+from nlcontrol.learning.grasp_lessons import refilled
 
 
 @pytest.fixture(scope="module")

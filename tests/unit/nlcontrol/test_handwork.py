@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller, Conversation
-from nlcontrol.handwords import reasons
-from nlcontrol.handwork import believed_after, refilled, weighed
-from nlcontrol.undo import Pushed, in_words, way_back
+from nlcontrol.grasp_plan_text import reasons
+from nlcontrol.learning.grasp_lessons import believed_after, refilled, weighed
+from nlcontrol.session.undo_frames import Pushed, in_words, way_back
 from objectmodels import ObjectModel
 from objectmodels.thresholds import GRAVITY
 from planner.types.actions import (

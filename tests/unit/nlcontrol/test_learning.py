@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller
-from nlcontrol.learning import (
+from nlcontrol.learning.push_lessons import (
     CONTRADICTIONS,
     RADIUS_SD,
     Change,

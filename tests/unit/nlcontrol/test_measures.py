@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nlcontrol import measures
+from nlcontrol.checks import trace_measures as measures
 from objectmodels import BoxModel
 from sim.traces.trace import Trace, joined
 from tests.unit.nlcontrol.pushes import seen

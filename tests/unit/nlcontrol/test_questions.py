@@ -18,13 +18,13 @@ from PIL import Image
 
 from grammar import frames as g
 from nlcontrol import Controller
-from nlcontrol.answers import Answer
 from nlcontrol.cli import run
 from nlcontrol.errors import ControlError
-from nlcontrol.faces import face_of
-from nlcontrol.predictions import predict_push
-from nlcontrol.result import Result
-from nlcontrol.spread import deviations
+from nlcontrol.questions.answer import Answer
+from nlcontrol.questions.force_uncertainty import deviations
+from nlcontrol.questions.push_prediction import predict_push
+from nlcontrol.references.face_names import face_of
+from nlcontrol.results.result import Result
 from objectmodels import BoxModel
 from planner.types.plan import Plan, Refusal
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nlcontrol.errors import ControlError
-from nlcontrol.record import Record
+from nlcontrol.outcome_maps.experiment_record import Record
 from sim.face_experiment.face_contact import Contact, TouchResult
 
 PUSH = Contact("crate", "front", (-0.05, 0.01, 0.1), (-1.0, 0.0, 0.0), (1.0, 0.0, 0.0))

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from grammar import frames as g
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
-from nlcontrol.names import Candidate
-from nlcontrol.qualities import gap
-from nlcontrol.resolve import Context, resolve
+from nlcontrol.references.object_attributes import gap
+from nlcontrol.references.object_names import Candidate
+from nlcontrol.references.reference_resolution import Context, resolve
 from objectmodels import BoxModel, Registry
 from planner.types.world_state import Colour, PlanarPose, SeenObject, WorldState
 

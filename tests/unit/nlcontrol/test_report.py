@@ -8,12 +8,12 @@ from typing import Any, get_args
 import pytest
 
 from grammar import frames as g
-from nlcontrol.answers import Answer
 from nlcontrol.checks import Check
 from nlcontrol.errors import CODES, NO_PLAN, ErrorInfo
-from nlcontrol.report import check_line, plan_lines, report
-from nlcontrol.result import Execution, Result, Step
-from nlcontrol.text import error_lines, quantity, words
+from nlcontrol.questions.answer import Answer
+from nlcontrol.reports.result_report import check_line, plan_lines, report
+from nlcontrol.results.result import Execution, Result, Step
+from nlcontrol.text_format import error_lines, quantity, words
 from planner.types.plan import (
     Aim,
     DefaultUsed,

@@ -7,8 +7,8 @@ import pytest
 from grammar import frames as g
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
-from nlcontrol.names import Candidate
-from nlcontrol.resolve import Context, mentioned, resolve, spoken_of
+from nlcontrol.references.object_names import Candidate
+from nlcontrol.references.reference_resolution import Context, mentioned, resolve, spoken_of
 from objectmodels import Registry
 from planner.types.world_state import WorldState
 

@@ -11,7 +11,7 @@ import grammar
 from grammar import frames as g
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
-from nlcontrol.touching import EVERYTHING, unknown, wanted
+from nlcontrol.session.exploration_commands import EVERYTHING, unknown, wanted
 from objectmodels import BoxModel
 from sim.exploration.touch_recording import Recording
 

@@ -10,10 +10,10 @@ import yaml
 
 import grammar
 from nlcontrol import Controller
-from nlcontrol.dialogue import Conversation
-from nlcontrol.explanation import filler, groups, steps, table
-from nlcontrol.result import Result
-from nlcontrol.ways import ways
+from nlcontrol.reports.explanation_table import filler, groups, steps, table
+from nlcontrol.reports.word_explanation import ways
+from nlcontrol.results.result import Result
+from nlcontrol.session.conversation import Conversation
 from planner.explanation.rows import Row
 
 SENTENCES = Path(__file__).parents[2] / "data" / "commands"

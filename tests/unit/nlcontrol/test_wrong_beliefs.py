@@ -7,7 +7,7 @@ import json
 import pytest
 
 from benchmarks.wrong_beliefs import OBJECT, believed, run
-from nlcontrol.result import Result
+from nlcontrol.results.result import Result
 from sim.truth.scene_file import load_scene
 
 SEED = 0

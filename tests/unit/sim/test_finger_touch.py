@@ -7,7 +7,7 @@ import pickle
 
 import pytest
 
-from nlcontrol.controller import Controller
+from nlcontrol.session.controller import Controller
 from sim import load_scene
 from sim.face_experiment import applied_force as appliedforce
 from sim.face_experiment.face_contact import Contact

@@ -1,0 +1,239 @@
+"""Did what was to hold on the way hold? One function per kind of constraint."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from grammar import frames as g
+from nlcontrol.checks import trace_measures as measures
+from nlcontrol.checks.bystander_checks import met
+from nlcontrol.checks.event_checks import until
+from nlcontrol.checks.goal_checks import stands
+from nlcontrol.checks.grasp_checks import by_hand
+from nlcontrol.checks.verdicts import Check, Relation, compare, named
+from planner.geometry.directions import face_name
+from planner.geometry.footprints import gap
+
+if TYPE_CHECKING:
+    from nlcontrol.checks.evidence import Evidence
+    from nlcontrol.checks.trace_measures import Array
+
+HAND_SIDE = "right"
+"""The one hand of this robot is a right hand."""
+
+
+def _no_topple(clause: g.NoTopple, e: Evidence) -> Iterator[Check]:
+    if by_hand(e):
+        yield from _kept_upright(clause, e)
+        return
+    # Half the way to falling is too far for what is to slide, not for what is to tilt.
+    tilts = any(isinstance(c, g.Until) and c.event == "about_to_tip" for c in e.frame.constraints)
+    if e.frame.goal.kind != "tilt" and not tilts:
+        no_return = min(e.model.angle_of_no_return(face.normal) for face in e.model.faces())
+        limit = e.defaults.no_topple_share * no_return
+        yield compare(clause, "at_most", "largest tilt", limit, e.largest_tilt, 0.0, "rad")
+    yield stands(clause, e)
+
+
+def _kept_upright(clause: g.NoTopple | g.NoTilt, e: Evidence) -> Iterator[Check]:
+    """What a hand holds is upright unless it is poured from, and so it is at the end."""
+    if e.frame.goal.kind != "pour":
+        limit = e.defaults.upright
+        yield compare(clause, "at_most", "largest tilt", limit, e.largest_tilt, 0.0, "rad")
+    _, tilt = measures.tilt_at_end(e.trace, e.name)
+    yield compare(clause, "at_most", "tilt at the end", e.defaults.upright, tilt, 0.0, "rad")
+
+
+def _no_tilt(clause: g.NoTilt, e: Evidence) -> Iterator[Check]:
+    limit = e.defaults.upright if by_hand(e) else e.defaults.no_tilt
+    yield compare(clause, "at_most", "largest tilt", limit, e.largest_tilt, 0.0, "rad")
+
+
+def _max_tilt(clause: g.MaxTilt, e: Evidence) -> Iterator[Check]:
+    yield compare(clause, "at_most", "largest tilt", clause.value, e.largest_tilt, 0.0, "rad")
+
+
+def _turned_at_most(clause: g.NoTurn | g.MaxTurn, limit: float, e: Evidence) -> Check:
+    turned = float(np.abs(measures.turn(e.trace, e.name)).max())
+    return compare(clause, "at_most", "turned at most", limit, turned, 0.0, "rad")
+
+
+def _no_turn(clause: g.NoTurn, e: Evidence) -> Iterator[Check]:
+    yield _turned_at_most(clause, e.defaults.no_turn, e)
+
+
+def _max_turn(clause: g.MaxTurn, e: Evidence) -> Iterator[Check]:
+    yield _turned_at_most(clause, clause.value, e)
+
+
+def _no_slide(clause: g.NoSlide, e: Evidence) -> Iterator[Check]:
+    slid = measures.slip(e.trace, e.name, e.model.footprint.corners)
+    yield compare(clause, "at_most", "slid on its base", e.defaults.no_slide, slid, 0.0, "m")
+
+
+def _no_lift(clause: g.NoLift, e: Evidence) -> Iterator[Check]:
+    rise = measures.rise(e.trace, e.name, e.model.footprint.corners)
+    yield compare(clause, "at_most", "rose off the table", e.defaults.no_lift, rise, 0.0, "m")
+
+
+def _no_spill(clause: g.NoSpill, e: Evidence) -> Iterator[Check]:
+    contents = {name: volume[0] for name, volume in e.trace.contents.items()}
+    # What holds nothing itself may still make others spill.
+    held = contents.get(e.name, 0.0) or sum(contents.values())
+    if held > 0.0:
+        share = (e.trace.spilled[-1] - e.trace.spilled[0]) / held
+        quantity = "share of the contents that was spilled"
+        yield compare(clause, "at_most", quantity, e.defaults.no_spill, share, 0.0, "")
+    else:
+        yield named(clause, "spilled", "nothing", "nothing")
+
+
+def _no_touch(clause: g.NoTouch, e: Evidence) -> Iterator[Check]:
+    names = tuple(name for name in e.trace.poses if name != e.name)
+    what = "anything else"
+    if clause.object is not None:
+        what = clause.object.id or clause.object.text
+        names = (what,)
+    touched = [name for name in names if met(e.trace, e.name, name)]
+    yield named(clause, f"contact with {what}", "none", ", ".join(touched) or "none")
+    if clause.clearance is not None:
+        kept = min((_least_gap(e, name) for name in names), default=clause.clearance)
+        tolerance = e.defaults.clear_tolerance
+        quantity = f"least distance from {what}"
+        yield compare(clause, "at_least", quantity, clause.clearance, kept, tolerance, "m")
+
+
+def _least_gap(e: Evidence, name: str) -> float:
+    ways = zip(e.covered(e.name), e.covered(name), strict=True)
+    return min(gap(own, other) for own, other in ways)
+
+
+def _force(relation: Relation) -> Callable[..., Iterator[Check]]:
+    def checked(clause: g.MaxForce | g.MinForce | g.Force, e: Evidence) -> Iterator[Check]:
+        felt, tolerance = measures.largest_push_force(e.trace), e.defaults.force_tolerance
+        quantity = "largest push force felt"
+        if by_hand(e):
+            felt, quantity = measures.largest_squeeze(e.trace), "largest squeeze felt"
+        yield compare(clause, relation, quantity, clause.value, felt, tolerance, "N")
+
+    return checked
+
+
+def _hard(clause: g.Hard, e: Evidence) -> Iterator[Check]:
+    ready = measures.largest_force_limit(e.trace)
+    quantity = "force it was ready to push with"
+    yield compare(clause, "at_least", quantity, e.defaults.force_hard, ready, 0.0, "N")
+
+
+def _speed(
+    relation: Relation, asked: Callable[[Any, Evidence], float]
+) -> Callable[..., Iterator[Check]]:
+    def checked(clause: Any, e: Evidence) -> Iterator[Check]:
+        speed, tolerance = measures.largest_push_speed(e.trace), e.defaults.speed_tolerance
+        quantity = "largest speed of the push"
+        if by_hand(e):
+            quantity = "largest speed in the hand"
+            speed = measures.largest_held_speed(e.trace, e.name)
+        yield compare(clause, relation, quantity, asked(clause, e), speed, tolerance, "m/s")
+
+    return checked
+
+
+def _gentle(e: Evidence) -> float:
+    return e.defaults.carry_speed_gentle if by_hand(e) else e.defaults.speed_gentle
+
+
+def _max_duration(clause: g.MaxDuration, e: Evidence) -> Iterator[Check]:
+    took = measures.push_duration(e.trace)
+    yield compare(clause, "at_most", "time that it was pushed", clause.value, took, 0.0, "s")
+
+
+def _duration(clause: g.Duration, e: Evidence) -> Iterator[Check]:
+    took, tolerance = measures.push_duration(e.trace), e.defaults.duration_tolerance
+    yield compare(clause, "about", "time that it was pushed", clause.value, took, tolerance, "s")
+
+
+def _max_distance(clause: g.MaxDistance, e: Evidence) -> Iterator[Check]:
+    length = float(np.linalg.norm(e.trace.displacement(e.name)[:2]))
+    yield compare(clause, "at_most", "moved in all", clause.value, length, 0.0, "m")
+
+
+def _contact(clause: g.ContactRegion, e: Evidence) -> Iterator[Check]:
+    """The first push that touched it elsewhere, if there is one; else the first of all."""
+    touches = measures.contacts(e.trace, e.name, ("grasp",) if by_hand(e) else ("push",))
+    if not touches:
+        yield named(clause, "contact", "touched", "never touched")
+        return
+    verdicts = [tuple(_touched(clause, p_BT, R_WB, e)) for p_BT, R_WB in touches]
+    wrong = (checks for checks in verdicts if not all(check.ok for check in checks))
+    yield from next(wrong, verdicts[0])
+
+
+def _touched(clause: g.ContactRegion, p_BT: Array, R_WB: Array, e: Evidence) -> Iterator[Check]:
+    tolerance, height = e.defaults.height_tolerance, e.model.top
+    if clause.face is not None:
+        faces = e.model.faces(np.arctan2(-p_BT[1], -p_BT[0]))
+        outside = [np.subtract(p_BT, f.centre) @ f.normal for f in faces]
+        touched = faces[int(np.argmax(outside))]
+        name, _ = face_name(R_WB @ np.array(touched.normal))
+        yield named(clause, "face touched", clause.face, name)
+    if clause.region is not None:
+        low, high = {"bottom": (0, 1), "middle": (1, 2), "top": (2, 3)}[clause.region]
+        if low:
+            least = low * height / 3
+            yield compare(clause, "at_least", "contact height", least, p_BT[2], tolerance, "m")
+        if high < 3:
+            most = high * height / 3
+            yield compare(clause, "at_most", "contact height", most, p_BT[2], tolerance, "m")
+    if clause.height is not None:
+        value, upwards = clause.height.value, clause.height.origin == "table"
+        assert isinstance(value, float)
+        asked = value if upwards else height - value
+        bound = clause.height.bound
+        relation: Relation = "about"
+        if bound != "exact":
+            relation = "at_least" if (bound == "at_least") == upwards else "at_most"
+        yield compare(clause, relation, "contact height", asked, p_BT[2], tolerance, "m")
+
+
+def _effector(clause: g.Effector, e: Evidence) -> Iterator[Check]:
+    if clause.side is not None:
+        yield named(clause, "hand used", f"{clause.side} hand", f"{HAND_SIDE} hand")
+    used = len(e.trace.tips)
+    if clause.tool == "finger" and clause.count is not None:
+        yield named(clause, "fingers used", str(clause.count), str(used))
+    elif clause.side is None:
+        yield named(clause, "touched with", clause.tool, clause.tool if used else "nothing")
+
+
+CONSTRAINTS: dict[str, Callable[..., Iterator[Check]]] = {
+    "no_topple": _no_topple,
+    "no_tilt": _no_tilt,
+    "no_turn": _no_turn,
+    "no_slide": _no_slide,
+    "no_lift": _no_lift,
+    "no_spill": _no_spill,
+    "no_touch": _no_touch,
+    "max_tilt": _max_tilt,
+    "max_turn": _max_turn,
+    "max_force": _force("at_most"),
+    "min_force": _force("at_least"),
+    "force": _force("about"),
+    "hard": _hard,
+    "max_speed": _speed("at_most", lambda clause, _: clause.value),
+    "min_speed": _speed("at_least", lambda clause, _: clause.value),
+    "speed": _speed("about", lambda clause, _: clause.value),
+    "gentle": _speed("at_most", lambda _, e: _gentle(e)),
+    "slow": _speed("at_most", lambda _, e: _gentle(e)),
+    "fast": _speed("at_least", lambda _, e: e.defaults.speed_fast),
+    "max_duration": _max_duration,
+    "duration": _duration,
+    "max_distance": _max_distance,
+    "contact": _contact,
+    "effector": _effector,
+    "until": until,
+}
+"""The check of each kind of constraint; a kind that is missing cannot be checked."""

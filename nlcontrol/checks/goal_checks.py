@@ -1,0 +1,176 @@
+"""Did what was asked come about? One function per kind of goal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from grammar import frames as g
+from nlcontrol.checks import grasp_checks as handling
+from nlcontrol.checks import trace_measures as measures
+from nlcontrol.checks.verdicts import Check, Clause, Relation, compare, named, placed
+from planner.geometry.directions import HEADINGS, angle_between, heading_of
+from planner.problem.displacement_goals import asked_distance, asked_heading
+from planner.problem.place_regions import region, share_of_way
+from planner.problem.tilt_goals import meant
+
+if TYPE_CHECKING:
+    from nlcontrol.checks.evidence import Evidence
+    from planner.types.defaults import Defaults
+
+
+def stands(clause: Clause, e: Evidence) -> Check:
+    """It comes to rest on its base."""
+    _, tilt = measures.tilt_at_end(e.trace, e.name)
+    return compare(clause, "at_most", "tilt at the end", e.defaults.rest_tilt, tilt, 0.0, "rad")
+
+
+def fell(clause: Clause, e: Evidence) -> Check:
+    """It comes to rest on a side."""
+    tilt, _ = measures.tilt_at_end(e.trace, e.name)
+    return compare(clause, "at_least", "tilt at the end", e.defaults.toppled, tilt, 0.0, "rad")
+
+
+def _falls(e: Evidence) -> bool:
+    """Whether it is to be pushed until it tips over."""
+    return any(isinstance(c, g.Until) and c.event == "tips" for c in e.frame.constraints)
+
+
+def _still_stands(clause: Clause, e: Evidence) -> Iterator[Check]:
+    """It stands at the end, unless the sentence says so itself or wants it to fall."""
+    if not _falls(e) and not e.has("no_topple"):
+        yield stands(clause, e)
+
+
+def _displace(goal: g.Displace, e: Evidence) -> Iterator[Check]:
+    d, own = e.defaults, e.start.objects[e.name]
+    travel = e.trace.displacement(e.name)[:2]
+    length = float(np.linalg.norm(travel))
+    heading = asked_heading(goal, own, e.start, d)
+    tipped = _tipped(goal, heading, e)
+    if tipped is not None:
+        yield from tipped
+        return
+    along = length
+    if heading is not None:
+        along = float(travel @ [np.cos(heading), np.sin(heading)])
+        # The heading of something that hardly moved is noise, and its distance fails anyway.
+        went = heading_of(np.array([*travel, 0.0])) if length > d.distance_tolerance else heading
+        off = abs(angle_between(went, heading))
+        yield compare(
+            goal, "at_most", "off the asked direction", 0.0, off, d.direction_tolerance, "rad"
+        )
+    # An event or a time says how far, if no distance does.
+    said = goal.distance is not None or goal.fraction is not None or goal.amount is not None
+    if said or not e.has("until", "duration"):
+        yield _distance(goal, along, e)
+    if e.frame.action == "slide":
+        tilt = e.largest_tilt
+        yield compare(goal, "at_most", "largest tilt while sliding", d.no_tilt, tilt, 0.0, "rad")
+    else:
+        yield from _still_stands(goal, e)
+
+
+def _tipped(goal: g.Displace, heading: float | None, e: Evidence) -> list[Check] | None:
+    """Where it fell or leant, if it is to be pushed until it tips or is about to; else None."""
+    events = [c.event for c in e.frame.constraints if isinstance(c, g.Until)]
+    if "tips" in events:
+        sample, quantity = -1, "fell off the asked direction"
+    elif "about_to_tip" in events:
+        sample, quantity = int(np.argmax(e.trace.tilt(e.name))), "leant off the asked direction"
+    else:
+        return None
+    if heading is None:
+        return []
+    went = measures.tilt_heading(e.trace, e.name, sample)
+    return [_towards(goal, quantity, went, heading, e.defaults)]
+
+
+def _distance(goal: g.Displace, along: float, e: Evidence) -> Check:
+    d, own = e.defaults, e.start.objects[e.name]
+    asked, _ = asked_distance(goal, own, e.start, d, e.frame.constraints)
+    tolerance = d.distance_tolerance if goal.bound == "exact" else 0.0
+    return compare(
+        goal, _relation(goal.bound), "moved in the asked direction", asked, along, tolerance, "m"
+    )
+
+
+def _place(goal: g.Place, e: Evidence) -> Iterator[Check]:
+    place = region(goal, e.end, e.defaults)
+    assert place is not None, "a place on an object is refused before"
+    if goal.fraction is not None:
+        start = e.start.objects[e.name]
+        place = share_of_way(place, goal.fraction, start, e.defaults.place_tolerance)
+    yield from (placed(goal, measure) for measure in place.measures(e.end.objects[e.name]))
+    if handling.by_hand(e):
+        yield from handling.set_down_upright(goal, e)
+    else:
+        yield from _still_stands(goal, e)
+
+
+def _rotate(goal: g.Rotate, e: Evidence) -> Iterator[Check]:
+    d = e.defaults
+    turned = float(measures.turn(e.trace, e.name)[-1])
+    measured = {"ccw": turned, "cw": -turned, None: abs(turned)}[goal.sense]
+    by_default = {None: d.turn, "little": d.turn_little, "lot": d.turn_lot}
+    asked = goal.angle or by_default[goal.amount]
+    tolerance = d.turn_tolerance if goal.bound == "exact" else 0.0
+    sense = {"ccw": " to the left", "cw": " to the right", None: ""}[goal.sense]
+    yield compare(goal, _relation(goal.bound), f"turned{sense}", asked, measured, tolerance, "rad")
+    drift = float(np.linalg.norm(e.trace.displacement(e.name)[:2]))
+    yield compare(goal, "at_most", "moved while turning", 0.0, drift, d.turn_drift, "m")
+    yield from _still_stands(goal, e)
+
+
+def _tilt(goal: g.Tilt, e: Evidence) -> Iterator[Check]:
+    d = e.defaults
+    asked = goal.angle or meant(goal, e.model, d)[0]
+    tolerance = d.tilt_tolerance if goal.bound == "exact" else 0.0
+    tilts = e.trace.tilt(e.name)
+    most = int(np.argmax(tilts))
+    yield compare(goal, _relation(goal.bound), "largest tilt", asked, tilts[most], tolerance, "rad")
+    if goal.direction:
+        leant = measures.tilt_heading(e.trace, e.name, most)
+        yield _towards(goal, "leant off the asked side", leant, HEADINGS[goal.direction], d)
+    yield from _still_stands(goal, e)
+
+
+def _topple(goal: g.Topple, e: Evidence) -> Iterator[Check]:
+    yield fell(goal, e)
+    if goal.direction:
+        fall = measures.tilt_heading(e.trace, e.name)
+        asked = HEADINGS[goal.direction]
+        yield _towards(goal, "fell off the asked side", fall, asked, e.defaults)
+
+
+def _none(goal: g.NoGoal, e: Evidence) -> Iterator[Check]:
+    touched = "touched" if measures.contacts(e.trace, e.name) else "never touched"
+    yield named(goal, "contact", "touched", touched)
+    yield from _still_stands(goal, e)
+
+
+def _towards(clause: Clause, quantity: str, heading: float, asked: float, d: Defaults) -> Check:
+    off = abs(angle_between(heading, asked))
+    return compare(clause, "at_most", quantity, 0.0, off, d.side_tolerance, "rad")
+
+
+def _relation(bound: g.Bound) -> Relation:
+    return "about" if bound == "exact" else bound
+
+
+GOALS: dict[str, Callable[..., Iterator[Check]]] = {
+    "displace": _displace,
+    "place": _place,
+    "rotate": _rotate,
+    "tilt": _tilt,
+    "topple": _topple,
+    "none": _none,
+    "lift": handling.lifted,
+    "set_down": handling.set_down,
+    "open": handling.opened,
+    "close": handling.closed,
+    "pour": handling.poured,
+}
+"""The check of each kind of goal; a kind that is missing cannot be checked."""

@@ -1,0 +1,154 @@
+"""Did what a whole hand was to do come about? One function per kind of goal.
+
+Volumes and lids are those that an observer of the world recorded, not what the robot believes: a
+share of the contents is one of what truly was in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from grammar import frames as g
+from nlcontrol.checks import trace_measures as measures
+from nlcontrol.checks.verdicts import Check, Clause, Relation, compare, named
+from objectmodels.parts import FlipLid, LiftOffLid, ScrewCap
+from planner.grasping.lid_planner import is_off
+
+if TYPE_CHECKING:
+    from nlcontrol.checks.evidence import Evidence
+
+
+def by_hand(e: Evidence) -> bool:
+    """Whether the object was in the hand."""
+    return bool(measures.during(e.trace, ("grasp", "lift", "carry", "pour", "set_down")).any())
+
+
+def set_down_upright(clause: Clause, e: Evidence) -> Iterator[Check]:
+    """It was let go, and stands on the table on its base."""
+    d = e.defaults
+    height = float(e.trace.poses[e.name][-1, 6])
+    yield compare(clause, "at_most", "height over the table", 0.0, height, d.no_lift, "m")
+    _, tilt = measures.tilt_at_end(e.trace, e.name)
+    yield compare(clause, "at_most", "tilt at the end", d.rest_tilt, tilt, 0.0, "rad")
+
+
+def _stays_put(clause: Clause, name: str, e: Evidence) -> Check:
+    moved = float(np.linalg.norm(e.trace.displacement(name)[:2]))
+    quantity = "moved" if name == e.name else f"{name} was moved by"
+    return compare(clause, "at_most", quantity, 0.0, moved, e.defaults.stays_put, "m")
+
+
+# -- lifted and set down ------------------------------------------------------------------------
+
+
+def lifted(goal: g.Lift, e: Evidence) -> Iterator[Check]:
+    """It is up at the end, and upright."""
+    d = e.defaults
+    by_default = {None: d.lift_height, "little": d.lift_little, "lot": d.lift_lot}
+    asked = by_default[goal.amount] if goal.height is None else goal.height
+    assert isinstance(asked, float), "lengths are in metres by now"
+    rise = float(e.trace.displacement(e.name)[2])
+    relation: Relation = "about" if goal.bound == "exact" else goal.bound
+    tolerance = d.lift_tolerance if goal.bound == "exact" else 0.0
+    yield compare(goal, relation, "held higher at the end", asked, rise, tolerance, "m")
+    _, tilt = measures.tilt_at_end(e.trace, e.name)
+    yield compare(goal, "at_most", "tilt at the end", d.upright, tilt, 0.0, "rad")
+
+
+def set_down(goal: g.SetDown, e: Evidence) -> Iterator[Check]:
+    """It stands where it was held."""
+    moved = float(np.linalg.norm(e.trace.displacement(e.name)[:2]))
+    limit = e.defaults.place_tolerance
+    yield compare(goal, "at_most", "moved while it was set down", 0.0, moved, limit, "m")
+    yield from set_down_upright(goal, e)
+
+
+# -- lids ---------------------------------------------------------------------------------------
+
+
+def opened(goal: g.Open, e: Evidence) -> Iterator[Check]:
+    """Its lid is open, or off; the object stands where it stood."""
+    lid, d = e.model.lid, e.defaults
+    at_end = float(e.trace.lids[e.name][-1])
+    if isinstance(lid, FlipLid):
+        quantity = "angle of its lid"
+        yield compare(goal, "at_least", quantity, d.lid_opened, at_end, 0.0, "rad")
+    elif lid is not None:
+        yield named(goal, f"its {_called(lid)}", "off", _state(lid, at_end))
+    yield from _stood_still(goal, e)
+
+
+def closed(goal: g.Close, e: Evidence) -> Iterator[Check]:
+    """Its lid is shut, or on; the object stands where it stood."""
+    lid, d = e.model.lid, e.defaults
+    at_end = float(e.trace.lids[e.name][-1])
+    if isinstance(lid, LiftOffLid):
+        yield named(goal, "its lid", "on", _state(lid, at_end))
+    else:
+        quantity = "angle of its lid" if isinstance(lid, FlipLid) else "turn of its cap"
+        yield compare(goal, "at_most", quantity, d.lid_closed, at_end, 0.0, "rad")
+    yield from _stood_still(goal, e)
+
+
+def _called(lid: LiftOffLid | ScrewCap) -> str:
+    return "cap" if isinstance(lid, ScrewCap) else "lid"
+
+
+def _state(lid: LiftOffLid | ScrewCap, at: float) -> str:
+    return "off" if is_off(lid, at) else "on"
+
+
+def _stood_still(clause: Clause, e: Evidence) -> Iterator[Check]:
+    yield _stays_put(clause, e.name, e)
+    _, tilt = measures.tilt_at_end(e.trace, e.name)
+    yield compare(clause, "at_most", "tilt at the end", e.defaults.rest_tilt, tilt, 0.0, "rad")
+
+
+# -- poured -------------------------------------------------------------------------------------
+
+
+def poured(goal: g.Pour, e: Evidence) -> Iterator[Check]:
+    """So much arrived, hardly any was spilled, what it went into stands, the source is back."""
+    assert goal.into is not None, "what is poured is poured into something"
+    into, d = goal.into.id or goal.into.text, e.defaults
+    before = float(e.trace.contents[e.name][0])
+    received = float(e.trace.contents[into][-1] - e.trace.contents[into][0])
+    if goal.fill is None and goal.volume is None and goal.amount is None and goal.fraction in (
+        None, 1.0,
+    ):  # fmt: skip
+        least = d.pour_least * before
+        yield compare(goal, "at_least", f"arrived in the {into}", least, received, 0.0, "m³")
+    else:
+        asked = _asked(goal, before, into, e)
+        tolerance = max(d.pour_share * asked, d.pour_margin)
+        yield compare(goal, "about", f"arrived in the {into}", asked, received, tolerance, "m³")
+    if not e.has("no_spill"):
+        yield spilled(goal, e)
+    yield _stays_put(goal, into, e)
+    yield from set_down_upright(goal, e)
+
+
+def _asked(goal: g.Pour, before: float, into: str, e: Evidence) -> float:
+    """The volume that is meant [m³]."""
+    d = e.defaults
+    if goal.volume is not None:
+        return goal.volume
+    if goal.fill is not None:
+        vessel = e.start.objects[into].model.vessel
+        assert vessel is not None, "what is filled is hollow"
+        share = min(goal.fill, d.pour_fill)
+        return share * vessel.capacity - float(e.trace.contents[into][0])
+    if goal.amount == "little":
+        return min(d.pour_little, before)
+    return (d.pour_lot if goal.amount == "lot" else goal.fraction or 1.0) * before
+
+
+def spilled(clause: Clause, e: Evidence) -> Check:
+    """What ran onto the table, against what was in it."""
+    lost = float(e.trace.spilled[-1] - e.trace.spilled[0]) if len(e.trace.spilled) else 0.0
+    held = e.trace.contents.get(e.name)
+    limit = 0.0 if held is None else e.defaults.spill_tolerance * float(held[0])
+    return compare(clause, "at_most", "spilled", limit, lost, 0.0, "m³")

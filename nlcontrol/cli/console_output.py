@@ -1,0 +1,107 @@
+"""What the commands print and write."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import click
+
+from nlcontrol.errors import ErrorInfo, error
+
+
+def print_json(document: Any) -> None:
+    """Prints the one JSON document of a command."""
+    click.echo(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def print_error(info: ErrorInfo, *, as_json: bool, text: str | None = None) -> None:
+    """Prints an error: as the document on standard output, or as text on standard error."""
+    if as_json:
+        said = {} if text is None else {"text": text}
+        print_json({**said, "ok": False, "error": info.model_dump(mode="json")})
+        return
+    from nlcontrol.text_format import error_lines
+
+    for line in error_lines(info, text):
+        click.echo(line, err=True)
+
+
+def require_writable(path: Path | None) -> None:
+    """Refuses a file that could not be written, before minutes are spent on its contents.
+
+    Raises:
+        ControlError: `cannot_write`.
+    """
+    if path is None:
+        return
+    folder = path.absolute().parent
+    if not folder.is_dir():
+        raise error("cannot_write", f"cannot write {path}: there is no folder {folder}")
+    if path.is_dir() or not os.access(folder, os.W_OK):
+        raise error("cannot_write", f"cannot write {path}")
+
+
+@contextlib.contextmanager
+def written_whole(path: Path) -> Iterator[Path]:
+    """A temporary file beside `path` that takes its place when all went well.
+
+    So nobody ever reads half a file, and a failure leaves an older one as it was.
+    """
+    handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        yield temporary
+        # mkstemp lets nobody else read the file; give it what a plain `open` would have.
+        umask = os.umask(0)
+        os.umask(umask)
+        temporary.chmod(0o666 & ~umask)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+class Narrator:
+    """Tells on standard error what the simulation does.
+
+    On a terminal one line that changes, else a short line for each phase.
+    """
+
+    def __init__(self) -> None:
+        self._phase = ""
+        self._status: Any = None
+
+    def __enter__(self) -> Narrator:
+        if sys.stderr.isatty():
+            from rich.console import Console
+
+            self._status = Console(stderr=True).status("building the scene")
+            self._status.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._status is not None:
+            self._status.stop()
+
+    def __call__(self, phase: str, time: float, text: str) -> None:
+        """Takes one report of the simulation."""
+        line = f"{time:5.1f} s  {phase}: {text}" if text else f"{time:5.1f} s  {phase}"
+        if self._status is not None:
+            self._status.update(line)
+        elif phase != self._phase:
+            click.echo(line, err=True)
+        self._phase = phase
+
+    def line(self, text: str) -> None:
+        """Tells a line that stays."""
+        if self._status is not None:
+            self._status.console.print(text, highlight=False, markup=False)
+        else:
+            click.echo(text, err=True)

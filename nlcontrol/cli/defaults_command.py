@@ -1,0 +1,32 @@
+"""`defaults`: what a clause means when a sentence says no more."""
+
+from __future__ import annotations
+
+import click
+
+from nlcontrol.cli.console_output import print_json
+from nlcontrol.cli.world_options import Settings, scene_option, set_option
+from nlcontrol.errors import OK
+
+
+@click.command("defaults")
+@scene_option
+@set_option
+@click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
+def command(scene: str, settings: Settings, as_json: bool) -> int:
+    """List every default with its value: what --set takes, and `defaults` in a scene file."""
+    from dataclasses import asdict
+
+    from nlcontrol.errors import translated
+    from planner.types.default_settings import changed, table
+    from planner.types.default_settings import settings as listed
+    from sim.truth.scene_file import load_scene
+
+    with translated():
+        found = changed(load_scene(scene).defaults, dict(settings))
+    if as_json:
+        print_json([asdict(setting) for setting in listed(found)])
+        return OK
+    for line in table(found):
+        click.echo(line)
+    return OK

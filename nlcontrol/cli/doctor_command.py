@@ -1,0 +1,157 @@
+"""`doctor`: is everything there that a run needs?"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib.metadata
+import importlib.util
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import click
+
+from nlcontrol._shadowing import misplaced
+from nlcontrol.cli.console_output import print_json
+from nlcontrol.errors import INTERNAL, OK
+
+_EGL_VENDORS = (Path("/usr/share/glvnd/egl_vendor.d"), Path("/etc/glvnd/egl_vendor.d"))
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that was looked at.
+
+    Attributes:
+        name: what.
+        ok: whether it is as it should be.
+        essential: whether a sentence cannot be carried out without it.
+        message: what was found.
+        suggestion: what to do if it is not ok.
+    """
+
+    name: str
+    ok: bool
+    essential: bool
+    message: str
+    suggestion: str = ""
+
+
+@click.command("doctor")
+@click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
+def command(as_json: bool) -> int:
+    """Check that everything a run needs is there."""
+    findings = list(examine())
+    ok = all(f.ok for f in findings if f.essential)
+    if as_json:
+        print_json({"ok": ok, "findings": [asdict(f) for f in findings]})
+        return OK if ok else INTERNAL
+    for f in findings:
+        mark = "✓" if f.ok else ("✗" if f.essential else "–")
+        click.echo(f"{mark} {f.name}: {f.message}")
+        if f.suggestion and not f.ok:
+            click.echo(f"    → {f.suggestion}")
+    click.echo("All essentials are there." if ok else "Something essential is missing.")
+    return OK if ok else INTERNAL
+
+
+def examine() -> Iterator[Finding]:
+    """Looks at everything, in the order in which a run needs it."""
+    version = ".".join(map(str, sys.version_info[:3]))
+    yield Finding(
+        "Python", sys.version_info >= (3, 11), True, version, "nlcontrol needs Python 3.11 or newer"
+    )
+    wrong = [f"{name} is {path or 'missing'}" for name, path in misplaced()]
+    yield Finding(
+        "packages", not wrong, True, "; ".join(wrong) or "all five beside each other", "rename it"
+    )
+    yield _drake()
+    yield _attempt("object models", _registry)
+    yield _own_models()
+    yield _attempt("scenes", _scenes)
+    yield _attempt("grammar", _grammar)
+    yield _egl()
+
+
+def _drake() -> Finding:
+    found = importlib.util.find_spec("pydrake") is not None
+    version = importlib.metadata.version("drake") if found else "not installed"
+    return Finding("Drake", found, True, version, "pip install 'drake>=1.51'")
+
+
+def _attempt(name: str, what: Callable[[], str]) -> Finding:
+    """A finding from code that may fail in any way: reporting that is what this is for."""
+    try:
+        return Finding(name, True, True, what())
+    except Exception as raised:
+        return Finding(
+            name, False, True, f"{type(raised).__name__}: {raised}", "install nlcontrol again"
+        )
+
+
+def _registry() -> str:
+    from objectmodels import Registry
+
+    registry = Registry.built_in()
+    for problem in registry.problems:
+        raise problem
+    return ", ".join(registry.names())
+
+
+def _own_models() -> Finding:
+    """Models of plug-ins and of the user; a broken one stops no run."""
+    from objectmodels import Registry
+    from objectmodels.registry import user_folder
+
+    registry = Registry.default()
+    own = [name for name in registry.names() if not registry.place(name).startswith("built in")]
+    problems = [str(problem) for problem in registry.problems]
+    return Finding(
+        "plug-ins and your own models (optional)",
+        not problems,
+        False,
+        "; ".join(problems) or ", ".join(own) or f"none; yours go to {user_folder()}",
+        "mend or remove what was skipped",
+    )
+
+
+def _scenes() -> str:
+    from nlcontrol.session.controller import Controller
+    from sim.truth.scene_file import built_in_scenes
+
+    names = built_in_scenes()
+    for name in names:
+        Controller(name)  # reads the scene and finds the model of each of its objects
+    return ", ".join(names)
+
+
+def _grammar() -> str:
+    import grammar
+
+    return grammar.parse("push the ice tea box away without toppling it").paraphrase
+
+
+def _egl() -> Finding:
+    """Pictures are drawn without a display, by Mesa's software renderer through EGL."""
+    present = {
+        "libegl1": _loads("libEGL.so.1"),
+        "libegl-mesa0": any(next(folder.glob("*mesa*"), None) for folder in _EGL_VENDORS),
+        "libgl1-mesa-dri": any(Path("/usr/lib").glob("*/dri/*swrast_dri.so")),
+    }
+    missing = [package for package, there in present.items() if not there]
+    return Finding(
+        "pictures (optional)",
+        not missing,
+        False,
+        f"missing Debian packages: {', '.join(missing)}" if missing else "EGL is there",
+        f"apt-get install {' '.join(missing)}",
+    )
+
+
+def _loads(library: str) -> bool:
+    try:
+        ctypes.CDLL(library)
+    except OSError:
+        return False
+    return True

@@ -1,0 +1,135 @@
+"""`explore`: the robot finds the parameters of an object by touching it."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from nlcontrol.cli.console_output import Narrator, print_json, require_writable, written_whole
+from nlcontrol.cli.fit_command import ParameterNames, keeping
+from nlcontrol.cli.world_options import Settings, controller_of, world_options
+from nlcontrol.errors import OK
+
+if TYPE_CHECKING:
+    from nlcontrol.learning.exploration_session import Told
+    from objectmodels import ObjectModel
+    from sim.exploration.exploration_run import Touched
+
+_File = click.Path(dir_okay=False, path_type=Path)
+
+
+@click.command("explore")
+@click.argument("name", metavar="OBJECT")
+@click.option(
+    "--trials", default=10, show_default=True, type=click.IntRange(1, 1000),
+    help="Repetitions of the experiments.",
+)  # fmt: skip
+@click.option(
+    "--parameters",
+    type=ParameterNames(),
+    metavar="NAME,NAME",
+    help="What to find: mass, friction, finger_friction, friction_radius, centre_of_mass (or "
+    "com_x, com_y, com_z). All of them by default.",
+)
+@click.option(
+    "--precision",
+    type=click.FloatRange(0.0, 1.0, min_open=True),
+    help="Do what tells most until everything asked is known with this relative standard "
+    "deviation, e.g. 0.02; of the centre of mass as a share of the object's size.",
+)
+@click.option(
+    "--guess",
+    type=click.FloatRange(1.0, min_open=True),
+    metavar="FACTOR",
+    help="Take what is believed of mass and friction as a guess that may be off by this factor.",
+)
+@world_options
+@click.option("--picture", type=_File, help="Draw the force curves (PNG, SVG or PDF).")
+@keeping
+@click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
+def command(
+    name: str,
+    trials: int,
+    parameters: tuple[str, ...] | None,
+    precision: float | None,
+    guess: float | None,
+    scene: str,
+    seed: int,
+    settings: Settings,
+    picture: Path | None,
+    saved_as: str | None,
+    output: Path | None,
+    as_json: bool,
+) -> int:
+    """Find the parameters of OBJECT by touching it, in simulation.
+
+    The finger tilts, slides and rubs it again and again; at the end stand the figures of every
+    repetition by itself, those of all together, and how the object really is in the scene.
+    """
+    from nlcontrol.learning.exploration_session import explore
+    from nlcontrol.learning.model_store import kept, placed, renamed
+    from nlcontrol.outcome_maps.experiment_runner import standing
+    from nlcontrol.reports.exploration_report import report_lines, with_truth
+    from objectmodels.modelfile import save_model
+    from objectmodels.parameters import UNCERTAIN
+
+    if precision is not None and math.isnan(precision):
+        raise click.UsageError("--precision: nan is no number")
+    _require_file(output, ".yaml", ".yml")
+    _require_file(picture, ".png", ".svg", ".pdf")
+    controller = controller_of(scene, seed, settings)
+    item = standing(controller, name)
+    if saved_as is not None:
+        believed = controller.models[item.name]
+        placed(controller.registry.copy(), renamed(believed, saved_as) if saved_as else believed)
+    with Narrator() as progress:
+        found = explore(
+            controller, item.name, parameters=parameters or UNCERTAIN, repetitions=trials,
+            precision=precision, guess=guess, progress=progress, told=_teller(progress),
+        )  # fmt: skip
+    files = {}
+    if picture is not None:
+        from nlcontrol.reports.force_curve_plot import save_curves
+
+        with written_whole(picture) as temporary:
+            save_curves(found.touches, item.name, temporary)
+        files["picture"] = str(picture)
+    model = found.model if not saved_as else renamed(found.model, saved_as)
+    if output is not None:
+        save_model(model, output)
+        files["model"] = str(output)
+    report = with_truth(found.report, controller.world).model_copy(update={"files": files})
+    if saved_as is not None:
+        path, instead = kept(controller.registry, model)
+        report = report.model_copy(update={"saved": str(path), "instead_of": instead})
+    if as_json:
+        print_json(report.model_dump(mode="json"))
+        return OK
+    for line in report_lines(report):
+        click.echo(line)
+    return OK
+
+
+def _require_file(path: Path | None, *endings: str) -> None:
+    """Refuses a file that could not be written, before minutes are spent on its contents."""
+    if path is not None and path.suffix.lower() not in endings:
+        raise click.UsageError(f"{path}: the ending must be {' or '.join(endings)}")
+    require_writable(path)
+
+
+def _teller(progress: Narrator) -> Told:
+    """Tells each touch and what is believed after it, on standard error."""
+
+    def told(touched: Touched, model: ObjectModel) -> None:
+        number = f"{touched.repetition + 1:2}."
+        line = (
+            f"{number} {touched.experiment.name}: {touched.recording.detail}; now believed: "
+            f"mass {model.mass:.3f} ± {model.mass_sd:.3f} kg, "
+            f"friction {model.friction:.3f} ± {model.friction_sd:.3f}"
+        )
+        progress.line(line)
+
+    return told

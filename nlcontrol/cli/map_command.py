@@ -1,0 +1,255 @@
+"""`map`: what pushes all over a face do, as predicted, and beside it as carried out."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import click
+
+from nlcontrol.cli.console_output import print_json, require_writable, written_whole
+from nlcontrol.cli.objects_command import registry_told
+from nlcontrol.cli.predict_command import (
+    Numbers,
+    face_option,
+    json_option,
+    looked_up,
+    lying_option,
+)
+from nlcontrol.cli.world_options import scene_option, seed_option
+from nlcontrol.errors import OK
+
+if TYPE_CHECKING:
+    from nlcontrol.outcome_maps.map_comparison import Comparison
+    from objectmodels.outcomemap import OutcomeMap
+    from sim.face_experiment.face_contact import Way
+
+_File = click.Path(dir_okay=False, path_type=Path)
+_PICTURES = (".png", ".svg", ".pdf")
+
+
+@click.command("map")
+@click.argument("name", metavar="OBJECT")
+@face_option
+@click.option(
+    "--direction", type=Numbers(3), metavar="X,Y,Z", help="Of the pushes; straight in by default."
+)
+@click.option("--spacing", default=10.0, show_default=True, help="Between contacts [mm].")
+@click.option(
+    "--band", default=5.0, show_default=True, help="Undecided: thresholds so close together [%]."
+)
+@click.option(
+    "--level",
+    type=click.FloatRange(0.5, 1.0),
+    help="Undecided: where no outcome has this probability, instead of the band.",
+)
+@click.option("--straight", is_flag=True, help="The object cannot turn, as in the paper.")
+@click.option("--shade", is_flag=True, help="Paler circles where the outcome is less probable.")
+@click.option("--3d", "solid", is_flag=True, help="In three dimensions, the force as height.")
+@click.option(
+    "--output",
+    "outputs",
+    multiple=True,
+    type=_File,
+    help="Write it as PNG, SVG, PDF, CSV or JSON, by the ending; may be repeated.",
+)
+@click.option("--model", "model_file", type=_File, help="A model file to predict with.")
+@click.option(
+    "--experiment",
+    is_flag=True,
+    help="Carry the pushes out in simulation too, and compare: experiment left, prediction right.",
+)
+@click.option(
+    "--by",
+    type=click.Choice(["force", "robot", "both"]),
+    default="force",
+    show_default=True,
+    help="What pushes in the experiment: a force applied directly, the robot where it reaches, or "
+    "one after the other.",
+)
+@scene_option
+@seed_option
+@click.option("--workers", type=click.IntRange(1), help="Processes; one per processor by default.")
+@click.option(
+    "--record",
+    type=_File,
+    help="Keep the experiment's results here and go on from them; beside the output by default.",
+)
+@lying_option
+@json_option
+@click.pass_context
+def command(
+    ctx: click.Context,
+    name: str,
+    face: str,
+    direction: tuple[float, float, float] | None,
+    spacing: float,
+    band: float,
+    level: float | None,
+    straight: bool,
+    shade: bool,
+    solid: bool,
+    outputs: tuple[Path, ...],
+    model_file: Path | None,
+    experiment: bool,
+    by: Way | Literal["both"],
+    scene: str,
+    seed: int,
+    workers: int | None,
+    record: Path | None,
+    lying_on: str,
+    as_json: bool,
+) -> int:
+    """Show what pushes all over a face of OBJECT do, and what force they need.
+
+    With --experiment they are carried out as well, on the object as it really is in the scene.
+    """
+    _require_fitting(ctx, experiment)
+    _require_good(outputs)
+    wanted: dict[str, Any] = {
+        "direction": direction,
+        "spacing": 1e-3 * spacing,
+        "band": 1e-2 * band,
+        "level": level,
+    }
+    if experiment:
+        record = record or (outputs[0].with_suffix(".touches.jsonl") if outputs else None)
+        require_writable(record)
+        ways: tuple[Way, ...] = ("force", "robot") if by == "both" else (by,)
+        found = _compared(name, face, model_file, wanted, scene, ways, seed, workers, record)
+        return _told_comparison(found, outputs, shaded=shade, as_json=as_json)
+    from objectmodels.outcomemap import outcome_map
+
+    model, side = looked_up(name, face, lying_on, model_file)
+    chart = outcome_map(model, side, turning=not straight, **wanted)
+    return _told_map(chart, face, outputs, solid=solid, shaded=shade, as_json=as_json)
+
+
+def _require_fitting(ctx: click.Context, experiment: bool) -> None:
+    """Refuses options that say nothing, with the experiment or without it."""
+    apart = ("straight", "solid", "lying_on")
+    belong = ("by", "scene", "seed", "workers", "record")
+    for param in ctx.command.params:
+        given = ctx.get_parameter_source(param.name or "") is click.core.ParameterSource.COMMANDLINE
+        if given and experiment and param.name in apart:
+            raise click.UsageError(
+                f"{param.opts[0]} does not go with --experiment: there the object stands in its "
+                "scene and may turn"
+            )
+        if given and not experiment and param.name in belong:
+            raise click.UsageError(f"{param.opts[0]} belongs to --experiment")
+
+
+def _require_good(outputs: tuple[Path, ...]) -> None:
+    for output in outputs:
+        require_writable(output)
+        if output.suffix not in (*_PICTURES, ".csv", ".json"):
+            raise click.UsageError(f"{output}: the ending must be .png, .svg, .pdf, .csv or .json")
+
+
+def _told_map(
+    chart: OutcomeMap, face: str, outputs: tuple[Path, ...], *,
+    solid: bool, shaded: bool, as_json: bool,
+) -> int:  # fmt: skip
+    from nlcontrol.outcome_maps import outcome_map_table as maps
+
+    def draw(path: Path) -> None:
+        from nlcontrol.outcome_maps.outcome_map_drawing import save_map
+
+        save_map(chart, face, path, solid=solid, shaded=shaded)
+
+    def tabulate(path: Path) -> None:
+        maps.save_table(chart, face, path)
+
+    return _told(
+        maps.document(chart, face), maps.text(chart, face), outputs, draw, tabulate, as_json
+    )
+
+
+def _told_comparison(
+    found: tuple[Comparison, ...], outputs: tuple[Path, ...], *, shaded: bool, as_json: bool
+) -> int:
+    from nlcontrol.outcome_maps import map_comparison as comparison
+
+    def draw(path: Path) -> None:
+        from nlcontrol.outcome_maps.outcome_map_drawing import save_comparison
+
+        save_comparison(found, path, shaded=shaded)
+
+    def tabulate(path: Path) -> None:
+        comparison.save_table(found, path)
+
+    return _told(
+        comparison.document(found), comparison.text(found), outputs, draw, tabulate, as_json
+    )
+
+
+def _told(
+    document: dict[str, Any],
+    lines: list[str],
+    outputs: tuple[Path, ...],
+    draw: Callable[[Path], None],
+    tabulate: Callable[[Path], None],
+    as_json: bool,
+) -> int:
+    """Writes the files and prints the answer."""
+    for output in outputs:
+        with written_whole(output) as path:
+            if output.suffix in _PICTURES:
+                draw(path)
+            elif output.suffix == ".csv":
+                tabulate(path)
+            else:
+                text = json.dumps(document, indent=1, allow_nan=False)
+                path.write_text(text + "\n", encoding="utf-8")
+    if as_json:
+        print_json(document)
+        return OK
+    for line in (*lines, *(f"Map: {output}" for output in outputs)):
+        click.echo(line)
+    return OK
+
+
+def _compared(
+    name: str,
+    face: str,
+    model_file: Path | None,
+    wanted: dict[str, Any],
+    scene: str,
+    ways: tuple[Way, ...],
+    seed: int,
+    workers: int | None,
+    record: Path | None,
+) -> tuple[Comparison, ...]:
+    """The experiment each way, carried out as far as it was not yet, and the prediction."""
+    from nlcontrol.cli.progress import Progress
+    from nlcontrol.outcome_maps.experiment_record import Record
+    from nlcontrol.outcome_maps.experiment_runner import FaceExperiment, standing
+    from nlcontrol.outcome_maps.map_comparison import Comparison, contacts_of
+    from nlcontrol.references.face_names import face_of
+    from nlcontrol.session.controller import Controller
+    from objectmodels.modelfile import load_model
+    from objectmodels.outcomemap import outcome_map
+
+    controller = Controller(scene, registry=registry_told(), seed=seed)
+    item = standing(controller, name)
+    model = controller.models[item.name]
+    if model_file is not None:
+        model = load_model(model_file, controller.registry.kinds)
+    chart = outcome_map(model, face_of(model, face), **wanted)
+    contacts = contacts_of(chart, item.name, face)
+    kept = Record(record) if record else None
+    found = []
+    for by in ways:
+        experiment = FaceExperiment(
+            controller.scene, contacts, by=by, believed=controller.models, seed=seed, record=kept
+        )
+        if known := len(contacts) - len(experiment.missing):
+            click.echo(f"{known} of {len(contacts)} results are in {record} already", err=True)
+        with Progress("pushes" if by == "force" else "pushes by the robot") as progress:
+            results = experiment.run(workers=workers, report=progress)
+        scene_name = controller.scene.name
+        found.append(Comparison(chart, results, item.name, face, scene_name, by, seed))
+    return tuple(found)

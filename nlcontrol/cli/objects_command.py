@@ -1,0 +1,275 @@
+"""`objects`: the models that the robot knows."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from nlcontrol.cli.console_output import print_json
+from nlcontrol.errors import CODES, OK, error
+
+if TYPE_CHECKING:
+    from objectmodels import ObjectModel, Registry
+
+_json = click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
+_File = click.Path(dir_okay=False, path_type=Path)
+
+
+@click.group("objects")
+def group() -> None:
+    """The object models that the robot knows."""
+
+
+def registry_told() -> Registry:
+    """The default registry; what it had to skip is told on standard error."""
+    from objectmodels import Registry
+
+    registry = Registry.default()
+    for problem in registry.problems:
+        click.echo(f"skipped: {problem}", err=True)
+    return registry
+
+
+@group.command("list")
+@_json
+def list_(as_json: bool) -> int:
+    """List the models of the registry and where they come from."""
+    registry = registry_told()
+    if as_json:
+        print_json([{**m.model_dump(mode="json"), **_origin(registry, m.name)} for m in registry])
+        return OK
+    for model in registry:
+        size = " × ".join(f"{1e3 * side:.0f}" for side in model.extents)
+        click.echo(
+            f"{model.name:16} {size + ' mm':20} {model.mass:.3f} kg  μ {model.friction:.3f}  "
+            f"{_from(registry, model.name)}"
+        )
+    return OK
+
+
+@group.command()
+@click.argument("name")
+@_json
+def show(name: str, as_json: bool) -> int:
+    """Show what is believed about the object NAME, and where the figures come from."""
+    registry = registry_told()
+    model = registry.called(name)
+    if as_json:
+        print_json({**model.model_dump(mode="json"), **_origin(registry, model.name)})
+        return OK
+    for line in _lines(model, _from(registry, model.name)):
+        click.echo(line)
+    return OK
+
+
+@group.command()
+@click.argument("files", nargs=-1, required=True, type=_File)
+@_json
+def validate(files: tuple[Path, ...], as_json: bool) -> int:
+    """Check model FILES without adding them."""
+    from objectmodels import ModelError
+    from objectmodels.modelfile import load_model
+
+    registry = registry_told()
+    verdicts = []
+    for file in files:
+        try:
+            model = load_model(file, registry.kinds)
+        except ModelError as problem:
+            verdicts.append({"file": str(file), "ok": False, "error": str(problem)})
+        else:
+            verdicts.append({"file": str(file), "ok": True, "name": model.name})
+    ok = all(verdict["ok"] for verdict in verdicts)
+    if as_json:
+        print_json({"ok": ok, "files": verdicts})
+    else:
+        for verdict in verdicts:
+            mark = f"{verdict['file']}: a good model of {verdict.get('name')!r}"
+            click.echo(mark if verdict["ok"] else verdict["error"], err=not verdict["ok"])
+    return OK if ok else CODES["bad_model_file"].exit
+
+
+@group.command()
+@click.argument("file", type=_File)
+@_json
+def add(file: Path, as_json: bool) -> int:
+    """Add the model FILE to your own models."""
+    from objectmodels.modelfile import load_model
+
+    registry = registry_told()
+    return _kept(registry, load_model(file, registry.kinds), as_json)
+
+
+@group.command("import")
+@click.argument("mesh", type=_File)
+@click.option("--name", required=True, help="What the object is to be called.")
+@click.option("--mass", type=float, help="Its mass [kg].")
+@click.option("--density", type=float, help="Its mean density [kg/m³], instead of the mass.")
+@click.option("--friction", type=float, help="Friction at the table, if known.")
+@click.option("--synonym", "synonyms", multiple=True, help="Another name; may be repeated.")
+@click.option(
+    "--unit",
+    default="m",
+    show_default=True,
+    type=click.Choice(["m", "cm", "mm", "in"]),
+    help="Length unit of the mesh.",
+)
+@click.option(
+    "--up",
+    default="+z",
+    show_default=True,
+    type=click.Choice(["+x", "-x", "+y", "-y", "+z", "-z"]),
+    help="Direction in the mesh that is upwards.",
+)
+@click.option("--output", type=_File, help="Write the model file here instead.")
+@_json
+def import_(
+    mesh: Path,
+    name: str,
+    mass: float | None,
+    density: float | None,
+    friction: float | None,
+    synonyms: tuple[str, ...],
+    unit: str,
+    up: str,
+    output: Path | None,
+    as_json: bool,
+) -> int:
+    """Make a model from a MESH file: its base, volume and centre of mass are found.
+
+    STL, OBJ, PLY and others; needs the extra `mesh`. Asks for the mass if neither mass nor density
+    is given.
+    """
+    from objectmodels.mesh import import_mesh
+    from objectmodels.modelfile import save_model
+
+    if mass is None and density is None:
+        if as_json or not sys.stdin.isatty():
+            raise click.UsageError("state --mass or --density")
+        mass = click.prompt("Mass of the object [kg]", type=float)
+    model = import_mesh(
+        mesh,
+        name=name,
+        mass=mass,
+        density=density,
+        friction=friction,
+        synonyms=synonyms,
+        unit=unit,
+        up=up,
+    )
+    registry = registry_told()
+    if output is None:
+        return _kept(registry, model, as_json)
+    save_model(model, output)
+    return _told(model, output, as_json)
+
+
+@group.command()
+@click.argument("name")
+@_json
+def remove(name: str, as_json: bool) -> int:
+    """Remove the object NAME from your own models."""
+    from objectmodels.registry import user_folder
+
+    registry = registry_told()
+    model = registry.called(name)
+    place = Path(registry.place(model.name))
+    if place.parent != user_folder():
+        message = f"the {model.name} is not one of your own models: it comes from {place}"
+        raise error("not_yours", message, suggestions=(f"your own are in {user_folder()}",))
+    place.unlink()
+    if as_json:
+        print_json({"ok": True, "removed": model.name, "file": str(place)})
+    else:
+        click.echo(f"removed {model.name}: {place}")
+    return OK
+
+
+def _kept(registry: Registry, model: ObjectModel, as_json: bool) -> int:
+    """Writes a model into the user's folder, unless its names are taken."""
+    from objectmodels.modelfile import save_model
+    from objectmodels.registry import user_file
+
+    path = user_file(model.name)
+    registry.add(model, place=str(path))  # refuses a name that is taken
+    save_model(model, path)
+    return _told(model, path, as_json)
+
+
+def _origin(registry: Registry, name: str) -> dict[str, str | None]:
+    """Where a model comes from, and whose place it took."""
+    return {"place": registry.place(name), "instead_of": registry.replaced(name)}
+
+
+def _from(registry: Registry, name: str) -> str:
+    replaced = registry.replaced(name)
+    return registry.place(name) + (f", instead of: {replaced}" if replaced else "")
+
+
+def _told(model: ObjectModel, path: Path, as_json: bool) -> int:
+    if as_json:
+        print_json({"ok": True, "name": model.name, "file": str(path)})
+        return OK
+    click.echo(f"wrote {path}")
+    for line in _lines(model, str(path)):
+        click.echo(line)
+    return OK
+
+
+def _lines(model: ObjectModel, place: str) -> list[str]:
+    from objectmodels.modelfile import kind_of
+
+    rows = [
+        ("kind", f"{kind_of(model)}, stands on {_base(model)}"),
+        ("size", " × ".join(f"{1e3 * side:.0f}" for side in model.extents) + " mm"),
+        ("mass", f"{model.mass:.4f} ± {model.mass_sd:.4f} kg"),
+        ("friction, table", f"{model.friction:.4f} ± {model.friction_sd:.4f}"),
+        ("friction, finger", f"{model.finger_friction:.3f} ± {model.finger_friction_sd:.3f}"),
+        (
+            "centre of mass",
+            ", ".join(
+                f"{1e3 * c:.0f} ± {1e3 * sd:.0f}"
+                for c, sd in zip(model.com, model.com_sd, strict=True)
+            )
+            + " mm from the middle of the base",
+        ),
+        (
+            "friction radius",
+            f"{1e3 * model.friction_radius:.1f} ± {1e3 * model.friction_radius_sd:.1f} mm",
+        ),
+        ("also called", ", ".join(model.synonyms) or "–"),
+        ("from", place),
+        ("source", model.provenance.source),
+        ("method", " ".join(model.provenance.method.split())),
+    ]
+    if model.friction_kinetic is not None:
+        rows.insert(4, ("friction, sliding", f"{model.friction_kinetic:.4f}"))
+    rows += _critical_heights(model)
+    return [model.name, *(f"  {key:24} {value}" for key, value in rows)]
+
+
+def _base(model: ObjectModel) -> str:
+    if not isinstance(model.support, str):
+        return f"{len(model.support)} points"
+    how = {"uniform": "evenly pressed", "corners": "on its corners"}[model.support]
+    from objectmodels.base import Disc
+
+    if isinstance(model.base, Disc):
+        return f"a round base, {'on its rim' if model.support == 'corners' else how}"
+    return f"{len(model.base.corners)} edges, {how}"
+
+
+def _critical_heights(model: ObjectModel) -> list[tuple[str, str]]:
+    """Above which height a level push in the middle of each face topples it."""
+    from nlcontrol.references.face_names import face_names
+
+    rows = []
+    for name, face in face_names(model).items():
+        points, normals = face.at([0.0], [0.5 * (face.bottom + face.top)])
+        height = float(model.cone_thresholds(points, normals).critical_height[0])
+        verdict = f"topples above {1e3 * height:.0f} mm" if height < face.top else "never topples"
+        rows.append((f"pushed on {name}", f"{verdict}, level in the middle"))
+    return rows

@@ -1,0 +1,228 @@
+"""`say`, `plan` and `parse`: what is done with a sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from nlcontrol.cli.console_output import (
+    Narrator,
+    print_error,
+    print_json,
+    require_writable,
+    written_whole,
+)
+from nlcontrol.cli.world_options import Settings, controller_of, world_options
+from nlcontrol.errors import OK, known_error
+
+if TYPE_CHECKING:
+    from nlcontrol.results.result import Result
+    from nlcontrol.session.controller import Controller
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+File = click.Path(dir_okay=False, path_type=Path)
+
+_json = click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
+_explain = click.option("--explain", is_flag=True, help="Show which words became which parameters.")
+_picture = click.option(
+    "--picture",
+    type=File,
+    help="Write a picture of the run; with --explain, of the explanation; of a question about "
+    "places, of the outcome map (PNG, SVG or PDF).",
+)
+
+
+def _sentence_options(command: Command) -> Command:
+    for option in (_picture, _explain, world_options, _json):
+        command = option(command)
+    return click.argument("sentence")(command)
+
+
+@click.command()
+@_sentence_options
+@click.option("--plan-only", is_flag=True, help="Stop before anything is executed.")
+@click.option("--replay", type=File, help="Write a replay of the run, one HTML file.")
+def say(
+    sentence: str,
+    as_json: bool,
+    scene: str,
+    seed: int,
+    settings: Settings,
+    explain: bool,
+    picture: Path | None,
+    plan_only: bool,
+    replay: Path | None,
+) -> int:
+    """Do what SENTENCE says, in simulation, and check every clause of it; or answer it."""
+    if plan_only and replay:
+        raise click.UsageError("--replay needs a run; leave out --plan-only")
+    require_writable(replay)
+    require_writable(picture)
+    controller = controller_of(scene, seed, settings)
+    return _answer(controller, sentence, as_json, explain, picture, plan_only, replay)
+
+
+@click.command()
+@_sentence_options
+def plan(
+    sentence: str,
+    as_json: bool,
+    scene: str,
+    seed: int,
+    settings: Settings,
+    explain: bool,
+    picture: Path | None,
+) -> int:
+    """Plan what SENTENCE says: where and how hard to push, and what that will do."""
+    require_writable(picture)
+    controller = controller_of(scene, seed, settings)
+    return _answer(controller, sentence, as_json, explain, picture, True, None)
+
+
+@click.command()
+@click.argument("sentence")
+@_json
+def parse(sentence: str, as_json: bool) -> int:
+    """Read SENTENCE: what was understood, as frames."""
+    import grammar
+    from nlcontrol.text_format import encodable
+
+    text = encodable(sentence)
+    _tell_problems(())
+    try:
+        command = grammar.parse(text)
+    except grammar.ParseError as raised:
+        known = known_error(raised)
+        assert known is not None
+        print_error(known.info, as_json=as_json, text=text)
+        return known.info.status.exit
+    if as_json:
+        print_json(command.model_dump(mode="json"))
+        return OK
+    from nlcontrol.text_format import frame_lines
+
+    click.echo(f"I understood: {command.paraphrase}")
+    for number, frame in enumerate(command.frames, start=1):
+        if len(command.frames) > 1:
+            click.echo(f"{number}.")
+        for line in frame_lines(frame, text):
+            click.echo(line)
+    return OK
+
+
+@click.command()
+@click.option("--count", default=10, show_default=True, type=click.IntRange(1), help="How many.")
+@click.option(
+    "--seed", default=0, show_default=True, type=click.IntRange(0), help="Of the random words."
+)
+@click.option("--noun", "nouns", multiple=True, help="A name to speak of; may be repeated.")
+@_json
+def sample(count: int, seed: int, nouns: tuple[str, ...], as_json: bool) -> int:
+    """Make up random sentences of the language, each with the frames that it means."""
+    from itertools import islice
+
+    from grammar.plugins import installed
+    from grammar.sampling import NOUNS, samples
+
+    lexicon, _ = installed()
+    _tell_problems(())
+    made = list(islice(samples(seed, lexicon=lexicon, nouns=nouns or NOUNS), count))
+    if as_json:
+        said = [[frame.model_dump(mode="json") for frame in one.frames] for one in made]
+        print_json([{"text": one.text, "frames": f} for one, f in zip(made, said, strict=True)])
+        return OK
+    for one in made:
+        click.echo(one.text)
+    return OK
+
+
+def _tell_problems(problems: Iterable[object]) -> None:
+    """Tells on standard error which plug-ins and model files were skipped."""
+    from grammar.plugins import installed
+
+    _, words = installed()
+    for problem in (*problems, *words):
+        click.echo(f"skipped: {problem}", err=True)
+
+
+def _answer(
+    controller: Controller,
+    sentence: str,
+    as_json: bool,
+    explain: bool,
+    picture: Path | None,
+    plan_only: bool,
+    replay: Path | None,
+) -> int:
+    _tell_problems(controller.registry.problems)
+    with Narrator() as narrate:
+        result = controller.say(sentence, plan_only=plan_only, progress=narrate)
+    files = _write_files(controller, result, explain=explain, picture=picture, replay=replay)
+    result = result.model_copy(
+        update={"files": files, "explanation": result.explained() if explain else None}
+    )
+    if as_json:
+        print_json(result.model_dump(mode="json"))
+        return result.exit_status
+    _print(result, files, explain=explain)
+    return result.exit_status
+
+
+def _print(result: Result, files: dict[str, str], *, explain: bool) -> None:
+    from nlcontrol.reports.result_report import report
+    from nlcontrol.text_format import error_lines
+
+    if result.paraphrase is not None:
+        click.echo(report(result))
+    elif result.error:
+        for line in error_lines(result.error, result.text):
+            click.echo(line, err=True)
+    if explain and (rows := result.explained()):
+        from nlcontrol.reports.explanation_table import table
+
+        click.echo()
+        click.echo(table(rows))
+    for what, where in files.items():
+        click.echo(f"{what.capitalize()}: {where}")
+
+
+def _write_files(
+    controller: Controller,
+    result: Result,
+    *,
+    explain: bool,
+    picture: Path | None,
+    replay: Path | None,
+) -> dict[str, str]:
+    """Writes the files that were asked for, as far as the sentence got."""
+    files: dict[str, str] = {}
+    if replay and result.trace:
+        from sim import save_replay
+
+        with written_whole(replay) as temporary:
+            save_replay(result.trace, controller.scene, temporary)
+        files["replay"] = str(replay)
+    if picture and explain and result.frames:
+        from nlcontrol.reports.explanation_drawing import save_explanation
+
+        with written_whole(picture) as temporary:
+            save_explanation(result, temporary)
+        files["picture"] = str(picture)
+    elif picture and result.trace:
+        from sim import save_picture
+
+        with written_whole(picture) as temporary:
+            save_picture(result.trace, controller.scene, temporary)
+        files["picture"] = str(picture)
+    elif picture and result.answer and result.answer.chart and result.answer.map:
+        from nlcontrol.outcome_maps.outcome_map_drawing import save_map
+
+        with written_whole(picture) as temporary:
+            save_map(result.answer.map, result.answer.chart.face, temporary)
+        files["picture"] = str(picture)
+    elif picture and result.plan:
+        raise click.UsageError("--picture of a plan needs --explain")
+    return files

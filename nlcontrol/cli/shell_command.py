@@ -1,0 +1,169 @@
+"""`shell`: one sentence after another, at a prompt or line by line from a pipe.
+
+At a terminal lines can be edited, completed and found again, and the exit code is 0. From a pipe
+each line is answered in turn, and the exit code is that of the last sentence that failed.
+"""
+
+from __future__ import annotations
+
+import io
+import signal
+import sys
+from collections.abc import Iterable
+from contextlib import closing
+from types import FrameType
+from typing import TYPE_CHECKING
+
+import click
+
+from nlcontrol.cli.console_output import Narrator
+from nlcontrol.cli.prompt_lines import prompted
+from nlcontrol.cli.world_options import Settings, controller_of, world_options
+from nlcontrol.errors import OK, described
+
+if TYPE_CHECKING:
+    from nlcontrol.results.result import Result
+    from nlcontrol.session.controller import Controller
+    from nlcontrol.session.conversation import Conversation
+
+LEAVING = {"exit", "quit", "bye"}
+REMARKS = ("again", "a bit more", "no, to the left", "undo that", "why?")
+WORDS = ("help", *sorted(LEAVING), "again", "a bit more", "undo that", "why")
+"""What the shell completes at the start of a line, besides verbs."""
+
+
+@click.command(name="shell")
+@click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document per line.")
+@world_options
+@click.option("--plan-only", is_flag=True, help="Stop before anything is executed.")
+def command(as_json: bool, scene: str, seed: int, settings: Settings, plan_only: bool) -> int:
+    """Do one sentence after another: "push it away", "again", "undo that", "why?"."""
+    from nlcontrol.session.conversation import Conversation
+
+    controller = controller_of(scene, seed, settings)
+    from grammar.plugins import installed
+
+    _, broken = installed()
+    for problem in (*controller.registry.problems, *broken):
+        click.echo(f"skipped: {problem}", err=True)
+    conversation = Conversation(controller)
+    if sys.stdin.isatty() and sys.stdout.isatty():
+        click.echo(f"On the table: {_objects(controller)}. “help” shows examples, “exit” leaves.")
+        with closing(prompted("nlcontrol> ", controller.scene.names, _beginnings())) as lines:
+            _converse(conversation, lines, as_json=as_json, plan_only=plan_only)
+        return OK
+    if isinstance(sys.stdin, io.TextIOWrapper):
+        sys.stdin.reconfigure(errors="replace")  # bytes that are no text end no shell
+    return _converse(conversation, sys.stdin, as_json=as_json, plan_only=plan_only)
+
+
+def _converse(
+    conversation: Conversation, lines: Iterable[str], *, as_json: bool, plan_only: bool
+) -> int:
+    """Answers line after line; returns the exit code of the last that failed."""
+    status = OK
+    for line in lines:
+        text = line.strip()
+        if not text or text.startswith("#"):
+            continue
+        word = text.casefold().rstrip(".!")
+        if word in LEAVING:
+            break
+        if word == "help":
+            # Standard output carries nothing but documents if they were asked for.
+            click.echo(_help(conversation.controller), err=as_json)
+            continue
+        result = _answer(conversation, text, plan_only)
+        if result is not None:
+            _tell(result, as_json)
+            status = result.exit_status or status
+    return status
+
+
+def _answer(conversation: Conversation, text: str, plan_only: bool) -> Result | None:
+    """What comes of one sentence, whatever goes wrong; None if it was interrupted."""
+    try:
+        with Narrator() as narrate, Interruptible(narrate) as progress:
+            return conversation.say(text, plan_only=plan_only, progress=progress)
+    except KeyboardInterrupt:
+        click.echo("interrupted", err=True)
+        return None
+    except Exception as raised:
+        begun = conversation.controller.begun(text)
+        return begun.model_copy(update={"error": described(raised)})
+
+
+def _tell(result: Result, as_json: bool) -> None:
+    if as_json:
+        click.echo(result.model_dump_json())
+        return
+    click.echo(f"{result.report()}\n", err=result.paraphrase is None)
+
+
+def _help(controller: Controller) -> str:
+    name = controller.scene.names[0] if controller.scene.names else "box"
+    examples = (
+        f"push the {name} away without toppling it",
+        f"push the {name} 5 cm to the left, then topple it",
+        f"can you push the {name} at the top?",
+        f"what can you do with the {name}?",
+        *REMARKS,
+    )
+    return "\n".join(
+        (
+            "Say what should become of an object, for example",
+            *(f"  {example}" for example in examples),
+            f"On the table: {_objects(controller)}.",
+            "“exit”, “quit”, “bye” or control-D leave; control-C ends a sentence.",
+        )
+    )
+
+
+def _objects(controller: Controller) -> str:
+    return ", ".join(controller.scene.names) or "nothing"
+
+
+def _beginnings() -> tuple[str, ...]:
+    from grammar.plugins import installed
+
+    lexicon, _ = installed()
+    return (*WORDS, *sorted(lexicon.verb_words["VERB"]))
+
+
+class Interruptible:
+    """Lets control-C end a sentence without leaving the hand in the middle of the scene.
+
+    Until the robot moves, control-C takes effect at once. Then it does so at the next phase before
+    a push; a push that has begun is finished, which takes seconds. Either way the hand comes home,
+    what was done is remembered, and frames that follow are not carried out.
+
+    Args:
+        narrate: told what happens.
+    """
+
+    def __init__(self, narrate: Narrator) -> None:
+        self._narrate = narrate
+        self._moved = self._stopped = False
+
+    def __enter__(self) -> Interruptible:
+        self._before = signal.signal(signal.SIGINT, self._interrupted)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        signal.signal(signal.SIGINT, self._before)
+
+    def __call__(self, phase: str, time: float, text: str) -> None:
+        """Takes one report of the simulation."""
+        from sim.control.pushing.guarded_touch import EarlyEndError
+
+        self._narrate(phase, time, text)
+        self._moved = True
+        if self._stopped and phase not in ("retreat", "settle"):
+            self._stopped = False
+            raise EarlyEndError("guard", "interrupted")
+
+    def _interrupted(self, number: int, frame: FrameType | None) -> None:
+        if not self._moved:
+            raise KeyboardInterrupt
+        self._stopped = True
+        click.echo("stopping", err=True)

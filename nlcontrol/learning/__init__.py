@@ -1,0 +1,1 @@
+"""Lessons, exploration sessions, log fitting, model store."""

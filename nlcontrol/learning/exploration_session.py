@@ -1,0 +1,377 @@
+"""The robot finds the parameters of an object by touching it.
+
+Repetition after repetition the hand tilts, slides and rubs the object; every touch updates what is
+believed, so that the next one is planned with it, and at the end all trials are fitted together.
+With a precision asked for, the experiment that tells most is done next, until all asked parameters
+are known so well; as these may be few touches, what was believed before then counts in the fit.
+
+The report is the paper's Table I for this run: each repetition by itself gives an estimate in
+closed form, and their mean, standard deviation, least and largest value are told, beside the joint
+fit of all trials. What is true an observer adds to it after everything (`exploringreport`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import date
+from typing import TYPE_CHECKING
+
+from pydantic import BaseModel, ConfigDict
+
+from nlcontrol.errors import ControlError, ErrorInfo, error
+from nlcontrol.learning.log_fitting import FittedParameter, correlations, fitted_parameter
+from nlcontrol.learning.push_lessons import SPREAD, taken
+from objectmodels.errors import ModelError
+from objectmodels.identification.design import Candidate, ranked, reached
+from objectmodels.identification.estimates import Estimates, Statistics, estimates, table
+from objectmodels.identification.fit import Fit, fit
+from objectmodels.identification.update import guess as guessed
+from objectmodels.parameters import UNCERTAIN, Provenance
+from planner.touch_experiments import Experiment, Kind, expected
+
+if TYPE_CHECKING:
+    from nlcontrol.session.controller import Controller, Progress
+    from objectmodels import ObjectModel
+    from objectmodels.identification import Trial
+    from planner.types.world_state import SeenObject
+    from sim.exploration.exploration_run import Explorer, Touched
+    from sim.traces.trace import Trace
+
+CENTRE_OF_MASS = ("com_x", "com_y", "com_z")
+
+NEEDS: Mapping[str, tuple[Kind, ...]] = {
+    "mass": ("tilt",),
+    "friction": ("tilt", "slide"),
+    "friction_radius": ("tilt", "slide", "off-centre slide"),
+    "finger_friction": ("rub",),
+    **dict.fromkeys(CENTRE_OF_MASS, ("tilt",)),
+}
+"""Kinds of experiments that tell each parameter."""
+
+TRIALS = 10
+"""Repetitions, if nothing else is said."""
+
+_AGAIN = 0.1  # share by which a touch that was made before costs more
+
+_BELIEVING = "what was believed before counts as measured, since the touches are few"
+
+Told = Callable[["Touched", "ObjectModel"], None]
+"""Told of each touch, and of what is believed after it."""
+
+
+class TouchMade(BaseModel):
+    """One touch in a few words.
+
+    Attributes:
+        experiment: what was tried.
+        outcome: what came of it.
+        as_meant: whether it showed what it was to show.
+        force: at which something moved [N]; null if nothing did.
+    """
+
+    model_config = ConfigDict(frozen=True)
+
+    experiment: str
+    outcome: str
+    as_meant: bool
+    force: float | None
+
+
+class ExplorationReport(BaseModel):
+    """What an exploration found; SI units.
+
+    Attributes:
+        object: name in the scene.
+        scene, seed: of the world.
+        touches: one after another.
+        repeated: each parameter over the repetitions.
+        parameters: each parameter by the joint fit of all trials.
+        correlations: of those found, from 0.3 on.
+        friction_spread: relative standard deviation of the friction from slide to slide.
+        rms: root mean square of the relative errors of the predicted forces.
+        support: how the base carries the object, the one that predicts best.
+        given_up: experiments that were tried in vain, with the reason.
+        dropped: trials left out of the fit, each with the reason.
+        notes: what else a reader should know.
+        truth: how the object really is, if an observer was asked.
+        saved: file of the fitted model, if it was kept; `instead_of` whose place it takes.
+    """
+
+    model_config = ConfigDict(frozen=True)
+
+    ok: bool = True
+    object: str
+    scene: str
+    seed: int
+    touches: tuple[TouchMade, ...]
+    repeated: dict[str, Statistics]
+    parameters: dict[str, FittedParameter]
+    correlations: tuple[tuple[str, str, float], ...]
+    friction_spread: float
+    rms: float
+    support: str | tuple[tuple[float, ...], ...]
+    given_up: tuple[str, ...]
+    dropped: dict[str, str]
+    notes: tuple[str, ...]
+    truth: dict[str, float] | None = None
+    saved: str | None = None
+    instead_of: str | None = None
+    files: dict[str, str] = {}
+
+
+@dataclass(frozen=True)
+class Exploration:
+    """What an exploration found.
+
+    Attributes:
+        model: with what was found.
+        report: of it.
+        touches: what was felt and seen.
+    """
+
+    model: ObjectModel
+    report: ExplorationReport
+    touches: tuple[Touched, ...]
+
+    @property
+    def trace(self) -> Trace | None:
+        """Everything that happened."""
+        from sim.traces.trace import joined
+
+        traces = [t.recording.trace for t in self.touches if t.recording.trace is not None]
+        return joined(traces) if traces else None
+
+
+def explore(
+    controller: Controller,
+    name: str,
+    *,
+    parameters: Sequence[str] = UNCERTAIN,
+    repetitions: int = TRIALS,
+    precision: float | None = None,
+    guess: float | None = None,
+    progress: Progress | None = None,
+    told: Told | None = None,
+) -> Exploration:
+    """Touches an object until its parameters are known; the controller believes them from then on.
+
+    Args:
+        controller: of the robot.
+        name: of the object in the scene.
+        parameters: what to find, names of `UNCERTAIN`.
+        repetitions: of the experiments; with a precision the most of them.
+        precision: relative standard deviation at which to stop; of the centre of mass, as a share
+            of the base's size. Nothing is measured beyond it.
+        guess: take mass and frictions as no more than guessed, off by such a factor, instead of
+            trusting them as the knowledge base does.
+        progress: told what the hand does.
+        told: told of each touch.
+
+    Raises:
+        ControlError: `not_explorable` if the object cannot be touched so that it shows anything.
+    """
+    from sim.exploration.exploration_run import Explorer
+
+    before = _standing(controller, name)
+    start = before.model if guess is None else guessed(before.model, guess)
+    controller.models[name] = start
+
+    def learn(touched: Touched) -> None:
+        controller.models[name] = _believed(controller.models[name], touched.trials)
+        if told is not None:
+            told(touched, controller.models[name])
+
+    explorer = Explorer(
+        name, controller.world, controller.look, reach=controller.reach, learn=learn,
+        progress=progress,
+    )  # fmt: skip
+    kinds = kinds_for(parameters)
+    if not explorer.possible(kinds):
+        message = f"no side of the {name} is high and wide enough for a fingertip"
+        raise error("not_explorable", message)
+    if precision is None:
+        for repetition in range(repetitions):
+            explorer.repeat(kinds, repetition)
+    else:
+        asked = precisions_asked(before.model, parameters, precision)
+        if reached(controller.models[name], asked, spread=SPREAD):
+            raise error(
+                "not_explorable",
+                f"what was asked about the {name} is known to {precision:.0%} already",
+                suggestions=("ask for more precision, or give none",),
+            )
+        _until(controller, explorer, kinds, asked, most=repetitions * (len(kinds) + 1))
+    trials = [trial for touched in explorer.touches for trial in touched.trials]
+    found = _fitted(start, trials, explorer, prior=precision is not None)
+    model = _with_provenance(found, controller)
+    controller.models[name] = model
+    report = _report(controller, name, before.model, found, explorer, trials, parameters)
+    return Exploration(model, report, tuple(explorer.touches))
+
+
+def precisions_asked(
+    model: ObjectModel, parameters: Sequence[str], precision: float
+) -> dict[str, float]:
+    """What a precision means for each parameter: relative, of the centre of mass in metres."""
+    lengths = dict.fromkeys(CENTRE_OF_MASS, model.base.size) | {"com_z": model.top}
+    return {name: precision * lengths.get(name, 1.0) for name in parameters}
+
+
+def _standing(controller: Controller, name: str) -> SeenObject:
+    """The object as it is seen, if it stands on its base."""
+    seen = controller.look().objects[name]
+    if seen.lies_on != "bottom":
+        raise error(
+            "not_explorable",
+            f"the {name} lies on its {seen.lies_on} face; what touches tell there does not hold "
+            "for its base",
+            suggestions=("stand it upright first",),
+        )
+    return seen
+
+
+def kinds_for(parameters: Sequence[str]) -> tuple[Kind, ...]:
+    """Kinds of experiments that the parameters need, in the paper's order."""
+    needed = {kind for name in parameters for kind in NEEDS[name]}
+    order: tuple[Kind, ...] = ("tilt", "slide", "off-centre slide", "rub")
+    return tuple(kind for kind in order if kind in needed)
+
+
+def _believed(model: ObjectModel, trials: Sequence[Trial]) -> ObjectModel:
+    """What is believed after the trials of one touch; those that no values explain do not count."""
+    for trial in trials:
+        try:
+            model = taken(model, trial).model
+        except ModelError:
+            continue
+    return model
+
+
+def _until(
+    controller: Controller,
+    explorer: Explorer,
+    kinds: Sequence[Kind],
+    asked: Mapping[str, float],
+    most: int,
+) -> None:
+    """Does what tells most, until everything asked is known."""
+    name = explorer.name
+    for _ in range(most):
+        model = controller.models[name]
+        if reached(model, asked, spread=SPREAD):
+            return
+        offered = explorer.possible(kinds)
+        if not offered:
+            return
+        candidates = {
+            f"{i} {e.name}": (e, Candidate(f"{i} {e.name}", expected(e, model), _cost(e, explorer)))
+            for i, e in enumerate(offered)
+        }
+        best = ranked(model, [c for _, c in candidates.values()], asked, spread=SPREAD)[0]
+        chosen, _ = candidates[best.candidate.name]
+        done = sum(t.experiment.kind == chosen.kind for t in explorer.touches)
+        repetition = done // 2 if chosen.kind == "tilt" else done
+        explorer.touch(chosen.kind, chosen.push.face, repetition, chosen.lateral)
+
+
+def _cost(experiment: Experiment, explorer: Explorer) -> float:
+    """More for what was done before: of equals, sides take turns."""
+    done = [t.experiment for t in explorer.touches]
+    return 1.0 + _AGAIN * sum(
+        (e.kind, e.push.face) == (experiment.kind, experiment.push.face) for e in done
+    )
+
+
+def _fitted(model: ObjectModel, trials: Sequence[Trial], explorer: Explorer, *, prior: bool) -> Fit:
+    """The joint fit; with few touches what was believed before counts too."""
+    name = explorer.name
+    if not trials:
+        raise _untold(f"no touch of the {name} showed anything", explorer)
+    try:
+        found = fit(model, trials, prior=prior)
+        return replace(found, notes=(*found.notes, _BELIEVING)) if prior else found
+    except ModelError as raised:
+        message = f"the touches of the {name} do not tell its parameters: {raised.message}"
+        raise _untold(message, explorer, *raised.suggestions) from raised
+
+
+def _untold(message: str, explorer: Explorer, *hints: str) -> ControlError:
+    suggestions = (*hints, *explorer.given_up)
+    return ControlError(ErrorInfo(code="not_explorable", message=message, suggestions=suggestions))
+
+
+def _with_provenance(found: Fit, controller: Controller) -> ObjectModel:
+    kept = [name for name in UNCERTAIN if name not in found.found]
+    touches = len(found.residuals) - len(found.dropped)
+    method = f"tilted, slid and rubbed by a finger; joint fit of {touches} balances of forces"
+    if kept:
+        method += f"; as believed before ({found.model.provenance.source}): {', '.join(kept)}"
+    scene, seed = controller.scene.name, controller.seed
+    provenance = Provenance(
+        source=f"explored by touching in simulation (scene {scene}, seed {seed})",
+        method=method,
+        trials=max(touches, 1),
+        date=date.today().isoformat(),
+    )
+    return found.model.model_copy(update={"provenance": provenance})
+
+
+def _report(
+    controller: Controller,
+    name: str,
+    before: ObjectModel,
+    found: Fit,
+    explorer: Explorer,
+    trials: Sequence[Trial],
+    parameters: Sequence[str],
+) -> ExplorationReport:
+    lines = table(_by_repetition(before, trials))
+    repeated = {name: line for name, line in lines.items() if name in found.found}
+    missing = [p for p in parameters if p not in found.found]
+    notes = [note for note in found.notes if not _about_others(note, missing)]
+    return ExplorationReport(
+        object=name,
+        scene=controller.scene.name,
+        seed=controller.seed,
+        touches=tuple(map(_made, explorer.touches)),
+        repeated=repeated,
+        parameters={p: fitted_parameter(p, before, found) for p in found.found},
+        correlations=tuple(correlations(found)),
+        friction_spread=found.spread,
+        rms=found.rms,
+        support=found.model.support,
+        given_up=explorer.given_up,
+        dropped=dict(found.dropped),
+        notes=tuple(notes),
+    )
+
+
+def _by_repetition(model: ObjectModel, trials: Sequence[Trial]) -> list[Estimates]:
+    """Estimates of each repetition by itself; one whose trials make no sense has none."""
+    numbers = sorted({trial.repetition for trial in trials})
+    found = []
+    for number in numbers:
+        try:
+            found.append(estimates(model, [t for t in trials if t.repetition == number]))
+        except ModelError:
+            continue
+    return found
+
+
+def _about_others(note: str, missing: Sequence[str]) -> bool:
+    """Whether a note tells that a parameter that nobody asked for was kept."""
+    return " is kept as believed" in note and note.split(" ", maxsplit=1)[0] not in missing
+
+
+def _made(touched: Touched) -> TouchMade:
+    force = None
+    if touched.trials:
+        force = math.sqrt(sum(f * f for f in touched.trials[0].force))
+    return TouchMade(
+        experiment=touched.experiment.name,
+        outcome=touched.recording.detail,
+        as_meant=touched.as_meant,
+        force=force,
+    )

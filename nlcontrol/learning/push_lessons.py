@@ -1,0 +1,200 @@
+"""What a push or a touch taught about an object, and what is believed from then on."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict
+
+from nlcontrol.text_format import known
+from objectmodels.errors import ModelError
+from objectmodels.parameters import UNCERTAIN
+from objectmodels.turning import learned_radius
+from sim.exploration.push_observation import shown
+
+if TYPE_CHECKING:
+    from objectmodels import ObjectModel
+    from objectmodels.identification import Trial
+    from objectmodels.identification.update import Update
+    from planner.types.plan import Plan
+    from planner.types.world_state import SeenObject
+    from sim.traces.trace import EndReason, Trace
+
+CONTRADICTIONS: dict[EndReason, str] = {
+    "force": "it did not move with the force that was to be enough",
+    "tilted": "it tilted where it was to slide",
+    "slid": "it slid where it was to tilt",
+}
+"""Ends of a push that contradict its prediction, in words."""
+
+SPREAD = 0.05
+"""Relative standard deviation by which friction is taken to differ from push to push."""
+
+SHOWS_RADIUS = math.radians(8.0)
+"""A turn by less than this does not show where its pivot lies."""
+
+RADIUS_SD = 0.15
+"""Relative standard deviation of a friction radius that one turn shows: the finger rolls, the load
+shifts."""
+
+_METRES = {
+    "friction_radius": "friction radius",
+    "com_x": "centre of mass, x",
+    "com_y": "centre of mass, y",
+    "com_z": "centre of mass, z",
+}  # told in millimetres
+_MOVED, _SURER = 0.3, 0.8  # a change is told from this on: in standard deviations, and their ratio
+
+
+class Change(BaseModel):
+    """One parameter before and after.
+
+    Attributes:
+        parameter: its name.
+        before, before_sd: what was believed, and its standard deviation [SI].
+        after, after_sd: what is believed now.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    parameter: str
+    before: float
+    before_sd: float
+    after: float
+    after_sd: float
+
+    @property
+    def matters(self) -> bool:
+        """Whether it is worth telling: another value, or one that is known better."""
+        moved = abs(self.after - self.before) > _MOVED * self.before_sd
+        return moved or self.after_sd < _SURER * self.before_sd
+
+    @property
+    def text(self) -> str:
+        """In words."""
+        figures = ((self.before, self.before_sd), (self.after, self.after_sd))
+        if self.parameter in _METRES:
+            before, after = (f"{1e3 * x + 0.0:.1f} ± {1e3 * sd:.1f}" for x, sd in figures)
+            return f"{_METRES[self.parameter]} {before} → {after} mm"
+        before, after = (known(x, sd) for x, sd in figures)
+        unit = " kg" if self.parameter == "mass" else ""
+        return f"{self.parameter.replace('_', ' ')} {before} → {after}{unit}"
+
+
+class Lesson(BaseModel):
+    """What one push taught, or what hung on the fingers.
+
+    Attributes:
+        object: its name in the scene.
+        moved: what gave way; `none` if nothing did; `lift` if it was lifted.
+        force: felt then [N].
+        surprise: how far that was from what was predicted, in standard deviations.
+        contradicts: whether the push was stopped because it went otherwise than predicted.
+        why: in words, if so.
+        changes: of what is believed.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    object: str
+    moved: Literal["slide", "topple", "slip", "lift", "none"]
+    force: float
+    surprise: float
+    contradicts: bool
+    why: str | None
+    changes: tuple[Change, ...]
+
+    @property
+    def text(self) -> str:
+        """In a sentence."""
+        if self.moved == "lift":
+            now = "; ".join(change.text for change in self.changes)
+            return f"The {self.object} hung on the fingers with {self.force:.2f} N: {now}"
+        moved = {"slide": "slid", "topple": "tilted", "slip": "let the finger slip"}
+        what = moved.get(self.moved, "stood still")
+        begun = f"{self.why}: the {self.object}" if self.why else f"The {self.object}"
+        told = [change.text for change in self.changes if change.matters]
+        rest = "; ".join(told) or "as believed"
+        return f"{begun} {what} at {self.force:.2f} N: {rest}"
+
+
+def learned(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectModel, Lesson] | None:
+    """What is believed after a push, and what it taught; None if it taught nothing.
+
+    Args:
+        made: what was to happen.
+        target: the object as it was seen and believed before.
+        trace: what happened.
+    """
+    if trace.end == "turned":
+        return _from_turn(made, target, trace)
+    why = CONTRADICTIONS.get(trace.end)
+    trial = shown(made.push, target, trace) if target.lies_on == "bottom" else None
+    if trial is None:
+        return None
+    try:
+        update = taken(target.model, trial)
+    except ModelError:
+        return None  # no parameters of this object explain it
+    return update.model, Lesson(
+        object=target.name,
+        moved=trial.moved,
+        force=sum(f * f for f in trial.force) ** 0.5,
+        surprise=update.surprise,
+        contradicts=why is not None,
+        why=why,
+        changes=changes(target.model, update.model),
+    )
+
+
+def _from_turn(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectModel, Lesson] | None:
+    """What a turn tells of the friction radius: the pivot lies the nearer the smaller it is."""
+    push, model, R_WB = made.push, target.model, target.pose.R_WB
+    moved, turned = R_WB.T @ trace.seen_displacement(push.object), trace.seen_turn(push.object)
+    if abs(turned) < SHOWS_RADIUS:
+        return None
+    direction = R_WB.T @ np.array(push.direction_W)
+    shown = learned_radius(model, push.p_BC, direction, (moved[0], moved[1], turned))
+    believed, sd, shown_sd = model.friction_radius, model.friction_radius_sd, RADIUS_SD * shown
+    weight = sd**2 / (sd**2 + shown_sd**2)
+    after = model.model_copy(
+        update={
+            "friction_radius": believed + weight * (shown - believed),
+            "friction_radius_sd": sd * math.sqrt(1.0 - weight),
+        }
+    )
+    pushing = trace.phase == "push"
+    force = float(np.mean(trace.push_force()[pushing]))
+    return after, Lesson(
+        object=target.name, moved="slide", force=force, surprise=abs(shown - believed) / sd,
+        contradicts=False, why=None, changes=changes(model, after),
+    )  # fmt: skip
+
+
+def taken(model: ObjectModel, trial: Trial) -> Update:
+    """What is believed after a trial; a belief that it contradicts was too sure, and is widened."""
+    from objectmodels.identification.update import update
+    from objectmodels.identification.withstood import widened, withstood
+
+    if trial.moved == "none":
+        return withstood(model, trial)
+    first = update(model, [trial], spread=SPREAD)
+    if not first.contradicts:
+        return first
+    again = update(widened(model, first.surprise), [trial], spread=SPREAD)
+    return replace(again, surprise=first.surprise)
+
+
+def changes(before: ObjectModel, after: ObjectModel) -> tuple[Change, ...]:
+    """What changed in what is believed."""
+    rows = zip(
+        UNCERTAIN, before.means, before.deviations, after.means, after.deviations, strict=True
+    )
+    return tuple(
+        Change(parameter=name, before=b, before_sd=b_sd, after=a, after_sd=a_sd)
+        for name, b, b_sd, a, a_sd in rows
+        if (b, b_sd) != (a, a_sd)
+    )

@@ -1,0 +1,1 @@
+"""Maps as table and drawing, beside an experiment."""

@@ -1,0 +1,213 @@
+"""Many pushes carried out in simulation, in parallel, and going on where a run was broken off.
+
+A push is plain data and its result depends on that alone, so that it does not matter which process
+carries it out, or in what order. Any executor of `concurrent.futures` will do. A result is known by
+a digest of all that determines it: the scene with its truth and time step, the contact, the way of
+pushing and what a robot believes then, the seed, and the versions of this package and of the
+simulator.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import multiprocessing
+import os
+import signal
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import (
+    BrokenExecutor,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    as_completed,
+)
+from contextlib import contextmanager
+from dataclasses import asdict
+from importlib.metadata import version
+from typing import TYPE_CHECKING
+
+from nlcontrol import __version__
+from nlcontrol.errors import error, translated
+from nlcontrol.outcome_maps.experiment_record import Record
+from nlcontrol.references.object_names import Candidate, called, listed
+from sim.face_experiment import applied_force as appliedforce
+from sim.face_experiment.face_contact import Contact, Touch, TouchResult, Way
+from sim.face_experiment.finger_push import FingerTouch
+from sim.truth.scene_file import Scene, SceneObject, built_in_scenes, load_scene
+
+if TYPE_CHECKING:
+    from nlcontrol.session.controller import Controller
+    from objectmodels import ObjectModel
+
+Believed = Mapping[str, "ObjectModel"]
+"""The robot's models of a scene's objects, by their names in it."""
+
+WAYS: Mapping[Way, Callable[[Believed], Touch]] = {
+    "force": lambda believed: appliedforce.touch,
+    "robot": FingerTouch,
+}
+"""The ways of pushing; a robot goes by what it believes, a force by nothing."""
+
+Report = Callable[[int, int], None]
+"""Told how many pushes of how many are done."""
+
+
+def standing(controller: Controller, name: str) -> SceneObject:
+    """The object of that name in the controller's scene.
+
+    Args:
+        controller: of the scene.
+        name: of the object, one of its synonyms, or enough words of it.
+
+    Raises:
+        ControlError: `ambiguous_object`, `unknown_object` or `not_on_table`.
+    """
+    models = controller.models
+    on_table = [
+        Candidate(item.name, (item.name, *item.synonyms, item.model, *models[item.name].synonyms))
+        for item in controller.scene.objects
+    ]
+    found = called(name, on_table)
+    if len(found) > 1:
+        names = tuple(candidate.name for candidate in found)
+        raise error("ambiguous_object", f"{name!r} may be {listed(names, 'or')}", suggestions=names)
+    if found:
+        return controller.scene.object(found[0].name)
+    with translated():
+        model = controller.registry.called(name)
+    raise error(
+        "not_on_table",
+        f"the {model.name} does not stand in the scene {controller.scene.name}, so that nobody "
+        "knows how it really is",
+        suggestions=(*_scenes_with(model), f"there stand: {listed(controller.scene.names)}"),
+    )
+
+
+def _scenes_with(model: ObjectModel) -> list[str]:
+    """Options that choose a built-in scene in which an object stands."""
+    return [
+        f"it stands in another: --scene {name}"
+        for name in built_in_scenes()
+        if model.name in [item.model for item in load_scene(name).objects]
+    ]
+
+
+class FaceExperiment:
+    """Pushes to be carried out, of which some may have been.
+
+    Args:
+        scene: the world as it is.
+        contacts: the pushes, each a different one.
+        by: how an object is pushed.
+        believed: what the robot goes by, if it is the one that pushes.
+        seed: of everything random.
+        record: where results are kept; nowhere if not given.
+
+    Attributes:
+        missing: contacts of which no result is known, by key.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        contacts: Iterable[Contact],
+        *,
+        by: Way = "force",
+        believed: Believed | None = None,
+        seed: int = 0,
+        record: Record | None = None,
+    ) -> None:
+        self._scene, self._by, self._seed, self._record = scene, by, seed, record
+        believed = dict(believed or {}) if by == "robot" else {}
+        self._touch = WAYS[by](believed)
+        beliefs = {name: model.model_dump(mode="json") for name, model in believed.items()}
+        drake = version("drake")
+        world = _digest(scene.model_dump(mode="json"), by, beliefs, seed, __version__, drake)
+        pushes = {contact: _digest(world, asdict(contact)) for contact in contacts}
+        self._keys = tuple(pushes.values())
+        kept = record.results if record else {}
+        self._results = {key: kept[key] for key in self._keys if key in kept}
+        self.missing = {key: c for c, key in pushes.items() if key not in kept}
+
+    def run(
+        self,
+        *,
+        executor: Executor | None = None,
+        workers: int | None = None,
+        report: Report = lambda done, total: None,
+    ) -> tuple[TouchResult, ...]:
+        """Carries out what is missing; returns the results of all contacts, in their order.
+
+        Args:
+            executor: carries out the pushes; it is not shut down. Processes of this machine if not
+                given.
+            workers: how many processes; as many as there are processors if not given.
+            report: told of the progress.
+
+        Raises:
+            ControlError: `worker_lost` if a process ended; what was done by then is kept.
+        """
+        total = len(self.missing)
+        if total:
+            report(0, total)
+            for done, (key, result) in enumerate(self._carried_out(executor, workers), start=1):
+                self._results[key] = result
+                report(done, total)
+            self.missing = {}
+        return tuple(self._results[key] for key in self._keys)
+
+    def _carried_out(
+        self, executor: Executor | None, workers: int | None
+    ) -> Iterator[tuple[str, TouchResult]]:
+        """Results as they come, kept before they are handed on."""
+        lost: BrokenExecutor | None = None
+        with _lent(executor) if executor else _processes(workers) as pool:
+            futures: dict[Future[TouchResult], str] = {}
+            try:
+                for key, contact in self.missing.items():
+                    push = pool.submit(self._touch, self._scene, contact, seed=self._seed)
+                    futures[push] = key
+                for future in as_completed(futures):
+                    raised = future.exception()
+                    if isinstance(raised, BrokenExecutor):
+                        lost = raised  # others may still hold results
+                        continue
+                    key, result = futures[future], future.result()
+                    if self._record:
+                        contact = self.missing[key]
+                        self._record.add(key, contact, self._by, self._seed, result)
+                    yield key, result
+            finally:
+                for future in futures:
+                    future.cancel()
+        if lost is not None:
+            raise error(
+                "worker_lost",
+                "a process that carried out pushes has ended",
+                suggestions=("run it again with --record: what was done is kept there",),
+            ) from lost
+
+
+@contextmanager
+def _lent(executor: Executor) -> Iterator[Executor]:
+    yield executor
+
+
+def _processes(workers: int | None) -> ProcessPoolExecutor:
+    """Fresh processes: one that is forked beside threads may hang."""
+    return ProcessPoolExecutor(
+        workers or os.cpu_count(),
+        mp_context=multiprocessing.get_context("spawn"),
+        initializer=_undisturbed,
+    )
+
+
+def _undisturbed() -> None:
+    """Control-C ends the run, which ends its processes; they need not complain as well."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _digest(*parts: object) -> str:
+    text = json.dumps(parts, sort_keys=True, allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()[:24]

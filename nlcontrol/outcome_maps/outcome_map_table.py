@@ -1,0 +1,112 @@
+"""Outcome maps as data, tables and text; `outcome_maps.outcome_map_drawing` draws them."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from objectmodels.outcomemap import OutcomeMap
+
+LETTERS = {"slide": "s", "topple": "T", "undecided": "?", "none": "·"}
+
+
+def document(chart: OutcomeMap, face: str) -> dict[str, Any]:
+    """The map as plain data, SI units; what never happens is null."""
+    likely = chart.likelihood
+    rows = zip(
+        chart.lateral, chart.height, chart.points.tolist(), chart.outcome, chart.force,
+        chart.slide, chart.topple, likely.slide, likely.topple, strict=True,
+    )  # fmt: skip
+    return {
+        "object": chart.model.name,
+        "face": face,
+        "normal": chart.face.normal,
+        "band": chart.band,
+        "level": chart.level,
+        "friction": chart.friction,
+        "contacts": [
+            {
+                "lateral": float(y),
+                "height": float(z),
+                "point": point,
+                "outcome": str(outcome),
+                "force": _finite(force),
+                "slide": _finite(slide),
+                "topple": _finite(topple),
+                "probability_slide": float(p),
+                "probability_topple": float(q),
+            }
+            for y, z, point, outcome, force, slide, topple, p, q in rows
+        ],
+    }
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def save_table(chart: OutcomeMap, face: str, path: Path) -> None:
+    """Writes the map as CSV: one row for each contact, units in the header."""
+    rows = document(chart, face)["contacts"]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(
+            ("lateral_m", "height_m", "x_m", "y_m", "z_m", "outcome", "force_n", "slide_n",
+             "topple_n", "probability_slide", "probability_topple")
+        )  # fmt: skip
+        for row in rows:
+            writer.writerow(
+                (row["lateral"], row["height"], *row["point"], row["outcome"], row["force"],
+                 row["slide"], row["topple"], row["probability_slide"], row["probability_topple"])
+            )  # fmt: skip
+
+
+def legend(chart: OutcomeMap) -> str:
+    """What undecided means in this map."""
+    if chart.level is not None:
+        return f"undecided: neither has a probability of {chart.level:g}"
+    return f"undecided: thresholds within {100 * chart.band:g} %"
+
+
+def text(chart: OutcomeMap, face: str) -> list[str]:
+    """The map in letters, top row first, and what it says in a sentence."""
+    outcome, force = chart.outcome, chart.force
+    return [
+        f"{chart.model.name}, {face} face, seen from outside",
+        *(
+            f"{1e3 * z:5.0f} mm  {letters(chart, outcome, row)}  {_span(force[row])}"
+            for z, row in rows(chart)
+        ),
+        f"{key(chart)}; forces of each row",
+        f"{chart.friction} friction",
+    ]
+
+
+def rows(chart: OutcomeMap) -> Iterator[tuple[float, NDArray[np.bool_]]]:
+    """Heights of the rows of contacts, the top one first, and which contacts are in them."""
+    heights = chart.height.round(9)
+    for z in np.unique(heights)[::-1].tolist():
+        yield z, heights == z
+
+
+def letters(chart: OutcomeMap, outcome: NDArray[np.str_], row: NDArray[np.bool_]) -> str:
+    """Outcomes of a row in letters, in columns that all rows share."""
+    lateral = chart.lateral.round(9)
+    found = dict(zip(lateral[row].tolist(), outcome[row].tolist(), strict=True))
+    return " ".join(LETTERS.get(found.get(y, ""), " ") for y in np.unique(lateral).tolist())
+
+
+def key(chart: OutcomeMap) -> str:
+    """What the letters mean."""
+    return f"s slides, T topples, ? {legend(chart)}, · nothing moves it"
+
+
+def _span(forces: NDArray[np.float64]) -> str:
+    finite = forces[np.isfinite(forces)]
+    return f"{finite.min():5.2f} … {finite.max():.2f} N" if finite.size else "nothing moves it"

@@ -1,0 +1,242 @@
+"""The push that a question speaks of: which face, where on it, which way and how hard.
+
+It is read as the planner reads a command. What the question leaves open: the way is away from the
+robot, the height the middle of what is allowed, the force that of the onset. Frames: contacts and
+directions are in B, heights above the table.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from grammar import frames as g
+from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error
+from nlcontrol.questions.answer import Considered
+from nlcontrol.questions.push_prediction import PushPrediction, predict_push
+from nlcontrol.text_format import quantity
+from planner.affordances import pushed_face
+from planner.geometry.directions import FACE_HEADINGS, HEADINGS, heading_of, unit
+from planner.problem.push_problem import Asked, read
+from planner.refusals import push_refusals as refusals
+from planner.refusals.push_refusals import RefusedError
+
+if TYPE_CHECKING:
+    from objectmodels import Face
+    from planner.types.defaults import Defaults
+    from planner.types.plan import FaceName
+    from planner.types.world_state import SeenObject, WorldState
+
+Vector3 = tuple[float, float, float]
+EVENTS: dict[str, g.Event] = {"topple": "tips", "tilt": "tilts", "rotate": "turns"}
+"""What a goal wants to happen; of any other it is that the object moves."""
+
+
+@dataclass(frozen=True)
+class Inquiry:
+    """A push that is asked about, at one place.
+
+    Attributes:
+        target: the object.
+        face_name: the face as the robot calls it.
+        face: the face.
+        lateral, height: the place on it [m].
+        low, high: heights that the question allows [m].
+        placed: whether the question says how high.
+        direction: of the force in B; None for straight in.
+        force: its size [N]; None for the force at the onset.
+        sense: which way it is to turn, if that is asked.
+    """
+
+    target: SeenObject
+    face_name: FaceName
+    face: Face
+    lateral: float
+    height: float
+    low: float
+    high: float
+    placed: bool
+    direction: Vector3 | None
+    force: float | None
+    sense: Literal["left", "right"] | None
+
+    @property
+    def where(self) -> str:
+        """The place in words: "on its front face, 192 mm above the table"."""
+        aside = ""
+        if abs(self.lateral) >= 5e-4:
+            side = "right" if self.lateral > 0.0 else "left"
+            aside = f" {quantity(abs(self.lateral), 'm')} to the {side} of its middle"
+        return f"on its {self.face_name} face{aside}, {quantity(self.height, 'm')} above the table"
+
+    @property
+    def considered(self) -> Considered:
+        """The push as an answer tells it."""
+        if self.direction is None:
+            u = -np.array(self.face.at([self.lateral], [self.height])[1][0])
+        else:
+            u = np.array(self.direction)
+        return Considered(
+            face=self.face_name,
+            height=self.height,
+            lateral=self.lateral,
+            heading=heading_of(self.target.pose.R_WB @ u),
+            force=self.force,
+        )
+
+    def predicted(self) -> PushPrediction:
+        """What the push will do, by the code behind `nlcontrol predict`."""
+        return predict_push(
+            self.target.model,
+            self.face_name,
+            self.face,
+            lateral=self.lateral,
+            height=self.height,
+            direction=self.direction,
+            force=self.force,
+            yaw=self.target.pose.yaw,
+        )
+
+
+def wanted(frame: g.Frame) -> g.Event:
+    """What a question wants to happen: the event that it names, or what its goal means."""
+    return frame.event or EVENTS.get(frame.goal.kind, "moves")
+
+
+def outcome_of(event: g.Event) -> str:
+    """The outcome at the onset by which an event begins."""
+    return "topple" if event in ("tips", "tilts") else "slide"
+
+
+def target_of(frame: g.Frame, state: WorldState) -> SeenObject:
+    """The object that a question is about.
+
+    Raises:
+        ControlError: `unknown_object` if it names none.
+    """
+    if frame.object is None or frame.object.id is None:
+        raise error("unknown_object", "the question does not say which object it is about")
+    return state.objects[frame.object.id]
+
+
+def inquiry(frame: g.Frame, state: WorldState, defaults: Defaults) -> Inquiry:
+    """The push of a question.
+
+    Raises:
+        ControlError: the planner's reason if it cannot be read as a push, or there is no such place
+            on the object.
+    """
+    target = target_of(frame, state)
+    try:
+        asked = read(_as_command(frame), state, defaults)
+        if target.lies_on == "nothing flat":
+            raise RefusedError(refusals.lies(target))
+        face_name, face, heading = _touched(asked, target)
+    except RefusedError as refused:
+        raise ControlError(refusal_error(refused.refusal)) from refused
+    low, high = max(asked.low, face.bottom), min(asked.high, face.top)
+    if low > high:
+        raise ControlError(_not_on_it(asked, target, face_name, face))
+    return Inquiry(
+        target=target,
+        face_name=face_name,
+        face=face,
+        lateral=0.0,
+        height=(low + high) / 2.0,
+        low=low,
+        high=high,
+        placed=asked.region is not None,
+        direction=None if heading is None else _along(heading, asked, target, face_name, face),
+        force=_force(frame),
+        sense=_sense(frame),
+    )
+
+
+def _as_command(frame: g.Frame) -> g.Frame:
+    """The command that says which way and where to push, and nothing else of the question."""
+    goal = frame.goal
+    clauses = (g.ContactRegion, g.Effector)
+    if isinstance(goal, g.Displace):
+        goal = g.Displace(
+            direction=goal.direction,
+            heading=goal.heading,
+            toward=goal.toward,
+            away_from=goal.away_from,
+            spans=goal.spans,
+        )
+    elif isinstance(goal, g.Tilt):
+        goal = g.Topple(direction=goal.direction, spans=goal.spans)
+    elif isinstance(goal, g.Rotate | g.NoGoal):
+        goal = g.Displace(spans=goal.spans)
+    return frame.model_copy(
+        update={
+            "query": None,
+            "event": None,
+            "goal": goal,
+            "constraints": tuple(c for c in frame.constraints if isinstance(c, clauses)),
+        }
+    )
+
+
+def _touched(asked: Asked, target: SeenObject) -> tuple[FaceName, Face, float | None]:
+    """The face that is touched, its name, and the heading of the push if it is not straight in."""
+    heading = asked.heading
+    if any(used.name == "direction" for used in asked.defaults) or asked.outcome == "topple":
+        heading = None  # what falls is pushed square to its face
+    if asked.face is not None:
+        into = FACE_HEADINGS[asked.face] + math.pi
+    else:
+        into = HEADINGS["away"] if asked.heading is None else asked.heading
+    found = pushed_face(target, into)
+    if found is None or asked.face not in (None, found[0]):
+        raise RefusedError(refusals.no_side(asked, target))
+    return *found, heading
+
+
+def _along(
+    heading: float, asked: Asked, target: SeenObject, face_name: FaceName, face: Face
+) -> Vector3:
+    """A heading in W as a direction in B that must press on the face."""
+    u = target.pose.R_WB.T @ unit(heading)
+    if u @ np.array(face.normal) >= 0.0:
+        raise ControlError(
+            ErrorInfo(
+                code="impossible",
+                message=f"a push in that direction does not press on the {face_name} face",
+                span=_span(asked),
+                suggestions=("leave out where to touch it",),
+            )
+        )
+    x, y, z = u.tolist()
+    return x, y, z
+
+
+def _not_on_it(asked: Asked, target: SeenObject, face_name: FaceName, face: Face) -> ErrorInfo:
+    return ErrorInfo(
+        code="impossible",
+        message=f"no place on the {face_name} face of the {target.name} is {asked.region}: it "
+        f"reaches from {quantity(face.bottom, 'm')} to {quantity(face.top, 'm')} above the table",
+        span=_span(asked),
+        suggestions=("leave out where to touch it",),
+        numbers={"lowest": face.bottom, "highest": face.top},
+    )
+
+
+def _span(asked: Asked) -> g.Span | None:
+    spans = asked.contact_spans
+    return (min(s for s, _ in spans), max(e for _, e in spans)) if spans else None
+
+
+def _sense(frame: g.Frame) -> Literal["left", "right"] | None:
+    if not isinstance(frame.goal, g.Rotate) or frame.goal.sense is None:
+        return None
+    return "left" if frame.goal.sense == "ccw" else "right"
+
+
+def _force(frame: g.Frame) -> float | None:
+    """The force that a question speaks of; of a limit, the limit."""
+    said = [c.value for c in frame.constraints if isinstance(c, g.Force | g.MaxForce | g.MinForce)]
+    return said[0] if said else None

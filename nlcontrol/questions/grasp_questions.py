@@ -1,0 +1,196 @@
+"""Questions about what a whole hand does, and about liquid that is spilled; nothing moves for one.
+
+What a hand would do is asked of the planner, whose plan holds the prediction. What a tilt or a push
+spills follows from the cavity (`objectmodels.vessel`): what stands above its lip runs out. A push
+that topples an object lays it on its side.
+
+Frames: W is the world, B the object. Headings are in W unless they are said to be in B.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from grammar import frames as g
+from nlcontrol import grasp_plan_text as handwords
+from nlcontrol.errors import ControlError, ErrorInfo
+from nlcontrol.questions.answer import Answer, chance
+from nlcontrol.questions.asked_push import inquiry, target_of
+from nlcontrol.questions.where_to_push import most_favourable
+from nlcontrol.text_format import quantity
+from planner import plan
+from planner.geometry.directions import HEADINGS, phrase
+from planner.grasping.grasp_planning import is_handled
+from planner.grasping.lid_planner import is_open
+from planner.problem.tilt_goals import meant
+from planner.types.actions import HandlingPlan
+from planner.types.hand_reach import HandReach
+from planner.types.plan import Refusal
+from planner.types.robot import Reach
+
+if TYPE_CHECKING:
+    from planner.types.defaults import Defaults
+    from planner.types.world_state import SeenObject, WorldState
+
+
+class WholeReach(Reach, HandReach, Protocol):
+    """The reach of fingertips and of the whole hand."""
+
+
+_NOTHING = 1e-6  # less than this is not spilled [m³]
+_ON_ITS_SIDE = math.pi / 2.0
+
+
+def can(made: HandlingPlan) -> Answer:
+    """That a hand can do it, how, and how surely."""
+    why = "; ".join((*handwords.predicted(made), *handwords.reasons(made)))
+    held = f", held {handwords.grasp_words(made.grasp)}" if made.grasp is not None else ""
+    return Answer(
+        query="possible",
+        text=f"Yes: {handwords.doing(made)}{held} ({why}).",
+        numbers=handwords.deciding(made),
+        probability=made.probability,
+        yes=True,
+    )
+
+
+def asks_for_hand(frame: g.Frame) -> bool:
+    """Whether a question is about what a whole hand does."""
+    return is_handled(frame) and frame.goal.kind != "place"
+
+
+def predict_hand(
+    frame: g.Frame, state: WorldState, reach: WholeReach, defaults: Defaults
+) -> Answer:
+    """What a hand would come to: its plan's prediction, or why there is no plan.
+
+    Args:
+        frame: the question, its objects resolved.
+        state: what is believed.
+        reach: of the hand.
+        defaults: what a clause means when nothing more is said.
+    """
+    command = frame.model_copy(update={"query": None, "event": None})
+    made = plan(command, state, reach, hand=reach, defaults=defaults)
+    if isinstance(made, Refusal):
+        no = "No: " if frame.event == "holds" else ""
+        return Answer(
+            query="predict",
+            text=f"{no}{made.message}." if no else f"I would not do it: {made.message}.",
+            numbers=made.numbers,
+            yes=False if no else None,
+            reason=made.reason,
+            suggestions=made.suggestions,
+        )
+    if not isinstance(made, HandlingPlan):
+        return Answer(query="predict", text="Nothing: it is so already.")
+    told = "; ".join((*handwords.predicted(made), *handwords.reasons(made)))
+    spilled = made.prediction.spilled or 0.0
+    start, yes, p = "", None, made.probability
+    if frame.event == "spills":
+        yes = spilled > _NOTHING
+        start = "Yes: " if yes else "No: "
+    elif frame.event == "holds":
+        p = made.probability if made.prediction.holds is None else made.prediction.holds
+        yes = p >= 0.5
+        start = "Yes: " if yes else "No: "
+    return Answer(
+        query="predict",
+        text=f"{start}I would {handwords.doing(made)}; {told}.",
+        numbers=handwords.deciding(made),
+        probability=p,
+        yes=yes,
+    )
+
+
+# -- what is spilled ----------------------------------------------------------------------------
+
+
+def spills(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
+    """How much a tilt or a push would spill.
+
+    Args:
+        frame: the question, its objects resolved.
+        state: what is believed.
+        defaults: what a clause means when nothing more is said.
+
+    Raises:
+        ControlError: `unsupported` if it is no container; as `inquiry` for a push.
+    """
+    target = target_of(frame, state)
+    _require_container(target, frame)
+    if isinstance(frame.goal, g.Tilt):
+        angle = frame.goal.angle or meant(frame.goal, target.model, defaults)[0]
+        heading = HEADINGS[frame.goal.direction or "away"]
+        found = f"Tilted by {quantity(angle, 'rad')} {phrase(heading)}"
+        return _told(target, angle, heading, found, 1.0, defaults)
+    push = most_favourable(inquiry(frame, state, defaults), "tips", defaults)
+    p = push.predicted().probability["topple"]
+    heading = push.considered.heading or 0.0
+    start = f"Pushed {push.where}"
+    if p < 0.5:
+        text = (
+            f"{start}, the {target.name} would spill nothing: it stays upright (probability "
+            f"that it topples {chance(p)})."
+        )
+        return Answer(
+            query="predict",
+            text=text,
+            numbers={"spilled": 0.0, "topple_probability": p},
+            probability=p,
+            yes=False,
+            push=push.considered,
+        )
+    fallen = f"{start}, the {target.name} would topple (probability {chance(p)}); on its side"
+    told = _told(target, _ON_ITS_SIDE, heading, fallen, p, defaults)
+    return told.model_copy(update={"push": push.considered})
+
+
+def _require_container(target: SeenObject, frame: g.Frame) -> None:
+    if target.model.vessel is None:
+        raise ControlError(
+            ErrorInfo(
+                code="unsupported",
+                message=f"the model of the {target.name} does not say that it holds anything",
+                span=frame.object.spans[0] if frame.object and frame.object.spans else None,
+                capability=f"knowing what is in the {target.name}",
+                suggestions=("add a `container` block to its model",),
+            )
+        )
+
+
+def _told(
+    target: SeenObject, angle: float, heading: float, start: str, p: float, d: Defaults
+) -> Answer:
+    """What runs out of an object that leans, in words."""
+    vessel, container = target.model.vessel, target.model.container
+    assert container is not None
+    assert vessel is not None, "it was found to be a container"
+    in_B = heading - target.pose.yaw
+    has, sd = container.contents, container.contents_sd
+    closed = not is_open(target, d)
+    brim = float(vessel.brim(min(angle, 0.999 * math.pi), in_B))
+    cases = np.clip(np.array([has, has - sd, has + sd]), 0.0, vessel.capacity)
+    lost, least, most = np.maximum(cases - brim, 0.0) * (not closed)
+    begins = float(vessel.spill_angle(has, in_B)) if has > 0.0 else math.pi
+    numbers = {"spilled": float(lost), "contents": has, "brim": brim, "spill_angle": begins}
+    spread = f" ± {quantity(0.5 * float(most - least), 'm³')}" if most > least else ""
+    if closed:
+        why = "its lid is closed"
+    elif has <= 0.0:
+        why = "it is empty"
+    else:
+        why = f"it begins to run out at {quantity(begins, 'rad')}"
+    what = f"{quantity(float(lost), 'm³')}{spread} of its {quantity(has, 'm³')}"
+    spilled = lost > _NOTHING
+    would = "it" if target.name in start else f"the {target.name}"
+    return Answer(
+        query="predict",
+        text=f"{start}, {would} would spill {what if spilled else 'nothing'}: {why}.",
+        numbers=numbers,
+        probability=p,
+        yes=bool(spilled),
+    )

@@ -1,0 +1,261 @@
+"""Questions, answered from the object models and the planner; nothing is ever pushed for one.
+
+What a push would do is said by the code behind `nlcontrol predict`, what can be done by the planner
+and by the code behind `nlcontrol affordances`, where by the one behind `nlcontrol map`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from grammar import frames as g
+from nlcontrol.checks import require_checkable
+from nlcontrol.errors import ControlError, error
+from nlcontrol.questions.answer import DOES, Answer, Considered, affordance_lines, chance, newtons
+from nlcontrol.questions.asked_push import EVENTS, Inquiry, inquiry, target_of
+from nlcontrol.questions.grasp_questions import WholeReach, asks_for_hand, can, predict_hand, spills
+from nlcontrol.questions.how_hard import figures, how_hard
+from nlcontrol.questions.property_values import value
+from nlcontrol.questions.push_prediction import (
+    SURE,
+    PushPrediction,
+    in_turn,
+    particulars,
+    threshold,
+)
+from nlcontrol.questions.where_to_push import most_favourable, where
+from nlcontrol.references.object_names import listed
+from nlcontrol.text_format import quantity
+from planner import plan
+from planner.affordances import TURNING_ARM, affordances
+from planner.geometry.directions import HEADINGS, heading_of, phrase
+from planner.types.actions import HandlingPlan
+from planner.types.plan import Plan, Reached
+
+if TYPE_CHECKING:
+    from planner.affordances import Affordance
+    from planner.types.defaults import Defaults
+    from planner.types.world_state import WorldState
+
+
+def answer(
+    frame: g.Frame,
+    state: WorldState,
+    reach: Callable[[], WholeReach],
+    defaults: Defaults,
+    *,
+    position_sd: float = 0.0,
+) -> Answer:
+    """The answer to a question.
+
+    Args:
+        frame: a frame with a query, its objects resolved to names in `state`.
+        state: what the robot believes.
+        reach: gives the hand's reach, which few questions need.
+        defaults: what a clause means when nothing more is said.
+        position_sd: standard deviation of a seen position [m].
+
+    Raises:
+        ControlError: `nothing_before`; `unknown_object` if the question names none; a reason of
+            the planner if what is asked about is no push of this robot.
+    """
+    match frame.query:
+        case "predict" if asks_for_hand(frame):
+            return predict_hand(frame, state, reach(), defaults)
+        case "predict" if frame.event == "spills":
+            return spills(frame, state, defaults)
+        case "predict":
+            return _predict(frame, state, defaults)
+        case "possible":
+            return _possible(frame, state, reach(), defaults)
+        case "how_hard":
+            return how_hard(frame, state, defaults)
+        case "where":
+            return where(frame, state, defaults)
+        case "value":
+            return value(frame, state, position_sd)
+        case "affordances":
+            return _affordances(frame, state, reach(), defaults)
+        case _:
+            raise error(
+                "nothing_before",
+                "nothing was done yet, so there is nothing to explain",
+                suggestions=("say first what is to be done",),
+            )
+
+
+# -- what happens -----------------------------------------------------------------------------
+
+
+def _predict(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
+    """What a push would do and, if it asks so, whether an event would come."""
+    goal_event = EVENTS.get(frame.goal.kind, "moves")
+    push = most_favourable(inquiry(frame, state, defaults), goal_event, defaults)
+    found = push.predicted()
+    turns = _turns(push, found)
+    with_force = "" if push.force is None else f" with {newtons(push.force)}"
+    start = f"Pushed{with_force} {push.where}"
+    if frame.event is None:
+        outcome = in_turn(found)[0] if found.outcome == "slide+topple" else found.outcome
+        p, does = found.probability[outcome], DOES.get(outcome, "stays where it is")
+        likely, yes = f"probability that it {does} {chance(p)}", None
+    else:
+        p = _probability(frame.event, found, turns)
+        yes = p >= 0.5
+        likely = f"probability that it {DOES[frame.event]} {chance(p)}"
+        start = f"{_yes_or_no(p)}, {start[0].lower()}{start[1:]}"
+    text = (
+        f"{start}, the {push.target.name} would {_state(found, frame.event, turns)}: "
+        f"{_reasons(found)} ({likely})."
+    )
+    return Answer(
+        query="predict",
+        text=text,
+        lines=tuple(particulars(found)),
+        numbers=figures(found),
+        probability=p,
+        yes=yes,
+        push=push.considered,
+    )
+
+
+def _yes_or_no(p: float) -> str:
+    if p >= 0.5:
+        return "Yes" if p >= SURE else "Probably"
+    return "No" if p <= 1.0 - SURE else "Probably not"
+
+
+def _probability(event: g.Event, found: PushPrediction, turns: bool) -> float:
+    p = found.probability
+    return {
+        "moves": p["slide"] + p["topple"],
+        "slides": p["slide"],
+        "tips": p["topple"],
+        "tilts": p["topple"],
+        "turns": p["slide"] if turns else 0.0,
+        "stays_upright": 1.0 - p["topple"],
+        "holds": 1.0 - p["slide"] - p["topple"],
+    }[event]
+
+
+def _turns(push: Inquiry, found: PushPrediction) -> bool:
+    """Whether the push has the arm to turn the object about the vertical as it slides."""
+    model = push.target.model
+    r, u = np.array(found.push.point) - np.array(model.com), found.push.direction
+    return bool(abs(r[0] * u[1] - r[1] * u[0]) > TURNING_ARM * model.friction_radius)
+
+
+def _state(found: PushPrediction, event: g.Event | None, turns: bool) -> str:
+    """What becomes of it: "topple", "slide", "stay where it is"."""
+    if found.outcome == "slide":
+        if event == "turns":
+            return "turn as it slides" if turns else "slide without turning much"
+        return "slide"
+    return {
+        "none": "stay where it is",
+        "topple": "topple",
+        "slide+topple": "slide or topple, too close to call",
+    }[found.outcome]
+
+
+def _reasons(found: PushPrediction) -> str:
+    """Both thresholds, the lower one first."""
+    if found.onset is None:
+        return "no force moves it there"
+    first, other = in_turn(found)
+    second = threshold(found, other, newtons, only=True)
+    return f"it {threshold(found, first, newtons)} and {second}"
+
+
+# -- what can be done -------------------------------------------------------------------------
+
+
+def _possible(frame: g.Frame, state: WorldState, reach: WholeReach, defaults: Defaults) -> Answer:
+    """Whether the planner finds a push for what is asked, and which one or why not."""
+    command = frame.model_copy(update={"query": None, "event": None})
+    made = plan(command, state, reach, hand=reach, defaults=defaults)
+    if isinstance(made, Plan | HandlingPlan):
+        try:
+            require_checkable(command)
+        except ControlError as raised:
+            return _no(raised.info.code, raised.info.message, raised.info.suggestions, {})
+        return _can(made) if isinstance(made, Plan) else can(made)
+    if isinstance(made, Reached):
+        return Answer(query="possible", text="Yes: it is there already.", numbers={}, yes=True)
+    return _no(made.reason, made.message, made.suggestions, made.numbers)
+
+
+def _can(made: Plan) -> Answer:
+    push, predicted = made.push, made.prediction
+    fingers = "two fingers" if push.fingers == 2 else "one finger"
+    pushes = 1 + len(made.later)
+    first = f"in {pushes} pushes, the first with " if pushes > 1 else ""
+    does = {"turned": "turns", "tilted": "tilts"}.get(push.ends_on) or DOES[predicted.outcome]
+    what = "of all of them" if pushes > 1 else f"that it {does}"
+    return Answer(
+        query="possible",
+        text=f"Yes: {first}{fingers} on its {push.face} face, {quantity(push.p_BC[2], 'm')} above "
+        f"the table, with at most {newtons(push.force_limit)} (probability {what} "
+        f"{chance(made.probability)}).",
+        numbers={
+            "height": push.p_BC[2],
+            "force": push.force_limit,
+            "stroke": push.stroke,
+            "onset": predicted.onset,
+            "pushes": float(pushes),
+        },
+        probability=made.probability,
+        yes=True,
+        push=Considered(
+            face=push.face,
+            height=push.p_BC[2],
+            heading=heading_of(np.array(push.direction_W)),
+            force=push.force_limit,
+        ),
+    )
+
+
+def _no(
+    reason: str, message: str, suggestions: tuple[str, ...], numbers: dict[str, float]
+) -> Answer:
+    return Answer(
+        query="possible",
+        text=f"No: {message}.",
+        numbers=numbers,
+        yes=False,
+        reason=reason,
+        suggestions=suggestions,
+    )
+
+
+def _affordances(
+    frame: g.Frame, state: WorldState, reach: WholeReach, defaults: Defaults
+) -> Answer:
+    """What can be done with an object: a sentence, and the lines of `nlcontrol affordances`."""
+    target = target_of(frame, state)
+    found = affordances(target, state, reach, hand=reach, defaults=defaults)
+    can = [each for each in found if each.can]
+    done = dict.fromkeys(each.outcome for each in can)
+    lacking = dict.fromkeys(each.outcome for each in found if each.outcome not in done)
+    text = f"With the {target.name} I can {listed([_ways(o, can) for o in done]) or 'do nothing'}"
+    if done and lacking:
+        text += f"; I cannot {listed(list(lacking), 'or')} it"
+    return Answer(
+        query="affordances",
+        text=f"{text}.",
+        lines=tuple(line for each in found for line in affordance_lines(each)),
+        numbers={"can": float(len(can)), "asked": float(len(found))},
+    )
+
+
+def _ways(outcome: str, can: list[Affordance]) -> str:
+    """One thing that can be done, with its directions and its least force."""
+    ways = [a for a in can if a.outcome == outcome]
+    if not ways[0].direction:
+        return f"{outcome} it"
+    least = min(a.least_force for a in ways if a.least_force is not None)
+    directions = listed([phrase(HEADINGS[a.direction]) for a in ways])
+    return f"{outcome} it {directions} (from {newtons(least)} on)"

@@ -1,0 +1,114 @@
+"""References in words: what was said, and what could be said to tell objects apart."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import get_args
+
+from grammar.frames import ObjectRef, Quality, Relation, Span
+from nlcontrol.errors import ControlError, error
+from nlcontrol.references.colour_names import SHADES
+from nlcontrol.references.object_names import Candidate, listed, telling, words
+
+COLOURS: tuple[Quality, ...] = tuple(q for q in get_args(Quality) if q in SHADES)
+
+GENERIC = frozenset({"", "one", "object", "thing", "item"})
+"""Nouns that fit every object."""
+
+_FAMILIES: tuple[tuple[Quality, ...], ...] = (
+    COLOURS,
+    ("left", "middle", "right"),
+    ("near", "far"),
+    ("tall", "short"),
+    ("big", "small"),
+    ("wide", "narrow"),
+    ("heavy", "light"),
+)
+"""Qualities that tell objects apart, the plainest first."""
+
+_PLACES: dict[Relation | None, str] = {
+    "next_to": "next to",
+    "left_of": "to the left of",
+    "right_of": "to the right of",
+    "in_front_of": "in front of",
+    "at": "next to",
+    None: "nearest to",
+}
+
+
+def ambiguous(
+    ref: ObjectRef, found: Sequence[Candidate], fitting: Callable[[ObjectRef], list[Candidate]]
+) -> ControlError:
+    """The error for a reference that fits several objects.
+
+    Args:
+        ref: what was said.
+        found: what it fits.
+        fitting: what another reference would fit; only what fits one object alone is offered.
+    """
+    names = [c.name for c in found]
+    by_name = {c.name: [ObjectRef(text=c.name)] for c in found}
+    by_looks = [
+        {c.name: [_with(ref, quality) for quality in family] for c in found}
+        for family in _FAMILIES
+        if not set(family) & set(ref.qualities)
+    ]
+    generic = noun(ref) in GENERIC and "other" not in ref.qualities
+    ways = [*by_looks, by_name] if generic else [by_name, *by_looks]
+    offered = _offered(names, ways, fitting)
+    told = telling(names) if offered == [f"the {name}" for name in names] else offered
+    fits = f"'{said(ref)}' fits {len(names)} objects: {listed(names)}"
+    return error(
+        "ambiguous_object",
+        f"{fits}; say which: {listed(told, 'or')}",
+        span=span(ref),
+        suggestions=tuple(offered),
+    )
+
+
+def _offered(
+    names: Sequence[str],
+    ways: Sequence[Mapping[str, Sequence[ObjectRef]]],
+    fitting: Callable[[ObjectRef], list[Candidate]],
+) -> list[str]:
+    """A description of each object, all of one way if there is one that suits them all."""
+
+    def first(name: str, refs: Sequence[ObjectRef]) -> str | None:
+        fits = (ref for ref in refs if [c.name for c in fitting(ref)] == [name])
+        return next((f"the {said(ref)}" for ref in fits), None)
+
+    mixed = dict.fromkeys(names, "")
+    for way in ways:
+        found = {name: first(name, way[name]) for name in names}
+        if all(found.values()):
+            return [text for text in found.values() if text]
+        mixed |= {name: text for name, text in found.items() if text and not mixed[name]}
+    return [text or f"the {name}" for name, text in mixed.items()]
+
+
+def _with(ref: ObjectRef, quality: Quality) -> ObjectRef:
+    """The same reference with one more adjective."""
+    qualities = (quality, *ref.qualities)
+    text = f"{quality} {ref.text}"
+    return ref.model_copy(update={"text": text, "qualities": qualities, "noun": noun(ref)})
+
+
+def noun(ref: ObjectRef) -> str:
+    """The name in a reference, without adjectives and article."""
+    return " ".join(words(ref.noun if ref.qualities else ref.text))
+
+
+def said(ref: ObjectRef) -> str:
+    """A reference in words, with the place that tells it apart."""
+    if not ref.reference:
+        return ref.text
+    place = _PLACES.get(ref.relation, ref.relation)
+    others = [other.text if other.pronoun else f"the {said(other)}" for other in ref.reference]
+    return f"{ref.text} {place} {listed(others)}"
+
+
+def span(ref: ObjectRef) -> Span | None:
+    """Where a reference stands in the sentence, from its first word to its last."""
+    if not ref.spans:
+        return None
+    return min(s for s, _ in ref.spans), max(e for _, e in ref.spans)

@@ -1,0 +1,215 @@
+"""What tells seen objects apart: how they look, how large they are, where they stand.
+
+Model: a colour is had or not. Of sizes and positions an object has the quality that has most of it
+among those that are compared: "the tall box" is the tallest. Whatever comes close to the best has
+it as well, so that a near tie leaves several and is never decided by a millimetre.
+
+Sizes are those of the believed model as it lies; colours and poses come from the camera.
+Directions are the robot's, which stands at the −x end of W and looks along +x: left is +y, behind
+is farther (+x). Poses are planar: what stands on another object is seen over its middle.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nlcontrol.references.colour_names import SHADES, colour_names
+from objectmodels.base import Polygon
+from planner.geometry.footprints import footprint, overlaps
+
+if TYPE_CHECKING:
+    from grammar.frames import Quality, Relation
+    from planner.types.world_state import SeenObject
+
+Array = NDArray[np.float64]
+
+SAME_SIZE = 0.1
+"""Sizes and masses that differ by a smaller share are about equal."""
+
+SAME_PLACE = 0.02
+"""Positions and distances that differ by less are about equal [m]."""
+
+TOUCHING = 0.01
+"""Gap below which two objects are taken as touching [m]; five deviations of a single view."""
+
+BESIDE = 0.30
+"""Gap up to which an object is next to another one [m]."""
+
+_ROUNDING = 1e-9
+"""Lengths below it are zero [m]."""
+
+
+class _Scale(NamedTuple):
+    """What a quality compares: the sign tells whether most or least of it is meant."""
+
+    value: Callable[[SeenObject], float]
+    sign: int
+    tie: Callable[[SeenObject, SeenObject], float]
+
+
+def having(
+    quality: Quality, seen: Sequence[SeenObject], beside: Sequence[SeenObject] = ()
+) -> list[SeenObject]:
+    """Those of some objects that have a quality; several if they come close to each other.
+
+    Args:
+        quality: any but `other` and `same`, which are no matter of looks.
+        seen: what is compared.
+        beside: for `near` and `far`, what the distance is measured from; the robot if not given.
+    """
+    if not seen:
+        return []
+    if quality in SHADES:
+        return [s for s in seen if s.colour is not None and quality in colour_names(s.colour)]
+    if quality == "middle":
+        return _middle(seen)
+    if quality in {"near", "far"} and beside:
+        sign = 1 if quality == "far" else -1
+        return _most(seen, _Scale(lambda s: _farthest(s, beside), sign, _same_place))
+    return _most(seen, _SCALES[quality])
+
+
+def related(
+    relation: Relation, seen: Sequence[SeenObject], to: Sequence[SeenObject]
+) -> list[SeenObject]:
+    """The nearest of those that stand in a relation to others; several if about as near.
+
+    `left_of`, `right_of`, `in_front_of` and `behind` are a quarter of the directions each;
+    `between` is inside the circle through the middles of the first and the last of `to`.
+    """
+    fitting = [s for s in seen if _stands(relation, s, to)]
+    if relation == "between":
+        away = _Scale(lambda s: _off_line(s, to[0], to[-1]), -1, _same_place)
+    else:
+        away = _Scale(lambda s: _farthest(s, to), -1, _same_place)
+    return _most(fitting, away)
+
+
+def gap(a: Array, b: Array) -> float:
+    """Distance between two convex polygons, shapes (n, 2), (k, 2) [m]; 0 if they overlap."""
+    return 0.0 if overlaps(a, b, 0.0) else min(_to_edges(a, b), _to_edges(b, a))
+
+
+def _to_edges(points: Array, polygon: Array) -> float:
+    """Smallest distance of points from the edges of a polygon."""
+    edges = np.roll(polygon, -1, axis=0) - polygon
+    from_start = points[:, None] - polygon
+    share = np.clip((from_start * edges).sum(axis=-1) / (edges**2).sum(axis=-1), 0.0, 1.0)
+    return float(np.linalg.norm(from_start - share[..., None] * edges, axis=-1).min())
+
+
+def _most(seen: Sequence[SeenObject], scale: _Scale) -> list[SeenObject]:
+    if not seen:
+        return []
+    best = max(seen, key=lambda s: scale.sign * scale.value(s))
+
+    def close(s: SeenObject) -> bool:
+        return abs(scale.value(s) - scale.value(best)) < scale.tie(s, best)
+
+    return [s for s in seen if s is best or close(s)]
+
+
+def _middle(seen: Sequence[SeenObject]) -> list[SeenObject]:
+    """The middle one of a row, or of a file if they are spread farther along x."""
+    places = np.array([s.pose.p_WB[:2] for s in seen])
+    along = places[:, int(np.ptp(places, axis=0).argmax())]
+    row = np.sort(along)
+    low, high = row[(len(row) - 1) // 2] - SAME_PLACE, row[len(row) // 2] + SAME_PLACE
+    return [s for s, place in zip(seen, along, strict=True) if low < place < high]
+
+
+def _stands(relation: Relation, s: SeenObject, to: Sequence[SeenObject]) -> bool:
+    if relation == "between":
+        a, b = (other.pose.p_WB - s.pose.p_WB for other in (to[0], to[-1]))
+        return bool(a @ b < 0.0)
+    return all(_stands_by(relation, s, other) for other in to)
+
+
+def _stands_by(relation: Relation, s: SeenObject, other: SeenObject) -> bool:
+    x, y, _ = s.pose.p_WB - other.pose.p_WB
+    if relation in _TOWARDS:
+        u, v = _TOWARDS[relation]
+        along, across = x * u + y * v, x * v - y * u
+        return bool(along > 0.0 and along >= abs(across))
+    if relation == "on":
+        below = Polygon.convex(footprint(other))
+        return bool((below.normals @ s.pose.p_WB[:2] < below.offsets).all())
+    return _gap(s, other) <= (TOUCHING if relation == "touching" else BESIDE)
+
+
+def _gap(s: SeenObject, other: SeenObject) -> float:
+    return gap(footprint(s), footprint(other))
+
+
+def _farthest(s: SeenObject, others: Sequence[SeenObject]) -> float:
+    """Gap to the farther one of several objects [m]."""
+    return max(_gap(s, other) for other in others)
+
+
+def _off_line(s: SeenObject, a: SeenObject, b: SeenObject) -> float:
+    """Distance of an object's middle from the line through two others' [m]."""
+    (x, y, _), (u, v, _) = s.pose.p_WB - a.pose.p_WB, b.pose.p_WB - a.pose.p_WB
+    return float(abs(x * v - y * u) / max(math.hypot(u, v), _ROUNDING))
+
+
+def _volume(s: SeenObject) -> float:
+    """Of the upright prism around it [m³]."""
+    x, y = s.model.outline.T
+    area = 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+    return area * s.model.top
+
+
+def _width(s: SeenObject) -> float:
+    """From its left to its right end as the robot sees it, along y of W [m]."""
+    return float(np.ptp(footprint(s)[:, 1]))
+
+
+def _same_share(value: Callable[[SeenObject], float]) -> Callable[[SeenObject, SeenObject], float]:
+    return lambda a, b: SAME_SIZE * max(value(a), value(b))
+
+
+def _same_mass(a: SeenObject, b: SeenObject) -> float:
+    """The share of masses that are well known, or as much as they are unknown [kg]."""
+    unknown = math.hypot(a.model.mass_sd, b.model.mass_sd)
+    return max(SAME_SIZE * max(a.model.mass, b.model.mass), unknown)
+
+
+def _same_place(a: SeenObject, b: SeenObject) -> float:
+    return SAME_PLACE
+
+
+def _height(s: SeenObject) -> float:
+    return s.model.top
+
+
+def _mass(s: SeenObject) -> float:
+    return s.model.mass
+
+
+_TOWARDS: dict[Relation, tuple[float, float]] = {
+    "left_of": (0.0, 1.0),
+    "right_of": (0.0, -1.0),
+    "behind": (1.0, 0.0),
+    "in_front_of": (-1.0, 0.0),
+}
+"""Unit directions in W."""
+
+_SCALES: dict[Quality, _Scale] = {
+    "big": _Scale(_volume, 1, _same_share(_volume)),
+    "small": _Scale(_volume, -1, _same_share(_volume)),
+    "tall": _Scale(_height, 1, _same_share(_height)),
+    "short": _Scale(_height, -1, _same_share(_height)),
+    "wide": _Scale(_width, 1, _same_share(_width)),
+    "narrow": _Scale(_width, -1, _same_share(_width)),
+    "heavy": _Scale(_mass, 1, _same_mass),
+    "light": _Scale(_mass, -1, _same_mass),
+    "left": _Scale(lambda s: s.pose.y, 1, _same_place),
+    "right": _Scale(lambda s: s.pose.y, -1, _same_place),
+    "near": _Scale(lambda s: s.pose.x, -1, _same_place),
+    "far": _Scale(lambda s: s.pose.x, 1, _same_place),
+}

@@ -1,0 +1,197 @@
+"""From what a sentence names to objects of the scene: every reference gets its `id`.
+
+What "it" means depends on where it stands. As the object of a clause it is what was last spoken
+of, in the clause before or in the dialogue. In a goal ("push the mug to it") it is that as well,
+but never the object itself; in a constraint ("without touching it") it is the goal's other object
+if there is one, else the object. "Its" in a length is always the object.
+
+Lengths measured in objects ("twice its width") become metres: of the believed model, as the object
+lies. Width and length are the shorter and the longer side of the rectangle around its footprint
+along B's axes, height is that of its top; a side that is not said is the width.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import TYPE_CHECKING, TypeVar
+
+from pydantic import BaseModel
+
+from grammar.frames import Command, Frame, ObjectRef, Parameters, Query, RelativeLength
+from nlcontrol.references.object_names import Candidate
+from nlcontrol.references.reference_search import Spoken, Surroundings, find, fitting
+
+if TYPE_CHECKING:
+    from objectmodels import ObjectModel
+    from planner.types.world_state import WorldState
+
+Part = TypeVar("Part", bound=BaseModel)
+
+
+@dataclass(frozen=True)
+class Context:
+    """What a command may refer back to.
+
+    Attributes:
+        last: names of the objects that were spoken of, the most recent first.
+        held: name of the object in the hand; None if it holds nothing.
+    """
+
+    last: tuple[str, ...] = ()
+    held: str | None = None
+
+
+NOTHING_SAID = Context()
+
+_ALONE: frozenset[Query | None] = frozenset({"value", "affordances", "predict"})
+"""Questions that concern the model more than the table."""
+
+
+def resolve(
+    command: Command,
+    on_table: Sequence[Candidate],
+    known: Sequence[ObjectModel],
+    look: Callable[[], WorldState],
+    context: Context = NOTHING_SAID,
+) -> Command:
+    """The command with the `id` of every object filled in, and every length in metres.
+
+    The `id` is a name of the scene. The object of a question that can be answered for one that
+    stands alone may get the name of a model of the registry instead.
+
+    Args:
+        command: what was understood.
+        on_table: objects of the scene.
+        known: models of the registry.
+        look: what the robot sees; called once, and only if names do not decide.
+        context: what was spoken of before the command.
+
+    Raises:
+        ControlError: `unknown_object`, `ambiguous_object`, `not_on_table` or `no_antecedent`.
+    """
+    around = Surroundings(on_table, known, cache(look))
+    spoken = context.last
+    frames = []
+    for frame in command.frames:
+        frames.append(_resolved(frame, around, _meant(frame, spoken, context.held)))
+        said = spoken_of(frames[-1])
+        spoken = (*said, *(name for name in spoken if name not in said))
+    return command.model_copy(update={"frames": tuple(frames)})
+
+
+def _meant(frame: Frame, spoken: tuple[str, ...], held: str | None) -> tuple[str, ...]:
+    """What pronouns mean, the likeliest first: what is put or poured is what the hand holds."""
+    is_held = frame.action in ("place", "pour") and frame.object and frame.object.pronoun
+    if held is None or not is_held:
+        return spoken
+    return (held, *(name for name in spoken if name != held))
+
+
+def spoken_of(frame: Frame) -> tuple[str, ...]:
+    """Names of the objects that a resolved frame speaks of: its own first, then its goal's."""
+    refs = ([frame.object] if frame.object else []) + _references(frame.goal)
+    return _names(refs)
+
+
+def mentioned(frame: Frame) -> tuple[str, ...]:
+    """The same, and the names of the objects that only its constraints speak of."""
+    refs = [ref for clause in frame.constraints for ref in _references(clause)]
+    return tuple(dict.fromkeys((*spoken_of(frame), *_names(refs))))
+
+
+def _names(refs: Sequence[ObjectRef]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(ref.id for ref in refs if ref.id is not None))
+
+
+def _references(part: BaseModel) -> list[ObjectRef]:
+    values = [getattr(part, key) for key in type(part).model_fields]
+    parts = [v for value in values for v in (value if isinstance(value, tuple) else (value,))]
+    return [part for part in parts if isinstance(part, ObjectRef)]
+
+
+def _resolved(frame: Frame, around: Surroundings, spoken: tuple[str, ...]) -> Frame:
+    """A frame whose objects are bound, given what was spoken of before it."""
+    unnamed = frame.object is None or frame.object.pronoun
+    if frame.dialogue in {"undo", "stop"} and unnamed:
+        return frame
+    binder = _Binder(around, Spoken(spoken, spoken[:1]))
+    target = frame.object
+    if target is not None:
+        target = binder.bound(target, alone=_answered_alone(frame))
+    own = (target.id,) if target is not None and target.id is not None else ()
+    others = tuple(name for name in spoken if name not in own)
+    last = own or spoken[:1]
+    goal = replace(binder, own=own, spoken=Spoken(others, last)).filled(frame.goal)
+    named = tuple(ref.id for ref in _references(goal) if ref.id is not None)
+    within = replace(binder, own=own, spoken=Spoken((*named, *own, *others), last))
+    constraints = tuple(within.filled(clause) for clause in frame.constraints)
+    return frame.model_copy(update={"object": target, "goal": goal, "constraints": constraints})
+
+
+def _answered_alone(frame: Frame) -> bool:
+    """Whether a question can be answered for an object that is not on the table.
+
+    It cannot if it asks where the object is, or speaks of others, which would have to stand by.
+    """
+    goal = frame.goal
+    if isinstance(goal, Parameters) and "position" in goal.which:
+        return False
+    parts = [goal, *frame.constraints, *([frame.object] if frame.object else [])]
+    return frame.query in _ALONE and not any(_references(part) for part in parts)
+
+
+@dataclass(frozen=True)
+class _Binder:
+    """Fills in references and lengths.
+
+    Attributes:
+        around: where objects are looked up.
+        spoken: what pronouns mean.
+        own: object of the frame, if it is known by now.
+    """
+
+    around: Surroundings
+    spoken: Spoken
+    own: tuple[str, ...] = ()
+
+    def filled(self, part: Part) -> Part:
+        """A copy of any part of a frame."""
+        values = {key: getattr(part, key) for key in type(part).model_fields}
+        return part.model_copy(update={key: self._value(value) for key, value in values.items()})
+
+    def _value(self, value: object) -> object:
+        match value:
+            case ObjectRef():
+                return self.bound(value)
+            case RelativeLength():
+                return self._metres(value)
+            case BaseModel():
+                return self.filled(value)
+            case tuple():
+                return tuple(self._value(item) for item in value)
+        return value
+
+    def bound(self, ref: ObjectRef, *, alone: bool = False) -> ObjectRef:
+        """A reference with its id, and with those of the objects that it is beside."""
+        ref = self.filled(ref)
+        name = find(ref, self.around, self.spoken, alone=alone)
+        return ref.model_copy(update={"id": name})
+
+    def _metres(self, length: RelativeLength) -> float:
+        model = self.around.model(self._measured(length.of))
+        shorter, longer = sorted(model.extents[:2])
+        side = {"length": longer, "width": shorter, "height": model.top}[length.side or "width"]
+        return length.value * side
+
+    def _measured(self, ref: ObjectRef) -> str:
+        """The object that a length is measured in: the frame's own, wherever that fits."""
+        ref = self.filled(ref)
+        if self.own and (ref.pronoun or self._fits_own(ref)):
+            return self.own[0]
+        return find(ref, self.around, self.spoken, alone=True)
+
+    def _fits_own(self, ref: ObjectRef) -> bool:
+        found = fitting(ref, self.around, self.spoken)
+        return len(found) > 1 and self.own[0] in [c.name for c in found]

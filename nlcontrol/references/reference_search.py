@@ -1,0 +1,232 @@
+"""Which object on the table a reference means: by name, by what it is like, by where it is.
+
+The words as they stand are tried as a name first ("red bull can"); only if they fit nothing, the
+noun, and of those that it fits the ones that have the qualities: colours first, then the place
+beside other objects, then sizes and positions from the noun outwards, each among those that are
+left.
+
+Two objects that fit are an ambiguity and never guessed: the error says what would tell them apart,
+and whatever it offers was tried.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from grammar.frames import ObjectRef, Quality
+from nlcontrol.errors import ControlError, error
+from nlcontrol.references.disambiguation_text import COLOURS, GENERIC, ambiguous, noun, said, span
+from nlcontrol.references.object_attributes import having, related
+from nlcontrol.references.object_names import Candidate, called, likely, listed, words
+
+if TYPE_CHECKING:
+    from objectmodels import ObjectModel
+    from planner.types.world_state import WorldState
+
+_SPOKEN: tuple[Quality, ...] = ("other", "same")
+
+
+@dataclass(frozen=True)
+class Spoken:
+    """What was spoken of before a reference, the most recent first.
+
+    Attributes:
+        it: what "it" may mean.
+        last: what "the other one" may be the other of.
+    """
+
+    it: tuple[str, ...] = ()
+    last: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """Where references are looked up.
+
+    Attributes:
+        on_table: objects of the scene.
+        known: models of the registry.
+        look: what the robot sees now; asked only if names do not decide.
+    """
+
+    on_table: Sequence[Candidate]
+    known: Sequence[ObjectModel]
+    look: Callable[[], WorldState]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the objects on the table."""
+        return tuple(c.name for c in self.on_table)
+
+    def model(self, name: str) -> ObjectModel:
+        """The believed model of an object as it lies; off the table, the registry's."""
+        if name in self.names:
+            return self.look().objects[name].model
+        return next(model for model in self.known if model.name == name)
+
+
+def find(ref: ObjectRef, around: Surroundings, spoken: Spoken, *, alone: bool = False) -> str:
+    """Name of the one object that a reference means.
+
+    Args:
+        ref: what was said; the objects that it is beside have their ids.
+        around: objects that may be meant.
+        spoken: what was spoken of before.
+        alone: whether a model of the registry will do if there is none on the table.
+
+    Raises:
+        ControlError: `unknown_object`, `ambiguous_object`, `not_on_table` or `no_antecedent`.
+    """
+    if ref.pronoun and not set(_SPOKEN) & set(ref.qualities):
+        return _antecedent(ref, around, spoken, alone)
+    if not _named(ref, around):
+        return _elsewhere(ref, around, alone)
+    found = fitting(ref, around, spoken)
+    if not found:
+        there = [c.name for c in _named(ref, around)]
+        raise error(
+            "unknown_object",
+            f"there is no '{said(ref)}' on the table; there is: {listed(there)}",
+            span=span(ref),
+            suggestions=tuple(f"the {name}" for name in there),
+        )
+    if len(found) > 1:
+        raise ambiguous(ref, found, lambda other: fitting(other, around, spoken))
+    return found[0].name
+
+
+def fitting(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> list[Candidate]:
+    """All objects on the table that a reference with a name may mean.
+
+    Raises:
+        ControlError: `no_antecedent` if it needs one.
+    """
+    found, qualities = _named(ref, around), _looked_for(ref, around)
+    if "other" in ref.qualities:
+        last = _first(spoken.last, ref, around)
+        found = [c for c in found if c.name != last]
+    if "same" in ref.qualities:
+        last = _first(spoken.it, ref, around)
+        found = [c for c in found if c.name == last]
+    if qualities or ref.reference:
+        seen = _seen(ref, qualities, found, around.look())
+        found = [c for c in found if c.name in seen]
+    return found
+
+
+def _seen(
+    ref: ObjectRef, qualities: Sequence[Quality], found: Sequence[Candidate], state: WorldState
+) -> set[str]:
+    """Names of those that look and stand as they should."""
+    ids = [other.id for other in ref.reference if other.id is not None]
+    beside = [state.objects[name] for name in ids]
+    left = [state.objects[c.name] for c in found if c.name not in ids]
+    for quality in qualities:
+        if quality in COLOURS:
+            left = having(quality, left)
+    if ref.relation is not None and beside:
+        left, beside = related(ref.relation, left, beside), []
+    for quality in reversed(qualities):
+        if quality not in COLOURS:
+            # Only "nearest to the mug" has an object beside it and no relation.
+            left = having(quality, left, beside)
+    return {s.name for s in left}
+
+
+def _named(ref: ObjectRef, around: Surroundings) -> list[Candidate]:
+    """Those that the words of a reference name, whatever they are like."""
+    whole = called(ref.text, around.on_table)
+    if whole or noun(ref) not in GENERIC:
+        return whole or called(noun(ref), around.on_table)
+    return list(around.on_table)
+
+
+def _looked_for(ref: ObjectRef, around: Surroundings) -> tuple[Quality, ...]:
+    """What the camera must decide: the qualities that are no part of a name."""
+    qualities = tuple(q for q in ref.qualities if q not in _SPOKEN)
+    if words(ref.text) == words(ref.noun) or not called(ref.text, around.on_table):
+        return qualities
+    return tuple(q for q in qualities if ref.reference and q in {"near", "far"})
+
+
+def _antecedent(ref: ObjectRef, around: Surroundings, spoken: Spoken, alone: bool) -> str:
+    """What a pronoun stands for; if nothing was spoken of, the only object that there is."""
+    if spoken == Spoken() and len(around.on_table) == 1:
+        return around.on_table[0].name
+    name = _first(spoken.it, ref, around)
+    if name not in around.names and not alone:
+        raise _not_on_table(f"'{ref.text}', the {name},", ref, around)
+    return name
+
+
+def _first(spoken: Sequence[str], ref: ObjectRef, around: Surroundings) -> str:
+    if not spoken:
+        raise error(
+            "no_antecedent",
+            f"'{ref.text}' — nothing was spoken of yet",
+            span=span(ref),
+            suggestions=around.names,
+        )
+    return spoken[0]
+
+
+def _elsewhere(ref: ObjectRef, around: Surroundings, alone: bool) -> str:
+    """The model of the registry that is meant, if one may stand alone."""
+    meant = {words(ref.text), words(noun(ref))}
+    for model in around.known:
+        if any(words(name) in meant for name in (model.name, *model.synonyms)):
+            if alone:
+                return model.name
+            raise _not_on_table(f"'{ref.text}'", ref, around)
+    guess = likely(ref.text, around.on_table) or likely(noun(ref), around.on_table)
+    _require_no_more_than_a_name(ref, around, misspelt=guess is not None)
+    raise error(
+        "unknown_object",
+        f"there is no '{ref.text}' on the table; there is: {_there(around)}",
+        span=span(ref),
+        suggestions=(f"did you mean '{guess}'?",) if guess else around.names,
+    )
+
+
+def _require_no_more_than_a_name(ref: ObjectRef, around: Surroundings, *, misspelt: bool) -> None:
+    """Refuses words that a name has run on into: "ice tea box awya".
+
+    A misspelt name is the better explanation, unless those words are like some of the language.
+
+    Raises:
+        ControlError: `unknown_object`, about those words.
+    """
+    from grammar.diagnosis import words_like
+    from grammar.plugins import installed
+
+    said_words = ref.text.split()
+    for i in range(len(said_words) - 1, 0, -1):
+        name, more = " ".join(said_words[:i]), " ".join(said_words[i:])
+        lexicon, _ = installed()
+        meant = words_like(said_words[i], lexicon)
+        found = called(name, around.on_table)
+        if not found or not (meant or (len(found) == 1 and not misspelt)):
+            continue
+        whole = span(ref)
+        exact = whole is not None and whole[1] - whole[0] == len(ref.text)
+        raise error(
+            "unknown_object",
+            f"'{more}' behind '{name}' is neither understood nor a part of a name on the table",
+            span=(whole[1] - len(more), whole[1]) if whole and exact else whole,
+            suggestions=(*meant, f"leave out '{more}'"),
+        )
+
+
+def _not_on_table(what: str, ref: ObjectRef, around: Surroundings) -> ControlError:
+    return error(
+        "not_on_table",
+        f"{what} is known, but there is none on the table; there is: {_there(around)}",
+        span=span(ref),
+        suggestions=around.names,
+    )
+
+
+def _there(around: Surroundings) -> str:
+    return listed(around.names) or "nothing"

@@ -1,0 +1,262 @@
+"""The way of each word of a sentence: to the frame, and on to a push, an answer or a refusal.
+
+What was planned is explained by the planner (`planner.explanation.push_explanation`). Here stands
+what else may become of a frame: a question its answer, with the push that was considered; a refused
+frame the words that cannot be satisfied, with the reason; a frame that was not reached its parts
+alone. In the end come the words that no part of a frame stands for.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from pydantic import BaseModel
+
+from grammar import frames as g
+from nlcontrol.questions.answer import DOES, chance, newtons
+from nlcontrol.questions.force_uncertainty import CERTAIN
+from nlcontrol.text_format import quantity
+from planner.explanation.grasp_explanation import explain_hand
+from planner.explanation.push_explanation import believed, explain
+from planner.explanation.rows import Clause, Row, Value, clauses, quoted, row
+from planner.geometry.directions import phrase
+from planner.types.actions import HandlingPlan
+
+if TYPE_CHECKING:
+    from nlcontrol.errors import ErrorInfo
+    from nlcontrol.questions.answer import Answer, Considered
+    from nlcontrol.results.result import Result, Step
+    from planner.explanation.rows import PartName
+
+NOT_PLANNED, NOT_ANSWERED = "not planned", "not answered"
+NO_MEANING = "no meaning of their own"
+
+
+def ways(result: Result) -> tuple[Row, ...]:
+    """The rows of a whole sentence, frame after frame.
+
+    Args:
+        result: what came of the sentence.
+    """
+    if not result.frames:
+        return ()
+    steps = {step.frame: step for step in result.steps}
+    rows: list[Row] = []
+    # An undo has frames of its own making, which no word stands for.
+    whole = () if any(map(_spans, result.frames)) else ((0, len(result.text)),)
+    for index, frame in enumerate(result.frames):
+        found = _of_frame(frame, steps.get(index), result)
+        rows += [each.model_copy(update={"frame": index}) for each in found]
+    if whole:
+        said = {"spans": whole, "words": result.text}
+        rows[0] = rows[0].model_copy(update=said)
+    return (*rows, *_filler(result, rows))
+
+
+def _of_frame(frame: g.Frame, step: Step | None, result: Result) -> tuple[Row, ...]:
+    if step is not None and step.plan is not None and step.basis is not None:
+        if isinstance(step.plan, HandlingPlan):
+            return explain_hand(frame, step.plan, result.text, step.basis)
+        return explain(frame, step.plan, result.text, step.basis)
+    answer = step.answer if step else None
+    if answer is None and len(result.frames) == 1:
+        answer = result.answer
+    if answer is not None:
+        return tuple(_answered(frame, answer, step, result.text))
+    reason = step.error if step else None
+    if not result.steps and result.error and _concerns(result.error, frame):
+        reason = result.error
+    rows = tuple(_unplanned(frame, reason, result.text))
+    if step is not None and step.plan is not None:  # read from JSON, which holds no object models
+        rows = tuple(each.model_copy(update={"value": ""}) for each in rows)
+    return rows
+
+
+# --- what was not planned ----------------------------------------------------------------
+
+
+def _unplanned(frame: g.Frame, reason: ErrorInfo | None, text: str) -> Iterator[Row]:
+    """The parts of a frame without parameters; those that cannot be satisfied with the reason."""
+    parts = list(clauses(frame, _head(frame)))
+    refused = _refused(parts, reason) if reason else []
+    for clause in parts:
+        stopped = NOT_PLANNED if clause.part == "controller" else NOT_ANSWERED
+        value = Value("", stopped if clause is parts[0] else "")
+        if reason is None or clause not in refused:
+            yield row(clause, text, value)
+            continue
+        if clause is parts[0]:
+            yield row(clause, text, value)
+        verdict = "not supported" if reason.capability else "cannot be satisfied"
+        told = reason.message if clause is refused[0] else "for the same reason"
+        yield row(clause, text, Value(verdict, told), problem=True)
+
+
+def _head(frame: g.Frame) -> PartName:
+    if frame.query is not None:
+        return "question"
+    return "remark" if frame.dialogue is not None and frame.action is None else "controller"
+
+
+def _refused(parts: list[Clause], reason: ErrorInfo) -> list[Clause]:
+    """The parts that an error is about: its span goes from the first word of them to the last."""
+    if reason.span is None:
+        return parts[:1]
+    start, end = reason.span
+    ends = [p for p in parts if any(a == start or b == end for a, b in p.spans)]
+    within = [p for p in parts if any(a < end and start < b for a, b in p.spans)]
+    return ends or within or parts[:1]
+
+
+def _concerns(error: ErrorInfo, frame: g.Frame) -> bool:
+    if error.span is None:
+        return True
+    return any(a < error.span[1] and error.span[0] < b for a, b in _spans(frame))
+
+
+# --- questions ---------------------------------------------------------------------------
+
+
+def _answered(frame: g.Frame, answer: Answer, step: Step | None, text: str) -> Iterator[Row]:
+    """What a question became: the query with its answer, the object model, the push considered."""
+    push = answer.push
+    numbers = tuple(_numbers(answer))
+    asked_of = isinstance(frame.goal, g.Parameters) and bool(frame.goal.spans)
+    open_ones = dict(_considered(push)) if push else {}
+    for clause in clauses(frame, _head(frame)):
+        if clause.said is frame.goal if asked_of else clause.part in ("question", "remark"):
+            values: tuple[Value, ...] = numbers
+        elif clause.part == "object model":
+            values = believed(step.basis.target) if step and step.basis else ()
+        else:
+            decided = [name for name in _decides(clause.said) if name in open_ones]
+            values = tuple(open_ones.pop(name) for name in decided)
+        if not values and (clause.spans or clause.said is None):
+            values = (Value("", ""),)
+        for value in values:
+            yield row(clause, text, value)
+    rest = Clause("left open", "push considered", (), None)
+    for value in open_ones.values():
+        yield row(rest, text, value._replace(default=True))
+
+
+def _decides(said: Any) -> tuple[str, ...]:
+    """Which properties of the push a part of the question gives."""
+    match said:
+        case g.Displace() if said.direction or said.toward or said.heading is not None:
+            return ("direction",)
+        case g.Topple() | g.Tilt() if said.direction:
+            return ("direction",)
+        case g.ContactRegion():
+            height = ("height",) if said.region or said.height else ()
+            return ("face", *height) if said.face else height
+        case g.Force() | g.MaxForce() | g.MinForce():
+            return ("force",)
+    return ()
+
+
+def _considered(push: Considered) -> Iterator[tuple[str, Value]]:
+    yield "face", Value("face", f"the {push.face} face")
+    if push.height is not None:
+        aside = ""
+        if abs(push.lateral) >= 5e-4:
+            side = "right" if push.lateral > 0.0 else "left"
+            aside = f", {quantity(abs(push.lateral), 'm')} to the {side} of the middle"
+        yield "height", Value("contact height", f"{quantity(push.height, 'm')}{aside}")
+    yield "direction", Value("direction", phrase(push.heading))
+    if push.force is not None:
+        yield "force", Value("force", newtons(push.force))
+
+
+_UNITS = {"mass": " kg", "friction": ""}
+"""Units of what is believed; all else is a length or an angle."""
+
+
+def _numbers(answer: Answer) -> Iterator[Value]:
+    """The numbers that answer a question, in words."""
+    told = answer.numbers
+    if answer.query in (None, "affordances"):
+        yield Value("answer", answer.text)
+        return
+    if answer.yes is not None and answer.query in ("predict", "possible"):
+        yield Value("answer", "yes" if answer.yes else "no")
+    elif answer.query == "predict":
+        yield Value("answer", _comes(told))
+    if answer.reason is not None:
+        yield Value("because", answer.text.removeprefix("No: "))
+    if answer.query == "value":
+        yield from _properties(told)
+    elif answer.query == "where":
+        ends = [quantity(told[key], "m") for key in ("lowest", "highest") if key in told]
+        places = f"{' to '.join(ends)} above the table" if ends else "none that is sure"
+        yield Value("places", places)
+    elif "force" in told and answer.query == "how_hard":
+        yield Value("force", newtons(told["force"], told.get("force_sd")))
+        if sd := told.get("force_sd"):
+            least, most = max(told["force"] - CERTAIN * sd, 0.0), told["force"] + CERTAIN * sd
+            yield Value("with 95 %", f"between {newtons(least)} and {newtons(most)}")
+    for name in ("slide", "topple"):
+        if name in told and told[name] != told.get("force"):
+            force = newtons(told[name], told.get(f"{name}_sd"))
+            yield Value(f"{DOES[name]} from", f"{force} on")
+    if "critical_height" in told:
+        yield Value("topples if pushed above", quantity(told["critical_height"], "m"))
+    if answer.probability is not None:
+        yield Value("probability", chance(answer.probability))
+
+
+def _comes(told: dict[str, float]) -> str:
+    """What a push does: nothing below the onset, else what needs the lesser force."""
+    if "onset" not in told or told.get("given_force", told["onset"]) < told["onset"]:
+        return "it stays where it is"
+    first = min(("slide", "topple"), key=lambda name: told.get(name, float("inf")))
+    return f"it {DOES[first]} first"
+
+
+def _properties(told: dict[str, float]) -> Iterator[Value]:
+    for name, value in told.items():
+        if name.endswith("_sd"):
+            continue
+        sd = told.get("position_sd" if name in ("x", "y") else f"{name}_sd", 0.0)
+        known = (
+            f"{_measured(name, value)} ± {_measured(name, sd)}" if sd else _measured(name, value)
+        )
+        yield Value(name.replace("_", " "), known)
+
+
+def _measured(name: str, value: float) -> str:
+    if name in _UNITS:
+        return f"{value:.3f}{_UNITS[name]}"
+    return quantity(value, "rad" if name == "yaw" else "m")
+
+
+# --- words without a part ----------------------------------------------------------------
+
+
+def _spans(part: Any) -> tuple[g.Span, ...]:
+    """Every span in a part of a frame."""
+    found: list[g.Span] = []
+    for key in type(part).model_fields:
+        value = getattr(part, key)
+        if key == "spans":
+            found += value
+        else:
+            inner = value if isinstance(value, tuple) else (value,)
+            found += [s for each in inner if isinstance(each, BaseModel) for s in _spans(each)]
+    return tuple(found)
+
+
+def _filler(result: Result, rows: list[Row]) -> Iterator[Row]:
+    """The words of the sentence that no part of a frame stands for, in one row."""
+    covered = {i for frame in result.frames for a, b in _spans(frame) for i in range(a, b)}
+    covered |= {i for each in rows for a, b in each.spans for i in range(a, b)}
+    found = [m.span() for m in re.finditer(r"[\w'’]+(?:-[\w'’]+)*", result.text)]
+    spans = tuple((a, b) for a, b in found if covered.isdisjoint(range(a, b)))
+    if spans:
+        told = ", ".join(dict.fromkeys(quoted(result.text, (span,)).casefold() for span in spans))
+        yield Row(
+            words=told, field=NO_MEANING, parameter="", value="", spans=spans,
+            frame=len(result.frames) - 1, part="filler",
+        )  # fmt: skip

@@ -1,0 +1,1 @@
+"""Result, step and JSON schema: values."""

@@ -1,0 +1,191 @@
+"""What came of a sentence: one value from the words to the verdict."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, InstanceOf
+from pydantic.json_schema import SkipJsonSchema
+
+from grammar.frames import Frame
+from nlcontrol.checks import Check
+from nlcontrol.checks import trace_measures as measures
+from nlcontrol.errors import OK, ErrorInfo
+from nlcontrol.learning.exploration_session import ExplorationReport
+from nlcontrol.learning.push_lessons import Lesson
+from nlcontrol.questions.answer import Answer
+from planner.explanation.push_explanation import Basis
+from planner.explanation.rows import Row
+from planner.types.actions import HandlingPlan
+from planner.types.plan import DefaultUsed, Plan, Vector3
+from planner.types.world_state import PlanarPose
+from sim.traces.trace import Trace
+
+ResultStatus = Literal[
+    "done", "planned", "answered", "failed", "refused", "not_understood", "unsupported",
+]  # fmt: skip
+
+
+class Execution(BaseModel):
+    """A trace in a few numbers, for those who read the result as JSON.
+
+    Attributes:
+        end: why the push ended; `detail` says it in words.
+        duration: of the whole execution, simulated [s].
+        displacement: of the pushed object in W [m].
+        turned: angle by which it turned about the vertical [rad], counter-clockwise; None if it
+            lies at the end, where a heading says nothing.
+        largest_tilt: on the way [rad].
+        largest_force: felt along the push, averaged against the sensors' noise [N].
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    end: str
+    detail: str
+    duration: float
+    displacement: Vector3
+    turned: float | None
+    largest_tilt: float
+    largest_force: float
+
+
+def summary(trace: Trace) -> Execution:
+    """A trace in a few numbers."""
+    x, y, z = trace.displacement(trace.pushed).tolist()
+    lies = measures.tilt_at_end(trace, trace.pushed)[1] > math.radians(45)
+    return Execution(
+        end=trace.end,
+        detail=trace.detail,
+        duration=float(trace.time[-1] - trace.time[0]),
+        displacement=(x, y, z),
+        turned=None if lies else float(trace.yaw(trace.pushed)[-1]),
+        largest_tilt=float(np.max(trace.tilt(trace.pushed))),
+        largest_force=measures.largest_push_force(trace),
+    )
+
+
+class Step(BaseModel):
+    """What came of one frame of a sentence.
+
+    Attributes:
+        frame: its place in `Result.frames`, from 0.
+        status: as in `Result`.
+        before: where the robot saw the object before it planned.
+        plan: the pushes, or what the hand does, as they were planned at first.
+        plans: every plan that was made; the first push of each was carried out, or all steps of
+            the hand.
+        stuck: why nothing more was done before the aim was reached.
+        execution: the trace in a few numbers.
+        checks: a verdict per clause of this frame.
+        lessons: what the pushes taught about the object, in their order.
+        exploration: what touching the object found out, if the frame asked for that.
+        answer: if the frame is a question.
+        error: why it went no further.
+        basis: what was known then; not a part of the JSON document.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    frame: int
+    status: ResultStatus
+    before: PlanarPose | None = None
+    plan: Plan | HandlingPlan | None = None
+    plans: tuple[Plan | HandlingPlan, ...] = ()
+    stuck: str | None = None
+    execution: Execution | None = None
+    checks: tuple[Check, ...] = ()
+    lessons: tuple[Lesson, ...] = ()
+    exploration: ExplorationReport | None = None
+    answer: Answer | None = None
+    error: ErrorInfo | None = None
+    basis: SkipJsonSchema[InstanceOf[Basis] | None] = Field(default=None, exclude=True, repr=False)
+
+
+class Result(BaseModel):
+    """Everything that one sentence led to; what is missing was not reached.
+
+    Attributes:
+        ok: the sentence was carried out and every clause held (planned only: a plan exists; a
+            question: it was answered, be it with no).
+        status: `done`, `planned` (nothing was to be executed), `answered` (a question), `failed`
+            (executed, but a clause did not hold), `refused` (no plan, with the reason),
+            `unsupported` (a capability that this robot lacks), `not_understood`.
+        text: the sentence as given.
+        paraphrase: what was understood, in words.
+        frames: the same as data.
+        planned: how many of the frames were planned.
+        plan: the pushes or the steps of the hand, with what was predicted, of the last frame
+            planned.
+        execution: the trace in a few numbers.
+        checks: a verdict per clause.
+        steps: what came of each frame, in the order in which they were carried out; those after
+            the first that failed are missing.
+        answer: to the last question of the sentence, or to a remark.
+        notes: plain sentences on how a remark was taken, and on what was left out.
+        defaults: what the sentence left open and the table of defaults supplied.
+        error: why it is not ok.
+        scene: name of the scene.
+        seed: what everything random was drawn from.
+        explanation: which words became which parameters, if that was asked for.
+        files: what was written, by kind (`replay`, `picture`).
+        trace: what happened over time; not a part of the JSON document.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    ok: bool
+    status: ResultStatus
+    text: str
+    paraphrase: str | None = None
+    frames: tuple[Frame, ...] = ()
+    planned: int = 0
+    plan: Plan | HandlingPlan | None = None
+    execution: Execution | None = None
+    checks: tuple[Check, ...] = ()
+    steps: tuple[Step, ...] = ()
+    answer: Answer | None = None
+    notes: tuple[str, ...] = ()
+    defaults: tuple[DefaultUsed, ...] = ()
+    error: ErrorInfo | None = None
+    scene: str
+    seed: int
+    explanation: tuple[Row, ...] | None = None
+    files: dict[str, str] = {}
+    trace: SkipJsonSchema[InstanceOf[Trace] | None] = Field(default=None, exclude=True, repr=False)
+
+    @property
+    def exit_status(self) -> int:
+        """Exit code of the command line."""
+        return self.error.status.exit if self.error else OK
+
+    @property
+    def http_status(self) -> int:
+        """Status of the HTTP answer."""
+        return self.error.status.http if self.error else 200
+
+    def to_json(self) -> str:
+        """The result as one JSON document, in SI units; `nlcontrol schema` describes it."""
+        return self.model_dump_json(indent=2)
+
+    def explained(self) -> tuple[Row, ...]:
+        """The way of each word to frame and parameter; empty if nothing was understood."""
+        from nlcontrol.reports.word_explanation import ways
+
+        return ways(self) if self.explanation is None else self.explanation
+
+    def report(self) -> str:
+        """The result as a text to read."""
+        from nlcontrol.reports.result_report import report
+
+        return report(self)
+
+    def __str__(self) -> str:
+        return self.report()
+
+
+def with_(result: Result, **changes: object) -> Result:
+    """The result with some fields changed."""
+    return result.model_copy(update=changes)

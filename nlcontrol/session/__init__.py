@@ -1,0 +1,1 @@
+"""Controller, conversation, a frame's run, exploration commands."""

@@ -1,0 +1,344 @@
+"""The way of a sentence: parse, resolve, plan, execute, check, each a call of its own.
+
+The controller knows the scene twice and keeps the two apart: the planner gets what the robot
+believes (registry models, poses from the vision port), the simulation what is true (the scene
+file). Poses are in W; the table plane is z = 0.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from grammar.frames import Command, Frame
+from nlcontrol.checks import Check, check, require_checkable
+from nlcontrol.errors import ControlError, error, translated
+from nlcontrol.references.object_names import Candidate
+from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve
+from nlcontrol.results.result import Result, with_
+from objectmodels import ModelError, ObjectModel, Registry
+from planner.types.plan import Plan, Reached, Refusal
+from planner.types.world_state import Held, PlanarPose, SeenObject, TableState, WorldState
+from sim.perception.camera_port import beheld, first_frames
+from sim.truth.scene_file import Scene, SceneObject, load_scene
+
+if TYPE_CHECKING:
+    from grammar.parser import Parser
+    from nlcontrol.questions.answer import Answer
+    from planner.affordances import Affordance
+    from planner.types.actions import HandlingPlan
+    from planner.types.defaults import Defaults
+    from planner.types.robot import Reach
+    from sim import ArmReach, DrakeWorld
+    from sim.traces.trace import Trace
+
+Progress = Callable[[str, float, str], None]
+"""Told of the phase, the simulated time [s] and what happens, while something is executed."""
+
+
+LOOK = 1.0
+"""Time over which camera frames are averaged before a plan is made [s]."""
+
+
+class Controller:
+    """A robot at a table, ready to be told what to do.
+
+    Args:
+        scene: name of a built-in scene, path of a scene file, or a scene.
+        registry: object models; the default ones if not given. Those of the scene come on top.
+        seed: of everything random; the same seed gives the same trace.
+        defaults: what a clause means when a sentence does not say more; the scene's if not given.
+
+    Raises:
+        ControlError: the scene cannot be read, or names a model that the registry lacks.
+    """
+
+    def __init__(
+        self,
+        scene: str | Path | Scene = "kitchen",
+        *,
+        registry: Registry | None = None,
+        seed: int = 0,
+        defaults: Defaults | None = None,
+    ) -> None:
+        with translated():
+            self.scene = scene if isinstance(scene, Scene) else load_scene(scene)
+            self.registry = Registry.default() if registry is None else registry.copy()
+            for path in self.scene.models:
+                self.registry.load(path)
+        self.models: dict[str, ObjectModel] = {
+            item.name: _believed(item, self.registry) for item in self.scene.objects
+        }
+        self.seed = seed
+        self.defaults = self.scene.defaults if defaults is None else defaults
+        self._world: DrakeWorld | None = None
+        self._reach: ArmReach | None = None
+
+    @property
+    def world(self) -> DrakeWorld:
+        """The simulated world; it is built when first asked for, and keeps what was done to it."""
+        if self._world is None:
+            from sim import DrakeWorld
+
+            self._world = DrakeWorld(self.scene, seed=self.seed)
+        return self._world
+
+    @property
+    def reach(self) -> ArmReach:
+        """Answers whether the hand gets somewhere."""
+        if self._reach is None:
+            from sim import ArmReach
+
+            self._reach = ArmReach(self.scene)
+        return self._reach
+
+    @property
+    def table(self) -> TableState:
+        """Extent of the table top."""
+        (x, y), (width, depth) = self.scene.table.centre_m, self.scene.table.size_m
+        return TableState(x - width / 2, x + width / 2, y - depth / 2, y + depth / 2)
+
+    def parse(self, text: str) -> Command:
+        """What a sentence says, as frames.
+
+        Raises:
+            ControlError: it is not understood.
+        """
+        with translated():
+            return self._parser.parse(text)
+
+    @cached_property
+    def _parser(self) -> Parser:
+        """Reads sentences in which the objects of scene and registry may be named."""
+        from grammar.parser import parser_for
+
+        objects = (name for item in self.scene.objects for name in (item.name, *item.synonyms))
+        models = (name for model in self.registry for name in (model.name, *model.synonyms))
+        return parser_for({*objects, *models})
+
+    def resolve(self, command: Command, context: Context = NOTHING_SAID) -> Command:
+        """The command with every object bound to one on the table, and lengths in metres.
+
+        The object of a question may be bound to a model of the registry that is not on the table:
+        `surroundings` says where it is taken to stand.
+
+        Args:
+            command: what was understood.
+            context: what was spoken of before, for "it" and "the other one".
+
+        Raises:
+            ControlError: `unknown_object`, `ambiguous_object`, `not_on_table` or `no_antecedent`.
+        """
+        on_table = [
+            Candidate(
+                item.name,
+                (item.name, *item.synonyms, item.model, *self.models[item.name].synonyms),
+            )
+            for item in self.scene.objects
+        ]
+        return resolve(command, on_table, tuple(self.registry), self.look, context)
+
+    def look(self) -> WorldState:
+        """What the robot believes now: poses from the vision port, models from the registry."""
+        if self._world is None:
+            frames = first_frames(self.scene, LOOK, seed=self.seed)
+        else:
+            frames = self._world.watch(LOOK)
+        return WorldState(beheld(self.scene, frames, self.models), self.table, self.held)
+
+    @property
+    def held(self) -> Held | None:
+        """What the hand holds, as the robot knows; None if nothing."""
+        holding = None if self._world is None else self._world.holding
+        return None if holding is None else holding.held
+
+    def affordances(self, name: str) -> tuple[Affordance, ...]:
+        """What this robot can do with an object, and if not, why not.
+
+        Args:
+            name: an object of the scene, or a model of the registry; one that does not stand in the
+                scene is taken as standing alone in the middle of the table.
+
+        Raises:
+            ControlError: `unknown_object`.
+        """
+        from planner.affordances import affordances
+
+        seen, state = self.surroundings(name)
+        return affordances(seen, state, self.reach, hand=self.reach, defaults=self.defaults)
+
+    def surroundings(self, name: str) -> tuple[SeenObject, WorldState]:
+        """An object and everything about it that is believed.
+
+        Args:
+            name: as in `affordances`.
+
+        Raises:
+            ControlError: `unknown_object`.
+        """
+        with translated():
+            known = {item.casefold(): item for item in self.scene.names}
+            here = known.get(name.casefold())
+            model = None if here else self.registry.called(name)
+        if here is None:
+            assert model is not None
+            here = next((n for n, m in self.models.items() if m == model), None)
+        if here is not None:
+            state = self.look()
+            return state.objects[here], state
+        assert model is not None
+        alone = SeenObject(model.name, PlanarPose(*self.scene.table.centre_m), model)
+        return alone, WorldState({alone.name: alone}, self.table)
+
+    def answer(self, frame: Frame, state: WorldState | None = None) -> Answer:
+        """The answer to a question; nothing is moved for it.
+
+        Args:
+            frame: a frame with a query, its objects resolved.
+            state: what is believed; looked up now if not given.
+
+        Raises:
+            ControlError: why it cannot be answered.
+        """
+        from nlcontrol.questions.question_answers import answer
+
+        vision = self.scene.vision
+        return answer(
+            frame,
+            self.about(frame) if state is None else state,
+            lambda: self.reach,
+            self.defaults,
+            position_sd=vision.position_noise_m / math.sqrt(max(vision.rate_hz * LOOK, 1.0)),
+        )
+
+    def about(self, frame: Frame) -> WorldState:
+        """What is believed about the object of a question, which may not be on the table."""
+        name = frame.object.id if frame.object else None
+        return self.look() if name is None else self.surroundings(name)[1]
+
+    def plan(
+        self,
+        frame: Frame,
+        state: WorldState | None = None,
+        *,
+        before: Plan | None = None,
+        reach: Reach | None = None,
+    ) -> Plan | HandlingPlan | Reached | Refusal:
+        """What satisfies a frame, by pushes or with a whole hand, or why nothing does.
+
+        Args:
+            frame: what is asked, its objects resolved.
+            state: what is believed; looked up now if not given.
+            before: the plan whose first push was made last; its aim is kept.
+            reach: of the hand; that of the scene's robot if not given.
+
+        Raises:
+            ControlError: `uncheckable` if a clause could not be checked afterwards.
+        """
+        from planner import plan
+
+        state = self.look() if state is None else state
+        made = plan(
+            frame,
+            state,
+            self.reach if reach is None else reach,
+            hand=self.reach,
+            defaults=self.defaults,
+            before=before,
+        )
+        if not isinstance(made, Refusal):
+            require_checkable(frame)
+        return made
+
+    def execute(self, plan: Plan | HandlingPlan, progress: Progress | None = None) -> Trace:
+        """Carries out a plan in the simulated world.
+
+        Args:
+            plan: what to do.
+            progress: told what happens, while it happens.
+        """
+        from sim import execute
+
+        return execute(plan, self.world, self.models, reach=self.reach, progress=progress)
+
+    def watch(self, name: str) -> Trace:
+        """A look at the table during which nothing is done.
+
+        Args:
+            name: of the object that it is about.
+        """
+        from sim import watch
+
+        return watch(self.world, name, self.reach, LOOK)
+
+    def check(self, frame: Frame, trace: Trace) -> tuple[Check, ...]:
+        """A verdict for each clause of a frame."""
+        return check(frame, trace, self.models, self.table, defaults=self.defaults)
+
+    def say(
+        self, text: str, *, plan_only: bool = False, progress: Progress | None = None
+    ) -> Result:
+        """Does what a sentence says, and tells what came of it.
+
+        A question is answered and moves nothing. Nothing is remembered from one sentence to the
+        next; see `nlcontrol.session.conversation.Conversation` for that.
+
+        Args:
+            text: an English sentence.
+            plan_only: stop before anything is executed.
+            progress: told what happens during the simulation.
+
+        Returns:
+            A result in every case: what is not understood or refused is a result too.
+        """
+        from nlcontrol.session.conversation import Conversation
+
+        return Conversation(self).say(text, plan_only=plan_only, progress=progress)
+
+    def begun(self, text: str, command: Command | None = None) -> Result:
+        """The result of a sentence of which nothing has come yet."""
+        result = Result(ok=False, status="failed", text=text, scene=self.scene.name, seed=self.seed)
+        if command is None:
+            return result
+        return with_(result, paraphrase=command.paraphrase, frames=command.frames)
+
+    def carry_out(
+        self,
+        command: Command,
+        context: Context = NOTHING_SAID,
+        *,
+        plan_only: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Does what a command says; see `nlcontrol.session.frame_execution`.
+
+        Args:
+            command: what was understood.
+            context: what was spoken of before.
+            plan_only: stop before anything is executed.
+            progress: told what happens during the simulation.
+        """
+        from nlcontrol.session.frame_execution import carry_out
+
+        result = self.begun(command.text, command)
+        try:
+            held = None if self.held is None else self.held.name
+            command = self.resolve(command, replace(context, held=held))
+        except ControlError as raised:
+            return with_(result, status="not_understood", error=raised.info)
+        return carry_out(self, command, result, plan_only=plan_only, progress=progress)
+
+
+def _believed(item: SceneObject, registry: Registry) -> ObjectModel:
+    """The registry's model of an object of the scene."""
+    try:
+        return registry.get(item.model)
+    except ModelError as raised:
+        message = f"the scene's '{item.name}' is a '{item.model}', but {raised.message}"
+        raise error(
+            "scene_and_registry_differ", message, suggestions=raised.suggestions
+        ) from raised

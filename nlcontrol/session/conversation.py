@@ -1,0 +1,296 @@
+"""One sentence after another: "it", "again", "a bit more", "no, the other one", "undo that".
+
+A conversation remembers what was spoken of, what was asked last and what came of it, and where
+things stood before each push. A remark becomes frames as any sentence has them
+(`nlcontrol.session.follow_up_frames`, `nlcontrol.session.undo_frames`), and these go the way of
+every sentence: resolved, planned, executed, checked. So a remark may be refused as any sentence
+may, with its numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, Literal, NoReturn
+
+from pydantic import BaseModel
+
+import grammar
+from grammar import frames as g
+from nlcontrol.errors import ControlError, error
+from nlcontrol.questions.answer import Answer
+from nlcontrol.references.reference_resolution import Context
+from nlcontrol.results.result import with_
+from nlcontrol.session.follow_up_frames import continued, corrected, latest, repeated, settled
+from nlcontrol.session.undo_frames import Pushed, done_to, in_words, way_back
+from nlcontrol.session.why_answers import reason
+from nlcontrol.text_format import encodable
+
+if TYPE_CHECKING:
+    from nlcontrol.results.result import Result, Step
+    from nlcontrol.session.controller import Controller, Progress
+
+
+class Conversation:
+    """Sentences said one after another to one robot.
+
+    Args:
+        controller: the robot.
+
+    Attributes:
+        controller: the robot.
+        context: what was spoken of, for "it" and "that one".
+        past: pushes that were carried out and not undone, the most recent last.
+    """
+
+    def __init__(self, controller: Controller) -> None:
+        self.controller = controller
+        self.context = Context()
+        self.past: list[Pushed] = []
+        self._last: Result | None = None  # what "why" is about
+        self._said: Result | None = None  # what "no, …" is about; None if it was not understood
+        self._done: Result | None = None  # the last command, what "a bit more" is about
+
+    def say(
+        self, text: str, *, plan_only: bool = False, progress: Progress | None = None
+    ) -> Result:
+        """Does what a sentence says, as it is meant after those before it.
+
+        Args:
+            text: an English sentence, or a remark on what was said and done before.
+            plan_only: stop before anything is executed.
+            progress: told what happens during the simulation.
+
+        Returns:
+            A result in every case, as from `Controller.say`.
+        """
+        text = encodable(text)
+        command = None
+        try:
+            command = self.controller.parse(text)
+            return self._answer(command, plan_only, progress)
+        except ControlError as raised:
+            begun = self.controller.begun(text, command)
+            self._last = with_(begun, status="not_understood", error=raised.info)
+            if command is None:
+                self._said = None
+            return self._last
+
+    def _answer(self, command: g.Command, plan_only: bool, progress: Progress | None) -> Result:
+        remark = _remark(command)
+        if remark == "stop":
+            # Sentences are carried out before the next one is read, so there is nothing to stop.
+            return self._told(command, Answer(text="Nothing is being done."), "done")
+        if remark == "why":
+            return self._told(command, self._why(command), "answered")
+        if remark == "undo":
+            return self._undo(command, plan_only, progress)
+        notes = self._notes(command)
+        command = self._rewritten(command)
+        result = self.controller.carry_out(
+            command, self.context, plan_only=plan_only, progress=progress
+        )
+        result = with_(result, notes=notes + result.notes)
+        self._remember(result)
+        return result
+
+    def _told(
+        self, command: g.Command, answer: Answer, status: Literal["done", "answered"]
+    ) -> Result:
+        result = self.controller.begun(command.text, command)
+        return with_(result, ok=True, status=status, answer=answer)
+
+    # --- memory ------------------------------------------------------------------------------
+
+    def _remember(self, result: Result) -> None:
+        # Remarks are about what was said and what came of it; a trace is megabytes.
+        self._last = self._said = kept = with_(result, trace=None)
+        if any(frame.query is None for frame in kept.frames):
+            self._done = kept
+        self._speak_of(kept.frames)
+        for step in kept.steps:
+            if step.execution and step.plan and step.before:
+                self.past.append(done_to(kept, step.plan, step.before))
+
+    def _speak_of(self, frames: Sequence[g.Frame]) -> None:
+        names = [name for frame in reversed(frames) for name in _names(frame)]
+        self.context = Context(tuple(dict.fromkeys((*names, *self.context.last))))
+
+    # --- repeat, more, correct -----------------------------------------------------------------
+
+    def _rewritten(self, command: g.Command) -> g.Command:
+        """The command with each remark replaced by the frames that it means."""
+        frames: list[g.Frame] = []
+        for frame in command.frames:
+            if frame.dialogue == "correct":
+                frames += self._corrected(frame)
+            elif frame.dialogue == "repeat":
+                before = frames or _frames(self._done if frame.action else self._said or self._done)
+                frames += repeated(before or _nothing("there is nothing to repeat"), frame)
+            elif frame.dialogue == "more":
+                frames.append(self._continued(frames, frame))
+            else:
+                frames.append(frame)
+        if tuple(frames) == command.frames:
+            return command
+        return command.model_copy(
+            update={"frames": tuple(frames), "paraphrase": _in_words(frames, command)}
+        )
+
+    def _continued(self, frames: Sequence[g.Frame], said: g.Frame) -> g.Frame:
+        before = frames or _frames(self._done) or _nothing("nothing was done that could go on")
+        last, heading = latest(before, said), None
+        if not frames and self._done and self._done.plan:
+            heading = _heading(self._done.steps[-1])
+        if isinstance(last.goal, g.Place) and heading is None:
+            _nothing("nothing was pushed there yet, so there is no direction to go on in")
+        return continued(last, said, heading)
+
+    def _corrected(self, said: g.Frame) -> tuple[g.Frame, ...]:
+        last = self._said
+        if last is None or not last.frames:
+            _nothing("there is no sentence before that could be corrected")
+        unresolved = last.error is not None and last.status == "not_understood"
+        wrong = last.error.span if last.error and unresolved else None
+        return corrected(last.frames[_reached(last) :], said, wrong)
+
+    def _notes(self, command: g.Command) -> tuple[str, ...]:
+        last = self._said
+        if command.frames[0].dialogue != "correct" or not any(p.of is last for p in self.past):
+            return ()
+        assert last is not None
+        return (f"already carried out: “{last.text}”; that is left as it is",)
+
+    # --- undo --------------------------------------------------------------------------------
+
+    def _undo(self, command: g.Command, plan_only: bool, progress: Progress | None) -> Result:
+        pushed = self._to_undo(command)
+        text = pushed[-1].of.text
+        back = way_back(pushed, self.controller.look(), self.controller.defaults)
+        if not back.frames:
+            self._forget(pushed)
+            what = "Everything is" if len(pushed) > 1 else f"The {pushed[0].object} is"
+            told = Answer(text=f"{what} where it was before “{text}”.")
+            return with_(self._told(command, told, "done"), notes=back.notes)
+        words = f"to undo “{text}”, {in_words(back.frames)}"
+        command = command.model_copy(update={"frames": back.frames, "paraphrase": words})
+        result = self.controller.carry_out(command, plan_only=plan_only, progress=progress)
+        self._last = with_(result, trace=None)
+        self._speak_of(result.frames)
+        done = [back.undoes[step.frame] for step in result.steps if step.status == "done"]
+        if len(done) < len(back.frames):
+            # What takes two steps is undone when both are done.
+            self._forget([push for push in done if push not in back.undoes[len(done) :]])
+            return with_(result, notes=back.notes + result.notes)
+        self._forget(pushed)
+        return with_(result, notes=(f"undone: “{text}”", *back.notes, *result.notes))
+
+    def _to_undo(self, command: g.Command) -> list[Pushed]:
+        """The pushes of the last sentence, or the last push of the object that is named."""
+        (frame,) = command.frames
+        if frame.object is not None and not frame.object.pronoun:
+            (frame,) = self.controller.resolve(command, self.context).frames
+            name = frame.object.id if frame.object else None
+            named = [push for push in self.past if push.object == name]
+            return named[-1:] or _nothing(
+                f"the {name} was not pushed yet, so there is nothing to undo"
+            )
+        last = (
+            self.past[-1].of if self.past else _nothing("nothing was pushed that could be undone")
+        )
+        return [push for push in self.past if push.of is last]
+
+    def _forget(self, undone: Sequence[Pushed]) -> None:
+        self.past = [push for push in self.past if push not in undone]
+
+    # --- why ---------------------------------------------------------------------------------
+
+    def _why(self, command: g.Command) -> Answer:
+        """Why the last result is as it is; or another push would be, if that is asked about."""
+        (frame,) = command.frames
+        if frame.action is not None:
+            asked = command.model_copy(
+                update={"frames": (frame.model_copy(update={"query": None, "event": None}),)}
+            )
+            with suppress(ControlError):
+                asked = self.controller.resolve(asked, self.context)
+            last = self._last.frames if self._last else ()
+            if not any(_says(frame, asked.frames[0]) for frame in last):
+                return reason(self.controller.carry_out(asked, self.context, plan_only=True))
+        return reason(self._last or _nothing("nothing was said or done yet"))
+
+
+def _remark(command: g.Command) -> str | None:
+    """What a whole sentence is as a remark; None if it is to be carried out as frames.
+
+    Raises:
+        ControlError: `not_alone`.
+    """
+    kinds = [frame.dialogue or frame.query for frame in command.frames]
+    if len(kinds) == 1:
+        return kinds[0] if kinds[0] in ("stop", "why", "undo") else None
+    for frame, kind in zip(command.frames, kinds, strict=True):
+        if kind in ("stop", "why", "undo", "correct"):
+            raise error(
+                "not_alone",
+                f"“{kind}” is about what was said and done before, so it is a sentence of its own",
+                span=frame.spans[0] if frame.spans else None,
+                suggestions=("say it when the other sentence is done",),
+            )
+    return None
+
+
+def _nothing(message: str) -> NoReturn:
+    raise error(
+        "nothing_before", message, suggestions=("say first what to do, as “push the box away”",)
+    )
+
+
+def _heading(step: Step) -> float | None:
+    """In which direction a step was to bring its object; None if it was to bring it nowhere."""
+    if step.plan is None or step.plan.aim is None or step.before is None:
+        return None
+    aim, here = step.plan.aim, step.before
+    return math.atan2(aim.y - here.y, aim.x - here.x)
+
+
+def _frames(result: Result | None) -> list[g.Frame]:
+    return list(result.frames) if result else []
+
+
+def _reached(result: Result) -> int:
+    """The frame at which a result stopped."""
+    return result.steps[-1].frame if result.steps else 0
+
+
+def _names(part: Any) -> Iterator[str]:
+    """Names of the objects in a part of a frame, in its order."""
+    if isinstance(part, g.ObjectRef) and part.id is not None:
+        yield part.id
+    values = (
+        part if isinstance(part, tuple) else [getattr(part, k) for k in type(part).model_fields]
+    )
+    for value in values:
+        if isinstance(value, BaseModel | tuple):
+            yield from _names(value)
+
+
+def _says(frame: g.Frame, asked: g.Frame) -> bool:
+    """Whether a frame says all that is asked about."""
+    frame, asked = settled(frame), settled(asked)
+    wanted = asked.goal.model_dump(exclude_defaults=True)
+    return (
+        frame.action == asked.action
+        and asked.object in (None, frame.object)
+        and asked.goal.kind in ("none", frame.goal.kind)
+        and wanted.items() <= frame.goal.model_dump().items()
+        and set(asked.constraints) <= set(frame.constraints)
+    )
+
+
+def _in_words(frames: Sequence[g.Frame], command: g.Command) -> str:
+    try:
+        return ", then ".join(grammar.paraphrase(frame) for frame in frames)
+    except ValueError:
+        return command.paraphrase  # not everything that a frame can say has words

@@ -1,0 +1,237 @@
+"""What a remark makes of the frames before it: again, a bit more, no, I meant the other one.
+
+Nothing but frames goes in and out; what was done with them is `nlcontrol.session.conversation`'s
+matter. What is kept of an earlier sentence loses its spans, which point into that sentence, and
+calls each object by its name in the scene, since "it" may mean another one by now.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar, cast
+
+from pydantic import BaseModel
+
+from grammar import frames as g
+
+Part = TypeVar("Part", bound=BaseModel)
+Rename = Callable[[g.ObjectRef], g.ObjectRef]
+
+_WHERE = ("direction", "heading", "toward", "away_from")
+_FAR = ("distance", "angle", "height", "bound", "fraction", "amount")
+_TURNS = {"left": "ccw", "right": "cw"}
+
+_RIVALS = (
+    {"gentle", "hard"},
+    {"force", "min_force", "max_force", "hard"},
+    {"speed", "min_speed", "max_speed", "slow", "fast"},
+    {"duration", "max_duration"},
+)
+"""Constraints of one matter: a new one takes the place of those said before."""
+
+_ENDS = {"max_distance", "until"}
+"""Constraints that say how far, so a new distance takes their place."""
+
+_AGAINST: dict[str, set[str]] = {
+    "topple": {"no_topple", "no_tilt", "max_tilt"},
+    "tilt": {"no_tilt", "max_tilt"},
+    "rotate": {"no_turn", "max_turn"},
+    "lift": {"no_lift"},
+    "displace": {"no_slide"},
+    "place": {"no_slide"},
+}
+"""Constraints that a new goal of another kind cannot keep."""
+
+
+def repeated(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ...]:
+    """The frames before once more, or one of them with what is said besides ("push it again")."""
+    besides = said.object or said.constraints or said.action or said.goal.kind != "none"
+    if not besides:
+        return tuple(map(settled, before))
+    last = latest(before, said)
+    return (overlaid(settled(last, _meaning(last, said)), said),)
+
+
+def latest(before: Sequence[g.Frame], said: g.Frame) -> g.Frame:
+    """The frame that a remark is about: the last with its action, if it names one that fits."""
+    same = [frame for frame in before if frame.action == said.action]
+    return (same or list(before))[-1]
+
+
+def continued(before: g.Frame, said: g.Frame, heading: float | None) -> g.Frame:
+    """The same action farther: as far as is said, else as far as it goes by default.
+
+    Args:
+        before: the frame to go on with.
+        said: the remark.
+        heading: in which the object was pushed, for a goal that is a place and reached by now.
+    """
+    last = settled(before)
+    if said.goal.kind == "none" and said.constraints:
+        return overlaid(last, said)  # "more gently" is about the manner
+    goal = last.goal
+    if isinstance(goal, g.Place) and heading is not None:
+        goal = g.Displace(heading=heading)
+    kept = tuple(c for c in last.constraints if c.kind not in _ENDS)
+    last = last.model_copy(update={"goal": _without(goal, _FAR), "constraints": kept})
+    return overlaid(last, said)
+
+
+def corrected(
+    before: Sequence[g.Frame], said: g.Frame, wrong: g.Span | None
+) -> tuple[g.Frame, ...]:
+    """The frames with what is said in place of what was.
+
+    Args:
+        before: the frame that is corrected, and those after it.
+        said: the remark.
+        wrong: where the name stood that could not be resolved, if that was the matter; the object
+            that is said takes its place.
+    """
+    first, rest = before[0], before[1:]
+    if wrong is None or said.object is None:
+        of_same = _meaning(first, said)
+        return (overlaid(settled(first, of_same), said), *(settled(f, of_same) for f in rest))
+    instead, found = said.object, []
+
+    def in_place(ref: g.ObjectRef) -> g.ObjectRef:
+        if _covers(ref, wrong):
+            found.append(ref)
+            return instead
+        return by_name(ref)
+
+    renamed = [settled(frame, in_place) for frame in before]
+    if found:
+        said = said.model_copy(update={"object": None})
+    return (overlaid(renamed[0], said), *renamed[1:])
+
+
+def _meaning(frame: g.Frame, said: g.Frame) -> Rename:
+    """Names for what is kept: what stood for the frame's object ("its") now means the one said."""
+    own, instead = frame.object, said.object
+    if instead is None or instead.pronoun or own is None:
+        return by_name
+
+    def rename(ref: g.ObjectRef) -> g.ObjectRef:
+        stands_for_it = ref.pronoun and ref.id is not None and ref.id == own.id
+        return instead if ref == own or stands_for_it else by_name(ref)
+
+    return rename
+
+
+def _covers(ref: g.ObjectRef, span: g.Span) -> bool:
+    starts, ends = [s for s, _ in ref.spans], [e for _, e in ref.spans]
+    return bool(ref.spans) and (min(starts), max(ends)) == span
+
+
+# --- what is kept ----------------------------------------------------------------------------
+
+
+def by_name(ref: g.ObjectRef) -> g.ObjectRef:
+    """A resolved object by its name in the scene; any other as it is."""
+    return ref if ref.id is None else g.ObjectRef(text=ref.id, noun=ref.id, id=ref.id)
+
+
+def settled(part: Part, rename: Rename = by_name) -> Part:
+    """A copy of a part of an earlier sentence: no spans, and each object renamed.
+
+    What `rename` puts in is of the new sentence and stays as it is.
+    """
+    if isinstance(part, g.ObjectRef):
+        other = rename(part)
+        if other is not part:
+            return cast("Part", other)
+    changed: dict[str, object] = {}
+    for key in type(part).model_fields:
+        value = getattr(part, key)
+        if key == "spans":
+            changed[key] = ()
+        elif isinstance(value, BaseModel):
+            changed[key] = settled(value, rename)
+        elif isinstance(value, tuple) and any(isinstance(v, BaseModel) for v in value):
+            changed[key] = tuple(settled(v, rename) for v in value)
+    return part.model_copy(update=changed)
+
+
+def _without(goal: Any, fields: Sequence[str]) -> Any:
+    there = type(goal).model_fields
+    return goal.model_copy(update={k: there[k].get_default() for k in fields if k in there})
+
+
+# --- what is put in its place ----------------------------------------------------------------
+
+
+def overlaid(last: g.Frame, said: g.Frame) -> g.Frame:
+    """A frame with everything that a remark says put in the place of what was."""
+    goal = _goal(last.goal, said)
+    fresh = set(_said(said.goal))
+    new = {c.kind for c in said.constraints if c.kind != "no_touch"}
+    dropped = new.union(*(matter for matter in _RIVALS if matter & new))
+    if fresh & set(_FAR):
+        dropped |= _ENDS
+    if goal.kind != last.goal.kind:
+        dropped |= _AGAINST.get(goal.kind, set())
+    kept = [c for c in last.constraints if c.kind not in dropped]
+    if fresh & set(_WHERE):
+        kept = [c for c in map(_without_face, kept) if c is not None]
+    return last.model_copy(
+        update={
+            "action": said.action or last.action,
+            "object": said.object or last.object,
+            "goal": goal,
+            "constraints": (*kept, *said.constraints),
+            "event": said.event or last.event,
+            "spans": said.spans,
+        }
+    )
+
+
+def _without_face(clause: g.Constraint) -> g.Constraint | None:
+    """A contact without its face, which belongs to the direction that was said with it."""
+    if not isinstance(clause, g.ContactRegion) or clause.face is None:
+        return clause
+    if clause.region is None and clause.height is None:
+        return None
+    return clause.model_copy(update={"face": None})
+
+
+def _goal(last: g.Goal, said: g.Frame) -> g.Goal:
+    new = said.goal
+    if new.kind == "none":
+        return last
+    if new.kind != last.kind and said.action is None:
+        new = _as_kind_of(last, new)
+    if new.kind != last.kind or isinstance(new, g.Place):
+        return new
+    fresh = set(_said(new))
+    update: dict[str, object] = {"spans": new.spans}
+    for group in (_WHERE, _FAR, *((key,) for key in type(new).model_fields)):
+        if fresh & set(group):
+            update |= {key: getattr(new, key) for key in group if key in type(new).model_fields}
+    return last.model_copy(update=update)
+
+
+def _said(goal: g.Goal) -> dict[str, Any]:
+    """The fields of a goal that are not left open."""
+    fields = type(goal).model_fields
+    return {
+        key: getattr(goal, key)
+        for key, field in fields.items()
+        if key not in ("kind", "spans") and getattr(goal, key) != field.get_default()
+    }
+
+
+def _as_kind_of(last: g.Goal, new: g.Goal) -> g.Goal:
+    """Bare words ("to the left", "30 degrees") taken as they are meant for the last goal's kind."""
+    values = _said(new)
+    if isinstance(last, g.Rotate) and "direction" in values:
+        values["sense"] = _TURNS.get(str(values.pop("direction")))
+    if isinstance(last, g.Lift) and "distance" in values:
+        values["height"] = values.pop("distance")
+    if isinstance(values.get("direction"), tuple) or None in values.values():
+        return new
+    if not set(values) <= set(type(last).model_fields):
+        return new
+    if isinstance(last, g.Place):
+        return last.model_copy(update=values)
+    return type(last)(**values, spans=new.spans)

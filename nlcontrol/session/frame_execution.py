@@ -1,0 +1,348 @@
+"""Frame after frame: plan, push, look, learn, plan anew until it is there; then check.
+
+Of each plan only the first push is made. Then the robot looks, and plans towards the same aim from
+what it sees, until the aim is reached or the budget of pushes is used up (`Defaults.most_pushes`).
+What the pushing fingers felt updates the model of the object: an outcome that contradicts the
+prediction (nothing moved where it should, it tilted where it should slide, it slid where it should
+tilt) stops the push, and the next plan knows better. Where a push fails otherwise (nothing was
+touched, the contact was lost), another contact is tried. Clauses are checked over everything that
+happened for the frame.
+
+What a whole hand does is one plan: all its steps are made. Where that fails, the hand has put back
+what it held, and another plan is made, up to `Defaults.most_tries` of them
+(`nlcontrol.learning.grasp_lessons`).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from grammar import frames as g
+from nlcontrol.checks import not_held
+from nlcontrol.errors import NOT_UNDERSTOOD, ControlError, ErrorInfo, refusal_error
+from nlcontrol.learning.grasp_lessons import TRIED_AGAIN, believed_after, weighed
+from nlcontrol.learning.push_lessons import learned
+from nlcontrol.results.result import Result, ResultStatus, Step, summary, with_
+from planner.explanation.push_explanation import Basis
+from planner.geometry.directions import angle_between
+from planner.types.actions import HandlingPlan
+from planner.types.plan import Plan, Push, Reached, Refusal
+from planner.types.robot import Reach, ReachAnswer
+from planner.types.world_state import WorldState
+from sim.traces.trace import EndReason, Trace, joined
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from nlcontrol.session.controller import Controller, Progress
+
+
+def carry_out(
+    controller: Controller,
+    command: g.Command,
+    result: Result,
+    *,
+    plan_only: bool = False,
+    progress: Progress | None = None,
+) -> Result:
+    """Does what a command says, frame after frame, up to the first that fails.
+
+    With `plan_only` the first frame alone is planned: where the others start is not known yet.
+
+    Args:
+        controller: of the robot.
+        command: what was understood, its objects resolved.
+        result: that has been begun.
+        plan_only: stop before anything is executed.
+        progress: told what happens during the simulation.
+    """
+    result = with_(result, frames=command.frames)
+    for index, frame in enumerate(command.frames):
+        if frame.action == "explore" or (not plan_only and _to_be_found_out(controller, frame)):
+            result = _explored(controller, index, frame, result, plan_only, progress)
+        elif frame.query is not None:
+            result = _answered(controller, index, frame, result)
+        else:
+            result = _Carrying(controller, index, frame, progress).out(result, plan_only)
+        if result.error or result.status == "planned":
+            break
+    if result.status == "planned" and len(command.frames) > 1:
+        note = (
+            f"planned is the first of {len(command.frames)} steps; "
+            "where the others start depends on what comes of it"
+        )
+        result = with_(result, notes=(note,))
+    return result
+
+
+def _answered(controller: Controller, index: int, frame: g.Frame, result: Result) -> Result:
+    """The result with the answer to one more question."""
+    step = Step(frame=index, status="failed")
+    try:
+        state = controller.about(frame)
+        step = step.model_copy(update={"basis": Basis.of(frame, state, controller.defaults)})
+        answer = controller.answer(frame, state)
+    except ControlError as raised:
+        return _ended(result, step, _unanswered(raised.info), raised.info)
+    step = step.model_copy(update={"answer": answer})
+    return _ended(with_(result, answer=answer), step, "answered")
+
+
+def _to_be_found_out(controller: Controller, frame: g.Frame) -> bool:
+    """Whether a question asks for something that is not known well, of an object within reach."""
+    from nlcontrol.session.exploration_commands import unknown
+
+    name = frame.object.id if frame.object else None
+    model = controller.models.get(name) if name else None
+    return model is not None and unknown(frame, model, controller.defaults.known_to)
+
+
+def _explored(
+    controller: Controller,
+    index: int,
+    frame: g.Frame,
+    result: Result,
+    plan_only: bool,
+    progress: Progress | None,
+) -> Result:
+    """The result with what touching the object found out."""
+    from nlcontrol.session.exploration_commands import announced, find_out
+
+    step = Step(frame=index, status="failed")
+    try:
+        state = controller.about(frame)
+        step = step.model_copy(update={"basis": Basis.of(frame, state, controller.defaults)})
+        if plan_only:
+            note = announced(controller, frame, state)
+            return _ended(with_(result, notes=(*result.notes, note)), step, "planned")
+        found, answer = find_out(controller, frame, progress)
+    except ControlError as raised:
+        return _ended(result, step, _unanswered(raised.info), raised.info)
+    step = step.model_copy(update={"exploration": found and found.report, "answer": answer})
+    result = with_(result, answer=answer, trace=found and found.trace)
+    return _ended(result, step, "done" if frame.query is None else "answered")
+
+
+class _Carrying:
+    """One frame on its way.
+
+    Args:
+        controller: of the robot.
+        index: of the frame in its command.
+        frame: what is asked.
+        progress: told what happens during the simulation.
+    """
+
+    def __init__(
+        self, controller: Controller, index: int, frame: g.Frame, progress: Progress | None
+    ) -> None:
+        self.controller = controller
+        self.frame = frame
+        self.progress = progress
+        self.step = Step(frame=index, status="failed")
+        self.traces: list[Trace] = []
+        self.reach = Untried(controller.reach, longer=self._looks_longer)
+        self._yaw: float | None = None
+
+    def out(self, result: Result, plan_only: bool) -> Result:
+        """The result with what came of the frame."""
+        controller = self.controller
+        before: Plan | None = None
+        for attempt in itertools.count():
+            state = self._look()
+            try:
+                made = controller.plan(self.frame, state, before=before, reach=self.reach)
+            except ControlError as raised:
+                return _ended(result, self.step, "unsupported", raised.info)
+            if isinstance(made, Refusal):
+                if attempt == 0:
+                    return _ended(result, self.step, made.status, refusal_error(made))
+                self._note(stuck=made.message)
+                break
+            if isinstance(made, Reached):
+                if attempt == 0 and not plan_only:
+                    self.traces.append(controller.watch(self._name))
+                break
+            if attempt == self._budget(made):
+                self._note(stuck=_spent(made, attempt))
+                break
+            self._note(plan=self.step.plan or made, plans=(*self.step.plans, made))
+            result = with_(result, plan=self.step.plan)
+            if attempt == 0:
+                result = with_(
+                    result, planned=result.planned + 1, defaults=result.defaults + made.defaults
+                )
+            if plan_only:
+                return _ended(result, self.step, "planned")
+            if self._carried_out(made, state):
+                break
+            before = made if isinstance(made, Plan) else None
+        if plan_only:
+            return _ended(result, self.step, "planned")
+        return self._checked(self._traced(result))
+
+    def _budget(self, made: Plan | HandlingPlan) -> int:
+        """Pushes, or tries of a hand, that may be made; what is to be quick is not corrected."""
+        if isinstance(made, HandlingPlan):
+            return self.controller.defaults.most_tries
+        quick = any(isinstance(clause, g.MaxDuration) for clause in self.frame.constraints)
+        return 1 if quick else self.controller.defaults.most_pushes
+
+    @property
+    def _name(self) -> str:
+        assert self.frame.object is not None
+        assert self.frame.object.id is not None, "what was planned has an object"
+        return self.frame.object.id
+
+    def _look(self) -> WorldState:
+        """What is believed now; the object's heading counts its turns since the first look."""
+        state = self.controller.look()
+        basis = Basis.of(self.frame, state, self.controller.defaults)
+        if basis is None:
+            return state
+        pose = basis.target.pose
+        if self._yaw is None:
+            self._note(before=pose, basis=basis)
+            self._yaw = pose.yaw
+        self._yaw += angle_between(pose.yaw, self._yaw)
+        here = replace(basis.target, pose=replace(pose, yaw=self._yaw))
+        return replace(state, objects={**state.objects, here.name: here})
+
+    def _carried_out(self, made: Plan | HandlingPlan, state: WorldState) -> bool:
+        """Makes the first push of a plan, or all of a hand's; whether nothing is left after it."""
+        trace = self.controller.execute(made, self.progress)
+        self.traces.append(trace)
+        if isinstance(made, HandlingPlan):
+            self._learn_by_hand(made, trace)
+            return trace.end not in TRIED_AGAIN
+        self._learn(made, state, trace)
+        if trace.end in FAILURES:
+            self.reach.failed(made.push, trace.detail)
+            return False
+        if trace.end == "event":
+            return True
+        # A push that topples or tilts is the whole of its frame.
+        return made.aim is None and trace.end in ("toppled", "returned")
+
+    def _looks_longer(self) -> None:
+        """Planning takes seconds now, or half a minute for a large turn."""
+        if self.progress is not None:
+            text = "no plan as usual; looking thoroughly for what the hand can do"
+            self.progress("plan", self.controller.world.time, text)
+
+    def _note(self, **changes: object) -> None:
+        self.step = self.step.model_copy(update=changes)
+
+    def _learn(self, made: Plan, state: WorldState, trace: Trace) -> None:
+        """What a push taught; the controller believes it from now on."""
+        name = made.push.object
+        found = learned(made, state.objects[name], trace)
+        if found is None:
+            return
+        model, lesson = found
+        self.controller.models[name] = model
+        self._note(lessons=(*self.step.lessons, lesson))
+        if lesson.contradicts and self.progress is not None:
+            self.progress("learn", float(trace.time[-1]), lesson.text)
+
+    def _learn_by_hand(self, made: HandlingPlan, trace: Trace) -> None:
+        """What lifting taught of a weight, and where the contents are now."""
+        models = self.controller.models
+        found = weighed(made, models[made.object], trace)
+        if found is not None:
+            model, lesson = found
+            self.controller.models[made.object] = model
+            self._note(lessons=(*self.step.lessons, lesson))
+        models |= believed_after(made, models, trace)
+
+    def _traced(self, result: Result) -> Result:
+        """The result with everything that happened for this frame."""
+        execution = summary(joined(self.traces))
+        self._note(execution=execution)
+        before = [result.trace] if result.trace is not None else []
+        return with_(result, trace=joined([*before, *self.traces]), execution=execution)
+
+    def _checked(self, result: Result) -> Result:
+        trace = joined(self.traces)
+        checks = self.controller.check(self.frame, trace)
+        self._note(checks=checks)
+        result = with_(result, checks=result.checks + checks)
+        missed = tuple(c for c in checks if not c.ok)
+        if missed:
+            return _ended(result, self.step, "failed", not_held(missed, trace, self.step.stuck))
+        return _ended(result, self.step, "done")
+
+
+def _spent(made: Plan | HandlingPlan, times: int) -> str:
+    """That a frame's budget is used up."""
+    what = "try" if isinstance(made, HandlingPlan) else "push"
+    several = "tries" if isinstance(made, HandlingPlan) else "pushes"
+    return f"this may take {times} {what if times == 1 else several} at most"
+
+
+FAILURES: frozenset[EndReason] = frozenset(
+    {"no_touch", "unreachable", "guard", "too_close", "turned_off", "speed"}
+)
+"""Ends of a push after which another contact is tried, where there is one."""
+
+_SAME_PLACE = 0.02  # contacts nearer than this count as the same [m]
+
+
+class Untried:
+    """The hand's reach, but for the contacts at which a push of this frame has failed.
+
+    Args:
+        reach: of the robot.
+        failed: pushes that went wrong, and why.
+        longer: called when it is asked to look thoroughly.
+    """
+
+    def __init__(
+        self,
+        reach: Reach,
+        failed: list[tuple[Push, str]] | None = None,
+        longer: Callable[[], None] = lambda: None,
+    ) -> None:
+        self._reach = reach
+        self._failed = [] if failed is None else failed
+        self._longer = longer
+
+    def failed(self, push: Push, detail: str) -> None:
+        """Takes note that a push went wrong there."""
+        self._failed.append((push, detail))
+
+    def __call__(self, push: Push, state: WorldState) -> ReachAnswer:
+        """Answers for one push."""
+        for before, detail in self._failed:
+            near = math.dist(before.p_BC, push.p_BC) < _SAME_PLACE
+            if near and (before.fingers, before.ends_on) == (push.fingers, push.ends_on):
+                return ReachAnswer(ok=False, reason="failed", message=f"tried before: {detail}")
+        return self._reach(push, state)
+
+    def thorough(self) -> Untried:
+        """The same, which looks longer."""
+        self._longer()
+        return Untried(self._reach.thorough(), self._failed, self._longer)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._reach, name)
+
+
+def _ended(
+    result: Result, step: Step, status: ResultStatus, reason: ErrorInfo | None = None
+) -> Result:
+    """The result with the end of one more step."""
+    step = step.model_copy(update={"status": status, "error": reason})
+    return with_(
+        result, ok=reason is None, status=status, error=reason, steps=(*result.steps, step)
+    )
+
+
+def _unanswered(info: ErrorInfo) -> ResultStatus:
+    """Status of a question that has no answer."""
+    if info.code == "unsupported":
+        return "unsupported"
+    return "not_understood" if info.status.exit == NOT_UNDERSTOOD else "refused"

@@ -1,0 +1,160 @@
+"""The way back: what brings objects to where they were before something was done to them.
+
+What is held is set down where it was taken; a lid that was opened is closed, and the other way
+round; what was poured stays where it is, which is told. Otherwise the way back is pushed: what
+turned is turned back, and pushed from where the robot sees it now to where it saw it before, the
+last sentence first. A round object is turned back only if it was to be turned; what it turned
+otherwise is told.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from grammar import frames as g
+from nlcontrol.text_format import quantity
+from objectmodels.base import Disc
+from planner.geometry.directions import angle_between, heading_of, phrase
+from planner.types.actions import HandlingPlan
+
+if TYPE_CHECKING:
+    from nlcontrol.results.result import Result
+    from planner.types.defaults import Defaults
+    from planner.types.plan import Plan
+    from planner.types.world_state import PlanarPose, SeenObject, WorldState
+
+
+@dataclass(frozen=True, eq=False)
+class Pushed:
+    """A push, or what a whole hand did, that was carried out.
+
+    Attributes:
+        of: what came of the sentence that asked for it.
+        object: name of the object in the scene.
+        before: where the robot saw it before.
+        action: what a whole hand did; `push` if none did.
+    """
+
+    of: Result
+    object: str
+    before: PlanarPose
+    action: str = "push"
+
+
+def done_to(of: Result, plan: Plan | HandlingPlan, before: PlanarPose) -> Pushed:
+    """What was done to an object by a plan.
+
+    Args:
+        of: what came of the sentence that asked for it.
+        plan: how.
+        before: where the robot saw the object before.
+    """
+    if isinstance(plan, HandlingPlan):
+        return Pushed(of, plan.object, before, plan.action)
+    return Pushed(of, plan.push.object, before)
+
+
+@dataclass(frozen=True)
+class WayBack:
+    """What undoes some pushes.
+
+    Attributes:
+        frames: what is to be done, in this order.
+        undoes: for each frame, the push that it undoes.
+        notes: what is not undone, in plain words.
+    """
+
+    frames: tuple[g.Frame, ...]
+    undoes: tuple[Pushed, ...]
+    notes: tuple[str, ...]
+
+
+def way_back(pushed: Sequence[Pushed], state: WorldState, defaults: Defaults) -> WayBack:
+    """What undoes some pushes, the last one first.
+
+    Args:
+        pushed: in the order in which they were carried out.
+        state: where the objects are now, and what is held.
+        defaults: distance and angle that count as none.
+    """
+    here, found, notes = dict(state.objects), [], []
+    held = None if state.held is None else state.held.name
+    for push in reversed(pushed):
+        now = here[push.object]
+        if push.action == "pour":
+            notes.append(f"what was poured from the {push.object} is not poured back")
+        if push.action in _OPPOSITES:
+            goal = _OPPOSITES[push.action]()
+            ref = g.ObjectRef(text=now.name, noun=now.name)
+            found.append((g.Frame(action=goal.kind, object=ref, goal=goal), push))
+        if held == push.object:
+            found.append((_set_down(now, push.before, defaults), push))
+            here[push.object], held = replace(now, pose=push.before, lies_on="bottom"), None
+            continue
+        turn = abs(angle_between(now.pose.yaw, push.before.yaw))
+        turns = not isinstance(now.model.base, Disc) or _was_to_turn(push)
+        if not turns and turn > defaults.no_turn:
+            notes.append(f"that the {push.object} turned by {quantity(turn, 'rad')} is not undone")
+        found += [(frame, push) for frame in _back(now, push.before, turns, defaults)]
+        # The push before it is undone from where this one will leave the object.
+        here[push.object] = replace(now, pose=push.before, lies_on="bottom")
+    return WayBack(tuple(f for f, _ in found), tuple(p for _, p in found), tuple(notes))
+
+
+_OPPOSITES: dict[str, type[g.Open | g.Close]] = {"open": g.Close, "close": g.Open}
+
+
+def _set_down(now: SeenObject, there: PlanarPose, defaults: Defaults) -> g.Frame:
+    """Sets down what is held, where it was taken."""
+    ref = g.ObjectRef(text=now.name, noun=now.name)
+    way = there.p_WB - now.pose.p_WB
+    if math.hypot(way[0], way[1]) < defaults.distance_tolerance:
+        return g.Frame(action="place", object=ref, goal=g.SetDown())
+    place = g.Place(relation="at", reference=g.Point(x=there.x, y=there.y))
+    return g.Frame(action="place", object=ref, goal=place)
+
+
+def _was_to_turn(push: Pushed) -> bool:
+    names = (f.object.id for f in push.of.frames if isinstance(f.goal, g.Rotate) and f.object)
+    return push.object in names
+
+
+def _back(now: SeenObject, there: PlanarPose, turns: bool, defaults: Defaults) -> Iterator[g.Frame]:
+    """What brings an object back to where it was; nothing if it is there."""
+    ref = g.ObjectRef(text=now.name, noun=now.name)
+    if now.lies_on != "bottom":
+        yield g.Frame(action="place", object=ref, goal=g.Upright())
+        return
+    turn = angle_between(there.yaw, now.pose.yaw)
+    if turns and abs(turn) > defaults.turn_tolerance:
+        back = g.Rotate(angle=abs(turn), sense="ccw" if turn > 0.0 else "cw")
+        yield g.Frame(action="turn", object=ref, goal=back)
+    way = there.p_WB - now.pose.p_WB
+    distance = math.hypot(way[0], way[1])
+    if distance >= defaults.distance_tolerance:
+        goal = g.Displace(heading=heading_of(way), distance=distance)
+        yield g.Frame(action="push", object=ref, goal=goal)
+
+
+def in_words(frames: Sequence[g.Frame]) -> str:
+    """The way back in plain words."""
+    return ", then ".join(map(_step, frames))
+
+
+def _step(frame: g.Frame) -> str:
+    goal, name = frame.goal, frame.object.text if frame.object else "it"
+    if isinstance(goal, g.SetDown | g.Place):
+        return f"set the {name} down"
+    if isinstance(goal, g.Open | g.Close):
+        return f"{goal.kind} the {name}"
+    if isinstance(goal, g.Rotate):
+        side = "left" if goal.sense == "ccw" else "right"
+        return f"turn the {name} by {quantity(goal.angle or 0.0, 'rad')} to the {side}"
+    if not isinstance(goal, g.Displace):
+        return f"set the {name} upright"
+    assert isinstance(goal.distance, float)
+    assert goal.heading is not None
+    return f"push the {name} by {quantity(goal.distance, 'm')} {phrase(goal.heading)}"
