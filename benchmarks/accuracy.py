@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel
-from objectmodels.extremes import contact_forces
-from objectmodels.model import BORDER
-from objectmodels.outcomemap import BAND
-from objectmodels.support import Support
+from objectmodels.geometry.support_points import Support
+from objectmodels.mechanics.outcome_map import BAND
+from objectmodels.mechanics.worst_cases import contact_forces
+from objectmodels.models.object_model import BORDER
 
 Generator = np.random.Generator
 

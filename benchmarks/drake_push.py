@@ -24,7 +24,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from benchmarks.pushes import SPHERE, STEP, Array
-from objectmodels.model import ObjectModel
+from objectmodels.models.object_model import ObjectModel
 
 SINKS = 3e-6
 """Depth to which the corners sink in under the weight [m]; they are springs of one stiffness."""

@@ -27,7 +27,7 @@ import numpy as np
 from benchmarks.predictions import random_pushes, rate
 from benchmarks.pushes import Array, Push, Seen, World, random_push, roll_out
 from objectmodels import PrismModel
-from objectmodels.model import ObjectModel
+from objectmodels.models.object_model import ObjectModel
 
 BAND = 0.05
 """Where slide and topple are nearer to each other than this share of the onset, no class counts."""

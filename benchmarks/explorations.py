@@ -37,7 +37,7 @@ from nlcontrol.learning.push_lessons import taken
 from nlcontrol.reports.exploration_report import with_truth
 from objectmodels import ObjectModel
 from objectmodels.identification import guess
-from objectmodels.parameters import UNCERTAIN
+from objectmodels.models.parameters import UNCERTAIN
 from sim.exploration.exploration_run import Explorer, Touched
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import FrictionVariation, Hidden, Pose, Scene, SceneObject, load_scene

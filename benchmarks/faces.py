@@ -17,7 +17,7 @@ from nlcontrol.outcome_maps.map_comparison import Comparison, contacts_of
 from nlcontrol.references.face_names import face_of
 from nlcontrol.session.controller import Controller
 from objectmodels import ObjectModel
-from objectmodels.outcomemap import outcome_map
+from objectmodels.mechanics.outcome_map import outcome_map
 from sim.truth.observer import Observer
 from sim.truth.world_sampling import drawn
 

@@ -19,8 +19,8 @@ from importlib import resources
 
 import numpy as np
 
-from objectmodels.grasping import Contacts, slip_multiplier
-from objectmodels.thresholds import GRAVITY
+from objectmodels.mechanics.grasp_stability import Contacts, slip_multiplier
+from objectmodels.mechanics.push_thresholds import GRAVITY
 from sim.hands.four_finger import hand_kinematics as hand
 from sim.hands.four_finger.grasp_postures import HOLDING, HandGrip, hand_grip, inward
 from sim.rotations import Array

@@ -34,7 +34,7 @@ from nlcontrol.checks import PLANNED_ENDS, Check
 from nlcontrol.checks.trace_measures import tilt_at_end
 from nlcontrol.learning.grasp_lessons import refilled
 from objectmodels import ObjectModel
-from objectmodels.parts import Lid, LiftOffLid
+from objectmodels.models.object_parts import Lid, LiftOffLid
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject, load_scene
 

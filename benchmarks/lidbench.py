@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from benchmarks.drake_strokes import add_tip
-from objectmodels import lids
-from objectmodels.parts import FlipLid
+from objectmodels.containers import lid_geometry as lids
+from objectmodels.models.object_parts import FlipLid
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.rotations import Array
 from sim.truth.scene_file import Scene, SceneObject

@@ -4,8 +4,8 @@
 
 Cups with flip lids are opened by a fingertip that follows the lid's arc, jars with lift-off lids by
 a pull that grows, bottles with screw caps by a torque that grows. What is predicted from the true
-figures (`objectmodels.opening`) is compared with what happens in Drake. Cases in which the object
-bears within 10 % of what the lid needs may go either way and are counted apart.
+figures (`objectmodels.containers.lid_forces`) is compared with what happens in Drake. Cases in
+which the object bears within 10 % of what the lid needs may go either way and are counted apart.
 """
 
 from __future__ import annotations
@@ -19,8 +19,9 @@ import numpy as np
 
 from benchmarks.goals.worlds import scene
 from benchmarks.lidbench import LidBench
-from objectmodels import CylinderModel, opening
-from objectmodels.parts import FlipLid, Lid, LiftOffLid, ScrewCap
+from objectmodels import CylinderModel
+from objectmodels.containers import lid_forces as opening
+from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, SceneObject, Vision
 

@@ -13,8 +13,8 @@ import mujoco
 import numpy as np
 
 from benchmarks.pushes import SPHERE, STEP, Array
-from objectmodels.model import ObjectModel
-from objectmodels.thresholds import GRAVITY
+from objectmodels.mechanics.push_thresholds import GRAVITY
+from objectmodels.models.object_model import ObjectModel
 
 WORLD = """
 <mujoco>

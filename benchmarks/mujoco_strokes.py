@@ -22,7 +22,7 @@ from benchmarks.strokes import (
     Rolled,
     Stroke,
 )
-from objectmodels.thresholds import GRAVITY
+from objectmodels.mechanics.push_thresholds import GRAVITY
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.truth.scene_file import Scene
 

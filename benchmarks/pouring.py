@@ -5,8 +5,8 @@ motion over a cylinder that stands on the table: speeding up and slowing down wi
 second, its lip shaking by a millimetre, and back upright at the end. The simulated liquid runs out
 step by step, into the cylinder or beside it (`sim.worlds.drake.liquid_transfer`). The prediction
 knows shapes, contents and aim, and takes the tilting as steady and the lip as still
-(`objectmodels.pouring`). A share of the contents is asked for, by which the prediction picks the
-tilt.
+(`objectmodels.containers.pour_dynamics`). A share of the contents is asked for, by which the
+prediction picks the tilt.
 
     python -m benchmarks.pouring [--cases 120] [--seed 0] [--processes 2]
 """
@@ -23,10 +23,10 @@ from typing import Any
 
 import numpy as np
 
-from objectmodels.base import Polygon
-from objectmodels.parts import Container, Opening
-from objectmodels.pouring import Catch, angle_for, caught, pour
-from objectmodels.vessel import Vessel
+from objectmodels.containers.pour_dynamics import Catch, angle_for, caught, pour
+from objectmodels.geometry.base_shapes import Polygon
+from objectmodels.models.object_parts import Container, Opening
+from objectmodels.models.vessel import Vessel
 from sim.rotations import Array, axis_rotation
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Robot, Scene, SceneObject

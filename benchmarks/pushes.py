@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels import BoxModel, PrismModel
-from objectmodels.model import ObjectModel
+from objectmodels.models.object_model import ObjectModel
 from sim.face_experiment.applied_force import started
 
 Array = NDArray[np.float64]

@@ -1,18 +1,18 @@
 """Mechanical models of pushed objects, and the registry that serves them."""
 
-from objectmodels.base import Base, Disc, Polygon
-from objectmodels.box import BoxModel
-from objectmodels.cone import ConeThresholds
-from objectmodels.cylinder import CylinderModel
 from objectmodels.errors import ModelError
-from objectmodels.faces import Face, sides
-from objectmodels.hull import HullModel
-from objectmodels.model import ObjectModel
-from objectmodels.parameters import Provenance
-from objectmodels.prediction import Prediction, Thresholds
-from objectmodels.prism import PrismModel
-from objectmodels.registry import Registry
-from objectmodels.suggest import suggest
+from objectmodels.geometry.base_shapes import Base, Disc, Polygon
+from objectmodels.geometry.side_faces import Face, sides
+from objectmodels.mechanics.friction_cone import ConeThresholds
+from objectmodels.mechanics.push_outcomes import Prediction, Thresholds
+from objectmodels.models.box import BoxModel
+from objectmodels.models.convex_hull import HullModel
+from objectmodels.models.cylinder import CylinderModel
+from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.parameters import Provenance
+from objectmodels.models.prism import PrismModel
+from objectmodels.name_suggestions import suggest
+from objectmodels.registry.model_registry import Registry
 
 __all__ = [
     "Base",

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from grammar import frames as g
-from objectmodels.outcomemap import OutcomeMap, outcome_map
+from objectmodels.mechanics.outcome_map import OutcomeMap, outcome_map
 from planner.geometry.directions import HEADINGS, angle_between, face_name, heading_of
 from planner.planning import plan
 from planner.types.actions import HandlingPlan

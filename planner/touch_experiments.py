@@ -26,11 +26,11 @@ from typing import Literal
 
 import numpy as np
 
-from objectmodels import tilting
-from objectmodels.base import Array
-from objectmodels.faces import Face
-from objectmodels.identification.trials import Trial
-from objectmodels.model import ObjectModel
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.side_faces import Face
+from objectmodels.identification.trial import Trial
+from objectmodels.mechanics import tilt_limits as tilting
+from objectmodels.models.object_model import ObjectModel
 from planner.geometry.directions import face_name
 from planner.types.plan import Push
 from planner.types.robot import Reach

@@ -25,7 +25,7 @@ import numpy as np
 
 from grammar import frames as g
 from objectmodels import ObjectModel
-from objectmodels.faces import Face
+from objectmodels.geometry.side_faces import Face
 from planner.geometry.directions import angle_between, heading_of
 from planner.geometry.footprints import footprint, free_travel, gap, landing_strip, travel_to_edge
 from planner.problem.push_problem import Asked, read

@@ -14,7 +14,7 @@ import numpy as np
 from grammar import frames as g
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.verdicts import Check, Clause, Relation, compare, named
-from objectmodels.parts import FlipLid, LiftOffLid, ScrewCap
+from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
 from planner.grasping.lid_planner import is_off
 
 if TYPE_CHECKING:

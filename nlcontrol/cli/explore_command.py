@@ -73,8 +73,8 @@ def command(
     from nlcontrol.learning.model_store import kept, placed, renamed
     from nlcontrol.outcome_maps.experiment_runner import standing
     from nlcontrol.reports.exploration_report import report_lines, with_truth
-    from objectmodels.modelfile import save_model
-    from objectmodels.parameters import UNCERTAIN
+    from objectmodels.models.parameters import UNCERTAIN
+    from objectmodels.registry.model_files import save_model
 
     if precision is not None and math.isnan(precision):
         raise click.UsageError("--precision: nan is no number")

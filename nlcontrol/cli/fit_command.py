@@ -30,8 +30,8 @@ class ParameterNames(click.ParamType[tuple[str, ...]]):
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[str, ...]:
         """Reads them; `centre_of_mass` stands for its three coordinates."""
-        from objectmodels.parameters import UNCERTAIN
-        from objectmodels.suggest import suggest
+        from objectmodels.models.parameters import UNCERTAIN
+        from objectmodels.name_suggestions import suggest
 
         if isinstance(value, tuple):
             return value
@@ -90,7 +90,7 @@ def command(
     taken from there. The columns of the data files are explained in docs/fitting.md.
     """
     from nlcontrol.learning.log_fitting import fit_files, report_lines
-    from objectmodels.modelfile import save_model
+    from objectmodels.registry.model_files import save_model
 
     _require_sensible(files, saved_as, output)
     registry = registry_told()
@@ -124,7 +124,7 @@ def _require_sensible(files: tuple[Path, ...], saved_as: str | None, output: Pat
 
 def _model(registry: Registry, name: str) -> ObjectModel:
     """The model of a name, or of a model file."""
-    from objectmodels.modelfile import load_model
+    from objectmodels.registry.model_files import load_model
 
     if name.endswith((".yaml", ".yml")):
         return load_model(Path(name), registry.kinds)

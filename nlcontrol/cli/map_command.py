@@ -23,7 +23,7 @@ from nlcontrol.errors import OK
 
 if TYPE_CHECKING:
     from nlcontrol.outcome_maps.map_comparison import Comparison
-    from objectmodels.outcomemap import OutcomeMap
+    from objectmodels.mechanics.outcome_map import OutcomeMap
     from sim.face_experiment.face_contact import Way
 
 _File = click.Path(dir_okay=False, path_type=Path)
@@ -120,7 +120,7 @@ def command(
         ways: tuple[Way, ...] = ("force", "robot") if by == "both" else (by,)
         found = _compared(name, face, model_file, wanted, scene, ways, seed, workers, record)
         return _told_comparison(found, outputs, shaded=shade, as_json=as_json)
-    from objectmodels.outcomemap import outcome_map
+    from objectmodels.mechanics.outcome_map import outcome_map
 
     model, side = looked_up(name, face, lying_on, model_file)
     chart = outcome_map(model, side, turning=not straight, **wanted)
@@ -230,8 +230,8 @@ def _compared(
     from nlcontrol.outcome_maps.map_comparison import Comparison, contacts_of
     from nlcontrol.references.face_names import face_of
     from nlcontrol.session.controller import Controller
-    from objectmodels.modelfile import load_model
-    from objectmodels.outcomemap import outcome_map
+    from objectmodels.mechanics.outcome_map import outcome_map
+    from objectmodels.registry.model_files import load_model
 
     controller = Controller(scene, registry=registry_told(), seed=seed)
     item = standing(controller, name)

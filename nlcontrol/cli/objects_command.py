@@ -71,7 +71,7 @@ def show(name: str, as_json: bool) -> int:
 def validate(files: tuple[Path, ...], as_json: bool) -> int:
     """Check model FILES without adding them."""
     from objectmodels import ModelError
-    from objectmodels.modelfile import load_model
+    from objectmodels.registry.model_files import load_model
 
     registry = registry_told()
     verdicts = []
@@ -97,7 +97,7 @@ def validate(files: tuple[Path, ...], as_json: bool) -> int:
 @_json
 def add(file: Path, as_json: bool) -> int:
     """Add the model FILE to your own models."""
-    from objectmodels.modelfile import load_model
+    from objectmodels.registry.model_files import load_model
 
     registry = registry_told()
     return _kept(registry, load_model(file, registry.kinds), as_json)
@@ -143,8 +143,8 @@ def import_(
     STL, OBJ, PLY and others; needs the extra `mesh`. Asks for the mass if neither mass nor density
     is given.
     """
-    from objectmodels.mesh import import_mesh
-    from objectmodels.modelfile import save_model
+    from objectmodels.registry.mesh_import import import_mesh
+    from objectmodels.registry.model_files import save_model
 
     if mass is None and density is None:
         if as_json or not sys.stdin.isatty():
@@ -172,7 +172,7 @@ def import_(
 @_json
 def remove(name: str, as_json: bool) -> int:
     """Remove the object NAME from your own models."""
-    from objectmodels.registry import user_folder
+    from objectmodels.registry.model_registry import user_folder
 
     registry = registry_told()
     model = registry.called(name)
@@ -190,8 +190,8 @@ def remove(name: str, as_json: bool) -> int:
 
 def _kept(registry: Registry, model: ObjectModel, as_json: bool) -> int:
     """Writes a model into the user's folder, unless its names are taken."""
-    from objectmodels.modelfile import save_model
-    from objectmodels.registry import user_file
+    from objectmodels.registry.model_files import save_model
+    from objectmodels.registry.model_registry import user_file
 
     path = user_file(model.name)
     registry.add(model, place=str(path))  # refuses a name that is taken
@@ -220,7 +220,7 @@ def _told(model: ObjectModel, path: Path, as_json: bool) -> int:
 
 
 def _lines(model: ObjectModel, place: str) -> list[str]:
-    from objectmodels.modelfile import kind_of
+    from objectmodels.registry.model_files import kind_of
 
     rows = [
         ("kind", f"{kind_of(model)}, stands on {_base(model)}"),
@@ -255,7 +255,7 @@ def _base(model: ObjectModel) -> str:
     if not isinstance(model.support, str):
         return f"{len(model.support)} points"
     how = {"uniform": "evenly pressed", "corners": "on its corners"}[model.support]
-    from objectmodels.base import Disc
+    from objectmodels.geometry.base_shapes import Disc
 
     if isinstance(model.base, Disc):
         return f"a round base, {'on its rim' if model.support == 'corners' else how}"

@@ -62,7 +62,7 @@ def looked_up(
         file: with a model to take instead of the registry's.
     """
     from nlcontrol.references.face_names import face_of
-    from objectmodels.modelfile import load_model
+    from objectmodels.registry.model_files import load_model
 
     registry = registry_told()
     model = load_model(file, registry.kinds) if file else registry.called(name)

@@ -24,11 +24,16 @@ from nlcontrol.errors import ControlError, ErrorInfo, error
 from nlcontrol.learning.log_fitting import FittedParameter, correlations, fitted_parameter
 from nlcontrol.learning.push_lessons import SPREAD, taken
 from objectmodels.errors import ModelError
-from objectmodels.identification.design import Candidate, ranked, reached
-from objectmodels.identification.estimates import Estimates, Statistics, estimates, table
-from objectmodels.identification.fit import Fit, fit
-from objectmodels.identification.update import guess as guessed
-from objectmodels.parameters import UNCERTAIN, Provenance
+from objectmodels.identification.belief_update import guess as guessed
+from objectmodels.identification.closed_form_estimates import (
+    Estimates,
+    Statistics,
+    estimates,
+    table,
+)
+from objectmodels.identification.experiment_design import Candidate, ranked, reached
+from objectmodels.identification.joint_fit import Fit, fit
+from objectmodels.models.parameters import UNCERTAIN, Provenance
 from planner.touch_experiments import Experiment, Kind, expected
 
 if TYPE_CHECKING:

@@ -16,8 +16,8 @@ import numpy as np
 
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.learning.push_lessons import Change, Lesson
-from objectmodels.contents import holding, reweighed
-from objectmodels.thresholds import GRAVITY
+from objectmodels.containers.contents_update import holding, reweighed
+from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.types.actions import HandlingPlan, LiftUp, PourOut
 from sim.control.grasping.weighing import Weight, weight
 

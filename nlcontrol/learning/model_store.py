@@ -19,7 +19,7 @@ def renamed(model: ObjectModel, name: str) -> ObjectModel:
     """
     from pydantic import TypeAdapter, ValidationError
 
-    from objectmodels.parameters import Word
+    from objectmodels.models.parameters import Word
 
     try:
         TypeAdapter(Word).validate_python(name, strict=True)
@@ -37,7 +37,7 @@ def placed(registry: Registry, model: ObjectModel) -> Path:
         ModelError: `duplicate_name` if it is called as another model's synonym.
         ControlError: `cannot_write` if the file is there and holds another model.
     """
-    from objectmodels.registry import user_file, user_folder
+    from objectmodels.registry.model_registry import user_file, user_folder
 
     path = user_file(model.name)
     own = Path(registry.place(model.name)) if model.name in registry else None
@@ -59,7 +59,7 @@ def kept(registry: Registry, model: ObjectModel) -> tuple[Path, str | None]:
         ModelError: as `placed`; `cannot_write`.
         ControlError: as `placed`.
     """
-    from objectmodels.modelfile import save_model
+    from objectmodels.registry.model_files import save_model
 
     path = placed(registry, model)
     save_model(model, path)

@@ -11,14 +11,14 @@ from pydantic import BaseModel, ConfigDict
 
 from nlcontrol.text_format import known
 from objectmodels.errors import ModelError
-from objectmodels.parameters import UNCERTAIN
-from objectmodels.turning import learned_radius
+from objectmodels.mechanics.turning_push import learned_radius
+from objectmodels.models.parameters import UNCERTAIN
 from sim.exploration.push_observation import shown
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
     from objectmodels.identification import Trial
-    from objectmodels.identification.update import Update
+    from objectmodels.identification.belief_update import Update
     from planner.types.plan import Plan
     from planner.types.world_state import SeenObject
     from sim.traces.trace import EndReason, Trace
@@ -176,8 +176,8 @@ def _from_turn(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectMode
 
 def taken(model: ObjectModel, trial: Trial) -> Update:
     """What is believed after a trial; a belief that it contradicts was too sure, and is widened."""
-    from objectmodels.identification.update import update
-    from objectmodels.identification.withstood import widened, withstood
+    from objectmodels.identification.belief_update import update
+    from objectmodels.identification.no_motion_update import widened, withstood
 
     if trial.moved == "none":
         return withstood(model, trial)

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from objectmodels.faces import Face
-    from objectmodels.outcomemap import OutcomeMap
+    from objectmodels.geometry.side_faces import Face
+    from objectmodels.mechanics.outcome_map import OutcomeMap
 
 COLOURS = {"slide": "#d1342b", "topple": "#2a9d4a", "undecided": "#2f6fd0", "none": "#9a9a9a"}
 _TITLES = {way: f"experiment by\n{words}" for way, words in BY.items()}

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from objectmodels.outcomemap import OutcomeMap
+    from objectmodels.mechanics.outcome_map import OutcomeMap
 
 LETTERS = {"slide": "s", "topple": "T", "undecided": "?", "none": "·"}
 

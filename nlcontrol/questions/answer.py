@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, InstanceOf
 from pydantic.json_schema import SkipJsonSchema
 
 from grammar.frames import Query
-from objectmodels.outcomemap import OutcomeMap
+from objectmodels.mechanics.outcome_map import OutcomeMap
 
 if TYPE_CHECKING:
     from planner.affordances import Affordance

@@ -15,7 +15,7 @@ from grammar import frames as g
 from nlcontrol.questions.answer import DOES, Answer, Chart, chance
 from nlcontrol.questions.asked_push import Inquiry, inquiry, outcome_of, wanted
 from nlcontrol.text_format import quantity
-from objectmodels.outcomemap import OutcomeMap, outcome_map
+from objectmodels.mechanics.outcome_map import OutcomeMap, outcome_map
 from planner.affordances import SPACING, least, turning_map
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nlcontrol.references.colour_names import SHADES, colour_names
-from objectmodels.base import Polygon
+from objectmodels.geometry.base_shapes import Polygon
 from planner.geometry.footprints import footprint, overlaps
 
 if TYPE_CHECKING:

@@ -24,7 +24,7 @@ def with_truth(report: ExplorationReport, world: DrakeWorld) -> ExplorationRepor
         report: of the exploration, which is over.
         world: in which it was made.
     """
-    from objectmodels.support import mean_distance
+    from objectmodels.geometry.support_points import mean_distance
     from sim.truth.observer import Observer
 
     truth = Observer(world.scene).truth(report.object)

@@ -22,7 +22,7 @@ from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.asked_push import target_of
 from nlcontrol.references.object_names import listed
 from nlcontrol.session.weighing import by_lifting, weigh
-from objectmodels.identification.design import precisions, reached
+from objectmodels.identification.experiment_design import precisions, reached
 
 if TYPE_CHECKING:
     from nlcontrol.session.controller import Controller, Progress

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from grammar import frames as g
 from nlcontrol.text_format import quantity
-from objectmodels.base import Disc
+from objectmodels.geometry.base_shapes import Disc
 from planner.geometry.directions import angle_between, heading_of, phrase
 from planner.types.actions import HandlingPlan
 

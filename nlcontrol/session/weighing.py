@@ -13,7 +13,7 @@ from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error
 from nlcontrol.learning.grasp_lessons import felt_weight, weighed
 from nlcontrol.questions.answer import Answer
 from nlcontrol.text_format import known
-from objectmodels.thresholds import GRAVITY
+from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.types.actions import HandlingPlan, SetDown
 from planner.types.plan import Refusal
 

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from objectmodels.base import Array
 from objectmodels.errors import ModelError
-from objectmodels.identification.balance import Balance, Linear
-from objectmodels.identification.coordinates import (
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.identification.measurement_model import Balance, Linear
+from objectmodels.identification.parameter_coordinates import (
     COM_X,
     COM_Y,
     COM_Z,
@@ -28,8 +28,8 @@ from objectmodels.identification.coordinates import (
     RADIUS,
     Mask,
 )
-from objectmodels.parameters import UNCERTAIN
-from objectmodels.suggest import suggest
+from objectmodels.models.parameters import UNCERTAIN
+from objectmodels.name_suggestions import suggest
 
 UNKNOWN = 0.5
 """Standard deviation of a logarithm from which on a parameter counts as not found. Of the

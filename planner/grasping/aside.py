@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.base import Array, Disc
-from objectmodels.support import hull
+from objectmodels.geometry.base_shapes import Array, Disc
+from objectmodels.geometry.support_points import hull
 from planner.geometry.footprints import footprint, gap, travel_to_edge
 from planner.types.plan import Aim
 

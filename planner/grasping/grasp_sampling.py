@@ -20,13 +20,13 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from objectmodels.base import Array
+from objectmodels.geometry.base_shapes import Array
 from planner.geometry.footprints import footprint, overlaps
 from planner.refusals import grasp_refusals as refusals
 
 if TYPE_CHECKING:
-    from objectmodels.faces import Face
-    from objectmodels.parts import LiftOffLid, ScrewCap
+    from objectmodels.geometry.side_faces import Face
+    from objectmodels.models.object_parts import LiftOffLid, ScrewCap
     from planner.problem.grasp_limits import Manner
     from planner.types.hand_reach import Grip, HandReach
     from planner.types.world_state import SeenObject, WorldState

@@ -17,15 +17,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.base import Array
-from objectmodels.grasping import STRONGEST, Contacts, Lifted
-from objectmodels.thresholds import GRAVITY
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.mechanics.grasp_stability import STRONGEST, Contacts, Lifted
+from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.refusals import grasp_refusals as refusals
 from planner.types.actions import Grasp, HandlingPlan, HandlingPrediction, HandStep
 from planner.types.plan import Aim, DefaultUsed, Vector3
 
 if TYPE_CHECKING:
-    from objectmodels.model import ObjectModel
+    from objectmodels.models.object_model import ObjectModel
     from planner.grasping.grasp_sampling import Candidate
     from planner.problem.planning_problem import Task
     from planner.types.actions import Action

@@ -2,7 +2,8 @@
 
 Model: a flip lid is moved over its arc by a fingertip on its tab; a lid that lifts off and a cap
 are held from above, pulled or turned, and put aside on the table. The object itself is not held:
-it must resist what moves its lid by a reserve (`objectmodels.opening`), or stand in a holder.
+it must resist what moves its lid by a reserve (`objectmodels.containers.lid_forces`), or stand in a
+holder.
 
 Frames: W is the world, B the object.
 """
@@ -12,9 +13,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from objectmodels.opening import FlipArc, Loosening, flip, lift_off, unscrew
-from objectmodels.parts import FlipLid, LiftOffLid, ScrewCap
-from objectmodels.thresholds import GRAVITY
+from objectmodels.containers.lid_forces import FlipArc, Loosening, flip, lift_off, unscrew
+from objectmodels.mechanics.push_thresholds import GRAVITY
+from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
 from planner.grasping.aside import spots
 from planner.grasping.grasp_sampling import held_part, lid_middle, of_lid
 from planner.grasping.grasp_selection import (

@@ -14,8 +14,8 @@ from planner.types.plan import DefaultUsed
 
 if TYPE_CHECKING:
     from grammar import frames as g
-    from objectmodels.parts import Container
-    from objectmodels.vessel import Vessel
+    from objectmodels.models.object_parts import Container
+    from objectmodels.models.vessel import Vessel
     from planner.problem.planning_problem import Task
     from planner.types.defaults import Defaults
     from planner.types.world_state import SeenObject

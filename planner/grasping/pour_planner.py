@@ -1,11 +1,11 @@
 """Pouring from one container into another one.
 
-Model: `objectmodels.pouring` says what runs out over time, where it lands and what is caught. The
-lip is held so that the stream falls into the middle of the opening below. The container leans
-towards the thumb or away from it, so that the contacts do not turn under it, and towards the side
-where its opening is. Everything is poured by a tilt at which it runs out fast; a part of it by the
-tilt at which even the least contents that are believed give as much, and the hand stops when it
-feels that so much has left.
+Model: `objectmodels.containers.pour_dynamics` says what runs out over time, where it lands and what
+is caught. The lip is held so that the stream falls into the middle of the opening below. The
+container leans towards the thumb or away from it, so that the contacts do not turn under it, and
+towards the side where its opening is. Everything is poured by a tilt at which it runs out fast; a
+part of it by the tilt at which even the least contents that are believed give as much, and the hand
+stops when it feels that so much has left.
 
 Frames: W is the world, B the container that is poured from.
 """
@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.pouring import Catch, Poured, pour, predict, tilt_for
+from objectmodels.containers.pour_dynamics import Catch, Poured, pour, predict, tilt_for
 from planner.geometry.directions import heading_of, unit
 from planner.grasping.grasp_sampling import of_body
 from planner.grasping.grasp_selection import Bearing, Draft, first_way, held_already, holds
@@ -38,8 +38,8 @@ from planner.types.plan import Aim, DefaultUsed, Reached
 
 if TYPE_CHECKING:
     from grammar import frames as g
-    from objectmodels.base import Array
-    from objectmodels.vessel import Vessel
+    from objectmodels.geometry.base_shapes import Array
+    from objectmodels.models.vessel import Vessel
     from planner.grasping.grasp_sampling import Candidate
     from planner.grasping.grasp_selection import Hold
     from planner.problem.planning_problem import Task

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from grammar import frames as g
-from objectmodels.base import Disc
+from objectmodels.geometry.base_shapes import Disc
 from planner.geometry.directions import FACE_OF_PUSH, HEADINGS, unit
 from planner.geometry.footprints import footprint, free_travel, travel_to_edge
 from planner.problem.displacement_goals import asked_distance, asked_heading

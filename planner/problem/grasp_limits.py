@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from grammar import frames as g
-from objectmodels.parts import FlipLid
+from objectmodels.models.object_parts import FlipLid
 from planner.problem import constraint_limits as restrictions
 from planner.problem.constraint_limits import require_right
 from planner.problem.contact_heights import bands

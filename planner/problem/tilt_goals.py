@@ -1,8 +1,8 @@
 """Tilting an object and letting it back onto its base: how far, and whether it surely comes back.
 
-Model: the object pivots about the far edge of its base; see `objectmodels.tilting`. It must come
-back with the probability that plans need, from the asked angle and from what the control may miss
-it by. It leans over by sin θ times its height on the way.
+Model: the object pivots about the far edge of its base; see `objectmodels.mechanics.tilt_limits`.
+It must come back with the probability that plans need, from the asked angle and from what the
+control may miss it by. It leans over by sin θ times its height on the way.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.tilting import largest_return, return_probability
+from objectmodels.mechanics.tilt_limits import largest_return, return_probability
 from planner.geometry.footprints import footprint, free_travel
 from planner.types.plan import Limits, Refusal
 

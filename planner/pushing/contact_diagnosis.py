@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.base import Disc
+from objectmodels.geometry.base_shapes import Disc
 from planner.pushing.contact_sampling import EDGE, as_held
 from planner.pushing.doubts import Touch, experiment, outcome_probability
 from planner.types.plan import Refusal, RefusalReason

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.base import Disc
-from objectmodels.turning import best_turn
+from objectmodels.geometry.base_shapes import Disc
+from objectmodels.mechanics.turning_push import best_turn
 from planner.geometry.directions import face_name
 from planner.problem import tilt_goals as tilts
 from planner.pushing import contact_diagnosis as misplaced
@@ -29,7 +29,7 @@ from planner.refusals.push_refusals import RefusedError
 from planner.types.plan import Move, Push, Refusal, Vector3
 
 if TYPE_CHECKING:
-    from objectmodels.faces import Face
+    from objectmodels.geometry.side_faces import Face
     from planner.problem.push_problem import Asked
     from planner.types.defaults import Defaults
     from planner.types.robot import Reach, ReachAnswer

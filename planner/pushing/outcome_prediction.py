@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.base import Disc
-from objectmodels.extremes import circle, contact_forces
+from objectmodels.geometry.base_shapes import Disc
+from objectmodels.mechanics.worst_cases import circle, contact_forces
 from planner.types.plan import Margins, Prediction, Vector3
 
 if TYPE_CHECKING:

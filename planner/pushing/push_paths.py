@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.base import Disc
+from objectmodels.geometry.base_shapes import Disc
 from planner.geometry.directions import angle_between, heading_of, unit
 from planner.geometry.footprints import footprint, free_travel, travel_to_edge
 from planner.problem.place_regions import moved

@@ -19,7 +19,7 @@ from planner.refusals import push_refusals as refusals
 from planner.refusals.push_refusals import RefusedError
 
 if TYPE_CHECKING:
-    from objectmodels.faces import Face
+    from objectmodels.geometry.side_faces import Face
     from planner.problem.push_problem import Asked
     from planner.types.defaults import Defaults
     from planner.types.plan import Refusal

@@ -1,10 +1,11 @@
 """Turning an object about the vertical: pushes off the middle of opposite sides by turns.
 
-Model: each push turns the object about a pivot off its middle (`objectmodels.turning`), so that it
-is displaced as well; the next push, on the opposite side, takes most of that back. Of some ways to
-part a turn (equal parts, or those of `objectmodels.turnsequence`, whose displacements cancel) and
-of all sides to begin on, the one is taken that ends nearest to where the object should be with few
-pushes. It is parted anew after each push, from where the object is seen then.
+Model: each push turns the object about a pivot off its middle
+(`objectmodels.mechanics.turning_push`), so that it is displaced as well; the next push, on the
+opposite side, takes most of that back. Of some ways to part a turn (equal parts, or those of
+`planner.pushing.turnsequence`, whose displacements cancel) and of all sides to begin on, the one is
+taken that ends nearest to where the object should be with few pushes. It is parted anew after each
+push, from where the object is seen then.
 
 Frames: W, its table plane; pivots in B.
 """
@@ -19,16 +20,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.base import Disc
-from objectmodels.turning import best_turn
-from objectmodels.turnsequence import turn_parts
+from objectmodels.geometry.base_shapes import Disc
+from objectmodels.mechanics.turning_push import best_turn
 from planner.geometry.directions import heading_of
 from planner.geometry.footprints import footprint, gap, travel_to_edge
 from planner.pushing.touchable_sides import Side
+from planner.pushing.turnsequence import turn_parts
 
 if TYPE_CHECKING:
-    from objectmodels.faces import Face
-    from objectmodels.turning import TurningPush
+    from objectmodels.geometry.side_faces import Face
+    from objectmodels.mechanics.turning_push import TurningPush
     from planner.types.plan import Aim, Push
     from planner.types.world_state import PlanarPose, SeenObject, WorldState
 

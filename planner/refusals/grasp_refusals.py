@@ -11,7 +11,7 @@ from planner.types.plan import Refusal
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from objectmodels.parts import Graspable
+    from objectmodels.models.object_parts import Graspable
     from planner.grasping.grasp_sampling import Candidate
     from planner.problem.grasp_limits import Manner
     from planner.problem.planning_problem import Task

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from planner.refusals.grasp_refusals import mm, refused
 
 if TYPE_CHECKING:
-    from objectmodels.opening import FlipArc, Loosening
+    from objectmodels.containers.lid_forces import FlipArc, Loosening
     from planner.problem.planning_problem import Task
     from planner.refusals.push_refusals import RefusedError
 

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from objectmodels.containers.lid_geometry import rise
 from objectmodels.errors import ModelError
-from objectmodels.lids import rise
-from objectmodels.support import hull
+from objectmodels.geometry.support_points import hull
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from objectmodels.model import ObjectModel
+    from objectmodels.models.object_model import ObjectModel
     from planner.types.actions import Grasp
 
 Colour = tuple[float, float, float]

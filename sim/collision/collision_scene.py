@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from objectmodels.cylinder import CylinderModel
+from objectmodels.models.cylinder import CylinderModel
 from planner.types.world_state import SeenObject, WorldState
 from sim.collision import collision_spheres as spheres
 from sim.rotations import Array, rot_z

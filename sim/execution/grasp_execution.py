@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from objectmodels.thresholds import GRAVITY
+from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.types.actions import HandStep, LiftUp, PourOut, SetDown
 from planner.types.world_state import Held
 from sim.control.grasping.hand_motion import ACCELERATES, HandMotion

@@ -25,7 +25,7 @@ from sim.paths.held_object import Handled
 from sim.traces.trace import EndReason, Trace
 
 if TYPE_CHECKING:
-    from objectmodels.model import ObjectModel
+    from objectmodels.models.object_model import ObjectModel
     from sim.worlds.drake.drake_world import DrakeWorld
 
 

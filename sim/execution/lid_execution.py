@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from objectmodels.parts import LiftOffLid
+from objectmodels.models.object_parts import LiftOffLid
 from planner.types.actions import HandStep, LiftUp, PutOn, SetDown, TurnCap
 from sim.control.grasping.lid_sensing import LidSense
 from sim.control.pushing.guarded_touch import EarlyEndError

@@ -30,7 +30,7 @@ from sim.motion.robot_reach import ArmReach
 from sim.traces.trace import EndReason, Trace
 
 if TYPE_CHECKING:
-    from objectmodels.model import ObjectModel
+    from objectmodels.models.object_model import ObjectModel
     from sim.worlds.drake.drake_world import DrakeWorld
 
 _CONTROLS: dict[str, type[PlannedControl]] = {

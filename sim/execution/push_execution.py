@@ -26,7 +26,7 @@ from sim.perception.camera_port import beheld
 from sim.rotations import Array, rot_z
 
 if TYPE_CHECKING:
-    from objectmodels.model import ObjectModel
+    from objectmodels.models.object_model import ObjectModel
     from sim.worlds.drake.drake_world import DrakeWorld
 
 Progress = Callable[[str, float, str], None]

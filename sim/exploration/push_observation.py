@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.identification import Moved, Trial, detect_onset
-from objectmodels.identification.onset import LEAST_SAMPLES
+from objectmodels.identification.onset_detection import LEAST_SAMPLES
 
 if TYPE_CHECKING:
     from planner.types.plan import Push

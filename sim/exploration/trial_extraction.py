@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.identification import Onset, Trial, detect_onset
-from objectmodels.identification.onset import LEAST_SAMPLES
+from objectmodels.identification.onset_detection import LEAST_SAMPLES
 from sim.exploration.touch_recording import Recording
 from sim.paths.tilt_arc import Arc
 from sim.rotations import Array, rot_z, wrap

@@ -25,8 +25,8 @@ from functools import lru_cache, partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from objectmodels.base import Polygon
-from objectmodels.thresholds import GRAVITY
+from objectmodels.geometry.base_shapes import Polygon
+from objectmodels.mechanics.push_thresholds import GRAVITY
 from sim.face_experiment.face_contact import Contact, TouchResult
 from sim.rotations import Array
 from sim.truth.object_truth import Truth

@@ -25,7 +25,7 @@ from sim.truth.observer import Observer
 from sim.worlds.drake.drake_world import DrakeWorld
 
 if TYPE_CHECKING:
-    from objectmodels.model import ObjectModel
+    from objectmodels.models.object_model import ObjectModel
     from sim.truth.scene_file import Scene
 
 _SQUARE = np.radians(1.0)  # from straight in; more is another push [rad]

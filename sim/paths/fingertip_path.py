@@ -2,7 +2,7 @@
 
 Model: a push that turns an object goes along an arc, since a fingertip that sticks to the object
 and keeps its direction relative to it makes the object turn about a point at rest; see
-`objectmodels.turning`. All other pushes go straight.
+`objectmodels.mechanics.turning_push`. All other pushes go straight.
 
 Frames: W is the world, T the midpoint of the pushing fingertips' centres, D as in
 `sim.motion.arm_configuration`.

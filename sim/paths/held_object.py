@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from objectmodels import lids
-from objectmodels.parts import ScrewCap
+from objectmodels.containers import lid_geometry as lids
+from objectmodels.models.object_parts import ScrewCap
 from planner.types.actions import Grasp, HandlingPlan
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.collision.collision_scene import Obstacle

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from objectmodels import lids
-from objectmodels.lids import GRIP, TAB_WIDTH, THICKNESS
-from objectmodels.parts import FlipLid
+from objectmodels.containers import lid_geometry as lids
+from objectmodels.containers.lid_geometry import GRIP, TAB_WIDTH, THICKNESS
+from objectmodels.models.object_parts import FlipLid
 from planner.types.actions import FlipOver
 from planner.types.world_state import SeenObject
 from sim.collision import collision_spheres as spheres

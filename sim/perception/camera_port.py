@@ -17,10 +17,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from objectmodels.lids import called, loose
-from objectmodels.model import ObjectModel
-from objectmodels.parts import Lid, LiftOffLid
-from objectmodels.resting import LEVEL
+from objectmodels.containers.lid_geometry import called, loose
+from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.object_parts import Lid, LiftOffLid
+from objectmodels.models.resting_faces import LEVEL
 from planner.types.world_state import Colour, PlanarPose, SeenObject
 from sim.random_streams import Stream, source
 from sim.rotations import Array, rot_x, rot_y, rot_z, yaw_of

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
-from objectmodels import lids
-from objectmodels.base import Base, Disc, Polygon
-from objectmodels.parts import Container, Lid
-from objectmodels.vessel import Vessel
+from objectmodels.containers import lid_geometry as lids
+from objectmodels.geometry.base_shapes import Base, Disc, Polygon
+from objectmodels.models.object_parts import Container, Lid
+from objectmodels.models.vessel import Vessel
 from sim.cell.strict_model import Fraction, NonNegative, Part, Point2, Point3, Positive
 
 _RIM_POINTS = 16

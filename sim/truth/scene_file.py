@@ -18,7 +18,7 @@ from typing import Annotated, Literal
 import yaml
 from pydantic import BeforeValidator, Field, InstanceOf, ValidationError, model_validator
 
-from objectmodels.yamlfile import parse_yaml
+from objectmodels.yaml_reader import parse_yaml
 from planner.types.default_settings import changed
 from planner.types.defaults import DEFAULTS, Defaults, DefaultsError
 from sim.cell.strict_model import Fraction, NonNegative, Part, Point2, Point3, Positive, Spread

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.pouring import exit_velocity, fall_time
-from objectmodels.thresholds import GRAVITY
+from objectmodels.containers.pour_dynamics import exit_velocity, fall_time
+from objectmodels.mechanics.push_thresholds import GRAVITY
 from sim.rotations import Array
 from sim.worlds.drake.liquid_transfer import leaning
 
 if TYPE_CHECKING:
-    from objectmodels.vessel import Vessel
+    from objectmodels.models.vessel import Vessel
     from sim.traces.trace import Trace
     from sim.truth.scene_file import Scene
 

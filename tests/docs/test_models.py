@@ -10,8 +10,15 @@ from pathlib import Path
 import pytest
 
 from objectmodels import Registry
-from objectmodels.modelfile import BUILT_IN_KINDS, keys, load_model
-from objectmodels.parts import Container, FlipLid, Graspable, LiftOffLid, Opening, ScrewCap
+from objectmodels.models.object_parts import (
+    Container,
+    FlipLid,
+    Graspable,
+    LiftOffLid,
+    Opening,
+    ScrewCap,
+)
+from objectmodels.registry.model_files import BUILT_IN_KINDS, keys, load_model
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "models.md").read_text(encoding="utf-8")
 

@@ -16,11 +16,11 @@ from scipy.integrate import dblquad
 from scipy.optimize import linprog
 
 from objectmodels import BoxModel
-from objectmodels.base import Polygon
-from objectmodels.support import Support, friction_radius
+from objectmodels.geometry.base_shapes import Polygon
+from objectmodels.geometry.support_points import Support, friction_radius
 
 if TYPE_CHECKING:
-    from objectmodels.base import Array
+    from objectmodels.geometry.base_shapes import Array
 
 SIDES = 8
 

@@ -7,7 +7,7 @@ import pytest
 
 from nlcontrol import Controller
 from nlcontrol.learning.exploration_session import Exploration, explore
-from objectmodels.outcomemap import outcome_map
+from objectmodels.mechanics.outcome_map import outcome_map
 from sim import load_scene
 from sim.exploration.exploration_run import Explorer, Touched
 

@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.lidbench import LidBench
 from benchmarks.lids import Case, drawn, run
-from objectmodels.parts import FlipLid, Lid, LiftOffLid, ScrewCap
+from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap
 from sim.truth.scene_file import Scene, load_scene
 
 G = 9.81

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from objectmodels import Registry
-from objectmodels.turning import TurningPush, best_turn
+from objectmodels.mechanics.turning_push import TurningPush, best_turn
 from planner.types.plan import Limits, Margins, Plan, Prediction, Push
 from sim import ArmReach, DrakeWorld, Trace, execute, load_scene
 from sim.execution.push_execution import JOINT_SPEED, Trip, silent

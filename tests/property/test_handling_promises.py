@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from objectmodels import Registry
-from objectmodels.opening import flip
-from objectmodels.parts import FlipLid
+from objectmodels.containers.lid_forces import flip
+from objectmodels.models.object_parts import FlipLid
 from planner import plan
 from planner.geometry.footprints import footprint, gap
 from planner.problem.place_regions import moved

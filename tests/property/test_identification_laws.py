@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from objectmodels import BoxModel
 from objectmodels.identification import Trial, estimates, fit
-from objectmodels.parameters import UNCERTAIN
+from objectmodels.models.parameters import UNCERTAIN
 from tests.unit.objectmodels.touching import everything, touched
 
 PLAN = everything(1)

@@ -10,8 +10,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel, Thresholds
-from objectmodels.base import Array
-from objectmodels.thresholds import (
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.mechanics.push_thresholds import (
     centre_of_pressure,
     critical_friction,
     topple_threshold,

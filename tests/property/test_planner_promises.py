@@ -22,7 +22,7 @@ from tests.unit.planner.conftest import TABLE, RuledReach, frame_of
 
 pytestmark = pytest.mark.slow
 
-_AVERAGED = 0.04  # of a probability, averaged over few points (`objectmodels.probability`)
+_AVERAGED = 0.04  # of a probability, averaged over few points (`mechanics.outcome_probability`)
 
 SENTENCES = ("push the box away", "push the box to the left", "topple the box")
 

@@ -7,8 +7,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from objectmodels import BoxModel
-from objectmodels.base import Array
-from objectmodels.turning import Turning, turning
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.mechanics.turning_push import Turning, turning
 
 ANGLES = st.floats(0.01, 3.0)
 SLANTS = st.floats(-1.2, 1.2)

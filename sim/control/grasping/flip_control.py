@@ -40,7 +40,7 @@ from sim.rotations import Array
 from sim.traces.trace import EndReason, Trace
 
 if TYPE_CHECKING:
-    from objectmodels.model import ObjectModel
+    from objectmodels.models.object_model import ObjectModel
     from sim.worlds.drake.drake_world import DrakeWorld
 
 SETTLE = 0.5

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from objectmodels.lids import called
+from objectmodels.containers.lid_geometry import called
 from planner.types.world_state import SeenObject
 from sim.perception.camera_port import Frame
 from sim.rotations import wrap, yaw_of

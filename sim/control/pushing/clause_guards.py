@@ -15,7 +15,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from objectmodels.base import Disc
+from objectmodels.geometry.base_shapes import Disc
 from planner.geometry.footprints import footprint, gap
 from planner.types.plan import Push
 from planner.types.world_state import SeenObject, WorldState

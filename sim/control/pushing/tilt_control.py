@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from objectmodels.tilting import length_along
+from objectmodels.mechanics.tilt_limits import length_along
 from sim.control.pushing.force_control import Errand, PlannedControl
 from sim.control.pushing.push_guards import MOVED, TiltGuards
 from sim.control.pushing.tilt_estimator import TiltView

@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from objectmodels import ObjectModel
-from objectmodels.motion import touched_faces
-from objectmodels.turning import turning
+from objectmodels.mechanics.push_motion import touched_faces
+from objectmodels.mechanics.turning_push import turning
 from sim.control.pushing.force_control import Errand, PlannedControl
 from sim.control.pushing.push_guards import MOVED, Guards
 from sim.control.pushing.turn_estimator import TurnedObject, TurnKeeper

@@ -25,9 +25,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels import lids
-from objectmodels.base import Disc
-from objectmodels.parts import FlipLid, Lid, LiftOffLid, ScrewCap
+from objectmodels.containers import lid_geometry as lids
+from objectmodels.geometry.base_shapes import Disc
+from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap
 from sim.rotations import Array, rot_z
 from sim.truth.scene_file import SceneObject
 from sim.worlds.drake.contact_material import surface

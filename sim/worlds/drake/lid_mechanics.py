@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.parts import FlipLid, Lid, LiftOffLid
+from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid
 from sim.rotations import Array
 from sim.truth.object_truth import Truth
 from sim.worlds.drake.lid_bodies import LidBody, shared

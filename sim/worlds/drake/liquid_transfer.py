@@ -1,10 +1,10 @@
 """Liquid in the containers of a scene: it moves their masses, runs out, is caught or is spilled.
 
-Model: at rest at every instant (`objectmodels.vessel`), with the flow and the stream of
-`objectmodels.pouring`; between control steps both stay as they are. A stream is caught by the
-highest open container whose opening it passes through, and arrives at once; what is too much for
-that one runs over. All else is spilled and gone. A lid that is not open keeps everything in, and
-out. Each container's liquid has the density of its own.
+Model: at rest at every instant (`objectmodels.models.vessel`), with the flow and the stream of
+`objectmodels.containers.pour_dynamics`; between control steps both stay as they are. A stream is
+caught by the highest open container whose opening it passes through, and arrives at once; what is
+too much for that one runs over. All else is spilled and gone. A lid that is not open keeps
+everything in, and out. Each container's liquid has the density of its own.
 
 A body's mass and centre of mass follow its contents; what it is made of besides stays. Its radii of
 gyration about the centre of mass stay too.
@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.pouring import outflow, throw
+from objectmodels.containers.pour_dynamics import outflow, throw
 from sim.rotations import Array
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene
@@ -30,8 +30,8 @@ from sim.worlds.drake.drake_plant import Standing
 if TYPE_CHECKING:
     from pydrake.systems.framework import Context
 
-    from objectmodels.parts import Container
-    from objectmodels.vessel import Vessel
+    from objectmodels.models.object_parts import Container
+    from objectmodels.models.vessel import Vessel
 
 _TURNED = 1e-3  # what turned less has its contents where they were [1]
 _LEVEL = 0.02  # what leans less runs over all round, down its own sides [rad]

@@ -12,7 +12,7 @@ from benchmarks.goals.worlds import as_believed
 from benchmarks.rollouts import GOALS, OBJECT, world
 from benchmarks.strokes import BEFORE, Stroke, at, heading_of, upright
 from nlcontrol import Controller, Registry
-from objectmodels.faces import Face
+from objectmodels.geometry.side_faces import Face
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.truth.scene_file import SceneObject

@@ -11,7 +11,7 @@ import pytest
 from nlcontrol.outcome_maps import map_comparison as comparison
 from nlcontrol.outcome_maps.map_comparison import Comparison, contacts_of, told
 from objectmodels import BoxModel
-from objectmodels.outcomemap import OutcomeMap, outcome_map
+from objectmodels.mechanics.outcome_map import OutcomeMap, outcome_map
 from sim.face_experiment.face_contact import TouchResult, Way
 
 CRATE = BoxModel(name="crate", size=(0.1, 0.1, 0.2), mass=1.0, friction=0.4, support="corners")

@@ -10,7 +10,7 @@ from nlcontrol.grasp_plan_text import reasons
 from nlcontrol.learning.grasp_lessons import believed_after, refilled, weighed
 from nlcontrol.session.undo_frames import Pushed, in_words, way_back
 from objectmodels import ObjectModel
-from objectmodels.thresholds import GRAVITY
+from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.types.actions import (
     FlipOver,
     Grasp,

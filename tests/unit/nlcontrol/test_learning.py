@@ -19,9 +19,9 @@ from nlcontrol.learning.push_lessons import (
 )
 from objectmodels import BoxModel
 from objectmodels.identification import Trial
-from objectmodels.identification.update import SURPRISING
-from objectmodels.parameters import UNCERTAIN
-from objectmodels.turning import turning
+from objectmodels.identification.belief_update import SURPRISING
+from objectmodels.mechanics.turning_push import turning
+from objectmodels.models.parameters import UNCERTAIN
 from planner.types.plan import Plan
 from planner.types.world_state import SeenObject
 from sim.traces.trace import EndReason, Trace

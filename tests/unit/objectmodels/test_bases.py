@@ -9,8 +9,13 @@ from hypothesis import strategies as st
 from scipy.integrate import dblquad
 
 from objectmodels import Disc, ModelError, Polygon
-from objectmodels.base import Array, Base
-from objectmodels.support import carrying_base, friction_radius, support_points, within
+from objectmodels.geometry.base_shapes import Array, Base
+from objectmodels.geometry.support_points import (
+    carrying_base,
+    friction_radius,
+    support_points,
+    within,
+)
 
 HEXAGON = Polygon.convex(
     [

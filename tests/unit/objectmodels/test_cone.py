@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, ConeThresholds, ObjectModel, Registry
-from objectmodels.base import Array
-from objectmodels.extremes import contact_forces
-from objectmodels.thresholds import (
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.mechanics.push_thresholds import (
     slide_threshold,
     topple_threshold,
     yaw_arm,
 )
+from objectmodels.mechanics.worst_cases import contact_forces
 
 ICE_TEA = BoxModel(
     name="b", size=(0.09, 0.09, 0.23), mass=0.9952, friction=0.378, finger_friction=0.45

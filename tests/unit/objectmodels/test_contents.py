@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from objectmodels import BoxModel
-from objectmodels.contents import holding, reweighed
-from objectmodels.parts import Container, Opening
+from objectmodels.containers.contents_update import holding, reweighed
+from objectmodels.models.object_parts import Container, Opening
 
 LITRE = 1e-3
 

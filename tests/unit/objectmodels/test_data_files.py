@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from objectmodels import BoxModel, ModelError, Registry
 from objectmodels.identification import Trial
-from objectmodels.identification.datafile import ANGLE_SD, COLUMNS, FORCE_SHARE, read_data
+from objectmodels.identification.logs.touch_log import ANGLE_SD, COLUMNS, FORCE_SHARE, read_data
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 MODEL = Registry.built_in().get("ice tea box")

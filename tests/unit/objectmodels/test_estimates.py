@@ -9,7 +9,7 @@ import pytest
 
 from objectmodels import CylinderModel, ModelError
 from objectmodels.identification import Estimates, estimates, estimates_by_repetition, table
-from objectmodels.parameters import UNCERTAIN
+from objectmodels.models.parameters import UNCERTAIN
 from tests.unit.objectmodels.touching import (
     BELIEF,
     TRUTH,

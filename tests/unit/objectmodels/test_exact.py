@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from objectmodels import BoxModel, CylinderModel, Polygon, Registry
-from objectmodels.exact import ExactThresholds
-from objectmodels.limit import friction_limit
-from objectmodels.springs import Springs
+from objectmodels.mechanics.exact.exact_thresholds import ExactThresholds
+from objectmodels.mechanics.exact.support_springs import Springs
+from objectmodels.mechanics.friction_limit import friction_limit
 
 CORNERS = Polygon.rectangle(0.09, 0.12).vertices
 BOX = BoxModel(

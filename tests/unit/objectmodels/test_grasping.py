@@ -5,9 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from objectmodels.box import BoxModel
 from objectmodels.errors import ModelError
-from objectmodels.grasping import (
+from objectmodels.mechanics.grasp_stability import (
     Contacts,
     Lifted,
     critical_friction,
@@ -15,6 +14,7 @@ from objectmodels.grasping import (
     slip_multiplier,
     squeeze_needed,
 )
+from objectmodels.models.box import BoxModel
 
 HALF = 0.027
 CONTACTS = Contacts.of(

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, CylinderModel, ModelError, ObjectModel
-from objectmodels.base import Array
+from objectmodels.geometry.base_shapes import Array
 from objectmodels.identification import Trial
-from objectmodels.identification.balance import Balance
-from objectmodels.identification.coordinates import LOGARITHMIC, coordinates, values_at
+from objectmodels.identification.measurement_model import Balance
+from objectmodels.identification.parameter_coordinates import LOGARITHMIC, coordinates, values_at
 from tests.unit.objectmodels.touching import slide, slip, tilt
 
 BOX = BoxModel(

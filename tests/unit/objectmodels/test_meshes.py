@@ -11,8 +11,8 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from objectmodels import HullModel, ModelError, PrismModel
-from objectmodels.mesh import import_mesh, read_mesh
-from objectmodels.modelfile import load_model, save_model
+from objectmodels.registry.mesh_import import import_mesh, read_mesh
+from objectmodels.registry.model_files import load_model, save_model
 
 AXIS = np.array([1.0, 1.0, 0.0]) / np.sqrt(2.0)
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from objectmodels import ModelError, Registry
-from objectmodels.modelfile import load_model, save_model
-from objectmodels.yamlfile import MAX_BYTES, read_yaml
+from objectmodels.registry.model_files import load_model, save_model
+from objectmodels.yaml_reader import MAX_BYTES, read_yaml
 
 GOOD = """\
 format: box/1

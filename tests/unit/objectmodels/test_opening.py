@@ -9,8 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from objectmodels import BoxModel, CylinderModel, Registry, lids, opening
-from objectmodels.parts import FlipLid, LiftOffLid, ScrewCap
+from objectmodels import BoxModel, CylinderModel, Registry
+from objectmodels.containers import lid_forces as opening
+from objectmodels.containers import lid_geometry as lids
+from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
 
 G = 9.81
 R, H, MASS, MU = 0.035, 0.12, 0.30, 0.38

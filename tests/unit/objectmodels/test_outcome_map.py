@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from objectmodels import ModelError, Registry
-from objectmodels.outcomemap import OutcomeMap, outcome_map
+from objectmodels.mechanics.outcome_map import OutcomeMap, outcome_map
 
 TEA = Registry.built_in().get("ice tea box")
 FRONT = TEA.faces()[2]

@@ -10,10 +10,11 @@ from typing import Any, ClassVar, Literal
 import pytest
 from pydantic import Field
 
-from objectmodels import BoxModel, ModelError, ObjectModel, Polygon, Registry, plugins, sides
-from objectmodels.faces import Face
-from objectmodels.modelfile import save_model
-from objectmodels.registry import user_folder
+from objectmodels import BoxModel, ModelError, ObjectModel, Polygon, Registry, sides
+from objectmodels.geometry.side_faces import Face
+from objectmodels.registry import model_plugins as plugins
+from objectmodels.registry.model_files import save_model
+from objectmodels.registry.model_registry import user_folder
 
 BOX = BoxModel(name="crate", size=(0.1, 0.1, 0.2), mass=1.0, friction=0.4)
 

@@ -9,8 +9,7 @@ import pytest
 from scipy.integrate import quad
 
 from objectmodels import Disc, Polygon
-from objectmodels.parts import Opening
-from objectmodels.pouring import (
+from objectmodels.containers.pour_dynamics import (
     DISCHARGE,
     Catch,
     angle_for,
@@ -23,8 +22,9 @@ from objectmodels.pouring import (
     tilt_for,
     volume_out,
 )
-from objectmodels.thresholds import GRAVITY
-from objectmodels.vessel import Vessel
+from objectmodels.mechanics.push_thresholds import GRAVITY
+from objectmodels.models.object_parts import Opening
+from objectmodels.models.vessel import Vessel
 
 CARTON = Vessel(
     Polygon.rectangle(0.056, 0.076), 0.002, 0.16, Opening(centre=(0.0, 0.02), radius=0.014)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, ModelError, Registry
-from objectmodels.probability import draws, normal_cdf
+from objectmodels.mechanics.outcome_probability import draws, normal_cdf
 
 BOX = BoxModel(
     name="b",

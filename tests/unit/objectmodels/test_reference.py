@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, ModelError, PrismModel
-from objectmodels.base import without_collinear
-from objectmodels.reference import SeedModel, TorqueRange, torque_range
-from objectmodels.thresholds import centre_of_pressure
+from objectmodels.geometry.base_shapes import without_collinear
+from objectmodels.mechanics.push_thresholds import centre_of_pressure
+from tests.unit.objectmodels.seed_model import SeedModel, TorqueRange, torque_range
 
 BOX = BoxModel(name="b", size=(0.1, 0.2, 0.2), mass=1.0, friction=0.4)
 BAND = 1e-9

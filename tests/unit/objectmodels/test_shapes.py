@@ -18,7 +18,7 @@ from objectmodels import (
     Registry,
     Thresholds,
 )
-from objectmodels.base import Array
+from objectmodels.geometry.base_shapes import Array
 
 COMMON: dict[str, Any] = {
     "name": "x", "mass": 0.8, "friction": 0.35, "com": (0.006, -0.004, 0.07),

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, Registry
-from objectmodels.base import Array
-from objectmodels.thresholds import (
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.mechanics.push_thresholds import (
     centre_of_pressure,
     critical_friction,
     slide_threshold,

@@ -6,9 +6,15 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, CylinderModel, ModelError, ObjectModel, Registry
-from objectmodels.base import Array
-from objectmodels.turning import EDGE, STROKE_SLACK, best_turn, learned_radius, turning
-from objectmodels.turnsequence import LARGEST_TURN, PAIRED_TURN, turn_parts
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.mechanics.turning_push import (
+    EDGE,
+    STROKE_SLACK,
+    best_turn,
+    learned_radius,
+    turning,
+)
+from planner.pushing.turnsequence import LARGEST_TURN, PAIRED_TURN, turn_parts
 
 BOX = BoxModel(
     name="b",

@@ -19,7 +19,7 @@ from objectmodels.identification import (
     update,
     updated,
 )
-from objectmodels.parameters import UNCERTAIN
+from objectmodels.models.parameters import UNCERTAIN
 from tests.unit.objectmodels.touching import (
     BELIEF,
     SIDES,

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from objectmodels import BoxModel, CylinderModel, Disc, HullModel, Polygon, PrismModel
-from objectmodels.parts import Container, Opening
-from objectmodels.vessel import Vessel
+from objectmodels.models.object_parts import Container, Opening
+from objectmodels.models.vessel import Vessel
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from objectmodels import BoxModel, ObjectModel
 from objectmodels.identification import Trial
-from objectmodels.identification.balance import Balance, topple
+from objectmodels.identification.measurement_model import Balance, topple
 
 TRUTH = BoxModel(
     name="b", size=(0.09, 0.09, 0.23), mass=1.06, friction=0.345, finger_friction=0.7,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, CylinderModel, ObjectModel, Registry
-from objectmodels.identification.balance import Balance
+from objectmodels.identification.measurement_model import Balance
 from planner.touch_experiments import (
     BELOW_TOP,
     RUB,

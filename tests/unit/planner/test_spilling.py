@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel
-from objectmodels.parts import Container, FlipLid, Opening
+from objectmodels.models.object_parts import Container, FlipLid, Opening
 from planner.problem.push_problem import read
 from planner.problem.tilt_goals import spill_tilt
 from planner.refusals.push_refusals import RefusedError

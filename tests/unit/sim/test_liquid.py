@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from benchmarks.pouring import Prescribed
-from objectmodels.pouring import Catch, caught, pour
+from objectmodels.containers.pour_dynamics import Catch, caught, pour
 from sim.errors import SceneError
 from sim.truth.scene_file import parse_scene
 from sim.worlds.drake.drake_world import DrakeWorld

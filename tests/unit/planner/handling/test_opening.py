@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from objectmodels.opening import flip
-from objectmodels.parts import FlipLid, LiftOffLid
+from objectmodels.containers.lid_forces import flip
+from objectmodels.models.object_parts import FlipLid, LiftOffLid
 from planner import plan
 from planner.types.actions import Carry, FlipOver, PutOn, TurnCap
 from planner.types.defaults import DEFAULTS

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from objectmodels.box import BoxModel
-from objectmodels.cylinder import CylinderModel
-from objectmodels.model import ObjectModel
-from objectmodels.parts import Container, Opening
+from objectmodels.models.box import BoxModel
+from objectmodels.models.cylinder import CylinderModel
+from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.object_parts import Container, Opening
 from planner.types.actions import Grasp, HandlingPlan, HandlingPrediction, HandStep
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
 from sim.truth.object_truth import Truth

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from objectmodels import Registry
-from objectmodels.lids import THICKNESS
+from objectmodels.containers.lid_geometry import THICKNESS
 from planner.types.actions import FlipOver, HandlingPlan, HandlingPrediction
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState

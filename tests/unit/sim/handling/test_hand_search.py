@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from objectmodels.box import BoxModel
+from objectmodels.models.box import BoxModel
 from planner.types.actions import Carry, Grasp, HandlingPlan, LiftUp, PourOut, SetDown
 from planner.types.plan import Aim
 from planner.types.robot import ReachAnswer

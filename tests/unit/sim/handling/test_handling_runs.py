@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from objectmodels.cylinder import CylinderModel
+from objectmodels.models.cylinder import CylinderModel
 from planner.types.actions import Carry, HandlingPlan, LiftUp, SetDown
 from planner.types.plan import Aim
 from sim import execute

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from objectmodels import Registry
-from objectmodels.parts import LiftOffLid, ScrewCap
+from objectmodels.models.object_parts import LiftOffLid, ScrewCap
 from planner.types.actions import (
     Carry,
     Grasp,

@@ -1,0 +1,1 @@
+"""What pouring and lids do: forces, flow, places."""

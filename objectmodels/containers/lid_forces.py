@@ -1,0 +1,265 @@
+"""Forces that open lids, and whether the object stands still meanwhile.
+
+Model: slow forces on an object that stands on a table by itself. A lid resists by Coulomb friction
+τ_f, a flip lid's catch besides by a torque τ_s that fades linearly over its snap angle, and the
+lid's weight m_l g acts at its middle, a(θ) from the hinge horizontally. A fingertip at the distance
+ρ from the hinge pushes across the lid, so its force turns with it:
+
+    F(θ) = [τ_f + τ_s max(0, 1 − θ/θ_s) + m_l g a(θ)] / ρ      opening
+    F(θ) = [τ_f − τ_s max(0, 1 − θ/θ_s) − m_l g a(θ)] / ρ      closing, on its upper side
+
+Along the lid the fingertip holds the tab where it is, by any share up to its friction of F; that
+force goes through the hinge and opens nothing, but it keeps a cup from tipping back that F alone
+would tip. Object and lid together are pushed by both at the tab; they slide or topple at the
+thresholds of `objectmodels.mechanics.push_thresholds` for that point and direction, with the centre
+of mass where the turned lid moves it, and stay if they do at any such share.
+
+A lift-off lid comes off at retention plus its weight, unless what stays is tipped off the table
+first: that is pulled up by the retention alone, at the middle of its top. A screw cap turns at its
+friction torque, unless the standing object turns along: at μ N c̄, N its weight and what the hand
+presses down (a squeeze alone does neither press nor lift).
+
+Uncertain are the lid's torques or retention and the object's mass, friction coefficients, friction
+radius and centre of mass; probabilities are shares of a fixed sample. Frame: everything in B.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from objectmodels.containers import lid_geometry as lids
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.mechanics.outcome_probability import Sample, sampled
+from objectmodels.mechanics.push_thresholds import (
+    GRAVITY,
+    slide_threshold,
+    topple_threshold,
+    yaw_arm,
+)
+from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
+
+STEPS = 41
+"""Angles at which the arc of a flip lid is looked at."""
+
+SAMPLES = 400
+"""Samples behind a probability: one half is met to 0.025 (a standard deviation)."""
+
+SHARES = np.linspace(-1.0, 1.0, 13)
+"""Shares of the finger's friction that are tried along the lid."""
+
+_SEED = 0
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True)
+class FlipArc:
+    """A fingertip that moves a flip lid; arrays over n angles on its way.
+
+    Attributes:
+        angles: of the lid, in order, shape (n,) [rad].
+        points: where the fingertip touches, p_BC, shape (n, 3) [m].
+        directions: unit directions of its force, shape (n, 3).
+        force: that moves the lid, shape (n,) [N]; zero where it moves by itself.
+        slide, topple: at which the object would slide or topple, shape (n,) [N].
+        probability: that the lid moves all the way and the object stays.
+    """
+
+    angles: Array
+    points: Array
+    directions: Array
+    force: Array
+    slide: Array
+    topple: Array
+    probability: float
+
+    @cached_property
+    def margin(self) -> Array:
+        """The force at which the object gives way over the force needed, shape (n,)."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.minimum(self.slide, self.topple) / self.force
+        return np.where(self.force > 0.0, ratio, np.inf)
+
+    @cached_property
+    def nearest(self) -> int:
+        """Index of the angle at which the object comes nearest to giving way."""
+        return int(np.argmin(self.margin))
+
+    @property
+    def least_margin(self) -> float:
+        """The margin there; below one the object gives way."""
+        return float(self.margin[self.nearest])
+
+    @property
+    def largest_force(self) -> float:
+        """Over the whole way [N]."""
+        return float(self.force.max())
+
+    @property
+    def outcome(self) -> Literal["moves", "slides", "topples"]:
+        """What happens first on the way."""
+        given_way = np.flatnonzero(self.margin < 1.0)
+        if given_way.size == 0:
+            return "moves"
+        first = given_way[0]
+        return "slides" if self.slide[first] < self.topple[first] else "topples"
+
+
+@dataclass(frozen=True)
+class Loosening:
+    """What a lid that is pulled or turned off needs, and what the standing object bears.
+
+    Attributes:
+        needed: that moves the lid: force [N] or torque [N·m].
+        held: at which the object would come along; infinite if a holder keeps it.
+        probability: that the lid moves and the object stays.
+    """
+
+    needed: float
+    held: float
+    probability: float
+
+    @property
+    def margin(self) -> float:
+        """`held` over `needed`; below one the object comes along."""
+        return self.held / self.needed if self.needed > 0.0 else np.inf
+
+
+def flip(
+    model: ObjectModel,
+    lid: FlipLid,
+    *,
+    start: float = 0.0,
+    end: float | None = None,
+    distance: float | None = None,
+    fixed: bool = False,
+) -> FlipArc:
+    """Moves a flip lid with a fingertip from one angle to another.
+
+    Args:
+        model: the object with its lid.
+        lid: its lid.
+        start: of the way [rad].
+        end: of the way [rad]; all the way open if not given.
+        distance: of the fingertip from the hinge [m]; on the tab if not given.
+        fixed: whether a holder keeps the object where it is.
+    """
+    angles = np.linspace(start, lid.opens_to if end is None else end, STEPS)
+    opens = bool(angles[-1] >= angles[0])
+    hinge = lids.hinge(lid, lids.rim(model), model.top)
+    lever = lids.grip_distance(lid, hinge) if distance is None else distance
+    points = hinge.point(angles, lever, 0.0 if opens else lids.THICKNESS)
+    directions = (1.0 if opens else -1.0) * hinge.across(angles)
+
+    def force(friction: Array, snap: Array) -> Array:
+        back = snap[:, None] * np.maximum(0.0, 1.0 - angles / lid.snap_angle)
+        back = back + lid.mass * GRAVITY * ((hinge.middle(angles) - hinge.p_BH) @ hinge.out)
+        return np.maximum(0.0, friction[:, None] + (back if opens else -back)) / lever
+
+    def thresholds(of: Sample) -> tuple[Array, Array]:
+        if fixed:
+            never = np.full((len(of.weight), len(angles)), np.inf)
+            return never, never
+        moved = hinge.middle(angles) - hinge.middle(0.0)
+        c = of.com[:, None, :] + (lid.mass * GRAVITY / of.weight)[:, None, None] * moved
+        held = of.finger_friction[:, None, None] * hinge.along(angles)
+        tried = (directions + share * held for share in SHARES)
+        pairs = zip(*(_given_way(model, of, points, u, c) for u in tried), strict=True)
+        slides, topples = (np.array(each) for each in pairs)
+        best = np.minimum(slides, topples).argmax(axis=0)[None]
+        slide, topple = (np.take_along_axis(each, best, axis=0)[0] for each in (slides, topples))
+        return slide, topple
+
+    (slide, topple), needed = thresholds(_mean(model)), force(*_means(lid))
+    sample = sampled(model, SAMPLES, _SEED)
+    moves = force(*_torques(lid)) <= np.minimum(*thresholds(sample))
+    share = float(moves.all(axis=1).mean())
+    return FlipArc(angles, points, directions, needed[0], slide[0], topple[0], share)
+
+
+def lift_off(model: ObjectModel, lid: LiftOffLid, *, fixed: bool = False) -> Loosening:
+    """Pulls a lid straight up by its knob, off an object that stands.
+
+    Args:
+        model: the object with its lid.
+        lid: its lid.
+        fixed: whether a holder keeps the object where it is.
+    """
+    weight = lid.mass * GRAVITY
+    top = np.array([[0.0, 0.0, model.top]])
+    p_BL = lids.middle(lid, lids.rim(model), model.top)
+
+    def held(of: Sample) -> Array:
+        if fixed:
+            return np.full(len(of.weight), np.inf)
+        stays = of.weight - weight
+        c = (of.weight[:, None] * of.com - weight * p_BL) / stays[:, None]
+        bears = topple_threshold(model.base, top, _UP[None], c, 1.0)
+        return np.asarray(weight + stays * bears)
+
+    retention = _normal(lid.retention, lid.retention_sd, 0)
+    share = float((retention + weight <= held(sampled(model, SAMPLES, _SEED))).mean())
+    return Loosening(lid.retention + weight, float(held(_mean(model))[0]), share)
+
+
+def unscrew(
+    model: ObjectModel, cap: ScrewCap, *, down: float = 0.0, fixed: bool = False
+) -> Loosening:
+    """Turns a screw cap on an object that stands.
+
+    Args:
+        model: the object with its cap.
+        cap: its cap.
+        down: net force of the hand on the cap, downwards [N].
+        fixed: whether a holder keeps the object from turning.
+    """
+
+    def held(of: Sample) -> Array:
+        if fixed:
+            return np.full(len(of.weight), np.inf)
+        return np.maximum(0.0, of.weight + down) * of.friction * of.friction_radius
+
+    torque = _normal(cap.friction_torque, cap.friction_torque_sd, 0)
+    share = float((torque <= held(sampled(model, SAMPLES, _SEED))).mean())
+    return Loosening(cap.friction_torque, float(held(_mean(model))[0]), share)
+
+
+def _given_way(model: ObjectModel, of: Sample, p: Array, u: Array, c: Array) -> tuple[Array, Array]:
+    """Forces, in lengths of u, at which k samples slide and topple at n points, (k, n) [N]."""
+    weight = of.weight[:, None]
+    friction, radius = of.friction[:, None], of.friction_radius[:, None]
+    slide = weight * slide_threshold(u, yaw_arm(p, u, c), friction, radius, 1.0)
+    topple = weight * topple_threshold(model.base, p, u, c, 1.0)
+    return slide, topple
+
+
+def _mean(model: ObjectModel) -> Sample:
+    """The object as it is believed to be most likely, as a sample of one."""
+    return Sample(
+        weight=np.array([model.weight]),
+        friction=np.array([model.friction]),
+        finger_friction=np.array([model.finger_friction]),
+        friction_radius=np.array([model.friction_radius]),
+        com=np.array([model.com]),
+    )
+
+
+def _means(lid: FlipLid) -> tuple[Array, Array]:
+    return np.array([lid.friction_torque]), np.array([lid.snap_torque])
+
+
+def _torques(lid: FlipLid) -> tuple[Array, Array]:
+    return (
+        _normal(lid.friction_torque, lid.friction_torque_sd, 0),
+        _normal(lid.snap_torque, lid.snap_torque_sd, 1),
+    )
+
+
+def _normal(mean: float, sd: float, which: int) -> Array:
+    """Samples of a quantity that is not negative, shape (SAMPLES,)."""
+    rng = np.random.default_rng((_SEED, 1 + which))
+    return np.maximum(0.0, mean + sd * rng.standard_normal(SAMPLES))

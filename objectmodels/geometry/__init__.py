@@ -1,0 +1,1 @@
+"""Base shapes, side faces, support points."""

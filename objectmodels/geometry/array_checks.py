@@ -1,0 +1,35 @@
+"""Arrays that callers hand in, checked at the boundary."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from objectmodels.errors import ModelError
+from objectmodels.geometry.base_shapes import Array
+
+
+def pairs(points: ArrayLike, vectors: ArrayLike) -> tuple[Array, Array]:
+    """Two finite arrays of equal shape (n, 3), or a `ModelError`."""
+    p, v = np.asarray(points, dtype=np.float64), np.asarray(vectors, dtype=np.float64)
+    if p.ndim != 2 or p.shape[1] != 3 or p.shape != v.shape:
+        raise ModelError(
+            "bad_array",
+            f"expected two arrays of one shape (n, 3), found {p.shape} and {v.shape}",
+            suggestions=("a single push is an array of shape (1, 3)",),
+        )
+    if not (np.isfinite(p).all() and np.isfinite(v).all()):
+        raise ModelError("bad_array", "arrays must hold finite numbers only")
+    return p, v
+
+
+def require_units(u: Array) -> None:
+    """Refuses directions that are not unit vectors, shape (n, 3)."""
+    if np.any(np.abs(np.linalg.norm(u, axis=1) - 1.0) > 1e-6):
+        raise ModelError("bad_array", "directions must be unit vectors")
+
+
+def require_normals(n: Array) -> None:
+    """Refuses normals that are not those of side faces, shape (n, 3)."""
+    if np.any(np.abs(np.linalg.norm(n, axis=1) - 1.0) > 1e-6) or np.any(np.abs(n[:, 2]) > 0.99):
+        raise ModelError("bad_array", "normals must be unit vectors of side faces")

@@ -1,0 +1,134 @@
+"""Side faces: where a finger may push an object.
+
+Frame: B, origin at the centre of the base, z up. A place on a face is (lateral, height): along its
+tangent from the middle, and above the table [m].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from objectmodels.geometry.base_shapes import Array, Polygon
+
+AXES = np.radians([180.0, -90.0, 0.0, 90.0])
+"""Headings along which the faces +x, +y, −x, −y are pushed [rad]."""
+
+
+@dataclass(frozen=True)
+class Face:
+    """A side face, flat or round.
+
+    Attributes:
+        normal: outward unit normal in the middle.
+        centre: its middle [m].
+        tangent: horizontal unit vector along the face, ẑ × normal where that is horizontal.
+        width: horizontal extent, along the arc of a round face [m].
+        height: vertical extent [m].
+        curvature: 1/R of a round upright face, 0 of a flat one [1/m].
+        outline: convex outline as (lateral, height), counter-clockwise; a rectangle if None.
+    """
+
+    normal: tuple[float, float, float]
+    centre: tuple[float, float, float]
+    tangent: tuple[float, float, float]
+    width: float
+    height: float
+    curvature: float = 0.0
+    outline: tuple[tuple[float, float], ...] | None = None
+
+    @classmethod
+    def upright(
+        cls,
+        normal: ArrayLike,
+        middle: ArrayLike,
+        width: float,
+        height: float,
+        curvature: float = 0.0,
+    ) -> Face:
+        """A face that stands on the table.
+
+        Args:
+            normal: horizontal outward unit normal, shape (2,).
+            middle: middle of its lower edge, shape (2,) [m].
+            width: horizontal extent [m].
+            height: vertical extent [m].
+            curvature: 1/R of a round face [1/m].
+        """
+        # Adding zero turns −0.0 into 0.0 in what people read.
+        (n_x, n_y), (x, y) = ((np.asarray(v) + 0.0).tolist() for v in (normal, middle))
+        centre = (x, y, height / 2.0)
+        return cls((n_x, n_y, 0.0), centre, (0.0 - n_y, n_x, 0.0), width, height, curvature)
+
+    @property
+    def bottom(self) -> float:
+        """Height of its lowest point [m]."""
+        return self.centre[2] - self.height / 2.0
+
+    @property
+    def top(self) -> float:
+        """Height of its highest point [m]."""
+        return self.centre[2] + self.height / 2.0
+
+    def at(self, lateral: ArrayLike, height: ArrayLike) -> tuple[Array, Array]:
+        """Points p_BC and outward normals at places on it, each of shape (..., 3).
+
+        Args:
+            lateral: along the tangent from the middle, shape (...) [m].
+            height: above the table, shape (...) [m].
+        """
+        y, z = np.broadcast_arrays(np.asarray(lateral, float), np.asarray(height, float))
+        n, c, t = np.array(self.normal), np.array(self.centre), np.array(self.tangent)
+        up = np.array([0.0, 0.0, 1.0])
+        rise = (z - c[2])[..., None]
+        if self.curvature:
+            angle, radius = (y * self.curvature)[..., None], 1.0 / self.curvature
+            normals = np.cos(angle) * n + np.sin(angle) * t
+            return c + radius * (normals - n) + rise * up, normals
+        level = np.array([n[0], n[1], 0.0]) / np.hypot(n[0], n[1])
+        back = -n[2] / np.hypot(n[0], n[1]) * rise
+        points = c + y[..., None] * t + back * level + rise * up
+        return points, np.broadcast_to(n, points.shape).copy()
+
+    def contains(
+        self, lateral: ArrayLike, height: ArrayLike, margin: float = 0.0
+    ) -> NDArray[np.bool_]:
+        """Whether places lie on it, at least a margin from its border [m]."""
+        y, z = np.broadcast_arrays(np.asarray(lateral, float), np.asarray(height, float))
+        if self.outline is None:
+            inside = (np.abs(y) <= self.width / 2.0 - margin + 1e-12) & (z <= self.top - margin)
+            return np.asarray(inside & (z >= self.bottom + margin))
+        polygon = Polygon.convex(self.outline)
+        beyond = np.stack((y, z), axis=-1) @ polygon.normals.T - polygon.offsets
+        return np.asarray(beyond.max(axis=-1) <= -margin + 1e-12)
+
+    def grid(self, spacing: float, margin: float = 0.0) -> tuple[Array, Array]:
+        """Places in rows and columns around its middle, lateral and height, shape (n,) each [m]."""
+        half = self.width / 2.0 - margin
+        low, high = self.bottom + margin, self.top - margin
+        if half < 0.0 or high < low:
+            return np.empty(0), np.empty(0)
+        y = _steps(-half, half, spacing)
+        z = _steps(low, high, spacing)
+        lateral, height = (a.ravel() for a in np.meshgrid(y, z))
+        on = self.contains(lateral, height, margin)
+        return lateral[on], height[on]
+
+
+def sides(base: Polygon, height: float) -> tuple[Face, ...]:
+    """The upright faces over the edges of a polygon, in the order of its normals."""
+    v = base.vertices
+    ahead = np.roll(v, -1, axis=0)
+    widths = np.linalg.norm(ahead - v, axis=1).tolist()
+    return tuple(
+        Face.upright(n, m, w, height)
+        for n, m, w in zip(base.normals, (v + ahead) / 2.0, widths, strict=True)
+    )
+
+
+def _steps(low: float, high: float, spacing: float) -> Array:
+    """Values from low to high, as evenly and about as far apart as asked, the middle among them."""
+    n = max(2 * round((high - low) / (2.0 * spacing)), 2 if high > low else 0)
+    return np.linspace(low, high, n + 1)

@@ -1,0 +1,193 @@
+"""Guess, touch, update: what one more trial changes in what is believed.
+
+The belief is a model's values with their covariance, normal in the `coordinates`:
+logarithms of the positive parameters. Trials enter one after the other by an iterated extended
+Kalman filter (Gauss and Newton's method on the posterior density; Bell and Cathey 1993). Forces are
+compared by their logarithm, in which the products of mass, friction and lever arms are sums.
+
+A model's standard deviation of friction is that of the next slide. Where friction is known to
+differ from slide to slide, the relative `spread` tells that part from the mean's own: the mean
+is learned, the spread stays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import log, sqrt
+
+import numpy as np
+
+from objectmodels.errors import ModelError
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.identification.least_squares import require_possible
+from objectmodels.identification.measurement_model import Balance, Linear
+from objectmodels.identification.parameter_coordinates import (
+    FRICTION,
+    LOGARITHMIC,
+    coordinates,
+    units,
+    values_at,
+    with_belief,
+    with_values,
+)
+from objectmodels.identification.trial import Trial
+from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.parameters import UNCERTAIN
+
+SURPRISING = 3.0
+"""Standard deviations from which on a trial contradicts what was believed."""
+
+_STEPS, _WHOLE = 30, 8  # and after how many they are halved
+_SETTLED = 1e-4  # step in standard deviations
+_LONGEST = 0.7  # step in a logarithm, a factor of two; along the base as a share of its size
+_HALVINGS = 12
+
+
+@dataclass(frozen=True)
+class Update:
+    """What is believed after a touch.
+
+    Attributes:
+        model: the belief with the trials taken in.
+        surprise: how far the trials were from what was predicted, in standard deviations of the
+            prediction: the root of the normalised innovation squared over the number of figures.
+    """
+
+    model: ObjectModel
+    surprise: float
+
+    @property
+    def contradicts(self) -> bool:
+        """Whether the trials contradict what was believed."""
+        return self.surprise > SURPRISING
+
+
+def guess(
+    model: ObjectModel,
+    factor: float = 2.0,
+    names: Sequence[str] = ("mass", "friction", "finger_friction"),
+) -> ObjectModel:
+    """The model with parameters that are only guessed.
+
+    Args:
+        model: whose values are the guess.
+        factor: by which they may be off, one standard deviation.
+        names: of the guessed parameters; not `com_x` or `com_y`.
+
+    Raises:
+        ModelError: `bad_value` if the factor is not above one or a name is wrong.
+    """
+    allowed = [name for name, log_ in zip(UNCERTAIN, LOGARITHMIC, strict=True) if log_]
+    if not 1.0 < factor < np.inf or any(name not in allowed for name in names):
+        raise ModelError(
+            "bad_value",
+            f"no guess of {', '.join(names)} by a factor of {factor}",
+            suggestions=(f"a factor above 1, and names of: {', '.join(allowed)}",),
+        )
+    known = np.array([name not in names for name in UNCERTAIN])
+    covariance = np.where(np.outer(known, known), model.covariance, 0.0)
+    guessed = np.where(known, 0.0, log(factor) * model.means)
+    return with_belief(model, covariance + np.diag(guessed**2))
+
+
+def updated(
+    model: ObjectModel, trial: Trial, *, exact: bool = True, spread: float = 0.0
+) -> ObjectModel:
+    """What is believed after one more trial; see `update`."""
+    return update(model, [trial], exact=exact, spread=spread).model
+
+
+def update(
+    model: ObjectModel, trials: Sequence[Trial], *, exact: bool = True, spread: float = 0.0
+) -> Update:
+    """Takes trials into what is believed.
+
+    Args:
+        model: the belief before.
+        trials: what was felt.
+        exact: whether slides are predicted by the exact tier.
+        spread: relative standard deviation of friction from slide to slide.
+
+    Raises:
+        ModelError: `no_trials`, `bad_trial`; `impossible_trial` if by the belief no force moves
+            the object so; `no_fit` if what explains it would not stand.
+    """
+    balance = Balance(model, trials, exact=exact)
+    x, P = coordinates(model.means), belief_of(model, spread)
+    at = _linear(balance, model.means, spread)
+    require_possible(balance, at)
+    observed = _observed(balance)
+    missed = observed - at.predicted
+    S = at.jacobian @ P @ at.jacobian.T + np.diag(at.sd**2)
+    surprise = sqrt(float(missed @ np.linalg.solve(S, missed)) / len(missed))
+    for number in range(_STEPS):
+        H = at.jacobian
+        gain = P @ H.T @ np.linalg.inv(H @ P @ H.T + np.diag(at.sd**2))
+        now = coordinates(at.values)
+        step = x + gain @ (observed - at.predicted - H @ (x - now)) - now
+        if (np.abs(step) <= _SETTLED * np.sqrt(np.diag(P))).all():
+            break
+        # Far from what was believed steps may swing to and fro; shorter ones settle.
+        at = _moved(balance, at, step * 0.5 ** (number // _WHOLE), spread)
+    keep = np.eye(len(x)) - gain @ H
+    P = keep @ P @ keep.T + gain @ np.diag(at.sd**2) @ gain.T
+    P[FRICTION, FRICTION] += spread**2
+    per = units(at.values)
+    believed = with_belief(with_values(model, at.values), P * np.outer(per, per))
+    return Update(believed, surprise)
+
+
+def belief_of(model: ObjectModel, spread: float = 0.0) -> Array:
+    """Covariance of what is believed, in coordinates and without the spread, shape (7, 7)."""
+    per = units(model.means)
+    P = model.covariance / np.outer(per, per)
+    if spread > 0.0 and P[FRICTION, FRICTION] > 0.0:
+        # Correlations stay as they are: taking the spread out may not make them impossible.
+        share = max(1.0 - spread**2 / P[FRICTION, FRICTION], 1e-4)
+        least = _given_others(P) / P[FRICTION, FRICTION]
+        P[FRICTION, FRICTION] *= max(share, 1.0 - 0.99 * least)
+    return np.asarray(P)
+
+
+def _given_others(P: Array) -> float:
+    """Variance of the friction if all others were known."""
+    others = np.arange(len(P)) != FRICTION
+    cross = P[FRICTION, others]
+    inverse = np.linalg.pinv(P[np.ix_(others, others)], hermitian=True)
+    return float(max(P[FRICTION, FRICTION] - cross @ inverse @ cross, 0.0))
+
+
+def _observed(balance: Balance) -> Array:
+    """What was measured, forces by their logarithm."""
+    return np.where(balance.turns, balance.observed, np.log(np.abs(balance.observed)))
+
+
+def _linear(balance: Balance, values: Array, spread: float) -> Linear:
+    """`Balance.linear` with the forces' logarithms, and the spread among the noise."""
+    at, turns = balance.linear(values), balance.turns
+    with np.errstate(divide="ignore", invalid="ignore"):
+        predicted = np.where(turns, at.predicted, np.log(at.predicted))
+        jacobian = np.where(turns[:, None], at.jacobian, at.jacobian / at.predicted[:, None])
+    sd = np.where(turns, at.sd, at.sd / np.abs(balance.observed))
+    sd = np.hypot(sd, np.where(balance.slides, spread * jacobian[:, FRICTION], 0.0))
+    return Linear(values, predicted, jacobian, sd)
+
+
+def _moved(balance: Balance, at: Linear, step: Array, spread: float) -> Linear:
+    """Predictions after a step, shortened until there are any."""
+    longest = np.where(LOGARITHMIC, _LONGEST, 0.3 * balance.model.base.size)
+    share = 1.0 / max(1.0, float((np.abs(step) / longest).max()))
+    for _ in range(_HALVINGS):
+        values = values_at(coordinates(at.values) + share * step)
+        values = np.where(step == 0.0, at.values, values)
+        try:
+            with_values(balance.model, values)
+        except ModelError:
+            share *= 0.5
+            continue
+        moved = _linear(balance, values, spread)
+        if np.isfinite(moved.predicted).all():
+            return moved
+        share *= 0.5
+    raise ModelError("no_fit", f"the trials lead to a {balance.model.name} that would not stand")

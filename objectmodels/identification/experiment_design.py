@@ -1,0 +1,147 @@
+"""Which experiment to do next, and when to stop.
+
+A candidate is an experiment with the trials that it would yield: where, in which direction, what
+would move, how precisely it is felt. By the Kalman filter's covariance (`update`), which does not
+depend on what will be measured, each says how well the parameters would be known after it. What it
+is worth is the sum over the wanted parameters of log max(σ/asked, 1) before minus after: of no use
+is what makes precise what is precise enough. Precisions are relative, those of the centre of mass
+in metres.
+
+One step is looked ahead. That is enough here as tilts and slides each tell a product of which the
+next kind of experiment tells a factor, and the covariance carries the product.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from objectmodels.errors import ModelError
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.identification.belief_update import belief_of
+from objectmodels.identification.identifiability import require_names
+from objectmodels.identification.measurement_model import Balance
+from objectmodels.identification.parameter_coordinates import FRICTION, units
+from objectmodels.identification.trial import Trial
+from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.parameters import UNCERTAIN
+
+LEAST = 1e-9
+"""Precision that no experiment reaches: for a parameter that is wanted as well as it can be."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An experiment that could be done.
+
+    Attributes:
+        name: what to call it.
+        trials: what it would yield; the sizes of the forces and the turn rates do not count, but
+            whether there are any and their standard deviations do.
+        cost: what it takes, in units of the caller's; gains are compared for each unit.
+    """
+
+    name: str
+    trials: tuple[Trial, ...]
+    cost: float = 1.0
+
+
+@dataclass(frozen=True)
+class Worth:
+    """What an experiment would tell.
+
+    Attributes:
+        candidate: the experiment.
+        gain: what it is worth, for each unit of cost.
+        precisions: of the wanted parameters after it.
+    """
+
+    candidate: Candidate
+    gain: float
+    precisions: Mapping[str, float]
+
+
+def precisions(
+    model: ObjectModel, wanted: Sequence[str] = UNCERTAIN, *, spread: float = 0.0
+) -> dict[str, float]:
+    """How well parameters are known: relative standard deviations, of the centre of mass in metres.
+
+    Args:
+        model: what is believed.
+        wanted: names of the parameters.
+        spread: relative standard deviation of friction from slide to slide, which does not count.
+    """
+    require_names(wanted)
+    return _precisions(model, belief_of(model, spread), wanted)
+
+
+def reached(model: ObjectModel, asked: Mapping[str, float], *, spread: float = 0.0) -> bool:
+    """Whether all parameters are known as precisely as asked: time to stop.
+
+    Args:
+        model: what is believed.
+        asked: precisions by name of the parameter: relative, of the centre of mass in metres.
+        spread: as for `precisions`.
+    """
+    known = precisions(model, tuple(asked), spread=spread)
+    return all(known[name] <= asked[name] for name in asked)
+
+
+def ranked(
+    model: ObjectModel,
+    candidates: Sequence[Candidate],
+    asked: Mapping[str, float] | Sequence[str],
+    *,
+    spread: float = 0.0,
+) -> list[Worth]:
+    """The candidates, the one that tells most first.
+
+    Args:
+        model: what is believed, with its uncertainty.
+        candidates: experiments that could be done.
+        asked: precisions by name of the wanted parameters, or only the names.
+        spread: relative standard deviation of friction from slide to slide.
+
+    Raises:
+        ModelError: `no_candidates`; `bad_value` if a name or a cost is wrong; `bad_trial`.
+    """
+    if not candidates:
+        raise ModelError("no_candidates", "there is no experiment to choose from")
+    if any(not candidate.cost > 0.0 for candidate in candidates):
+        raise ModelError("bad_value", "the cost of an experiment must be positive")
+    require_names(tuple(asked))
+    goal = dict(asked) if isinstance(asked, Mapping) else dict.fromkeys(asked, LEAST)
+    before = belief_of(model, spread)
+    lacking = _lacking(_precisions(model, before, tuple(goal)), goal)
+    worths = []
+    for candidate in candidates:
+        known = _precisions(model, _after(model, before, candidate.trials, spread), tuple(goal))
+        gain = (lacking - _lacking(known, goal)) / candidate.cost
+        worths.append(Worth(candidate, gain, known))
+    return sorted(worths, key=lambda worth: -worth.gain)
+
+
+def _after(model: ObjectModel, P: Array, trials: Sequence[Trial], spread: float) -> Array:
+    """Covariance after trials, in coordinates, shape (7, 7)."""
+    balance = Balance(model, trials)
+    at = balance.linear(model.means)
+    tells = np.isfinite(at.predicted)  # what would never move tells nothing
+    H, R = at.jacobian[tells], at.sd[tells] ** 2
+    R = R + np.where(balance.slides[tells], spread * H[:, FRICTION], 0.0) ** 2
+    gain = P @ H.T @ np.linalg.inv(H @ P @ H.T + np.diag(R))
+    keep = np.eye(len(P)) - gain @ H
+    return np.asarray(keep @ P @ keep.T + gain @ np.diag(R) @ gain.T)
+
+
+def _precisions(model: ObjectModel, P: Array, wanted: Sequence[str]) -> dict[str, float]:
+    sd = np.sqrt(np.diag(P))
+    metres = np.array([name.startswith("com") for name in UNCERTAIN])
+    sd = np.where(metres, sd * units(model.means), sd)
+    return {name: float(sd[UNCERTAIN.index(name)]) for name in wanted}
+
+
+def _lacking(known: Mapping[str, float], asked: Mapping[str, float]) -> float:
+    """Σ log max(σ/asked, 1)."""
+    return sum(float(np.log(max(known[name] / asked[name], 1.0))) for name in asked)

@@ -1,0 +1,362 @@
+"""Joint fit of an object's parameters to all trials, by prediction error.
+
+The parameters make the models' own thresholds fit what was felt, each row weighted by its noise
+(`leastsquares`); slides by the exact tier. How the base carries the object decides how it turns, so
+off-centre slides are tried with the model's own support, `uniform` and `corners`, and the one that
+predicts better is taken.
+
+Outliers: a kind of measurement (forces of slides, of tilts, turn rates, ratios of slips) with
+five rows or more is looked at. A row whose residual lies more than `OUTLIER` robust standard
+deviations (1.4826 times the median distance from the kind's median, but no less than the stated
+one) from that median is suspected; suspects are left out, the worst first and at most a fifth
+of all trials, and stay out if the fit without them still misses them by so much.
+
+The scale of the force sensor cannot be seen from inside: a common factor of all forces goes into
+the mass alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import exp
+
+import numpy as np
+
+from objectmodels.errors import ModelError
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.support_points import Support, friction_radius
+from objectmodels.identification.identifiability import identified
+from objectmodels.identification.least_squares import Solution, require_possible, solve
+from objectmodels.identification.measurement_model import Balance
+from objectmodels.identification.parameter_coordinates import (
+    COM_X,
+    FRICTION,
+    LOGARITHMIC,
+    RADIUS,
+    Mask,
+    coordinates,
+    correlation_of,
+    units,
+    with_belief,
+    with_values,
+)
+from objectmodels.identification.trial import Trial
+from objectmodels.mechanics.push_thresholds import yaw_arm
+from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.parameters import UNCERTAIN, Provenance
+
+OUTLIER = 4.0
+"""Robust standard deviations from which on a residual is an outlier."""
+
+MOST_DROPPED = 0.2
+"""Share of the trials that may be left out."""
+
+DIFFERENT = 4.0
+"""Difference of −2 log likelihood from which on one support surely predicts better than another."""
+
+TOLD_SPREAD = 0.005
+"""Spread of the friction from which on it is told."""
+
+_LEAST_ROWS = 5
+_TO_SD = 1.4826  # standard deviations of a normal distribution for each median distance
+_OFF_CENTRE = 0.1  # arm as a share of c̄
+
+
+_Tried = tuple[float, Solution, Balance]
+"""The misfit of a support, the solution with it, and its balance."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted model and how well it is known.
+
+    Attributes:
+        model: the model with the values found; its standard deviations say what to expect of the
+            next trial, so that of the friction includes the spread.
+        found: names of the parameters that were sought.
+        values: all parameters, those kept included.
+        deviations: standard deviations of the values.
+        correlation: of the values, in the order of `UNCERTAIN`, shape (7, 7).
+        spread: relative standard deviation of the friction from slide to slide.
+        noise: factor by which the stated standard deviations were too small, 1 if they stand.
+        residuals: measured minus predicted, in standard deviations of the row, by trial; a slide
+            with a turn rate has two.
+        rms: root mean square of the relative errors of the predicted forces of the trials kept.
+        dropped: trials left out, by source, with the reason.
+        notes: what a reader should know, in sentences.
+    """
+
+    model: ObjectModel
+    found: tuple[str, ...]
+    values: Mapping[str, float]
+    deviations: Mapping[str, float]
+    correlation: Array
+    spread: float
+    noise: float
+    residuals: tuple[tuple[float, ...], ...]
+    rms: float
+    dropped: Mapping[str, str]
+    notes: tuple[str, ...]
+    _solution: Solution = field(repr=False)
+
+    def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
+        """Where a parameter lies with some probability.
+
+        Args:
+            name: of the parameter, one of `UNCERTAIN`.
+            level: the probability.
+
+        Raises:
+            ModelError: `bad_value` if there is no such parameter or probability.
+        """
+        if name not in UNCERTAIN or not 0.0 < level < 1.0:
+            raise ModelError("bad_value", f"no interval of {name!r} at the level {level}")
+        k, s = UNCERTAIN.index(name), self._solution
+        half = _quantile(level, _freedom(s, k)) * float(np.sqrt(s.covariance[k, k]))
+        value = self.values[name]
+        if LOGARITHMIC[k]:
+            return value * exp(-half), value * exp(half)
+        return value - half, value + half
+
+
+def fit(
+    model: ObjectModel,
+    trials: Sequence[Trial],
+    *,
+    parameters: Sequence[str] | None = None,
+    prior: bool = False,
+    exact: bool = True,
+    supports: Sequence[Support] | None = None,
+) -> Fit:
+    """Fits a model's parameters to trials.
+
+    Args:
+        model: what is believed: its shape, and the values of what is not found.
+        trials: what was felt.
+        parameters: names of those to find, of `UNCERTAIN`; if not given, all that the trials
+            identify by themselves. What is kept adds its standard deviation to those found.
+        prior: whether the model's beliefs count as measurements. The parameters are then all that
+            are wanted and uncertain, and nothing is refused.
+        exact: whether slides are predicted by the exact tier.
+        supports: that are tried; the model's own first, then `uniform` and `corners`.
+
+    Raises:
+        ModelError: `not_identifiable` with the experiments that are missing; `no_trials`,
+            `bad_trial`, `impossible_trial`; `no_fit` or `not_possible` if the trials make no sense.
+    """
+    coarse = Balance(model, trials)
+    belief = model.covariance / np.outer(units(model.means), units(model.means))
+    notes: list[str] = []
+    if prior:
+        wanted = UNCERTAIN if parameters is None else parameters
+        free = np.array([name in wanted for name in UNCERTAIN]) & (np.diag(belief) > 0.0)
+    else:
+        start = coarse.linear(model.means)
+        require_possible(coarse, start)
+        free, lost = identified(coarse, start, belief, parameters)
+        notes += [f"{m.name} is kept as believed: {m.reason}" for m in lost]
+    first = solve(coarse, model.means, free, belief, prior=prior)
+    chosen, balance, doubt, told = _best_support(
+        model, trials, first, belief, prior, exact, supports
+    )
+    notes += told
+    solution, dropped = _without_outliers(balance, chosen, belief, prior)
+    solution = replace(solution, covariance=solution.covariance + doubt)
+    return _result(balance, solution, dropped, notes)
+
+
+def _best_support(
+    model: ObjectModel, trials: Sequence[Trial], first: Solution, belief: Array, prior: bool,
+    exact: bool, supports: Sequence[Support] | None,
+) -> tuple[Solution, Balance, Array, list[str]]:  # fmt: skip
+    """The solution of the support that predicts best, what doubt of it adds, what was compared."""
+    coarse = Balance(model, trials)
+    if not exact or not _turns(coarse, first.values):
+        return first, coarse, np.zeros((7, 7)), []
+    tried = list(supports or (model.support, "uniform", "corners"))
+    if not first.free[RADIUS] and supports is None:
+        tried = [model.support]
+    found: list[_Tried] = []
+    for support in dict.fromkeys(tried):
+        balance = Balance(_standing_on(model, support), trials, exact=True)
+        solution = solve(balance, first.values, first.free, belief, prior=prior)
+        rows = _robust_rows(balance, solution)
+        found.append((_misfit(balance, solution, rows), solution, balance))
+    best = min(found, key=lambda one: one[0])
+    return best[1], best[2], _between(found, best), _compared(found, best[2])
+
+
+def _between(found: Sequence[_Tried], best: _Tried) -> Array:
+    """Covariance from not being sure of the support: how far off the others are, by likelihood."""
+    weights = np.exp(-0.5 * (np.array([misfit for misfit, _, _ in found]) - best[0]))
+    apart = np.array([coordinates(s.values) - coordinates(best[1].values) for _, s, _ in found])
+    return np.asarray(apart.T @ (weights / weights.sum() * apart.T).T)
+
+
+def _standing_on(model: ObjectModel, support: Support) -> ObjectModel:
+    """The model carried otherwise; its friction radius changes as that of the support does."""
+    ratio = friction_radius(support, model.footprint) / friction_radius(
+        model.support, model.footprint
+    )
+    return model.model_copy(
+        update={"support": support, "friction_radius": model.friction_radius * ratio}
+    )
+
+
+def _compared(found: Sequence[_Tried], taken: Balance) -> list[str]:
+    """What to say of the supports that were tried."""
+    if len(found) < 2:
+        return []
+    misfits = sorted(misfit for misfit, _, _ in found)
+    said = ", ".join(f"{_called(b.model.support)} {misfit:.1f}" for misfit, _, b in found)
+    why = "it predicts better"
+    if misfits[1] - misfits[0] < DIFFERENT:
+        why = "though the trials hardly tell them apart"
+    return [
+        f"the support {_called(taken.model.support)} was taken, {why} (−2 log likelihood: {said})"
+    ]
+
+
+def _called(support: Support) -> str:
+    return support if isinstance(support, str) else f"of {len(support)} points"
+
+
+def _turns(balance: Balance, values: Array) -> bool:
+    """Whether a slide is so far off-centre that the object turns."""
+    t = balance.touches
+    i = t.kind == "slide"
+    arm = yaw_arm(t.p[i], t.u[i], values[COM_X:])
+    return bool((np.abs(arm) > _OFF_CENTRE * values[RADIUS]).any() or balance.turns.any())
+
+
+def _misfit(balance: Balance, solution: Solution, rows: Mask) -> float:
+    """Misfit of the rows that no support can be blamed for missing left out."""
+    rest = (balance.observed - solution.at.predicted)[rows]
+    return float((rest**2 / solution.variance[rows] + np.log(solution.variance[rows])).sum())
+
+
+def _robust_rows(balance: Balance, solution: Solution) -> Mask:
+    """Rows of trials that are not suspected."""
+    suspects = [i for i, _ in _suspects(balance, solution)]
+    return ~np.isin(balance.trial, suspects)
+
+
+def _suspects(balance: Balance, solution: Solution) -> list[tuple[int, float]]:
+    """Trials that may be outliers, the worst first, with their robust deviations."""
+    z = (balance.observed - solution.at.predicted) / solution.at.sd
+    worst = np.zeros(len(balance.touches.size))
+    for rows in balance.groups:
+        if len(rows) < _LEAST_ROWS:
+            continue
+        apart = np.abs(z[rows] - np.median(z[rows]))
+        apart /= max(_TO_SD * float(np.median(apart)), 1.0)
+        np.maximum.at(worst, balance.trial[rows], apart)
+    order = np.argsort(-worst)
+    most = int(MOST_DROPPED * len(worst))
+    return [(int(i), float(worst[i])) for i in order[:most] if worst[i] > OUTLIER]
+
+
+def _without_outliers(
+    balance: Balance, solution: Solution, belief: Array, prior: bool
+) -> tuple[Solution, dict[int, float]]:
+    """The fit without trials that the others contradict, and by how many deviations they do."""
+    suspects = dict(_suspects(balance, solution))
+    if not suspects:
+        return solution, {}
+    rows = ~np.isin(balance.trial, list(suspects))
+    without = solve(balance, solution.values, solution.free, belief, rows=rows, prior=prior)
+    z = np.abs(_studentised(balance, without))
+    dropped = {i: far for i in suspects if (far := float(z[balance.trial == i].max())) > OUTLIER}
+    if len(dropped) == len(suspects):
+        return without, dropped
+    rows = ~np.isin(balance.trial, list(dropped))
+    again = solve(balance, without.values, without.free, belief, rows=rows, prior=prior)
+    return again, dropped
+
+
+def _studentised(balance: Balance, solution: Solution) -> Array:
+    """Residuals over their standard deviation, those of rows left out including the fit's own."""
+    J = solution.at.jacobian
+    of_fit = np.einsum("ij,jk,ik->i", J, solution.own, J)
+    sign = np.where(solution.rows, -1.0, 1.0)
+    variance = np.maximum(solution.variance + sign * of_fit, 1e-6 * solution.variance)
+    return np.asarray((balance.observed - solution.at.predicted) / np.sqrt(variance))
+
+
+def _result(
+    balance: Balance, solution: Solution, dropped: Mapping[int, float], notes: list[str]
+) -> Fit:
+    values, sources = solution.values, balance.touches.sources
+    per = units(values)
+    covariance = solution.covariance * np.outer(per, per)
+    sd = np.sqrt(np.diag(covariance))
+    z = (balance.observed - solution.at.predicted) / np.sqrt(solution.variance)
+    forces = ~balance.turns & solution.rows
+    relative = (balance.observed - solution.at.predicted)[forces] / balance.observed[forces]
+    found = tuple(name for name, free in zip(UNCERTAIN, solution.free, strict=True) if free)
+    if solution.noise > 1.0:
+        notes.append(
+            f"the residuals are {solution.noise:.1f} times as large as stated; "
+            "the standard deviations are scaled by that"
+        )
+    if solution.spread >= TOLD_SPREAD:
+        notes.append(f"the friction differs by {solution.spread:.1%} from slide to slide")
+    return Fit(
+        model=_fitted(balance, solution, covariance, found),
+        found=found,
+        values=dict(zip(UNCERTAIN, values.tolist(), strict=True)),
+        deviations=dict(zip(UNCERTAIN, sd.tolist(), strict=True)),
+        correlation=correlation_of(covariance),
+        spread=solution.spread,
+        noise=solution.noise,
+        residuals=tuple(tuple(z[balance.trial == i].tolist()) for i in range(len(sources))),
+        rms=float(np.sqrt(np.mean(relative**2))),
+        dropped={
+            sources[i]: f"{far:.1f} standard deviations from what the others predict"
+            for i, far in dropped.items()
+        },
+        notes=tuple(notes),
+        _solution=solution,
+    )
+
+
+def _fitted(
+    balance: Balance, solution: Solution, covariance: Array, found: tuple[str, ...]
+) -> ObjectModel:
+    """The model as the fit leaves it; the next slide's friction differs from the mean."""
+    covariance = covariance.copy()
+    covariance[FRICTION, FRICTION] += (solution.spread * solution.values[FRICTION]) ** 2
+    fitted = with_belief(with_values(balance.model, solution.values), covariance)
+    provenance = Provenance(
+        source="found by touching it",
+        method=f"joint fit of {', '.join(found)}",
+        trials=len(np.unique(balance.trial[solution.rows])),
+    )
+    return fitted.model_copy(update={"provenance": provenance})
+
+
+def _freedom(solution: Solution, k: int) -> float:
+    """Degrees of freedom behind the standard deviation of parameter k.
+
+    Those of the spread count by the share that it has in the variance (Satterthwaite 1946).
+    """
+    freedom = solution.noise_freedom
+    variance = solution.covariance[k, k]
+    if solution.spread > 0.0 and variance > 0.0:
+        rows = solution.rows
+        J = solution.at.jacobian[rows]
+        gain = solution.own @ (J.T / solution.variance[rows])
+        slides = np.where(solution.slides[rows], J[:, FRICTION], 0.0)
+        share = float((gain[k] ** 2 * (solution.spread * slides) ** 2).sum() / variance)
+        if share > 1e-6:
+            freedom = min(freedom, solution.spread_freedom / share**2)
+    return freedom
+
+
+def _quantile(level: float, freedom: float) -> float:
+    """Half-width of an interval in standard deviations: Student's t, or normal."""
+    from scipy.special import ndtri, stdtrit
+
+    p = 0.5 + level / 2.0
+    return float(ndtri(p)) if np.isinf(freedom) else float(stdtrit(freedom, p))

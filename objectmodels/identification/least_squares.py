@@ -1,0 +1,251 @@
+"""Weighted least squares in the parameters' coordinates, with two variances found beside them.
+
+Model: row i shows its prediction plus noise of the stated standard deviation σ_i times a common
+`noise` ≥ 1, and the friction of each slide differs from the mean by a relative `spread` τ: the
+variance is (noise σ_i)² + (τ D_i)², D_i = ∂s_i/∂ log μ for slides and 0 else. Both are moment
+estimates, repeated with the residuals until they stand: τ from what the slides' squares exceed the
+degrees of freedom that the slides have left (Paule and Mandel 1982, with leverages as in REML), the
+noise likewise from all other rows, if their squares exceed what chance gives in one case of twenty.
+
+Parameters that are not sought stay where they are. Their errors δ shift those sought by S δ,
+S = −(JᵀWJ)⁻¹ JᵀW J_kept, so their covariance enters that of the result (Schmidt 1966).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from objectmodels.errors import ModelError
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.identification.measurement_model import Balance, Linear
+from objectmodels.identification.parameter_coordinates import (
+    FRICTION,
+    LOGARITHMIC,
+    Mask,
+    coordinates,
+    values_at,
+    with_values,
+)
+
+SIGNIFICANT = 0.05
+"""Probability by chance below which squares that are too large count as more noise than stated."""
+
+_STEPS = 40
+_INNER = 50
+_SETTLED = 1e-3  # change of the variances, relative, and steps in standard deviations
+_LONGEST = 0.7  # step in a logarithm, a factor of two; along the base as a share of its size
+_HALVINGS = 12
+_ROOTS = 40
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What a fit found.
+
+    Attributes:
+        at: predictions at the values found.
+        free: which parameters were sought, shape (7,).
+        rows: which rows counted, shape (r,).
+        variance: of the rows, shape (r,).
+        spread: τ, relative spread of the friction between slides.
+        spread_freedom: degrees of freedom behind the spread.
+        noise: factor of the stated standard deviations.
+        noise_freedom: degrees of freedom behind it; infinite if the stated ones stand.
+        covariance: of all parameters in their coordinates, shape (7, 7).
+        own: the part that comes from the rows' noise, shape (7, 7).
+        slides: which rows are forces of slides, shape (r,).
+    """
+
+    at: Linear
+    free: Mask
+    rows: Mask
+    variance: Array
+    spread: float
+    spread_freedom: float
+    noise: float
+    noise_freedom: float
+    covariance: Array
+    own: Array
+    slides: Mask
+
+    @property
+    def values(self) -> Array:
+        """The parameters, in the order of `UNCERTAIN`, shape (7,)."""
+        return self.at.values
+
+
+def solve(
+    balance: Balance,
+    start: Array,
+    free: Mask,
+    belief: Array,
+    *,
+    rows: Mask | None = None,
+    prior: bool = False,
+) -> Solution:
+    """Finds the parameters sought by Gauss and Newton's method.
+
+    Args:
+        balance: the trials and their model.
+        start: values to start from, in the order of `UNCERTAIN`, shape (7,).
+        free: which parameters are sought, shape (7,).
+        belief: covariance of what was believed before, in coordinates, shape (7, 7).
+        rows: which rows count; all if not given.
+        prior: whether the belief of the model counts as a measurement of the parameters.
+
+    Raises:
+        ModelError: `no_fit` if no parameters explain the trials.
+    """
+    rows = np.ones(len(balance.observed), dtype=bool) if rows is None else rows
+    believed = coordinates(balance.model.means)
+    information = _information(belief, free) if prior else np.zeros((free.sum(), free.sum()))
+    now = balance.linear(start)
+    require_possible(balance, now, rows)
+    guess = 0.0, 1.0
+    for _ in range(_STEPS):
+        offset = (believed - coordinates(now.values))[free]
+        step, state = _weighted(balance, now, free, rows, information, offset, guess)
+        guess = state.spread, state.noise
+        sd = np.sqrt(np.diag(state.own))
+        if (np.abs(step) <= _SETTLED * sd).all():
+            return _solution(balance, now, free, rows, belief, information, state)
+        now = _moved(balance, now, free, rows, step)
+    raise ModelError(
+        "no_fit",
+        "the trials contradict each other so much that no parameters explain them",
+        suggestions=("check units, contact points and what moved",),
+    )
+
+
+def require_possible(balance: Balance, at: Linear, rows: Mask | bool = True) -> None:
+    """Refuses rows that the model has no prediction for."""
+    (wrong,) = np.nonzero(rows & ~np.isfinite(at.predicted))
+    if wrong.size:
+        raise ModelError(
+            "impossible_trial",
+            f"{balance.touches.sources[balance.trial[wrong[0]]]}: by the model such a push never "
+            "moves the object so",
+            suggestions=("check the contact point, the direction and what moved",),
+        )
+
+
+@dataclass(frozen=True)
+class _Variances:
+    """Variances of the rows, and what follows from them."""
+
+    spread: float
+    noise: float
+    spread_freedom: float
+    noise_freedom: float
+    variance: Array
+    own: Array
+
+
+def _information(belief: Array, free: Mask) -> Array:
+    """Inverse covariance of the beliefs on the parameters sought, given that the others hold."""
+    return np.asarray(np.linalg.pinv(belief[np.ix_(free, free)], rcond=1e-12, hermitian=True))
+
+
+def _weighted(
+    balance: Balance, at: Linear, free: Mask, rows: Mask, information: Array, offset: Array,
+    guess: tuple[float, float],
+) -> tuple[Array, _Variances]:  # fmt: skip
+    """The step of linear least squares, the variances settled."""
+    J, rest = at.jacobian[rows][:, free], (balance.observed - at.predicted)[rows]
+    slides = balance.slides[rows]
+    per_friction = np.where(slides, at.jacobian[rows, FRICTION], 0.0)
+    spread, noise = guess
+    for _ in range(_INNER):
+        variance = (noise * at.sd[rows]) ** 2 + (spread * per_friction) ** 2
+        weighted = J.T / variance
+        own: Array = np.asarray(np.linalg.inv(weighted @ J + information))
+        step = own @ (weighted @ rest + information @ offset)
+        left = rest - J @ step
+        used = np.einsum("ij,jk,ik->i", J, own, J) / variance
+        freedom = float((~slides).sum() - used[~slides].sum())
+        new_noise, noise_freedom = _excess((left / at.sd[rows])[~slides], freedom)
+        slide_freedom = float(slides.sum() - used[slides].sum())
+        new_spread = _spread(
+            left[slides], (new_noise * at.sd[rows])[slides], per_friction[slides], slide_freedom
+        )
+        change = max(abs(new_spread**2 - spread**2) / (spread**2 + 1e-6), abs(new_noise - noise))
+        spread, noise = new_spread, new_noise
+        if change < _SETTLED:
+            break
+    whole = (noise * at.sd) ** 2
+    whole += (spread * np.where(balance.slides, at.jacobian[:, FRICTION], 0.0)) ** 2
+    return step, _Variances(spread, noise, slide_freedom, noise_freedom, whole, own)
+
+
+def _excess(z: Array, freedom: float) -> tuple[float, float]:
+    """Factor of the stated noise, and the degrees of freedom behind it."""
+    from scipy.special import chdtrc
+
+    squares = float(z @ z)
+    if freedom < 0.5 or chdtrc(freedom, squares) > SIGNIFICANT:
+        return 1.0, np.inf
+    return float(np.sqrt(squares / freedom)), freedom
+
+
+def _spread(left: Array, sd: Array, per_friction: Array, freedom: float) -> float:
+    """τ with Σ left² / (sd² + τ² D²) equal to the degrees of freedom; 0 if noise explains it."""
+    if freedom < 0.5:
+        return 0.0
+    square, d2, r2 = 0.0, per_friction**2, left**2
+    for _ in range(_ROOTS):  # convex and falling: Newton's method rises to the root from below
+        variance = sd**2 + square * d2
+        excess = float((r2 / variance).sum()) - freedom
+        step = excess / float((r2 * d2 / variance**2).sum() + 1e-300)
+        if excess <= 0.0 or step <= 1e-6 * square:
+            break
+        square += step
+    return float(np.sqrt(square))
+
+
+def _moved(balance: Balance, at: Linear, free: Mask, rows: Mask, step: Array) -> Linear:
+    """Predictions after a step, shortened until there are any."""
+    longest = np.where(LOGARITHMIC, _LONGEST, 0.3 * balance.model.base.size)[free]
+    share = 1.0 / max(1.0, float((np.abs(step) / longest).max()))
+    for _ in range(_HALVINGS):
+        x = coordinates(at.values)
+        x[free] += share * step
+        values = np.where(free, values_at(x), at.values)
+        try:
+            with_values(balance.model, values)
+            moved = balance.linear(values)
+        except ModelError:
+            share *= 0.5
+            continue
+        if np.isfinite(moved.predicted[rows]).all():
+            return moved
+        share *= 0.5
+    raise ModelError(
+        "no_fit",
+        f"the trials lead to a {balance.model.name} that would not stand",
+        suggestions=("check where the contacts were, and the object's size",),
+    )
+
+
+def _solution(
+    balance: Balance, at: Linear, free: Mask, rows: Mask, belief: Array, information: Array,
+    state: _Variances,
+) -> Solution:  # fmt: skip
+    covariance, own = np.zeros((7, 7)), np.zeros((7, 7))
+    kept = ~free
+    J = at.jacobian[rows]
+    given = belief[np.ix_(kept, kept)]
+    shift = -state.own @ (J[:, free].T / state.variance[rows]) @ J[:, kept]
+    if information.any():  # the belief ties what is sought to what is kept
+        tie = belief[np.ix_(free, kept)] @ np.linalg.pinv(given, hermitian=True)
+        shift = shift + state.own @ information @ tie
+    own[np.ix_(free, free)] = state.own
+    covariance[np.ix_(free, free)] = state.own + shift @ given @ shift.T
+    covariance[np.ix_(free, kept)] = shift @ given
+    covariance[np.ix_(kept, free)] = (shift @ given).T
+    covariance[np.ix_(kept, kept)] = given
+    return Solution(
+        at, free, rows, state.variance, state.spread, state.spread_freedom, state.noise,
+        state.noise_freedom, covariance, own, balance.slides,
+    )  # fmt: skip

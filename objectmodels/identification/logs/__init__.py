@@ -1,0 +1,1 @@
+"""Readers of a real robot's data files."""

@@ -1,0 +1,214 @@
+"""Logs of a real robot's touches, read into trials: a row for each touch, or recordings over time.
+
+Columns carry their units; docs/fitting.md explains them. All of a file is read or nothing, and what
+is wrong is named with its row and column. What a file leaves open takes a stated default: the
+noise of forces and angles, which the fit enlarges if its residuals are larger.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import hypot, radians
+from pathlib import Path
+
+import numpy as np
+
+from objectmodels.identification.logs.csv_tables import Row, Table, read_table, shortened
+from objectmodels.identification.logs.force_recordings import CONTACT, FORCE, read_recordings
+from objectmodels.identification.plausibility_checks import (
+    require_on_object,
+    require_plausible_force,
+)
+from objectmodels.identification.trial import Moved, Trial, Vector
+from objectmodels.models.object_model import ObjectModel
+from objectmodels.name_suggestions import suggest
+
+FORCE_SHARE = 0.02
+"""Standard deviation of a force as a share of it, if none is stated; residuals may enlarge it."""
+
+ANGLE_SD = radians(0.5)
+"""Standard deviation of a tilt or a turn, if none is stated [rad]."""
+
+DIRECTION = ("ux", "uy", "uz")
+NORMAL = ("nx", "ny", "nz")
+
+COLUMNS = (
+    "moved", *CONTACT, *FORCE, "force_n", *DIRECTION, "force_sd_n", "tilt_deg", "tilt_sd_deg",
+    "turn_deg", "turn_sd_deg", "travel_m", *NORMAL, "repetition", "note",
+)  # fmt: skip
+"""Columns that a table of touches may have."""
+
+_MOVED: tuple[Moved, ...] = ("slide", "topple", "slip")
+_SHORTEST, _LONGEST = 0.001, 1.0  # travel over which a turn is measured [m]
+_STRAIGHT = 0.01  # friction below which nothing is
+_FINEST = 1e-4  # no sensor of forces is better than this share
+_FINEST_ANGLE = 0.001  # and none of angles than this [°]
+_ROUNDED = 0.02  # a direction's length may be off by so much, then it is made one
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What data files hold.
+
+    Attributes:
+        trials: the touches.
+        assumed: for each of them whether the deviation of its force was assumed.
+        unused: what was left out, and why.
+    """
+
+    trials: tuple[Trial, ...]
+    assumed: tuple[bool, ...]
+    unused: tuple[str, ...] = ()
+
+
+def read_data(paths: Sequence[Path], model: ObjectModel) -> Reading:
+    """Reads data files, of either form.
+
+    Args:
+        paths: the files.
+        model: the object that was touched, for its shape and for the order of forces.
+
+    Raises:
+        ModelError: `unreadable_file`, `bad_data`.
+    """
+    trials: list[Trial] = []
+    assumed: list[bool] = []
+    unused: list[str] = []
+    for path in paths:
+        prefix = f"{path.name}: " if len(paths) > 1 else ""
+        table = read_table(path)
+        if "time_s" in table.columns:
+            found, left = read_recordings(table, model, prefix)
+            unused += left
+            assumed += [False] * len(found)  # theirs is the scatter of their samples
+        else:
+            found = _touches(table, model, prefix)
+            assumed += [not row.text("force_sd_n") for row in table.rows]
+        trials += found
+    return Reading(tuple(trials), tuple(assumed), tuple(unused))
+
+
+def _touches(table: Table, model: ObjectModel, prefix: str) -> list[Trial]:
+    """The trials of a table with a row for each."""
+    by_size = any(column in table.columns for column in ("force_n", *DIRECTION))
+    if by_size and any(column in table.columns for column in FORCE):
+        raise table.error(
+            f"has both {', '.join(FORCE)} and force_n with {', '.join(DIRECTION)}",
+            "leave one of the two out",
+        )
+    force = ("force_n", *DIRECTION) if by_size else FORCE
+    table.require(("moved", *CONTACT, *force), COLUMNS)
+    return [_touch(row, model, prefix, by_size) for row in table.rows]
+
+
+def _touch(row: Row, model: ObjectModel, prefix: str, by_size: bool) -> Trial:
+    moved = _moved(row)
+    point = row.vector(CONTACT)
+    require_on_object(row, model, point, CONTACT)
+    force = _sized(row) if by_size else row.vector(FORCE)
+    size = hypot(*force)
+    tilt, tilt_sd = _tilt(row, moved)
+    turn_rate, turn_rate_sd = _turn_rate(row, moved)
+    trial = Trial(
+        moved=moved,
+        point=point,
+        force=force,
+        force_sd=_deviation(row, "force_sd_n", FORCE_SHARE * size, _FINEST * size),
+        tilt=tilt,
+        tilt_sd=tilt_sd,
+        turn_rate=turn_rate,
+        turn_rate_sd=turn_rate_sd,
+        normal=_normal(row, force) if moved == "slip" else None,
+        repetition=_repetition(row),
+        source=f"{prefix}row {row.number}",
+    )
+    largest = FORCE[int(np.argmax(np.abs(force)))]
+    require_plausible_force(row, model, trial, "force_n" if by_size else largest)
+    return trial
+
+
+def _moved(row: Row) -> Moved:
+    text = row.text("moved").casefold()
+    for moved in _MOVED:
+        if text == moved:
+            return moved
+    hints = tuple(f"did you mean '{name}'?" for name in suggest(text, _MOVED)[:1])
+    expected = "expected slide, topple or slip"
+    raise row.error("moved", f"found {shortened(row.text('moved'))}, {expected}", *hints)
+
+
+def _sized(row: Row) -> Vector:
+    """A force given by its size and direction [N]."""
+    size = row.value("force_n")
+    if size <= 0.0:
+        raise row.error("force_n", f"found {size:g}, expected a size above 0", "turn its direction")
+    x, y, z = _unit(row, DIRECTION)
+    return (size * x, size * y, size * z)
+
+
+def _unit(row: Row, columns: tuple[str, str, str]) -> Vector:
+    x, y, z = row.vector(columns)
+    length = hypot(x, y, z)
+    if not abs(length - 1.0) <= _ROUNDED:
+        raise row.error(columns[0], f"the direction has length {length:.3g}, expected 1")
+    return (x / length, y / length, z / length)
+
+
+def _deviation(row: Row, column: str, default: float, least: float) -> float:
+    """A standard deviation, or its default."""
+    value = row.number_or_none(column)
+    if value is not None and value < least:
+        raise row.error(column, f"found {value:g}, expected at least {least:.3g}")
+    return default if value is None else value
+
+
+def _tilt(row: Row, moved: Moved) -> tuple[float, float]:
+    """Tilt and its standard deviation [rad]."""
+    tilt = row.number_or_none("tilt_deg") or 0.0
+    sd = _deviation(row, "tilt_sd_deg", 0.0, _FINEST_ANGLE)
+    if tilt and moved != "topple":
+        raise row.error("tilt_deg", f"what did {moved} has no tilt", "leave the cell empty")
+    if not 0.0 <= tilt < 90.0:
+        raise row.error("tilt_deg", f"found {tilt:g}, expected 0 to 90 degrees")
+    if not tilt:
+        return 0.0, 0.0  # at the onset it stands
+    return radians(tilt), radians(sd) or ANGLE_SD
+
+
+def _turn_rate(row: Row, moved: Moved) -> tuple[float | None, float | None]:
+    """Turn for each metre of the contact's travel, and its standard deviation [rad/m]."""
+    turn, travel = row.number_or_none("turn_deg"), row.number_or_none("travel_m")
+    if turn is None:
+        return None, None
+    if moved != "slide":
+        raise row.error("turn_deg", f"only a slide turns, not a {moved}", "leave the cell empty")
+    if abs(turn) > 180.0:
+        raise row.error("turn_deg", f"found {turn:g}, expected −180 to 180 degrees")
+    if travel is None:
+        raise row.error("travel_m", "is required beside turn_deg, but empty")
+    if not _SHORTEST <= travel <= _LONGEST:
+        hints = ("is it in millimetres? the column is in metres",) if travel > _LONGEST else ()
+        expected = f"expected {_SHORTEST:g} to {_LONGEST:g} m"
+        raise row.error("travel_m", f"found {travel:g}, {expected}", *hints)
+    sd = radians(_deviation(row, "turn_sd_deg", 0.0, _FINEST_ANGLE)) or ANGLE_SD
+    return radians(turn) / travel, sd / travel
+
+
+def _normal(row: Row, force: Vector) -> Vector:
+    """Outward normal of the face on which the finger slipped."""
+    normal = _unit(row, NORMAL)
+    pressing = -float(np.dot(normal, force))
+    if pressing <= 0.0:
+        what = "the force does not press on the face of this normal"
+        raise row.error(NORMAL[0], what, "the normal points out of the object")
+    if not np.linalg.norm(np.cross(normal, force)) > _STRAIGHT * pressing:
+        raise row.error(NORMAL[0], "the force goes straight into the face: so no finger slips")
+    return normal
+
+
+def _repetition(row: Row) -> int:
+    value = row.number_or_none("repetition") or 0.0
+    if value != int(value) or not 0 <= value < 1e6:
+        raise row.error("repetition", f"found {value:g}, expected a whole number from 0 on")
+    return int(value)

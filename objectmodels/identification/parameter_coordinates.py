@@ -1,0 +1,113 @@
+"""The uncertain parameters as vectors: values, coordinates to fit them in, models with them.
+
+Steps make sense in logarithms of the positive parameters, and in metres of the horizontal centre of
+mass. Vectors are in the order of `UNCERTAIN`.
+"""
+
+from __future__ import annotations
+
+from math import isclose
+
+import numpy as np
+from numpy.typing import NDArray
+
+from objectmodels.containers.contents_update import reweighed
+from objectmodels.errors import ModelError
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.parameters import UNCERTAIN
+
+Mask = NDArray[np.bool_]
+
+MASS, FRICTION, FINGER, RADIUS, COM_X, COM_Y, COM_Z = range(len(UNCERTAIN))
+"""Places of the parameters in vectors of values."""
+
+LOGARITHMIC = np.array([name not in ("com_x", "com_y") for name in UNCERTAIN])
+"""Which coordinates are logarithms."""
+
+
+def coordinates(values: Array) -> Array:
+    """Coordinates of parameters (..., 7): logarithms, or metres for com_x and com_y."""
+    safe = np.where(LOGARITHMIC, values, 1.0)
+    return np.where(LOGARITHMIC, np.log(safe), values)
+
+
+def values_at(x: Array) -> Array:
+    """Parameters at coordinates (..., 7); the inverse of `coordinates`."""
+    return np.where(LOGARITHMIC, np.exp(np.where(LOGARITHMIC, x, 0.0)), x)
+
+
+def units(values: Array) -> Array:
+    """By how much the parameters change for each unit of their coordinates, shape (7,)."""
+    return np.where(LOGARITHMIC, values, 1.0)
+
+
+def with_values(model: ObjectModel, values: Array) -> ObjectModel:
+    """The model with other values of the uncertain parameters, in the order of `UNCERTAIN`.
+
+    Kinetic coefficients keep their ratio to the static ones: no trial tells them apart. What a
+    container weighs otherwise is put down to its contents.
+
+    Raises:
+        ModelError: `not_possible` if an object with them would not stand.
+    """
+    m, friction, finger, radius, *com = (float(value) for value in values)
+    c = np.array(com)
+    room = model.base.topple(np.zeros(2), c[:2], np.zeros(()), 1.0)
+    if not (room > 1.0 and 0.0 < c[2] < model.top):
+        raise ModelError(
+            "not_possible",
+            f"the trials put the centre of mass of the {model.name} at "
+            f"({c[0]:.3f}, {c[1]:.3f}, {c[2]:.3f}) m, where it would not stand",
+            suggestions=("check where the contacts were, and the object's size",),
+        )
+    return model.model_copy(
+        update={
+            "mass": m,
+            "friction": friction,
+            "finger_friction": finger,
+            "friction_radius": radius,
+            "com": tuple(com),
+            "container": reweighed(model, m, model.mass_sd),
+            "friction_kinetic": _in_ratio(model.friction_kinetic, friction, model.friction),
+            "finger_friction_kinetic": _in_ratio(
+                model.finger_friction_kinetic, finger, model.finger_friction
+            ),
+        }
+    )
+
+
+def _in_ratio(kinetic: float | None, static: float, before: float) -> float | None:
+    return None if kinetic is None else kinetic * (static / before)
+
+
+def with_belief(model: ObjectModel, covariance: Array) -> ObjectModel:
+    """The model with another covariance of its parameters, in the order of `UNCERTAIN`, (7, 7)."""
+    mass, friction, finger, radius, *com = np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist()
+    rho = correlation_of(covariance)
+    pairs = [
+        (a, b, float(rho[i, j]))
+        for i, a in enumerate(UNCERTAIN)
+        for j, b in enumerate(UNCERTAIN)
+        if i < j and not isclose(rho[i, j], 0.0, abs_tol=1e-12)
+    ]
+    return model.model_copy(
+        update={
+            "mass_sd": mass,
+            "friction_sd": friction,
+            "finger_friction_sd": finger,
+            "friction_radius_sd": radius,
+            "com_sd": tuple(com),
+            "container": reweighed(model, model.mass, mass),
+            "correlations": tuple(pairs),
+        }
+    )
+
+
+def correlation_of(covariance: Array) -> Array:
+    """Correlations of a covariance (7, 7); a hair inside of what is possible, for rounding."""
+    sd = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    safe = np.where(sd > 0.0, sd, 1.0)
+    rho = covariance / np.outer(safe, safe) * (1.0 - 1e-9)
+    np.fill_diagonal(rho, 1.0)
+    return np.asarray(np.clip(rho, -1.0, 1.0))

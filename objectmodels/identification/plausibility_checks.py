@@ -1,0 +1,118 @@
+"""Whether measurements can be of an object at all: places on it, forces of its order.
+
+Wrong units are wrong by a factor of 1000 as a rule, and a belief is hardly ever; so what lies
+beside the object, or is off by a factor of `FAR` from what is believed, is refused, with a guess at
+the unit. A force that pulls the object towards the finger is that on the finger, not on the object.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from objectmodels.geometry.base_shapes import Array, Polygon
+from objectmodels.identification.logs.csv_tables import Row
+from objectmodels.identification.trial import Trial, Vector
+from objectmodels.models.object_model import ObjectModel
+
+SLACK = 0.010
+"""A contact may lie so far beside the object [m]: fingertips are round and tables uneven."""
+
+FAR = 50.0
+"""A force is off by more than this from what is believed only if its unit is wrong."""
+
+_PULLS = 0.05  # least part of a unit force along the outward normal that surely pulls
+_NEAR_ZERO = 0.01  # contacts nearer to the origin than this share of the object are none
+
+
+def require_on_object(
+    row: Row, model: ObjectModel, point: Vector, columns: tuple[str, ...]
+) -> None:
+    """Checks that a contact lies on the object, inside or out by no more than `SLACK`.
+
+    Args:
+        row: where it was read, for the error.
+        model: the object.
+        point: contact point in B [m].
+        columns: of its three coordinates.
+
+    Raises:
+        ModelError: `bad_data`.
+    """
+    x, y, z = point
+    low, high = model.outline.min(axis=0), model.outline.max(axis=0)
+    if z > model.top + SLACK:
+        what = f"{z:g} lies above the object, {model.top:g} m high"
+        raise row.error(columns[2], what, *_length_hint(z, model.top))
+    if z < -SLACK:
+        raise row.error(columns[2], f"{z:g} lies below the table", "z is 0 at the base, and up")
+    for value, least, most, column in zip((x, y), low, high, columns, strict=False):
+        if not least - SLACK <= value <= most + SLACK:
+            what = f"{value:g} lies beside the object, which reaches from {least:g} to {most:g} m"
+            raise row.error(column, what, *_length_hint(abs(value), max(-least, most)))
+    if _beyond(model, point).max() > SLACK:
+        raise row.error(columns[0], f"({x:g}, {y:g}) lies beside the object")
+    if np.linalg.norm(point) < _NEAR_ZERO * max(model.extents):
+        what = "the contact lies in the middle of the base, inside the object"
+        raise row.error(columns[0], what, "the coordinates are in metres, from the base's middle")
+
+
+def require_plausible_force(row: Row, model: ObjectModel, trial: Trial, column: str) -> None:
+    """Checks that a force presses on the object, and is not off by a factor of 1000.
+
+    Args:
+        row: where it was read, for the error.
+        model: the object as it is believed to be.
+        trial: what was read.
+        column: of the force, or of its largest component.
+
+    Raises:
+        ModelError: `bad_data`.
+    """
+    f = np.array(trial.force)
+    size = float(np.linalg.norm(f))
+    if size == 0.0:
+        raise row.error(column, "a force of 0 N moves nothing")
+    u = f / size
+    if trial.moved != "slip" and not u[:2].any():
+        raise row.error(column, "a vertical force neither slides nor tilts anything")
+    if trial.force_sd > size:
+        what = f"{trial.force_sd:g} is larger than the force itself, {size:.3g} N"
+        raise row.error("force_sd_n", what, "is it in millinewtons?")
+    beyond = _beyond(model, trial.point)
+    normals = Polygon.convex(model.outline).normals[beyond > -SLACK]
+    if len(normals) and (normals @ u[:2]).min() > _PULLS:
+        what = "the force pulls the object towards the finger"
+        hint = "is it the force on the finger? That on the object has the other sign"
+        raise row.error(column, what, hint)
+    if trial.moved == "slip":
+        return  # only the ratio of its parts counts
+    believed = _believed(model, trial, u)
+    # A force that holds a tilted object is less than that at the onset, down to nothing.
+    least = believed / (1e3 if trial.tilt else FAR)
+    if not least <= size <= FAR * believed:
+        unit = "millinewtons" if size > believed else "kilonewtons"
+        what = (
+            f"a force of {size:.3g} N is far from what the {model.name} is believed to need to "
+            f"{trial.moved} there, {believed:.3g} N"
+        )
+        raise row.error(column, what, f"is it in {unit}?", "or mend the model's guess")
+
+
+def _believed(model: ObjectModel, trial: Trial, u: Array) -> float:
+    """Force at which the object is believed to do what it did; its weight if never [N]."""
+    t = model.thresholds([trial.point], [u])
+    force = float((t.slide if trial.moved == "slide" else t.topple)[0])
+    return force if np.isfinite(force) else model.weight
+
+
+def _beyond(model: ObjectModel, point: Vector) -> Array:
+    """How far a point lies beyond each side of the outline seen from above [m]."""
+    outline = Polygon.convex(model.outline)
+    return np.asarray(outline.normals @ np.array(point[:2]) - outline.offsets)
+
+
+def _length_hint(value: float, most: float) -> tuple[str, ...]:
+    for factor, unit in ((100.0, "centimetres"), (1000.0, "millimetres")):
+        if value / factor <= most + SLACK / 10.0:
+            return (f"is it in {unit}? the column is in metres",)
+    return ()

@@ -1,0 +1,1 @@
+"""Closed forms: thresholds, cone, friction limit, probability, motion, turning, grasps."""

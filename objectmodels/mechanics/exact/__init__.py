@@ -1,0 +1,1 @@
+"""The exact tier: springs, load bounds, step force."""

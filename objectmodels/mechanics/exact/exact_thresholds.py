@@ -1,0 +1,320 @@
+"""The exact tier: when a push slides an object that stands on springs, or topples it.
+
+Model: toppling is the closed form's, exact for a rigid base. For sliding, the support points carry
+what springs carry (`objectmodels.mechanics.exact.support_springs`), and resist what Coulomb
+friction resists under those loads (`objectmodels.mechanics.friction_limit`); the loads follow the
+push as it grows. In the load ratio r = s/N the centre of pressure moves evenly, q = (1 + r u_z)
+c_xy + r (p_z u_xy − u_z p_xy), and the object slides at the first r with r |u_xy| = μ S(q), S the
+friction limit. A friction radius other than the support's own scales the points' distances from the
+centre of pressure.
+
+Every answer is certified: `residual` says how far loads and friction forces are from balancing the
+push, and from Coulomb's law.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import isclose
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from objectmodels.geometry.base_shapes import Array, Base, Disc
+from objectmodels.geometry.support_points import (
+    friction_radius,
+    hull,
+    mean_distance,
+    support_points,
+)
+from objectmodels.mechanics.exact.support_springs import Springs
+from objectmodels.mechanics.friction_limit import Limit, friction_limit
+from objectmodels.mechanics.push_outcomes import Thresholds
+from objectmodels.mechanics.push_thresholds import (
+    force_at,
+    push_moment,
+    ratio_at,
+    slide_threshold,
+    topple_threshold,
+    yaw_arm,
+)
+
+if TYPE_CHECKING:
+    from objectmodels.models.object_model import Friction, ObjectModel
+
+BLOCK = 8192
+"""Points of pushes treated at once, so that the arrays stay in the processor's cache."""
+
+# The centre of pressure stays so much of its way short of the edge, where loads are not unique.
+_SHORT = 1e-9
+_STEPS = 100
+_NEWTON = 12  # steps after which every other one halves the bracket
+_PRECISE = 1e-12  # of the load ratio
+_LOOKS = 16  # even steps in which slides before the one found are looked for
+_FEW = 24  # points up to which all changes of the loaded ones are looked at instead
+
+Index = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class ExactThresholds(Thresholds):
+    """Thresholds of the exact tier; arrays over n pushes.
+
+    Where the object topples first, `slide` is the friction limit for the loads at that moment:
+    beyond it there are no loads.
+
+    Attributes:
+        residual: largest violation of balance and of Coulomb's law at the onset, relative, (n,).
+        support: points, weights and the factor of their distances from the centre of pressure.
+        coefficient: μ at the table.
+        fitted: whether the friction radius is another one than the support's own.
+        motion: β and ω [1/m] of the sliding motion, in axes along and across the push, (2, n).
+    """
+
+    residual: Array
+    support: tuple[Array, Array, float] = field(repr=False)
+    coefficient: float
+    motion: Array = field(repr=False)
+    fitted: bool
+
+    @cached_property
+    def optimistic(self) -> Array:
+        """Onset if the support points shared the load as well as they can, shape (n,) [N].
+
+        Raises:
+            ModelError: `no_bounds` if the friction radius was fitted: its points are not known.
+        """
+        from objectmodels.mechanics.exact.load_sharing_bounds import optimistic
+
+        return optimistic(self)
+
+    @cached_property
+    def pessimistic(self) -> Array:
+        """Onset if they shared it as badly as balance allows, shape (n,) [N].
+
+        Raises:
+            ModelError: `no_bounds`, as for `optimistic`.
+        """
+        from objectmodels.mechanics.exact.load_sharing_bounds import pessimistic
+
+        return pessimistic(self)
+
+    def _sliding(self, i: NDArray[np.bool_]) -> Array:
+        p, u = (v[i] for v in self.push)
+        h, along, across = axes(u)
+        beta, omega = self.motion[:, i]
+        left = np.sum(p[:, :2] * across, axis=1)
+        v = (1.0 + omega * left)[:, None] * along + beta[:, None] * across
+        zero = np.zeros((len(p), 2))
+        return np.asarray(np.column_stack((zero, omega, v, zero[:, 0])) / h[:, None])
+
+
+def axes(u: Array) -> tuple[Array, Array, Array]:
+    """Horizontal part of directions, shape (n,), and unit vectors along and to the left, (n, 2)."""
+    h = np.hypot(u[:, 0], u[:, 1])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        along = np.where(h[:, None] > 0.0, u[:, :2] / h[:, None], [1.0, 0.0])
+    return h, along, np.column_stack((-along[:, 1], along[:, 0]))
+
+
+def exact_thresholds(model: ObjectModel, p: Array, u: Array, friction: Friction) -> ExactThresholds:
+    """See `ObjectModel.thresholds`, which checks its arguments."""
+    c, weight, mu = np.array(model.com), model.weight, model.coefficient(friction)
+    points, weights = support_points(model.support, model.footprint)
+    scale = model.friction_radius / mean_distance(points, weights)
+    topple = topple_threshold(model.base, p, u, c, weight)
+    ellipsoid = slide_threshold(u, yaw_arm(p, u, c), mu, model.friction_radius, weight)
+    slide, residual = np.full(len(p), np.inf), np.zeros(len(p))
+    motion = np.full((2, len(p)), np.nan)
+    block = max(BLOCK // len(points), 1)
+    for start in range(0, len(p), block):
+        b = slice(start, start + block)
+        search = _Search(
+            model.base, Springs(points, weights), scale, mu, c[:2], p[b], u[b],
+            ratio_at(topple[b], u[b, 2], weight),
+        )  # fmt: skip
+        answer = search.first(ratio_at(ellipsoid[b], u[b, 2], weight))
+        r, residual[b], motion[:, b] = answer.ratio, answer.residual, answer.motion
+        jams = 1.0 + np.where(np.isfinite(r), r, 0.0) * u[b, 2] <= 0.0
+        slide[b] = force_at(np.where(jams, np.inf, r), u[b, 2], weight)
+    return ExactThresholds(
+        slide=slide,
+        topple=topple,
+        friction=friction,
+        push=(p, u),
+        body=(model.base, c, model.friction_radius, weight),
+        residual=residual,
+        support=(points, weights, scale),
+        coefficient=mu,
+        motion=motion,
+        fitted=not isclose(model.friction_radius, friction_radius(model.support, model.footprint)),
+    )
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a search finds of n pushes.
+
+    Attributes:
+        ratio: load ratios at which they slide, shape (n,); inf where they never do. Where they
+            topple first, the one that the loads at tipping would hold.
+        residual: see `ExactThresholds`, shape (n,).
+        motion: see `ExactThresholds`, shape (2, n); nan where they do not slide first.
+    """
+
+    ratio: Array
+    residual: Array
+    motion: Array
+
+
+class _Search:
+    """The first load ratio at which each of n pushes slides."""
+
+    def __init__(
+        self, base: Base, springs: Springs, scale: float, mu: float, com: Array,
+        p: Array, u: Array, tips: Array,
+    ) -> None:  # fmt: skip
+        self.springs, self.scale, self.mu = springs, scale, mu
+        # On a round base the points are a polygon; the centre of pressure is kept on that.
+        self.inside = hull(springs.points) if isinstance(base, Disc) else None
+        self.h, self.along, across = axes(u)
+        self.line = np.sum(p[:, :2] * across, axis=1)
+        self.across = across
+        self.start = np.tile(com[:, None], (1, len(p)))
+        self.moves = (u[:, 2:] * com + push_moment(p, u)).T
+        with np.errstate(divide="ignore"):
+            straight = mu / self.h  # more than that no support resists
+        self.tips = tips
+        self.leaves = np.full(len(p), np.inf)
+        if self.inside is not None:
+            level = np.zeros(len(p))
+            leaves = self.inside.topple(self.start.T, self.moves.T, level, 1.0)
+            self.leaves = leaves * (1.0 - _SHORT)
+        self.last = np.minimum(tips * (1.0 - _SHORT), straight * (1.0 + _SHORT))
+        self.loaded = np.ones((len(springs.points), len(p)), dtype=bool)
+
+    def first(self, guess: Array) -> Answer:
+        """The first ratios at which the pushes slide, from guesses, shape (n,)."""
+        n = len(guess)
+        answer = Answer(np.full(n, np.inf), np.zeros(n), np.full((2, n), np.nan))
+        (i,) = np.nonzero((self.h > 0.0) & (self.last > 0.0) & np.isfinite(self.last))
+        zero, last = np.zeros(i.size), self.last[i]
+        self._solve(i, zero, last, np.minimum(guess[i], last), answer)
+        lo, hi, earlier = self._earlier(i, np.minimum(answer.ratio[i], last))
+        self._solve(i[earlier], lo, hi, 0.5 * (lo + hi), answer)
+        return answer
+
+    def _solve(self, i: Index, lo: Array, hi: Array, at: Array, answer: Answer) -> None:
+        """Newton's method inside brackets, where the push holds at the lower end.
+
+        It holds at the upper end too if it never slides; that is learned there, at the last ratio.
+        """
+        lo, hi, at = lo.copy(), hi.copy(), at.copy()
+        open_ = np.arange(i.size)
+        for number in range(_STEPS):
+            if not open_.size:
+                return
+            x, pushes = at[open_], i[open_]
+            value, slope, limit = self.excess(x, pushes)
+            done = np.abs(value) <= _PRECISE * self.h[pushes] * x
+            slides = (value < 0.0) | done
+            never = ~slides & (x >= self.last[pushes])
+            lo[open_], hi[open_] = np.where(slides, lo[open_], x), np.where(slides, x, hi[open_])
+            low, high = lo[open_], hi[open_]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                step = x - value / slope
+            inside = (step > low) & (step < high) & (number < _NEWTON or number % 2 == 0)
+            far = ~slides & (step >= high) & (high >= self.last[pushes])
+            at[open_] = np.where(inside, step, np.where(far, high, 0.5 * (low + high)))
+            done |= ~never & (high - low <= _PRECISE * high)
+            answer.ratio[pushes[done]] = x[done]
+            answer.residual[pushes[done]] = self._residual(x[done], pushes[done], limit, done)
+            answer.motion[:, pushes[done]] = limit.across[done], limit.turn[done]
+            # Toppling comes first: it would slide later, if its loads stayed those at tipping.
+            kept = never & np.isfinite(self.tips[pushes])
+            answer.ratio[pushes[kept]] = self.mu * limit.ratio[kept] / self.h[pushes[kept]]
+            open_ = open_[~done & ~never]
+        answer.residual[i[open_]] = np.inf
+
+    def _earlier(self, i: Index, found: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """Brackets of slides before those found, and which pushes have them.
+
+        While the same points are loaded the loads are linear in r and S is concave in them: a push
+        that holds at both ends of such a stretch holds on all of it. So the ends are looked at, or
+        even steps where the points are many.
+        """
+        if len(self.springs.points) <= _FEW:
+            last = np.minimum(found, self.leaves[i])
+            ends = [*self.springs.changes(self.start[:, i], self.moves[:, i], last), last]
+        else:
+            ends = list(np.arange(1, _LOOKS)[:, None] / _LOOKS * found)
+        lo, hi, earlier = np.zeros(i.size), found.copy(), np.zeros(i.size, dtype=bool)
+        for end in ends:
+            (k,) = np.nonzero((end < found * (1.0 - _SHORT)) & ~earlier)
+            if not k.size:
+                continue
+            slides = self.excess(end[k], i[k])[0] < -_PRECISE * self.h[i[k]] * end[k]
+            hi[k[slides]], lo[k[~slides]] = end[k[slides]], end[k[~slides]]
+            earlier[k[slides]] = True
+        return lo[earlier], hi[earlier], earlier
+
+    def places(self, r: Array, i: Index) -> tuple[Array, Array]:
+        """Centres of pressure and how they move with r, each (2, n)."""
+        q, dq = self.start[:, i] + r * self.moves[:, i], self.moves[:, i]
+        if self.inside is not None:
+            beyond = (self.inside.normals @ q / self.inside.offsets[:, None]).max(axis=0)
+            beyond = np.maximum(beyond * (1.0 + _SHORT), 1.0)
+            q, dq = q / beyond, np.where(beyond > 1.0, 0.0, dq)
+        return q, dq
+
+    def excess(self, r: Array, i: Index) -> tuple[Array, Array, Limit]:
+        """μ S − r |u_xy| at load ratios, its slope, and the friction limit."""
+        q, dq = self.places(r, i)
+        loaded = self.loaded[:, i]
+        loads, change = self.springs.loads(q, dq, loaded)
+        self.loaded[:, i] = loaded
+        along, left = self.seen(q, i)
+        limit = friction_limit(loads, along, left)
+        slope = (change * np.hypot(*limit.slip(along, left))).sum(axis=0)
+        if self.scale != 1.0:
+            ahead, aside = self.turned((1.0 - self.scale) * dq, i)
+            slope += limit.turn * (loads * (limit.across_i * ahead - limit.along_i * aside)).sum(
+                axis=0
+            )
+        return self.mu * limit.ratio - r * self.h[i], self.mu * slope - self.h[i], limit
+
+    def turned(self, q: Array, i: Index) -> tuple[Array, Array]:
+        """Vectors (2, n) of B along the pushes and to their left."""
+        a, b = self.along[i].T, self.across[i].T
+        return a[0] * q[0] + a[1] * q[1], b[0] * q[0] + b[1] * q[1]
+
+    def seen(self, q: Array, i: Index) -> tuple[Array, Array]:
+        """The points where friction acts, along the pushes and left of their lines, each (k, n)."""
+        points = self.springs.points
+        along, left = points @ self.along[i].T, points @ self.across[i].T - self.line[i]
+        if self.scale != 1.0:
+            ahead, aside = self.turned(q, i)
+            along = ahead + self.scale * (along - ahead)
+            left = (aside - self.line[i]) + self.scale * (left - (aside - self.line[i]))
+        return along, left
+
+    def _residual(self, r: Array, i: Index, limit: Limit, done: NDArray[np.bool_]) -> Array:
+        """Largest relative violation of what must hold, from the forces themselves."""
+        q, dq = self.places(r, i)
+        loads, _ = self.springs.loads(q, dq, self.loaded[:, i])
+        along, left = self.seen(q, i)
+        d_x, d_y = limit.along_i[:, done], limit.across_i[:, done]
+        size = np.sqrt((loads * (along**2 + left**2)).sum(axis=0))
+        push = r * self.h[i] / self.mu
+        violated = (
+            np.abs(loads.sum(axis=0) - 1.0),
+            np.abs(self.springs.points.T @ loads - q).max(axis=0) / size,
+            np.abs((loads * d_x).sum(axis=0) - push) / push,
+            np.abs((loads * d_y).sum(axis=0)) / push,
+            np.abs((loads * (along * d_y - left * d_x)).sum(axis=0)) / (push * size),
+            np.maximum(np.hypot(d_x, d_y).max(axis=0) - 1.0, 0.0),
+            np.abs(limit.ratio[done] - push) / push,  # power dissipated and supplied
+        )
+        return np.asarray(np.max(violated, axis=0))

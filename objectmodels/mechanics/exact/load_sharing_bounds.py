@@ -1,0 +1,253 @@
+"""Bounds of the exact tier over every way in which the support points may share the load.
+
+*Optimistic*: the largest push that some loads and friction forces at the points balance, all of
+them pressing and inside their friction cones: a second-order cone programme, solved for all pushes
+at once by a barrier method on its dual. That dual is a motion in space, whose least dissipation it
+is; by it the points slip at (v_x, v_y) and are lifted by a + b·r ≥ |v|. (It says how far the push
+can be held, not how the object moves: Coulomb friction is not associated.)
+
+*Pessimistic*: the smallest push that some admissible loads cannot hold. The friction limit is
+concave in the loads, so the worst ones are at a corner of those that are admissible: they rest on
+three points around the centre of pressure.
+
+Pushes are measured by the load ratio r = s/N, as in
+`objectmodels.mechanics.exact.exact_thresholds`.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from objectmodels.errors import ModelError
+from objectmodels.geometry.base_shapes import Array, Disc
+from objectmodels.mechanics.exact.exact_thresholds import axes
+from objectmodels.mechanics.friction_limit import friction_limit
+from objectmodels.mechanics.push_thresholds import force_at, push_moment, ratio_at
+
+if TYPE_CHECKING:
+    from objectmodels.mechanics.exact.exact_thresholds import ExactThresholds
+
+BLOCK, TRIANGLES = 512, 20_000
+"""Pushes, and triples of points times pushes, that are treated at once."""
+
+MOST_POINTS = 12
+"""Of more points than these the bounds take the corners of the hull only: they are extreme."""
+
+_STEEPER = 8.0  # by which the barrier's weight grows
+_PRECISE = 1e-9  # relative gap at which the barrier method stops
+_CENTRING = 4  # Newton steps for each weight, at most
+_RIDGE = 1e-14
+_THIN = 1e-9  # area of triples that count as on a line, of the support's size squared
+_NO_LOAD = 1e-12
+_STEPS, _ROOT = 60, 1e-11
+
+
+def optimistic(t: ExactThresholds) -> Array:
+    """Onset under the best sharing of the load, shape (n,) [N]."""
+    (p, u), (_, c, _, weight) = t.push, t.body
+    points, base = _resting_on(t), t.body[0]
+    if isinstance(base, Disc):
+        # A polygon around the rim, so that no push that the rim holds is left out.
+        points = base.corners / np.cos(np.pi / len(base.corners))
+    found: Array = np.full(len(p), np.inf)
+    h = np.hypot(u[:, 0], u[:, 1])
+    (level,) = np.nonzero(h > 0.0)
+    for start in range(0, len(level), BLOCK):
+        i = level[start : start + BLOCK]
+        r = _largest_ratio(points, c[:2], p[i], u[i], t.coefficient)
+        w = u[i, 2]
+        never = (w < 0.0) & (r * -w >= 1.0 - 1e-9)
+        found[i] = force_at(np.where(never, np.inf, r), w, weight)
+    np.minimum(found, t.topple, out=found)
+    return found
+
+
+def _resting_on(t: ExactThresholds) -> Array:
+    """Points that may carry the load, shape (k, 2) [m].
+
+    Those of the support, or the corners of the base if it is evenly pressed: loads anywhere on it
+    hold no more than loads at its corners do.
+    """
+    if t.fitted:
+        raise ModelError(
+            "no_bounds",
+            "the friction radius was fitted, so where the object stands is not known",
+            suggestions=("bounds belong to a support of corners or of given points",),
+        )
+    points = t.support[0]
+    return np.asarray(points if len(points) <= MOST_POINTS else t.body[0].corners)
+
+
+def _largest_ratio(points: Array, com: Array, p: Array, u: Array, mu: float) -> Array:
+    """Largest load ratio at which the points can hold a push, shape (n,).
+
+    In units of μ/|u_xy|: least a + b·c over (β, ω, a, b) with a + b·r_i ≥ |v_i| for all points,
+    v_i = (1 + κ b·g − ω η_i, β + ω ξ_i), κ = μ/|u_xy| and g = u_z c + p_z u_xy − u_z p_xy.
+    """
+    size = float(np.hypot(*np.ptp(points, axis=0)))
+    h, along, across = axes(u)
+    kappa = mu / h
+    g = (u[:, 2:] * com + push_moment(p, u)) / size
+    place, c = points / size, com / size
+    xi = points @ along.T / size
+    eta = (points @ across.T - np.sum(p[:, :2] * across, axis=1)) / size
+    k, n = xi.shape
+    # Rows of the linear maps from (β, ω, a, b_x, b_y) to (lift, v_x, v_y), each (k, n, 5).
+    lift, v_x, v_y = (np.zeros((k, n, 5)) for _ in range(3))
+    lift[..., 2] = 1.0
+    lift[..., 3:] = place[:, None, :]
+    v_x[..., 1] = -eta
+    v_x[..., 3:] = kappa[:, None] * g
+    v_y[..., 0], v_y[..., 1] = 1.0, xi
+    cost = np.zeros((n, 5))
+    cost[:, 2], cost[:, 3:] = 1.0, c
+    x = np.zeros((n, 5))
+    x[:, 2] = 2.0  # sliding along the push, lifted more than it slips
+    weight = 1.0
+    while 2.0 * k / weight > _PRECISE:
+        weight *= _STEEPER
+        for _ in range(_CENTRING):
+            step, decrement = _newton(x, weight, cost, lift, v_x, v_y)
+            x = x + _inside(x, step, lift, v_x, v_y) * step
+            if decrement.max() < 1e-3:
+                break
+    return np.asarray(kappa * (x * cost).sum(axis=1))
+
+
+def _cone(x: Array, lift: Array, v_x: Array, v_y: Array) -> tuple[Array, Array, Array, Array]:
+    """Lift and slip of the points, and lift² − slip², each (k, n)."""
+    z, a, b = (lift * x).sum(-1), 1.0 + (v_x * x).sum(-1), (v_y * x).sum(-1)
+    return z, a, b, z * z - a * a - b * b
+
+
+def _newton(
+    x: Array, weight: float, cost: Array, lift: Array, v_x: Array, v_y: Array
+) -> tuple[Array, Array]:
+    """Newton step of weight · cost − Σ log(lift² − slip²), and its decrement."""
+    z, a, b, d = _cone(x, lift, v_x, v_y)
+    grown = (z[..., None] * lift - a[..., None] * v_x - b[..., None] * v_y) * (2.0 / d)[..., None]
+    gradient = weight * cost - grown.sum(axis=0)
+    root = np.sqrt(2.0 / d)[..., None]
+    rows = np.stack((lift * root, v_x * root, v_y * root))
+    signs = np.array([-1.0, 1.0, 1.0])
+    hessian = np.einsum("skni,sknj->nij", rows * signs[:, None, None, None], rows)
+    hessian += np.einsum("kni,knj->nij", grown, grown)
+    # Near an optimum that is an edge the equations lose rank but for rounding.
+    scale = 1.0 / np.sqrt(np.einsum("nii->ni", hessian))
+    scaled = hessian * scale[:, :, None] * scale[:, None, :] + _RIDGE * np.eye(5)
+    step = -scale * np.linalg.solve(scaled, (scale * gradient)[..., None])[..., 0]
+    return step, -(gradient * step).sum(axis=1)
+
+
+def _inside(x: Array, step: Array, lift: Array, v_x: Array, v_y: Array) -> Array:
+    """Shares of steps that stay well inside all cones, shape (n, 1)."""
+    share = np.ones(len(x))
+    for _ in range(40):
+        z, _, _, d = _cone(x + share[:, None] * step, lift, v_x, v_y)
+        out = ((d <= 0.0) | (z <= 0.0)).any(axis=0)
+        if not out.any():
+            break
+        share[out] *= 0.6
+    return np.where(share < 1.0, 0.9 * share, share)[:, None]
+
+
+def pessimistic(t: ExactThresholds) -> Array:
+    """Onset under the worst sharing of the load, shape (n,) [N]."""
+    (p, u), (_, c, _, weight) = t.push, t.body
+    points = _resting_on(t)
+    threes = _triangles(points)
+    worst = np.full(len(p), np.inf)
+    block = max(TRIANGLES // len(threes), 1)
+    for start in range(0, len(p), block):
+        b = slice(start, start + block)
+        tips = ratio_at(t.topple[b], u[b, 2], weight)
+        worst[b] = _smallest_ratio(points, threes, c[:2], p[b], u[b], t.coefficient, tips)
+    found = force_at(worst, u[:, 2], weight)
+    return np.asarray(np.minimum(np.where(found > 0.0, found, np.inf), t.topple))
+
+
+def _triangles(points: Array) -> NDArray[np.intp]:
+    """Indices of all triples of points that are not on a line, shape (m, 3)."""
+    threes = np.array(list(combinations(range(len(points)), 3)))
+    a, b, c = (points[threes[:, k]] for k in range(3))
+    area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    return np.asarray(threes[np.abs(area) > _THIN * np.ptp(points, axis=0).max() ** 2])
+
+
+def _smallest_ratio(
+    points: Array, threes: NDArray[np.intp], com: Array, p: Array, u: Array, mu: float, tips: Array
+) -> Array:
+    """Smallest load ratio that some three points cannot hold, shape (n,); inf if there is none.
+
+    The loads of three points grow evenly with the load ratio, N = n0 + r n1, and the friction limit
+    is concave in them. So on the stretch where all three press a push first slides at its start, or
+    at the one root on it, or nowhere.
+    """
+    h, along, across = axes(u)
+    e = u[:, 2:] * com + push_moment(p, u)
+    corners = points[threes]  # (m, 3, 2)
+    share = np.linalg.inv(
+        np.concatenate((np.ones((len(threes), 1, 3)), corners.swapaxes(1, 2)), axis=1)
+    )
+    n0 = share @ np.append(1.0, com)  # (m, 3)
+    n1 = np.einsum("mij,nj->imn", share[:, :, 1:], e)  # (3, m, n)
+    with np.errstate(divide="ignore"):
+        kappa = mu / h
+    first, end = _pressing(n0.T[:, :, None], n1, np.minimum(tips, kappa))
+    triangle, push = np.nonzero((first < end) & (h > 0.0))
+    n0, n1 = n0.T[:, triangle], n1[:, triangle, push]
+    first, end, kappa = first[triangle, push], end[triangle, push], kappa[push]
+    place = corners[triangle]
+    xi = np.einsum("sij,sj->is", place, along[push])
+    eta = np.einsum("sij,sj->is", place, across[push]) - np.sum(p[push, :2] * across[push], axis=1)
+    ratio = _first_root(n0, n1, xi, eta, kappa, first, end)
+    worst = np.full(len(p), np.inf)
+    np.minimum.at(worst, push, ratio)
+    return worst
+
+
+def _pressing(n0: Array, n1: Array, last: Array) -> tuple[Array, Array]:
+    """Between which load ratios three loads n0 + r n1 all press, shape (m, n) each."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        zero = -n0 / n1
+    never = np.where((n1 == 0.0) & (n0 < 0.0), np.inf, 0.0)
+    first = np.where(n1 > 0.0, zero, never).max(axis=0)
+    end = np.where(n1 < 0.0, zero, np.inf).min(axis=0)
+    return np.maximum(first, 0.0), np.minimum(end, last)
+
+
+def _first_root(
+    n0: Array, n1: Array, xi: Array, eta: Array, kappa: Array, first: Array, end: Array
+) -> Array:
+    """First r of a stretch at which r ≥ κ S, inf if there is none, shape (s,)."""
+
+    def excess(r: Array, i: NDArray[np.intp]) -> tuple[Array, Array]:
+        # A point without load has no friction, yet the equations need all three.
+        loads = np.maximum(n0[:, i] + r * n1[:, i], _NO_LOAD)
+        limit = friction_limit(loads, xi[:, i], eta[:, i])
+        slope = (n1[:, i] * np.hypot(*limit.slip(xi[:, i], eta[:, i]))).sum(axis=0)
+        return kappa[i] * limit.ratio - r, kappa[i] * slope - 1.0
+
+    everywhere = np.arange(len(first))
+    found = np.where(excess(first, everywhere)[0] <= 0.0, first, np.inf)
+    (i,) = np.nonzero(np.isinf(found) & (excess(end, everywhere)[0] <= 0.0))
+    lo, hi = first.copy(), end.copy()
+    r = 0.5 * (lo + hi)
+    for _ in range(_STEPS):
+        if not i.size:
+            break
+        value, slope = excess(r[i], i)
+        lo[i], hi[i] = np.where(value > 0.0, r[i], lo[i]), np.where(value > 0.0, hi[i], r[i])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = r[i] - value / slope
+        step = np.where((step > lo[i]) & (step < hi[i]), step, 0.5 * (lo[i] + hi[i]))
+        done = (np.abs(value) <= _ROOT * r[i]) | (hi[i] - lo[i] <= _ROOT * hi[i])
+        found[i[done]] = r[i[done]]
+        r[i] = step
+        i = i[~done]
+    found[i] = r[i]
+    return found

@@ -1,0 +1,230 @@
+"""Friction limit of a body on loaded points: the push that makes it slide, and how it then moves.
+
+Model: points of known loads N_i with Coulomb friction on a plane. In the plane the upper-bound
+theorem holds: the body slides at the least ratio of power dissipated to power supplied, over all
+twists, and the twist that attains it is how it slides.
+
+Take axes along and across the push, its line of action as the first one. For a twist that advances
+the line of action at unit speed, point i slips at v_i = (1 − ω η_i, β + ω ξ_i), where ξ_i is its
+place along the push and η_i its distance to the left of the line. So the push slides at
+
+    s |u_xy| = μ min over (β, ω) of Σ N_i |v_i|
+
+a sum of norms, convex in two unknowns. Either a point carries the centre of rotation, which can be
+checked directly, or the sum is smooth at its least; there the primal-dual Newton method for sums of
+norms converges (Andersen, Christiansen, Conn, Overton 2000). The friction forces come with it, and
+certify the answer: if they balance and obey Coulomb's law, their push is a lower bound.
+
+Arrays are laid out with the k points first and the n pushes last.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from objectmodels.geometry.base_shapes import Array
+
+PRECISE = 1e-10
+"""Relative residual at which a limit counts as found."""
+
+_FEW = 12
+_STEPS, _STEPS_MANY = 40, 16
+_SMOOTH = 0.1  # slip speed below which friction is smoothed at first
+_SHARPER = 0.25  # by which that shrinks in every step
+_SHARPEST = 1e-13
+
+
+@dataclass
+class Limit:
+    """The friction limit of n pushes, per unit of friction coefficient and of load.
+
+    Attributes:
+        ratio: least Σ N_i |v_i|, shape (n,).
+        across, turn: β and ω [1/m] of the sliding motion, shape (n,).
+        along_i, across_i: friction at the points as shares of its limit, against the motion,
+            shape (k, n).
+        residual: relative gap between the bounds from the motion and from the forces, (n,).
+    """
+
+    ratio: Array
+    across: Array
+    turn: Array
+    along_i: Array
+    across_i: Array
+    residual: Array
+
+    @classmethod
+    def empty(cls, k: int, n: int) -> Limit:
+        """Not yet found."""
+        one, each = np.zeros(n), np.zeros((k, n))
+        return cls(one, one.copy(), one.copy(), each, each.copy(), np.full(n, np.inf))
+
+    def put(self, i: NDArray[np.intp] | NDArray[np.bool_], other: Limit) -> None:
+        """Takes over the limits of some pushes."""
+        for name in ("ratio", "across", "turn", "residual"):
+            getattr(self, name)[i] = getattr(other, name)
+        self.along_i[:, i], self.across_i[:, i] = other.along_i, other.across_i
+
+    def slip(self, along: Array, left: Array) -> tuple[Array, Array]:
+        """Slip velocities of the points, along and across the push, each (k, n)."""
+        return 1.0 - self.turn * left, self.across + self.turn * along
+
+
+def friction_limit(loads: Array, along: Array, left: Array) -> Limit:
+    """The push that the loaded points resist.
+
+    Args:
+        loads: N_i as shares of the whole, shape (k, n).
+        along: ξ_i, places of the points along the push, shape (k, n) [m].
+        left: η_i, their distances to the left of its line of action, shape (k, n) [m].
+    """
+    found = Limit.empty(*loads.shape)
+    # Few points carry the centre of rotation often, one of many hardly ever.
+    methods = about_a_point, _by_newton, _by_descent
+    if len(loads) > _FEW:
+        methods = _by_newton, about_a_point, _by_descent
+    for method in methods:
+        (rest,) = np.nonzero(~(found.residual <= PRECISE))
+        if not rest.size:
+            break
+        found.put(rest, method(loads[:, rest], along[:, rest], left[:, rest]))
+    return found
+
+
+def about_a_point(loads: Array, along: Array, left: Array) -> Limit:
+    """The limits of those pushes that turn the body about one of the points.
+
+    The friction of all other points is then known; what balance asks of that one must not exceed
+    its limit. Others keep an infinite residual.
+    """
+    k, n = loads.shape
+    found = Limit.empty(k, n)
+    for j in range(k):
+        x, y = along - along[j], left - left[j]
+        r = np.hypot(x, y)
+        r[j] = 1.0
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            turn = 1.0 / left[j]
+            d_x, d_y = -np.sign(turn) * y / r, np.sign(turn) * x / r
+            r[j] = d_x[j] = d_y[j] = 0.0
+            ratio = (loads * r).sum(axis=0) * np.abs(turn)
+            # What is left for point j to balance the push.
+            missing_x = (ratio - (loads * d_x).sum(axis=0)) / loads[j]
+            missing_y = -(loads * d_y).sum(axis=0) / loads[j]
+            holds = np.hypot(missing_x, missing_y) <= 1.0
+        holds &= np.isinf(found.residual)
+        (i,) = np.nonzero(holds)
+        if i.size:
+            d_x[j], d_y[j] = missing_x, missing_y
+            found.put(
+                i,
+                Limit(ratio[i], -along[j, i] * turn[i], turn[i], d_x[:, i], d_y[:, i],
+                      np.zeros(i.size)),
+            )  # fmt: skip
+    return found
+
+
+def _start(loads: Array, along: Array, left: Array) -> tuple[Array, Array]:
+    """The ellipsoid's motion, β and ω, for a start."""
+    m, o = (loads * left).sum(axis=0), (loads * along).sum(axis=0)
+    spread = (loads * ((left - m) ** 2 + (along - o) ** 2)).sum(axis=0)
+    turn = m / (m * m + spread)
+    return -turn * o, turn
+
+
+def _by_newton(loads: Array, along: Array, left: Array) -> Limit:
+    """The limits by the primal-dual Newton method; an infinite residual where it fails."""
+    # Lengths in units of the support's size keep the equations well scaled.
+    unit = np.sqrt(along.var(axis=0) + left.var(axis=0))
+    along, left = along / unit, left / unit
+    across, turn = _start(loads, along, left)
+    found = Limit.empty(*loads.shape)
+    left_over = np.arange(loads.shape[1])
+    v_x, v_y = 1.0 - turn * left, across + turn * along
+    speed = np.hypot(v_x, v_y) + 1e-3
+    d_x, d_y = v_x / speed, v_y / speed
+    smooth = _SMOOTH
+    for _ in range(_STEPS if len(loads) <= _FEW else _STEPS_MANY):
+        across, turn, d_x, d_y = _step(loads, along, left, across, turn, d_x, d_y, smooth)
+        smooth = max(_SHARPER * smooth, _SHARPEST)
+        found_now, done = _certified(loads, along, left, across, turn, d_x, d_y)
+        if done.any():
+            found.put(left_over[done], _only(found_now, done))
+            keep = ~done
+            left_over = left_over[keep]
+            loads, along, left = loads[:, keep], along[:, keep], left[:, keep]
+            across, turn, d_x, d_y = across[keep], turn[keep], d_x[:, keep], d_y[:, keep]
+        if not left_over.size:
+            break
+    found.turn /= unit
+    return found
+
+
+def _step(
+    loads: Array, along: Array, left: Array, across: Array, turn: Array,
+    d_x: Array, d_y: Array, smooth: float,
+) -> tuple[Array, Array, Array, Array]:  # fmt: skip
+    """One Newton step on slip and friction together."""
+    v_x, v_y = 1.0 - turn * left, across + turn * along
+    speed = np.sqrt(v_x * v_x + v_y * v_y + smooth * smooth)
+    c = loads / speed
+    p_x, p_y = d_x / speed, d_y / speed
+    xx, yy = c * (1.0 - p_x * v_x), c * (1.0 - p_y * v_y)
+    xy = -0.5 * c * (p_x * v_y + p_y * v_x)
+    g_b, g_w = (c * v_y).sum(axis=0), (c * (along * v_y - left * v_x)).sum(axis=0)
+    h_bb, h_bw = yy.sum(axis=0), (along * yy - left * xy).sum(axis=0)
+    h_ww = (left * left * xx - 2.0 * left * along * xy + along * along * yy).sum(axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scale = 1.0 / (h_bb * h_ww - h_bw * h_bw)
+        more_across = (g_w * h_bw - g_b * h_ww) * scale
+        more_turn = (g_b * h_bw - g_w * h_bb) * scale
+    w_x, w_y = -more_turn * left, more_across + more_turn * along
+    dot = (v_x * w_x + v_y * w_y) / (speed * speed)
+    new_x, new_y = (v_x + w_x) / speed - d_x * dot, (v_y + w_y) / speed - d_y * dot
+    limit = np.maximum(1.0, np.hypot(new_x, new_y))
+    return across + more_across, turn + more_turn, new_x / limit, new_y / limit
+
+
+def _certified(
+    loads: Array, along: Array, left: Array, across: Array, turn: Array, d_x: Array, d_y: Array
+) -> tuple[Limit, NDArray[np.bool_]]:
+    """The limit that motion and forces make out, and which ones are precise enough."""
+    speed = np.hypot(1.0 - turn * left, across + turn * along)
+    upper = (loads * speed).sum(axis=0)
+    lower = (loads * d_x).sum(axis=0)
+    off_across = np.abs((loads * d_y).sum(axis=0))
+    off_turn = np.abs((loads * (along * d_y - left * d_x)).sum(axis=0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # What the forces lack in balance counts by the motion that it would feed.
+        residual = (np.abs(upper - lower) + off_across * np.abs(across) + off_turn * np.abs(turn)
+                    + off_across + off_turn) / upper  # fmt: skip
+    return Limit(upper, across, turn, d_x, d_y, residual), residual <= PRECISE
+
+
+def _only(limit: Limit, i: NDArray[np.bool_] | NDArray[np.intp]) -> Limit:
+    return Limit(
+        limit.ratio[i], limit.across[i], limit.turn[i],
+        limit.along_i[:, i], limit.across_i[:, i], limit.residual[i],
+    )  # fmt: skip
+
+
+def _by_descent(loads: Array, along: Array, left: Array) -> Limit:
+    """The few that Newton's method does not settle, by a slower continuation."""
+    unit = np.sqrt(along.var(axis=0) + left.var(axis=0))
+    along, left = along / unit, left / unit
+    across, turn = _start(loads, along, left)
+    d_x, d_y = np.zeros_like(loads), np.zeros_like(loads)
+    smooth, best = 1.0, Limit.empty(*loads.shape)
+    while smooth > _SHARPEST:
+        for _ in range(3):
+            across, turn, d_x, d_y = _step(loads, along, left, across, turn, d_x, d_y, smooth)
+        smooth *= 0.6
+        now, _ = _certified(loads, along, left, across, turn, d_x, d_y)
+        better = now.residual < best.residual
+        if better.any():
+            best.put(better, _only(now, better))
+    best.turn /= unit
+    return best

@@ -1,0 +1,172 @@
+"""Outcome maps: what a push at every place of a face does, and the force that it needs.
+
+This is the paper's Fig. 7 for any model: for a grid of contacts on a face, pushed one way, the
+force at which the object moves and whether it then slides or topples. Where that is too close to
+call it is undecided: the two thresholds lie within a stated band or, if a probability is asked for,
+neither class reaches it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from objectmodels.errors import ModelError
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.side_faces import Face
+
+if TYPE_CHECKING:
+    from objectmodels.mechanics.outcome_probability import Likelihood
+    from objectmodels.models.object_model import ObjectModel
+
+BAND = 0.05
+"""Relative distance of the two thresholds up to which an outcome counts as undecided."""
+
+MARGIN = 0.005
+"""Distance that contacts keep from the border of the face [m]."""
+
+MOST_CONTACTS = 100_000
+
+MOST_EXACT = 5_000
+"""Maps of more contacts take the exact tier only where the closed form may have the wrong class."""
+
+
+@dataclass(frozen=True)
+class OutcomeMap:
+    """Outcomes over a face; arrays over n contacts.
+
+    Attributes:
+        face: the face.
+        lateral: places along its tangent from the middle, shape (n,) [m].
+        height: above the table, shape (n,) [m].
+        points: the contacts in B, shape (n, 3) [m].
+        directions: of the pushes in B, shape (n, 3).
+        slide, topple: thresholds, shape (n,) [N].
+        band: relative distance of the thresholds up to which an outcome is undecided.
+        level: probability that a decided outcome has; None if that was not asked for.
+        friction: which coefficient at the table decided.
+        model: the model.
+    """
+
+    face: Face
+    lateral: Array
+    height: Array
+    points: Array
+    directions: Array
+    slide: Array
+    topple: Array
+    band: float
+    level: float | None
+    friction: str
+    model: ObjectModel
+
+    @property
+    def force(self) -> Array:
+        """Force at which the object moves, inf if it never does, shape (n,) [N]."""
+        return np.minimum(self.slide, self.topple)
+
+    @cached_property
+    def likelihood(self) -> Likelihood:
+        """Probabilities of the outcomes at the onset, computed when first asked for."""
+        return self.model.likelihood(self.points, self.directions)
+
+    @cached_property
+    def outcome(self) -> NDArray[np.str_]:
+        """`slide`, `topple`, `undecided` or `none` (nothing moves it), shape (n,)."""
+        with np.errstate(invalid="ignore"):
+            close = np.abs(self.slide - self.topple) <= self.band * self.force
+        if self.level is not None:
+            sure = np.maximum(self.likelihood.slide, self.likelihood.topple)
+            close = sure < self.level
+        names = np.where(self.slide < self.topple, "slide", "topple")
+        return np.select([np.isinf(self.force), close], ["none", "undecided"], names)
+
+    def safe(self, outcome: str, probability: float) -> NDArray[np.bool_]:
+        """Contacts whose outcome is as asked with a probability or more, shape (n,).
+
+        Args:
+            outcome: `slide` or `topple`.
+            probability: at least this, in [0, 1].
+        """
+        if outcome not in ("slide", "topple"):
+            raise ModelError("bad_value", f"outcome must be slide or topple, not {outcome!r}")
+        return np.asarray(getattr(self.likelihood, outcome) >= probability)
+
+
+def outcome_map(
+    model: ObjectModel,
+    face: Face,
+    *,
+    direction: ArrayLike | None = None,
+    spacing: float = 0.01,
+    band: float = BAND,
+    level: float | None = None,
+    turning: bool = True,
+) -> OutcomeMap:
+    """The outcomes of pushes all over a face.
+
+    Args:
+        model: what is believed about the object.
+        face: one of its faces.
+        direction: of the pushes in B, shape (3,); along each contact's inward normal if not given.
+        spacing: about the distance between contacts [m].
+        band: relative distance of the thresholds up to which an outcome is undecided.
+        level: if given, undecided is where no class has this probability, instead of the band.
+        turning: whether the object may turn as it slides. False is the paper's own model, and what
+            two fingers do that hold it straight.
+
+    Raises:
+        ModelError: `bad_value` if a number makes no sense or the grid would be too fine;
+            `bad_array` if the direction does not go into the face.
+    """
+    _require_sense(face, spacing, band, level)
+    margin = min(MARGIN, face.width / 4.0, face.height / 4.0)
+    lateral, height = face.grid(spacing, margin)
+    points, normals = face.at(lateral, height)
+    u = -normals if direction is None else _all_along(direction, normals)
+    if not turning:
+        # No moment about the vertical turns an object of infinite friction radius.
+        model = model.model_copy(update={"friction_radius": np.inf, "friction_radius_sd": 0.0})
+    exact: bool | Literal["border"] = turning and (len(u) <= MOST_EXACT or "border")
+    t = model.thresholds(points, u, exact=exact)
+    return OutcomeMap(
+        face=face,
+        lateral=lateral,
+        height=height,
+        points=points,
+        directions=u,
+        slide=t.slide,
+        topple=t.topple,
+        band=band,
+        level=level,
+        friction=t.friction,
+        model=model,
+    )
+
+
+def _require_sense(face: Face, spacing: float, band: float, level: float | None) -> None:
+    if not (spacing > 0.0 and 0.0 <= band < 1.0 and (level is None or 0.5 <= level <= 1.0)):
+        raise ModelError(
+            "bad_value", "expected spacing > 0 m, 0 ≤ band < 1 and a level between 0.5 and 1"
+        )
+    if face.width * face.height / spacing**2 > MOST_CONTACTS:
+        raise ModelError(
+            "bad_value",
+            f"a spacing of {spacing} m makes more than {MOST_CONTACTS} contacts",
+            suggestions=("take a larger spacing",),
+        )
+
+
+def _all_along(direction: ArrayLike, normals: Array) -> Array:
+    """One direction for all contacts, as a unit vector that must go into the face there."""
+    given = np.asarray(direction, dtype=np.float64)
+    if given.shape != (3,) or not np.isfinite(given).all() or not given.any():
+        raise ModelError("bad_array", f"expected a direction of three numbers, found {given}")
+    u = np.tile(given / np.linalg.norm(given), (len(normals), 1))
+    if (np.sum(u * normals, axis=1) >= 0.0).any():
+        raise ModelError("bad_array", "the direction does not go into the face")
+    return u

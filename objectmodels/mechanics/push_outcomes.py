@@ -1,0 +1,162 @@
+"""What the object models answer with: thresholds and predictions, over whole arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from objectmodels.geometry.base_shapes import Array, Base
+from objectmodels.mechanics.push_thresholds import centre_of_pressure, sliding_twist, toppling_twist
+
+UNDECIDED = 1e-9
+"""Relative band in which two thresholds count as equal: the outcome is then `slide+topple`."""
+
+OUTCOMES = np.array(["none", "slide", "topple", "slide+topple"])
+"""Classes by code."""
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Forces at which slow pushes start to move an object; arrays over n pushes.
+
+    Attributes:
+        slide: force at which it slides, shape (n,) [N]; inf if the push jams.
+        topple: force at which it topples, shape (n,) [N]; inf if it never does.
+        friction: which coefficient at the table decided, `static` or `kinetic`.
+        push: contact points and directions, each (n, 3).
+        body: base, centre of mass, friction radius and weight that decided.
+    """
+
+    slide: Array
+    topple: Array
+    friction: str
+    push: tuple[Array, Array] = field(repr=False)
+    body: tuple[Base, Array, float, float] = field(repr=False)
+
+    @cached_property
+    def onset(self) -> Array:
+        """The smaller of the two [N]."""
+        return np.minimum(self.slide, self.topple)
+
+    @cached_property
+    def code(self) -> NDArray[np.uint8]:
+        """Class at the onset as an index into `OUTCOMES`, shape (n,)."""
+        with np.errstate(invalid="ignore"):
+            undecided = np.abs(self.slide - self.topple) <= UNDECIDED * self.onset
+        code = 2 - (self.slide < self.topple).astype(np.uint8)
+        code[undecided] = 3
+        code[np.isinf(self.onset)] = 0
+        return code
+
+    @property
+    def outcome(self) -> NDArray[np.str_]:
+        """Class at the onset: `slide`, `topple`, `slide+topple` or `none`, shape (n,).
+
+        `slide+topple` is undecided: the two lie within the band `UNDECIDED`. `none`: neither ever
+        happens.
+        """
+        return np.asarray(OUTCOMES[self.code])
+
+    @cached_property
+    def _tipping(self) -> tuple[Array, NDArray[np.int64]]:
+        """Outward normals of the edges it would topple about, and their indices."""
+        (p, u), (base, c, _, weight) = self.push, self.body
+        s = np.where(np.isfinite(self.topple), self.topple, 0.0)
+        never = ~np.isfinite(self.topple)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            q = centre_of_pressure(p, s[:, None] * u, c, weight)
+        # Where the load has gone the place means nothing, but its edge is still the nearest.
+        normals, edge = base.nearest_edge(np.nan_to_num(q, posinf=1e9, neginf=-1e9))
+        return np.where(never[:, None], np.nan, normals), np.where(never, -1, edge)
+
+    @property
+    def edge(self) -> NDArray[np.int64]:
+        """Base edge about which it would topple first, −1 if never or on a round base, (n,)."""
+        return self._tipping[1]
+
+    @property
+    def tipping_normal(self) -> Array:
+        """Outward normal in B of the edge about which it would topple, nan if never, (n, 2)."""
+        return self._tipping[0]
+
+    @cached_property
+    def twist(self) -> Array:
+        """Incipient twist V_WB in B at the onset, shape (n, 6).
+
+        Angular velocity [rad/s] and velocity of B's origin [m/s], for a contact that moves at 1 m/s
+        along its direction; nan where the outcome is not decided.
+        """
+        (p, u), (base, _, _, _) = self.push, self.body
+        twist = np.full((len(p), 6), np.nan)
+        i = self.code == 1
+        twist[i] = self._sliding(i)
+        i = self.code == 2
+        n = self.tipping_normal[i]
+        twist[i] = toppling_twist(p[i], u[i], n, base.extent(n))
+        return twist
+
+    @cached_property
+    def centre_of_rotation(self) -> Array:
+        """Point of the table about which a sliding object begins to turn in B, shape (n, 2) [m].
+
+        Infinitely far if it does not turn; nan where it does not slide first.
+        """
+        omega, v = self.twist[:, 2], self.twist[:, 3:5]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            centre = np.column_stack((-v[:, 1], v[:, 0])) / omega[:, None]
+        still = np.abs(omega) * self.body[0].size < 1e-12 * np.hypot(*v.T)
+        centre = np.where(still[:, None], np.inf, centre)
+        return np.where((self.code == 1)[:, None], centre, np.nan)
+
+    def _sliding(self, i: NDArray[np.bool_]) -> Array:
+        (p, u), (_, c, radius, weight) = self.push, self.body
+        return sliding_twist(p[i], u[i], c, self.slide[i], radius, weight)
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Outcomes of pushes with given forces, applied slowly; arrays over n pushes.
+
+    Attributes:
+        force: sizes of the forces, shape (n,) [N].
+        thresholds: what the classes are decided by.
+    """
+
+    force: Array
+    thresholds: Thresholds
+
+    @cached_property
+    def moves(self) -> NDArray[np.bool_]:
+        """Whether the force reaches the onset."""
+        return self.force >= self.thresholds.onset
+
+    @cached_property
+    def code(self) -> NDArray[np.uint8]:
+        """Outcome as an index into `OUTCOMES`."""
+        return np.asarray(self.thresholds.code * self.moves)
+
+    @property
+    def outcome(self) -> NDArray[np.str_]:
+        """`none` (the force is below the onset) or the class at the onset."""
+        return np.asarray(OUTCOMES[self.code])
+
+    @cached_property
+    def margin(self) -> Array:
+        """Change of the force or of a threshold at which another class begins, shape (n,) [N].
+
+        |force − onset|, and for a moving object also |slide − topple|, whichever is less.
+        """
+        t = self.thresholds
+        with np.errstate(invalid="ignore"):
+            apart = np.where(np.isinf(t.onset), np.inf, np.abs(t.slide - t.topple))
+        margin = np.abs(self.force - t.onset)
+        return np.where(self.moves, np.minimum(margin, apart), margin)
+
+
+def gap(first: Array, other: Array) -> Array:
+    """How much later `other` comes than `first` [N]; −inf where `first` never comes."""
+    with np.errstate(invalid="ignore"):
+        return np.where(np.isinf(first), -np.inf, other - first)

@@ -1,0 +1,1 @@
+"""Object models: shapes, parts, vessel, parameters."""

@@ -1,0 +1,262 @@
+"""A convex hull: any solid with flat faces, which may stand on any of them.
+
+Model: the solid is the convex hull of its vertices. The face on the table (vertices at z = 0) is
+the base; faces that look sideways are where a finger may push, slanted ones too.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import BeforeValidator, Field, model_validator
+
+from objectmodels.errors import ModelError
+from objectmodels.geometry.base_shapes import Array, Polygon
+from objectmodels.geometry.side_faces import AXES, Face
+from objectmodels.geometry.support_points import hull
+from objectmodels.geometry.tuples import as_tuples
+from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.resting_faces import Resting
+
+SIDEWAYS = 0.5
+"""Faces whose normal is at most 30° above or below the horizontal are sides."""
+
+WIDE = 0.02
+"""Faces narrower than this have no room for a fingertip [m]."""
+
+_STRAIGHT = np.radians(10.0)  # a face that looks so nearly against a heading is pushed along it
+_BESIDE = 0.7  # a facet that looks less against a heading says nothing of the side there
+_BULGE = 0.0025  # depth within which a curved side counts as flat [m]
+
+# Vertices within this share of the size of a plane lie on it; normals closer than it are equal.
+_FLAT = 1e-6
+
+Vertices = Annotated[
+    tuple[tuple[float, float, float], ...],
+    BeforeValidator(as_tuples),
+    Field(min_length=4, max_length=2000),
+]
+
+
+class HullModel(ObjectModel):
+    """The convex hull of points, standing on the face at z = 0.
+
+    Attributes:
+        vertices: in B, shape (k, 3) [m]; none below the table, three or more on it.
+    """
+
+    vertices: Vertices = Field(alias="vertices_m")
+    kind: Literal["hull"] = "hull"
+
+    @model_validator(mode="after")
+    def _stands(self) -> Self:
+        if not (self.footprint.offsets > 0.0).all():
+            raise ModelError("bad_value", "the base does not enclose B's origin", path="vertices")
+        return self
+
+    @cached_property
+    def _points(self) -> Array:
+        return np.array(self.vertices)
+
+    @cached_property
+    def footprint(self) -> Polygon:
+        """The face at z = 0."""
+        v = self._points
+        low = v[:, 2].min()
+        if abs(low) > _FLAT * np.ptp(v, axis=0).max():
+            raise ModelError(
+                "bad_value", f"the lowest vertex is at z = {low} m, not 0", path="vertices"
+            )
+        on_table = v[v[:, 2] <= low + _FLAT * np.ptp(v[:, 2]), :2]
+        if len(on_table) < 3:
+            raise ModelError(
+                "bad_value",
+                f"only {len(on_table)} vertices at z = 0: it does not stand on a face",
+                path="vertices",
+            )
+        return hull(on_table)
+
+    @property
+    def top(self) -> float:
+        """Height of the highest vertex."""
+        return float(self._points[:, 2].max())
+
+    @property
+    def section(self) -> Polygon:
+        """Refused: it differs from height to height."""
+        raise ModelError(
+            "bad_value",
+            "a container has upright walls",
+            path="container",
+            suggestions=("model it as a box, a cylinder or a prism",),
+        )
+
+    @cached_property
+    def outline(self) -> Array:
+        """The hull seen from above."""
+        return hull(self._points[:, :2]).vertices
+
+    @cached_property
+    def _solid(self) -> tuple[float, Array]:
+        return volume_and_centre(self._points)
+
+    @property
+    def centre(self) -> tuple[float, float, float]:
+        """Centre of its volume."""
+        x, y, z = self._solid[1].tolist()
+        return (x, y, z)
+
+    @property
+    def volume(self) -> float:
+        """Its volume [m³]."""
+        return self._solid[0]
+
+    @cached_property
+    def _planes(self) -> tuple[tuple[Array, Array], ...]:
+        """Outward normal and vertices of each face, the largest first."""
+        return facets(self._points)
+
+    def faces(self, headings: ArrayLike | None = None) -> tuple[Face, ...]:
+        """Its sides that are wide enough to be pushed, the largest first.
+
+        Where none of them looks against a heading, because the side is curved, what bulges out
+        most that way counts as a face.
+        """
+        flat = [_face(*plane) for plane in self._planes if abs(plane[0][2]) <= SIDEWAYS]
+        found = [face for face in flat if face.width >= WIDE]
+        looks = [np.arctan2(-face.normal[1], -face.normal[0]) for face in found]
+        pushed = np.atleast_1d(AXES if headings is None else np.asarray(headings, float))
+        for heading in pushed:
+            off = [abs(np.angle(np.exp(1j * (heading - other)))) for other in looks]
+            if min(off, default=np.pi) > _STRAIGHT:
+                found += self._bulge(float(heading))
+        return tuple(found)
+
+    def _bulge(self, heading: float) -> list[Face]:
+        """What lies within a small depth of a plane against a heading, if it is wide enough.
+
+        The plane leans as the side does there.
+        """
+        level = -np.array([np.cos(heading), np.sin(heading), 0.0])
+        sides = [normal for normal, _ in self._planes if abs(normal[2]) <= SIDEWAYS]
+        nearest = max(sides, key=lambda n: float(n @ level), default=level)
+        slope = nearest[2] if nearest @ level > _BESIDE else 0.0
+        normal = np.sqrt(1.0 - slope**2) * level + np.array([0.0, 0.0, slope])
+        depth = self._points @ normal
+        near = self._points[depth >= depth.max() - _BULGE]
+        across = near @ np.array([-level[1], level[0], 0.0])
+        if np.ptp(across) < WIDE or np.ptp(near[:, 2]) < WIDE:
+            return []
+        return [_face(normal, near + (depth.max() - near @ normal)[:, None] * normal)]
+
+    @cached_property
+    def rests(self) -> tuple[Resting, ...]:
+        """On `bottom` and `face 1`, `face 2`, … by size, those off which it does not topple."""
+        found = [Resting("bottom", self, np.eye(3), np.zeros(3))]
+        others = [plane for plane in self._planes if plane[0][2] > -1.0 + _FLAT]
+        for k, (normal, _) in enumerate(others, start=1):
+            try:
+                found.append(self._resting(f"face {k}", normal))
+            except ValueError:  # its centre of mass is not above that face
+                continue
+        return tuple(found)
+
+    def _resting(self, face: str, normal: Array) -> Resting:
+        """The hull with the face of that outward normal on the table."""
+        R_NB = turning_down(normal)
+        turned = self._points @ R_NB.T
+        low = turned[:, 2].min()
+        on_table = turned[turned[:, 2] <= low + _FLAT * np.ptp(turned[:, 2]), :2]
+        origin = np.append(hull(on_table).centroid, low)
+        turned = turned - origin
+        turned[np.abs(turned[:, 2]) < _FLAT * self.top, 2] = 0.0
+        sd = np.sqrt((R_NB**2) @ np.array(self.com_sd) ** 2)
+        model = HullModel(
+            **self._changed(
+                vertices=turned.tolist(),
+                com=(R_NB @ np.array(self.com) - origin).tolist(),
+                com_sd=sd.tolist(),
+            )
+        )
+        return Resting(face, model, R_NB.T, R_NB.T @ origin)
+
+
+def turning_down(normal: Array) -> Array:
+    """The smallest rotation that makes a unit vector look down, shape (3, 3)."""
+    down = np.array([0.0, 0.0, -1.0])
+    axis, c = np.cross(normal, down), float(normal @ down)
+    if np.linalg.norm(axis) < 1e-12:
+        return np.eye(3) if c > 0.0 else np.diag([1.0, -1.0, -1.0])
+    K = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    return np.asarray(np.eye(3) + K + K @ K / (1.0 + c))
+
+
+def facets(points: Array) -> tuple[tuple[Array, Array], ...]:
+    """Faces of the convex hull of points (k, 3): outward normals and their vertices.
+
+    Triangles in one plane are one face. The largest comes first.
+
+    Raises:
+        ModelError: `bad_value` if the points lie in a plane.
+    """
+    solid = _hull(points)
+    size = np.ptp(points, axis=0).max()
+    planes: list[tuple[Array, Array, float]] = []
+    left = np.arange(len(solid.simplices))
+    while left.size:
+        equation = solid.equations[left[0]]
+        same = np.abs(solid.equations[left, :3] @ equation[:3] - 1.0) < _FLAT
+        same &= np.abs(solid.equations[left, 3] - equation[3]) < _FLAT * size
+        triangles = points[solid.simplices[left[same]]]
+        spans = triangles[:, 1:] - triangles[:, :1]
+        area = 0.5 * float(np.linalg.norm(np.cross(spans[:, 0], spans[:, 1]), axis=1).sum())
+        planes.append((equation[:3], points[np.unique(solid.simplices[left[same]])], area))
+        left = left[~same]
+    planes.sort(key=lambda plane: -plane[2])
+    return tuple((normal, corners) for normal, corners, _ in planes)
+
+
+def volume_and_centre(points: Array) -> tuple[float, Array]:
+    """Volume [m³] and its centre, shape (3,) [m], of the convex hull of points (k, 3)."""
+    solid = _hull(points)
+    middle = points.mean(axis=0)
+    corners = points[solid.simplices] - middle
+    volumes = np.abs(np.linalg.det(corners)) / 6.0
+    centre = (volumes[:, None] * corners.sum(axis=1) / 4.0).sum(axis=0) / volumes.sum()
+    return float(volumes.sum()), middle + centre
+
+
+def _hull(points: Array):  # type: ignore[no-untyped-def]  # scipy's class, imported late
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        return ConvexHull(points)
+    except QhullError as error:
+        raise ModelError(
+            "bad_value", "the vertices lie in a plane: they enclose nothing", path="vertices"
+        ) from error
+
+
+def _face(normal: Array, corners: Array) -> Face:
+    """A face with its outline."""
+    level = np.hypot(*normal[:2])
+    tangent = np.array([-normal[1], normal[0], 0.0]) / level
+    lateral = corners @ tangent
+    middle = (lateral.min() + lateral.max()) / 2.0
+    low, high = corners[:, 2].min(), corners[:, 2].max()
+    z = (low + high) / 2.0
+    outward = normal[:2] / level
+    out = (corners[0] @ normal - normal[2] * z) / level
+    centre = np.append(out * outward + middle * tangent[:2], z)
+    outline = hull(np.column_stack((lateral - middle, corners[:, 2]))).vertices
+    return Face(
+        normal=tuple(normal.tolist()),
+        centre=tuple(centre.tolist()),
+        tangent=tuple(tangent.tolist()),
+        width=float(np.ptp(lateral)),
+        height=float(high - low),
+        outline=tuple(map(tuple, outline.tolist())),
+    )

@@ -1,0 +1,477 @@
+"""An object that stands on a table, and what pushes do to it: the engine of all kinds of model.
+
+Model: a rigid object with a flat convex base on a horizontal table, Coulomb friction at the table
+and at the finger; see `objectmodels.mechanics.push_thresholds` for the formulae. Frame B has its
+origin at the centre of the base, z up. Forces are slow: classes are those at the onset of motion,
+without inertia, unless a method says otherwise.
+
+A kind of model is a subclass that says what shape it has: `footprint`, `top` and `faces` (see
+docs/models.md). Everything else follows from those and from the parameters.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import model_validator
+
+from objectmodels.errors import ModelError
+from objectmodels.geometry.array_checks import pairs, require_normals, require_units
+from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon
+from objectmodels.geometry.side_faces import Face
+from objectmodels.geometry.support_points import carrying_base, friction_radius, within
+from objectmodels.mechanics import tilt_limits as tilting
+from objectmodels.mechanics.friction_cone import ConeThresholds, cone_thresholds
+from objectmodels.mechanics.push_outcomes import Prediction, Thresholds
+from objectmodels.mechanics.push_thresholds import (
+    GRAVITY,
+    push_moment,
+    slide_threshold,
+    topple_threshold,
+    yaw_arm,
+)
+from objectmodels.models.parameters import RADIUS_SHARE_SD, Parameters
+from objectmodels.models.resting_faces import Resting, lying
+from objectmodels.models.vessel import Vessel
+
+if TYPE_CHECKING:
+    from objectmodels.mechanics.exact.exact_thresholds import ExactThresholds
+    from objectmodels.mechanics.exact.step_force import SuddenPush
+    from objectmodels.mechanics.outcome_probability import Likelihood
+    from objectmodels.mechanics.push_motion import Stroke
+
+Friction = Literal["static", "kinetic"]
+
+_OF_ITS_STANDING = ("container", "lid", "grasp")  # stated for the base that it stands on
+
+BORDER = 0.4
+"""Relative distance of the closed form's thresholds within which its class may be wrong."""
+
+
+class ObjectModel(Parameters, ABC):
+    """What is believed about an object, and what that says of pushes.
+
+    Attributes: see `objectmodels.models.parameters.Parameters`.
+    """
+
+    # -- the shape: what a kind of model says --------------------------------------------------
+
+    @property
+    @abstractmethod
+    def footprint(self) -> Base:
+        """The flat base on which the shape stands, in B."""
+
+    @property
+    @abstractmethod
+    def top(self) -> float:
+        """Height of its highest point [m]."""
+
+    @abstractmethod
+    def faces(self, headings: ArrayLike | None = None) -> tuple[Face, ...]:
+        """Places on its sides where a finger may push, in B.
+
+        Args:
+            headings: directions in which a round side is to be pushed, as angles from B's x axis,
+                shape (k,) [rad]; along the axes of B if not given. Flat faces do not depend on it.
+        """
+
+    @property
+    def outline(self) -> Array:
+        """What it covers of the table seen from above, a convex polygon, shape (k, 2) [m]."""
+        return self.footprint.corners
+
+    @property
+    def section(self) -> Base:
+        """Its horizontal section, the same at all heights, which a cavity inside it follows.
+
+        Raises:
+            ModelError: `bad_value` if it differs from height to height.
+        """
+        return self.footprint
+
+    @property
+    def centre(self) -> tuple[float, float, float]:
+        """Centre of mass if it is not stated: the middle [m]."""
+        return (0.0, 0.0, self.top / 2.0)
+
+    @property
+    def gyration(self) -> tuple[float, float, float]:
+        """Squared radii of gyration about axes x, y, z through the centre of mass [m²].
+
+        Those of a solid box around it, unless a kind of model knows better.
+        """
+        x, y, z = self.extents
+        return ((y * y + z * z) / 12.0, (x * x + z * z) / 12.0, (x * x + y * y) / 12.0)
+
+    @cached_property
+    def rests(self) -> tuple[Resting, ...]:
+        """The ways in which it may lie on the table, the one it stands in first."""
+        return (Resting("bottom", self, np.eye(3), np.zeros(3)),)
+
+    def standing(self, face: str) -> ObjectModel:
+        """The object lying on another of its faces: a model in the frame of that one.
+
+        What was fitted for the base (points to stand on, friction radius) does not go along; the
+        centre of mass and all coefficients do.
+
+        Raises:
+            ModelError: `unknown_face` if it cannot rest on a face of that name.
+        """
+        for rest in self.rests:
+            if rest.face == face:
+                return rest.model
+        names = ", ".join(rest.face for rest in self.rests)
+        raise ModelError(
+            "unknown_face",
+            f"the {self.name} cannot rest on {face!r}",
+            suggestions=(f"it rests on: {names}",),
+        )
+
+    def lying(self, R_WB: ArrayLike) -> Resting:
+        """How it lies if it is seen in some orientation: the pose picks the base.
+
+        Args:
+            R_WB: orientation of B in W, shape (3, 3).
+
+        Raises:
+            ModelError: `bad_array`; `not_resting` if no face of it is below.
+        """
+        return lying(self, R_WB)
+
+    def _changed(self, **changes: object) -> dict[str, Any]:
+        """Fields of a model that lies on another face: all but what was fitted for the base."""
+        kept = {name: getattr(self, name) for name in type(self).model_fields if name != "kind"}
+        for name in ("friction_radius", "friction_radius_sd", "correlations", *_OF_ITS_STANDING):
+            del kept[name]
+        if not isinstance(self.support, str):
+            del kept["support"]
+        return kept | changes
+
+    # -- what follows from it ------------------------------------------------------------------
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        """Fills in what depends on the shape, and checks what must fit it."""
+        base = self.base
+        known = self.__dict__
+        if np.isnan(known["com"]).any():
+            known["com"] = self.centre
+        if np.isnan(known["friction_radius"]):
+            known["friction_radius"] = friction_radius(self.support, self.footprint)
+        if np.isnan(known["friction_radius_sd"]):
+            known["friction_radius_sd"] = RADIUS_SHARE_SD * known["friction_radius"]
+        c = np.array(self.com)
+        if not within(base, c[None, :2], -1e-9 * base.size):
+            raise ModelError(
+                "bad_value",
+                f"found {list(self.com)}, expected a place over the base: it topples by itself",
+                path="com",
+            )
+        if not 0.0 < c[2] < self.top:
+            raise ModelError(
+                "bad_value",
+                f"found {list(self.com)}, expected a place inside the object, {self.top} m high",
+                path="com",
+            )
+        if self.container is not None and self.container.mass >= self.mass:
+            raise ModelError(
+                "bad_value",
+                f"the contents weigh {self.container.mass:.3f} kg, all of it {self.mass} kg",
+                path="container",
+            )
+        _ = self.vessel  # which refuses what does not fit
+        return self
+
+    def __eq__(self, other: object) -> bool:
+        """Equal beliefs of one kind; what was computed from them does not count."""
+        return isinstance(other, type(self)) and self._beliefs == other._beliefs
+
+    def __hash__(self) -> int:
+        return hash((type(self), self._beliefs))
+
+    @property
+    def _beliefs(self) -> tuple[object, ...]:
+        return tuple(getattr(self, name) for name in type(self).model_fields)
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """A copy with changed fields, unchecked; nothing computed before is kept."""
+        copied = super().model_copy(update=update, deep=deep)
+        for name in set(copied.__dict__) - set(type(self).model_fields):
+            del copied.__dict__[name]
+        return copied
+
+    @cached_property
+    def base(self) -> Base:
+        """What it would topple over: its footprint, or the hull of the points it stands on."""
+        return carrying_base(self.support, self.footprint)
+
+    @property
+    def extents(self) -> tuple[float, float, float]:
+        """Size along x, y, z of B [m]."""
+        x, y = np.ptp(self.outline, axis=0).tolist()
+        return (x, y, self.top)
+
+    @cached_property
+    def vessel(self) -> Vessel | None:
+        """Its cavity, as a function of how it leans; None if it is not hollow."""
+        if self.container is None:
+            return None
+        return Vessel.inside(self.section, self.top, self.container)
+
+    @property
+    def weight(self) -> float:
+        """G = m g [N]."""
+        return self.mass * GRAVITY
+
+    def coefficient(self, friction: Friction) -> float:
+        """The friction coefficient at the table, of one kind or the other.
+
+        Raises:
+            ModelError: `unknown_parameter` if it is not known.
+        """
+        if friction == "static":
+            return self.friction
+        if self.friction_kinetic is None:
+            raise ModelError(
+                "unknown_parameter",
+                f"the kinetic friction of the {self.name} is not known",
+                suggestions=("use the static one",),
+            )
+        return self.friction_kinetic
+
+    # -- predictions ---------------------------------------------------------------------------
+
+    def thresholds(
+        self,
+        points: ArrayLike,
+        directions: ArrayLike,
+        *,
+        exact: bool | Literal["border"] = False,
+        friction: Friction = "static",
+    ) -> Thresholds:
+        """Forces at which slow pushes start to slide or to topple the object.
+
+        Args:
+            points: contact points p_BC, shape (n, 3) [m].
+            directions: unit directions of the force in B, shape (n, 3).
+            exact: take the loads of the support points as they follow the push, instead of the
+                ellipsoidal limit surface; slower. The answer is then an `ExactThresholds`.
+                `border`: only where the closed form's two thresholds lie within `BORDER`.
+            friction: which coefficient at the table decides.
+
+        Raises:
+            ModelError: `bad_array` if a shape or a value is wrong.
+        """
+        p, u = pairs(points, directions)
+        require_units(u)
+        if exact == "border":
+            return self._exact_at_the_border(p, u, friction)
+        return self._exact(p, u, friction) if exact else self._thresholds(p, u, friction)
+
+    def _exact_at_the_border(self, p: Array, u: Array, friction: Friction) -> Thresholds:
+        t = self._thresholds(p, u, friction)
+        with np.errstate(invalid="ignore"):
+            close = np.abs(t.slide - t.topple) <= BORDER * t.onset
+        # Near tipping a round base stands on one point, which does not keep it from turning.
+        if isinstance(self.base, Disc):
+            close |= t.topple < t.slide
+        (i,) = np.nonzero(close)
+        slide = t.slide.copy()
+        if i.size:
+            slide[i] = self._exact(p[i], u[i], friction).slide
+        return replace(t, slide=slide)
+
+    def _exact(self, p: Array, u: Array, friction: Friction) -> ExactThresholds:
+        from objectmodels.mechanics.exact.exact_thresholds import exact_thresholds
+
+        return exact_thresholds(self, p, u, friction)
+
+    def _thresholds(self, p: Array, u: Array, friction: Friction = "static") -> Thresholds:
+        """`thresholds` for checked arrays; a zero direction never moves anything."""
+        c, weight = np.array(self.com), self.weight
+        # One component after the other: numpy is much faster on arrays that lie in a row.
+        p, u = np.asfortranarray(p), np.asfortranarray(u)
+        mu, radius = self.coefficient(friction), self.friction_radius
+        return Thresholds(
+            slide=slide_threshold(u, yaw_arm(p, u, c), mu, radius, weight),
+            topple=topple_threshold(self.base, p, u, c, weight),
+            friction=friction,
+            push=(p, u),
+            body=(self.base, c, radius, weight),
+        )
+
+    def topple_by_edge(self, points: ArrayLike, directions: ArrayLike) -> Array:
+        """Forces at which slow pushes would topple it about each edge of its base, (n, k) [N].
+
+        Raises:
+            ModelError: `bad_array`; `no_edges` on a round base.
+        """
+        p, u = pairs(points, directions)
+        if not isinstance(self.base, Polygon):
+            raise ModelError("no_edges", f"the base of the {self.name} is round")
+        m = self.weight * np.array(self.com[:2])
+        return self.base.topple_by_edge(m, push_moment(p, u), u[:, 2], self.weight).T
+
+    def predict(
+        self,
+        points: ArrayLike,
+        forces: ArrayLike,
+        *,
+        exact: bool = False,
+        friction: Friction = "static",
+    ) -> Prediction:
+        """Outcomes of slow pushes with the given forces.
+
+        Args:
+            points: contact points p_BC, shape (n, 3) [m].
+            forces: forces f_BC_B, shape (n, 3) [N].
+            exact: as in `thresholds`.
+            friction: as in `thresholds`.
+
+        Raises:
+            ModelError: `bad_array` if a shape or a value is wrong.
+        """
+        p, f = pairs(points, forces)
+        force = np.sqrt(f[:, 0] ** 2 + f[:, 1] ** 2 + f[:, 2] ** 2)
+        u = f / np.maximum(force, np.finfo(float).tiny)[:, None]
+        t = self._exact(p, u, friction) if exact else self._thresholds(p, u, friction)
+        return Prediction(force, t)
+
+    def cone_thresholds(
+        self, points: ArrayLike, normals: ArrayLike, *, sigmas: float = 0.0, yaw: bool = True
+    ) -> ConeThresholds:
+        """Extremes over all forces that a fingertip's friction cone can transmit.
+
+        Args:
+            points: contact points p_BC, shape (n, 3) [m].
+            normals: outward unit normals of the faces in B, not vertical, shape (n, 3).
+            sigmas: standard deviations that the worst case of the parameters takes.
+            yaw: whether the object may turn as it slides; False if two fingers hold it straight,
+                with `points` midway between them.
+
+        Raises:
+            ModelError: `bad_array` if a shape or a value is wrong.
+        """
+        p, n = pairs(points, normals)
+        require_normals(n)
+        if not 0.0 <= sigmas < np.inf:
+            raise ModelError("bad_value", f"sigmas must be a number from 0 on, not {sigmas}")
+        return cone_thresholds(self, p, n, sigmas, yaw)
+
+    def likelihood(
+        self, points: ArrayLike, directions: ArrayLike, *, force: float | None = None
+    ) -> Likelihood:
+        """Probability of each outcome under the parameters' uncertainty.
+
+        Args:
+            points: contact points p_BC, shape (n, 3) [m].
+            directions: unit directions of the force in B, shape (n, 3).
+            force: size of the push [N]; if not given, the class at the onset is meant.
+
+        Raises:
+            ModelError: `bad_array`, `bad_value`.
+        """
+        from objectmodels.mechanics.outcome_probability import likelihood
+
+        p, u = pairs(points, directions)
+        return likelihood(self, p, u, force)
+
+    def slips(self, normals: ArrayLike, forces: ArrayLike, *, friction: Friction = "static") -> Any:
+        """Whether a finger that presses so slips along the face, booleans of shape (n,).
+
+        Args:
+            normals: outward unit normals of the faces in B, shape (n, 3).
+            forces: forces f_BC_B on the object, shape (n, 3) [N]; one that pulls slips.
+            friction: which coefficient at the finger decides.
+
+        Raises:
+            ModelError: `bad_array`; `unknown_parameter`.
+        """
+        n, f = pairs(normals, forces)
+        mu: float | None = self.finger_friction
+        if friction == "kinetic":
+            mu = self.finger_friction_kinetic
+        if mu is None:
+            raise ModelError("unknown_parameter", "the finger's kinetic friction is not known")
+        pressing = -np.sum(n * f, axis=1)
+        return np.linalg.norm(f + pressing[:, None] * n, axis=1) > mu * pressing
+
+    def sudden(self, points: ArrayLike, forces: ArrayLike) -> SuddenPush:
+        """What forces that are applied at once do at that instant, inertia included.
+
+        Args:
+            points: contact points p_BC, shape (n, 3) [m].
+            forces: forces f_BC_B, shape (n, 3) [N].
+
+        Raises:
+            ModelError: `bad_array` if a shape or a value is wrong.
+        """
+        from objectmodels.mechanics.exact.step_force import sudden_push
+
+        return sudden_push(self, *pairs(points, forces))
+
+    def stroke(
+        self,
+        points: ArrayLike,
+        normals: ArrayLike,
+        direction: ArrayLike,
+        travel: float,
+    ) -> Stroke:
+        """Where it comes to rest after slow strokes of one finger each, or of two; see `motion`.
+
+        Args:
+            points: contact points p_BC at the start, shape (n, 3) [m], or (n, 2, 3) for two fingers
+                that keep their distance.
+            normals: outward unit normals of the touched faces in B, shape (n, 3).
+            direction: horizontal direction in which the fingers travel in B at the start,
+                shape (3,) or (n, 3).
+            travel: how far [m].
+
+        Raises:
+            ModelError: `bad_array`, `bad_value`.
+        """
+        from objectmodels.mechanics.push_motion import stroke
+
+        return stroke(self, points, normals, direction, travel)
+
+    def angle_of_no_return(self, direction: ArrayLike, *, sigmas: float = 0.0) -> float:
+        """Tilt past which it falls by itself, when tipped along a horizontal direction [rad].
+
+        Args:
+            direction: horizontal direction in B, shape (3,); it tips over the base edge that looks
+                most along it.
+            sigmas: take the centre of mass at so many standard deviations towards an earlier
+                fall (negative: towards a later one).
+        """
+        return tilting.angle_of_no_return(self, direction, sigmas)
+
+    def topple_stroke(self, direction: ArrayLike, height: float, angle: float) -> float:
+        """Travel of a finger that tilts it by an angle, the larger of two cases [m].
+
+        Args:
+            direction: horizontal direction of the push in B, shape (3,).
+            height: contact height on the face pushed [m].
+            angle: tilt to be reached [rad].
+        """
+        return tilting.topple_stroke(self, direction, height, angle)
+
+    def stroke_tilt(
+        self, direction: ArrayLike, height: float, travel: float
+    ) -> tuple[float, float]:
+        """Tilt to which a finger's travel brings it, if the finger stays level or sticks [rad].
+
+        Args:
+            direction: horizontal direction of the push in B, shape (3,).
+            height: contact height on the face pushed [m].
+            travel: of the finger [m].
+
+        Returns:
+            The smaller and the larger of the two.
+        """
+        return tilting.stroke_tilt(self, direction, height, travel)

@@ -1,0 +1,181 @@
+"""What is believed about an object that stands on a table, whatever its shape.
+
+Every parameter has a standard deviation; a fit may add correlations. Keys of model files carry
+units; they are the aliases of the fields here.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    NonNegativeFloat,
+    PositiveFloat,
+    model_validator,
+)
+
+from objectmodels.errors import ModelError
+from objectmodels.geometry.support_points import Support
+from objectmodels.geometry.tuples import as_tuple, as_tuples
+from objectmodels.models.object_parts import Container, Graspable, Lid
+
+Array = NDArray[np.float64]
+
+RADIUS_SHARE_SD = 0.45
+"""Standard deviation of an unfitted friction radius as a share of it: real objects spread so."""
+
+UNCERTAIN = ("mass", "friction", "finger_friction", "friction_radius", "com_x", "com_y", "com_z")
+"""Names of the uncertain parameters, in the order of `Parameters.means` and `.covariance`."""
+
+_DERIVED = float("nan")  # a default that depends on the shape; never seen from outside
+
+
+Vector3 = Annotated[tuple[float, float, float], BeforeValidator(as_tuple)]
+Size = Annotated[tuple[PositiveFloat, PositiveFloat, PositiveFloat], BeforeValidator(as_tuple)]
+Deviation3 = Annotated[
+    tuple[NonNegativeFloat, NonNegativeFloat, NonNegativeFloat], BeforeValidator(as_tuple)
+]
+Corners = Annotated[tuple[tuple[float, float], ...], BeforeValidator(as_tuples)]
+Word = Annotated[str, Field(min_length=1, max_length=100, pattern=r"^\S(.*\S)?$")]
+Words = Annotated[tuple[Word, ...], BeforeValidator(as_tuple)]
+Correlation = Annotated[
+    tuple[str, str, Annotated[float, Field(ge=-1.0, le=1.0)]], BeforeValidator(as_tuple)
+]
+Correlations = Annotated[tuple[Correlation, ...], BeforeValidator(as_tuple)]
+
+
+class Provenance(BaseModel):
+    """Where a model's figures come from.
+
+    Attributes:
+        source: publication, person or program.
+        method: how the figures were found, and what was estimated.
+        trials: number of measurements behind each figure, if measured.
+        date: ISO date of the measurement or entry.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    source: str = "not stated"
+    method: str = "not stated"
+    trials: Annotated[int, Field(ge=1)] | None = None
+    date: Annotated[str, Field(pattern=r"^\d{4}(-\d{2}(-\d{2})?)?$")] | None = None
+
+
+class Parameters(BaseModel):
+    """What is believed; the *_sd are standard deviations of that belief.
+
+    Attributes:
+        name: what the object is called.
+        mass: m [kg].
+        friction: static friction coefficient μ between object and table.
+        friction_kinetic: the same while it slides, if known.
+        finger_friction: static friction coefficient between object and fingertip.
+        finger_friction_kinetic: the same while it slips, if known.
+        com: centre of mass in B [m]; that of the solid shape if not given.
+        support: how the base carries it; see `objectmodels.geometry.support_points`.
+        friction_radius: c̄ = m_max / f_max [m]; from `support` if not given.
+        friction_radius_sd: 45 % of c̄ if not given, which is the spread over real objects.
+        correlations: of the beliefs, as (name, name, coefficient); names of `UNCERTAIN`.
+        container: what it holds, if it is hollow.
+        lid: what covers it, if it has a lid.
+        grasp: where a hand may hold it, if it may be held.
+        synonyms: other names.
+        provenance: where the figures come from.
+    """
+
+    model_config = ConfigDict(
+        frozen=True,
+        extra="forbid",
+        strict=True,
+        allow_inf_nan=False,
+        validate_by_name=True,
+        validate_by_alias=False,
+        serialize_by_alias=False,
+    )
+
+    version: ClassVar[int] = 1
+    """Version of the model file's format."""
+
+    name: Word
+    synonyms: Words = ()
+    mass: PositiveFloat = Field(alias="mass_kg")
+    mass_sd: NonNegativeFloat = Field(0.0, alias="mass_kg_sd")
+    friction: PositiveFloat = Field(alias="friction_table")
+    friction_sd: NonNegativeFloat = Field(0.0, alias="friction_table_sd")
+    friction_kinetic: PositiveFloat | None = Field(None, alias="friction_table_kinetic")
+    finger_friction: PositiveFloat = Field(0.6, alias="friction_finger")
+    finger_friction_sd: NonNegativeFloat = Field(0.0, alias="friction_finger_sd")
+    finger_friction_kinetic: PositiveFloat | None = Field(None, alias="friction_finger_kinetic")
+    com: Vector3 = Field((_DERIVED,) * 3, alias="centre_of_mass_m")
+    com_sd: Deviation3 = Field((0.0, 0.0, 0.0), alias="centre_of_mass_m_sd")
+    support: Support = "uniform"
+    friction_radius: PositiveFloat = Field(_DERIVED, alias="friction_radius_m")
+    friction_radius_sd: NonNegativeFloat = Field(_DERIVED, alias="friction_radius_m_sd")
+    correlations: Correlations = ()
+    container: Container | None = None
+    lid: Lid | None = None
+    grasp: Graspable | None = None
+    provenance: Provenance = Provenance()
+
+    @model_validator(mode="after")
+    def _sensible_correlations(self) -> Self:
+        names = [name for pair in self.correlations for name in pair[:2]]
+        unknown = [name for name in names if name not in UNCERTAIN]
+        pairs = [frozenset(pair[:2]) for pair in self.correlations]
+        wrong = None
+        if unknown:
+            wrong = f"found {unknown[0]!r}, expected one of: {', '.join(UNCERTAIN)}"
+        elif any(len(pair) == 1 for pair in pairs):
+            wrong = "found a correlation of a parameter with itself"
+        elif len(set(pairs)) < len(pairs):
+            wrong = "found a correlation given twice"
+        elif pairs and np.linalg.eigvalsh(self._correlation_matrix()).min() < -1e-9:
+            wrong = "found correlations that contradict each other: no distribution has them"
+        if wrong:
+            raise ModelError("bad_value", wrong, path="correlations")
+        return self
+
+    def _correlation_matrix(self) -> Array:
+        matrix = np.eye(len(UNCERTAIN))
+        for a, b, value in self.correlations:
+            i, j = UNCERTAIN.index(a), UNCERTAIN.index(b)
+            matrix[i, j] = matrix[j, i] = value
+        return matrix
+
+    @property
+    def means(self) -> Array:
+        """The uncertain parameters in the order of `UNCERTAIN`, shape (7,)."""
+        return np.array(
+            [self.mass, self.friction, self.finger_friction, self.friction_radius, *self.com]
+        )
+
+    @property
+    def deviations(self) -> Array:
+        """Their standard deviations, shape (7,)."""
+        return np.array(
+            [
+                self.mass_sd,
+                self.friction_sd,
+                self.finger_friction_sd,
+                self.friction_radius_sd,
+                *self.com_sd,
+            ]
+        )
+
+    @property
+    def covariance(self) -> Array:
+        """Their covariance, shape (7, 7)."""
+        sd = self.deviations
+        return np.asarray(sd[:, None] * self._correlation_matrix() * sd)
+
+    @property
+    def correlation(self) -> Array:
+        """Their correlations, shape (7, 7)."""
+        return self._correlation_matrix()

@@ -1,0 +1,1 @@
+"""Model files, plug-ins, mesh import."""

@@ -1,0 +1,228 @@
+"""From a mesh to a model: the base it stands on, its volume and its centre of mass.
+
+Model: the object is the convex hull of the mesh; its volume and centre of mass are those of the
+mesh itself where that is closed, at uniform density. Mesh files state no units and often no upward
+direction; both are asked for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from objectmodels.errors import ModelError
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.support_points import hull, within
+from objectmodels.models.convex_hull import HullModel, facets, turning_down, volume_and_centre
+from objectmodels.models.parameters import Provenance
+
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
+"""Lengths of the units that a mesh may be in [m]."""
+
+AXES = {"+x": (1, 0, 0), "-x": (-1, 0, 0), "+y": (0, 1, 0), "-y": (0, -1, 0), "+z": (0, 0, 1),
+        "-z": (0, 0, -1)}  # fmt: skip
+"""Directions in the mesh that may be upwards."""
+
+LARGEST, SMALLEST = 2.0, 0.005
+"""Extents that an object on a table has [m]; others are a mistaken unit."""
+
+FRICTION, FRICTION_SD = 0.35, 0.105
+"""Friction at the table if nothing is stated: an estimate with a deviation of 30 %."""
+
+COM_SHARE_SD = 0.08
+"""Standard deviation of a centre of mass at uniform density, as a share of the extents."""
+
+_DOWNWARDS = np.cos(np.radians(10.0))  # a face this near to looking down is what it stands on
+_MOST_VERTICES = 400
+_FLAT = 1e-6
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A mesh as it stands on the table.
+
+    Attributes:
+        vertices: of its convex hull in B, shape (k, 3) [m].
+        com: centre of mass at uniform density in B, shape (3,) [m].
+        volume: of the mesh if it is closed, else of its hull [m³].
+        closed: whether the mesh encloses a volume.
+        stood: how the base was found.
+    """
+
+    vertices: Array
+    com: Array
+    volume: float
+    closed: bool
+    stood: str
+
+    def told(self) -> str:
+        """How shape and centre of mass were found."""
+        hull_only = "" if self.closed else " of the convex hull"
+        return (
+            f"shape from a mesh, standing on {self.stood}; "
+            f"centre of mass at uniform density{hull_only}"
+        )
+
+
+def read_mesh(path: Path, *, unit: str = "m", up: str = "+z") -> Solid:
+    """Reads a mesh and stands it on the table.
+
+    Args:
+        path: a file that trimesh reads: STL, OBJ, PLY, OFF, GLB, 3MF and others.
+        unit: length unit of the file, one of `UNITS`.
+        up: direction in the file that is upwards, one of `AXES`.
+
+    Raises:
+        ModelError: `missing_extra` without trimesh; `unreadable_file`; `bad_mesh` if nothing solid
+            is in it, or its size is that of a mistaken unit.
+    """
+    mesh = _loaded(path)
+    points = np.asarray(mesh.vertices, dtype=np.float64) * UNITS[unit]
+    if len(points) < 4 or not np.isfinite(points).all():
+        raise ModelError("bad_mesh", f"holds {len(points)} usable vertices", path=str(path))
+    extents = np.ptp(points, axis=0)
+    if not (extents.max() <= LARGEST and extents.min() >= SMALLEST):
+        size = " × ".join(f"{x:.4g}" for x in extents)
+        raise ModelError(
+            "bad_mesh",
+            f"is {size} m large, expected between {SMALLEST} m and {LARGEST} m",
+            path=str(path),
+            suggestions=("state its unit, e.g. --unit mm",),
+        )
+    closed = bool(mesh.is_watertight)
+    volume, com = volume_and_centre(points)
+    if closed:
+        volume, com = abs(float(mesh.volume)) * UNITS[unit] ** 3, mesh.center_mass * UNITS[unit]
+    # The file's upward direction becomes z first, then the face it stands on looks down.
+    R = turning_down(-np.array(AXES[up], dtype=np.float64))
+    points, com = points @ R.T, R @ com
+    normal, stood = _standing_face(points, com, path)
+    R = turning_down(normal)
+    points, com = points @ R.T, R @ com
+    low = points[:, 2].min()
+    on_table = points[points[:, 2] <= low + _FLAT * np.ptp(points[:, 2]), :2]
+    origin = np.append(hull(on_table).centroid, low)
+    return Solid(_thinned(points - origin), com - origin, volume, closed, stood)
+
+
+def _loaded(path: Path) -> Any:
+    """The one mesh of a file."""
+    try:
+        import trimesh
+    except ImportError as error:
+        raise ModelError(
+            "missing_extra",
+            "reading meshes needs the package trimesh",
+            suggestions=("pip install 'nlcontrol[mesh]'",),
+        ) from error
+    if not path.is_file():
+        raise ModelError("unreadable_file", "there is no such file", path=str(path))
+    try:
+        mesh: Any = trimesh.load(path, force="mesh")
+        mesh.merge_vertices()
+    except Exception as error:  # readers of a dozen formats fail in a dozen ways
+        raise ModelError(
+            "unreadable_file",
+            f"cannot be read as a mesh: {type(error).__name__}: {error}",
+            path=str(path),
+            suggestions=("STL, OBJ, PLY, OFF and GLB are among the formats read",),
+        ) from error
+    return mesh
+
+
+def _standing_face(points: Array, com: Array, path: Path) -> tuple[Array, str]:
+    """Outward normal of the face that it stands on, and how that was found."""
+    faces = [face for face in facets(points) if _rests_on(face, com)]
+    if not faces:
+        raise ModelError("bad_mesh", "has no flat face that it could stand on", path=str(path))
+    down = max(faces, key=lambda face: -face[0][2])[0]
+    if -down[2] >= _DOWNWARDS:
+        return down, "the face below"
+    return faces[0][0], "its largest face; none looks down"
+
+
+def _rests_on(face: tuple[Array, Array], com: Array) -> bool:
+    """Whether the centre of mass lies over a face, well inside."""
+    normal, corners = face
+    R = turning_down(normal)
+    base = hull((corners @ R.T)[:, :2])
+    return within(base, (R @ com)[None, :2], -0.02 * base.size)
+
+
+def _thinned(points: Array) -> Array:
+    """The vertices of the hull, or those extreme in many directions if they are very many."""
+    from scipy.spatial import ConvexHull
+
+    solid = points[ConvexHull(points).vertices]
+    solid[np.abs(solid[:, 2]) < _FLAT * np.ptp(solid[:, 2]), 2] = 0.0
+    if len(solid) <= _MOST_VERTICES:
+        return np.round(solid, 6)
+    k = np.arange(_MOST_VERTICES // 2) + 0.5
+    z, phi = 1.0 - 4.0 * k / _MOST_VERTICES, np.pi * (1.0 + 5.0**0.5) * k
+    r = np.sqrt(1.0 - z * z)
+    kept = set(np.argmax(solid @ np.stack((r * np.cos(phi), r * np.sin(phi), z)), axis=0).tolist())
+    # What it stands on is kept with more care.
+    (base,) = np.nonzero(solid[:, 2] == 0.0)
+    turn = 4.0 * np.pi * np.arange(_MOST_VERTICES // 2) / _MOST_VERTICES
+    around = np.argmax(solid[base, :2] @ np.stack((np.cos(turn), np.sin(turn))), axis=0)
+    kept |= set(base[around].tolist())
+    return np.round(solid[sorted(kept)], 6)
+
+
+def import_mesh(
+    path: Path,
+    *,
+    name: str,
+    mass: float | None = None,
+    density: float | None = None,
+    unit: str = "m",
+    up: str = "+z",
+    friction: float | None = None,
+    synonyms: tuple[str, ...] = (),
+) -> HullModel:
+    """A model of the object that a mesh shows.
+
+    Args:
+        path: see `read_mesh`.
+        unit: see `read_mesh`.
+        up: see `read_mesh`.
+        name: what it is to be called.
+        mass: [kg], or
+        density: its mean density [kg/m³].
+        friction: coefficient at the table; an estimate if not given.
+        synonyms: other names.
+
+    Raises:
+        ModelError: what `read_mesh` raises; `bad_value` unless just one of mass and density is
+            given and positive.
+    """
+    given = [value for value in (mass, density) if value is not None]
+    if len(given) != 1 or not 0.0 < given[0] < np.inf:
+        raise ModelError(
+            "bad_value",
+            "state either the mass [kg] or the density [kg/m³], a positive number",
+            suggestions=("a full carton has about 900 kg/m³",),
+        )
+    solid = read_mesh(path, unit=unit, up=up)
+    heavy = mass if density is None else density * solid.volume
+    assert heavy is not None
+    mu = FRICTION if friction is None else friction
+    how = "mass stated" if density is None else f"mass from {density:g} kg/m³"
+    sure = "friction estimated (30 %)" if friction is None else "friction stated"
+    return HullModel(
+        name=name,
+        synonyms=synonyms,
+        mass=round(heavy, 6),
+        mass_sd=round((0.02 if density is None else 0.1) * heavy, 6),
+        friction=mu,
+        friction_sd=round(FRICTION_SD / FRICTION * mu, 6),
+        finger_friction=0.6,
+        finger_friction_sd=0.12,
+        com=tuple(np.round(solid.com, 6).tolist()),
+        com_sd=tuple(np.round(COM_SHARE_SD * np.ptp(solid.vertices, axis=0), 6).tolist()),
+        vertices=tuple(map(tuple, solid.vertices.tolist())),
+        provenance=Provenance(source=f"mesh {path.name}", method=f"{solid.told()}; {how}; {sure}"),
+    )

@@ -1,0 +1,170 @@
+"""Model files: a YAML file with units in its keys, read into an object model and written again.
+
+A file begins with `format: KIND/VERSION`, e.g. `box/1`; the kind is a class of model, whose fields
+are the file's keys (by their aliases, which carry the units). It is read strictly: what is unknown,
+of another type or out of range is an error that names file, key, what was found and what was
+expected. See `objectmodels/models/` for examples.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+from pydantic import ValidationError
+
+from objectmodels.errors import ModelError
+from objectmodels.models.box import BoxModel
+from objectmodels.models.convex_hull import HullModel
+from objectmodels.models.cylinder import CylinderModel
+from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.parameters import Provenance
+from objectmodels.models.prism import PrismModel
+from objectmodels.name_suggestions import suggest
+from objectmodels.yaml_reader import read_yaml
+
+Kinds = Mapping[str, type[ObjectModel]]
+
+BUILT_IN_KINDS: Kinds = {
+    "box": BoxModel,
+    "prism": PrismModel,
+    "cylinder": CylinderModel,
+    "hull": HullModel,
+}
+"""Kinds of model that a file may name without any plug-in."""
+
+
+_SUPPORTS = "corners, uniform, or three or more points [x, y] or [x, y, weight]"
+
+
+def kind_of(model: ObjectModel | type[ObjectModel]) -> str:
+    """Name of a model's kind, as in `format: KIND/VERSION`."""
+    cls = model if isinstance(model, type) else type(model)
+    return str(cls.model_fields["kind"].default)
+
+
+def load_model(path: Path, kinds: Kinds = BUILT_IN_KINDS) -> ObjectModel:
+    """Reads a model file.
+
+    Args:
+        path: the YAML file.
+        kinds: classes of model by name.
+
+    Raises:
+        ModelError: `unreadable_file`, `bad_yaml`, `unknown_format`, `missing_key`, `unknown_key` or
+            `bad_value`; names the file, the key, the value found and what was expected.
+    """
+    content = read_yaml(path)
+    cls = _class_of(content, path, kinds)
+    stated = {key: value for key, value in content.items() if key != "format"}
+    if "provenance" not in stated:
+        raise ModelError(
+            "missing_key",
+            "is required, but not given",
+            path=f"{path}: provenance",
+            suggestions=("say where the figures come from: `provenance: {source: …}`",),
+        )
+    if "kind" in stated:
+        raise ModelError(
+            "unknown_key",
+            "is not a key of this format",
+            path=f"{path}: kind",
+            suggestions=("the kind stands in `format`",),
+        )
+    try:
+        return cls.model_validate(stated, by_alias=True, by_name=False)
+    except ValidationError as error:
+        raise _explained(error, path, cls) from error
+
+
+def save_model(model: ObjectModel, path: Path) -> None:
+    """Writes a model file, whole or not at all; only what was stated, not what follows from it.
+
+    Raises:
+        ModelError: `cannot_write`.
+    """
+    stated = model.model_dump(mode="json", by_alias=True, exclude_unset=True, exclude={"kind"})
+    stated.setdefault("provenance", model.provenance.model_dump(exclude_none=True))
+    document = {"format": f"{kind_of(model)}/{type(model).version}", **stated}
+    text = yaml.safe_dump(document, sort_keys=False, allow_unicode=True, default_flow_style=None)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=".tmp", dir=path.parent)
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(text)
+        os.chmod(name, 0o644)
+        os.replace(name, path)
+    except OSError as error:
+        raise ModelError(
+            "cannot_write", f"cannot be written: {error.strerror}", path=str(path)
+        ) from error
+
+
+def _class_of(content: dict[str, Any], path: Path, kinds: Kinds) -> type[ObjectModel]:
+    known = [f"{kind}/{cls.version}" for kind, cls in kinds.items()]
+    found = content.get("format")
+    if found in known:
+        return kinds[str(found).split("/")[0]]
+    what = f"format {found!r}" if "format" in content else "no `format`"
+    raise ModelError(
+        "unknown_format",
+        f"{what}, expected one of: {', '.join(known)}",
+        path=str(path),
+        suggestions=(f"begin the file with `format: {known[0]}`",),
+    )
+
+
+def _explained(error: ValidationError, path: Path, cls: type[ObjectModel]) -> ModelError:
+    """The first complaint of pydantic in the words of a model file's author."""
+    # A key that is unknown is often the one that is missing, misspelt: that helps most.
+    complaints = error.errors(include_url=False)
+    first = min(complaints, key=lambda e: e["type"] != "extra_forbidden")
+    key = ".".join(str(part) for part in _loc(first)) or "file"
+    where = f"{path}: {key}"
+    found: Any = first["input"]
+    if first["type"] == "missing":
+        return ModelError("missing_key", "is required, but not given", path=where)
+    if first["type"] == "extra_forbidden":
+        known = Provenance.model_fields if "." in key else keys(cls)
+        wrong = key.split(".")[-1]
+        near = suggest(wrong, known) or [name for name in known if name.startswith(wrong + "_")]
+        hints = tuple(f"did you mean '{name}'?" for name in near[:1])
+        return ModelError(
+            "unknown_key",
+            "is not a key of this format",
+            path=where,
+            suggestions=hints or (f"known: {', '.join(known)}",),
+        )
+    if key == "support":  # a union, of which pydantic names one branch only
+        return ModelError("bad_value", f"found {_short(found)}, expected {_SUPPORTS}", path=where)
+    inner = first.get("ctx", {}).get("error")
+    if isinstance(inner, ModelError) and inner.path is not None:
+        field = cls.model_fields[inner.path]
+        return ModelError("bad_value", inner.message, path=f"{path}: {field.alias or inner.path}")
+    expected = first["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
+    if isinstance(inner, ModelError):
+        expected = inner.message
+    if not first["loc"] or isinstance(found, dict):
+        return ModelError("bad_value", expected, path=where)
+    return ModelError("bad_value", f"found {_short(found)}, expected {expected}", path=where)
+
+
+def _loc(complaint: Any) -> tuple[Any, ...]:
+    """Where a complaint is; in a union that is the whole of it."""
+    parts: tuple[Any, ...] = complaint["loc"]
+    return parts[:1] if parts[:1] == ("support",) else parts
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 80 else text[:77] + "..."
+
+
+def keys(cls: type[ObjectModel]) -> list[str]:
+    """Keys of a kind's model files."""
+    names = [field.alias or name for name, field in cls.model_fields.items() if name != "kind"]
+    return ["format", *names]

@@ -1,0 +1,79 @@
+"""Object models that other packages bring: entry points of the group `nlcontrol.objectmodels`.
+
+What an entry point names may be
+
+- a class of models (a subclass of `ObjectModel`): a new *kind*, whose name then stands in the
+  `format` of model files;
+- an object model, or an iterable of object models;
+- a path, of a model file or of a folder of them;
+- a function without arguments that returns one of these.
+
+A plug-in that fails is reported and skipped; it never takes the others down.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from importlib.metadata import EntryPoint, entry_points
+from os import PathLike
+from pathlib import Path
+
+from objectmodels.errors import ModelError
+from objectmodels.models.object_model import ObjectModel
+
+GROUP = "nlcontrol.objectmodels"
+
+Offer = type[ObjectModel] | ObjectModel | Path
+"""What a plug-in brings, one at a time."""
+
+
+def offers() -> Iterator[tuple[str, Offer | ModelError]]:
+    """What the installed plug-ins bring, with the place it comes from; errors of the broken ones.
+
+    Kinds come first, so that model files of one plug-in may be of a kind of another one.
+    """
+    found: list[tuple[str, Offer | ModelError]] = []
+    for point in sorted(entry_points(group=GROUP), key=lambda p: (_package(p), p.name)):
+        place = f"plug-in {point.name!r} of {_package(point)}"
+        try:
+            found += [(place, offer) for offer in _opened(point.load())]
+        except Exception as error:  # a plug-in may fail in any way
+            found.append((place, _failed(place, error)))
+    yield from sorted(found, key=lambda offer: not isinstance(offer[1], type))
+
+
+def _package(point: EntryPoint) -> str:
+    return point.dist.name if point.dist else point.value.partition(":")[0]
+
+
+def _opened(thing: object) -> Iterator[Offer]:
+    """The offers in what an entry point names."""
+    if isinstance(thing, type):
+        if not issubclass(thing, ObjectModel):
+            raise TypeError(f"{thing.__name__} is not a subclass of ObjectModel")
+        yield thing
+    elif isinstance(thing, ObjectModel):
+        yield thing
+    elif isinstance(thing, str | PathLike):
+        yield Path(thing)
+    elif callable(thing):
+        yield from _opened(thing())
+    elif isinstance(thing, Iterable):
+        for each in thing:
+            yield from _opened(each)
+    else:
+        raise TypeError(
+            f"expected a class, a model, a path or a function, found {type(thing).__name__}"
+        )
+
+
+def _failed(place: str, error: Exception) -> ModelError:
+    if isinstance(error, ModelError):
+        return ModelError(
+            error.code, f"{place}: {error.message}", path=error.path, suggestions=error.suggestions
+        )
+    return ModelError(
+        "broken_plugin",
+        f"{place} failed: {type(error).__name__}: {error}",
+        suggestions=("mend or uninstall the package",),
+    )
