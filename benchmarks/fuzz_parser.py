@@ -131,9 +131,9 @@ def fuzz(atheris: Any, seconds: float, seed: int, limit: float) -> None:
     folder = Path(tempfile.mkdtemp())
     with atheris.instrument_imports(include=["grammar"]):
         from grammar import ParseError
-        from grammar.lexicon import default_lexicon
-        from grammar.normalise import MAX_LENGTH
         from grammar.parser import parse
+        from grammar.words.lexicon import default_lexicon
+        from grammar.words.normalisation import MAX_LENGTH
     lexicon = default_lexicon()
     names = {*lexicon.terminals, *lexicon.verb_words}
     phrases = sorted({p for name in names for p in lexicon.phrases(name)} | lexicon.reserved)

@@ -5,11 +5,11 @@
 The sentences are those of the test set that are understood. From a sentence to its frames counts
 everything: the plain form, the parse, the meaning, the paraphrase. Trees begin with the plain form
 and stop at lark's parse tree, for a sample of the sentences (every so-manieth), since Earley takes
-long; nothing else is left out. Earley reads the rules of grammar/nlcontrol.lark twice: with the
-tokens that the LALR parser was given (its lexer cannot be asked without an LALR state; the time to
-find them is not counted), and with lark's dynamic lexer, for which the lexicon's phrases are made
-into regular expressions. Every sentence is timed several times by one parser after the other, and
-its best time counts, so that a busy machine slows none of them; a ratio is the median of the
+long; nothing else is left out. Earley reads the rules of grammar/phrases/nlcontrol.lark twice: with
+the tokens that the LALR parser was given (its lexer cannot be asked without an LALR state; the time
+to find them is not counted), and with lark's dynamic lexer, for which the lexicon's phrases are
+made into regular expressions. Every sentence is timed several times by one parser after the other,
+and its best time counts, so that a busy machine slows none of them; a ratio is the median of the
 sentences' own ratios.
 """
 
@@ -31,13 +31,15 @@ from lark.lexer import Lexer
 
 import grammar
 from benchmarks.sentences import understood
-from grammar.lexer import PhraseLexer
-from grammar.lexicon import NAME_TERMINALS, Lexicon, default_lexicon
-from grammar.normalise import normalise
-from grammar.numerals import DIGITS
 from grammar.parser import Parser
+from grammar.words.lexicon import NAME_TERMINALS, Lexicon, default_lexicon
+from grammar.words.normalisation import normalise
+from grammar.words.numerals import DIGITS
+from grammar.words.phrase_lexer import PhraseLexer
 
-RULES = Path(grammar.__file__).with_name("nlcontrol.lark").read_text(encoding="utf-8")
+RULES = (
+    Path(grammar.__file__).parent.joinpath("phrases", "nlcontrol.lark").read_text(encoding="utf-8")
+)
 
 _QUOTED = r'"[^"]*[^" ][^"]*"'
 _WORD = r'[^\W_][^ "]*'

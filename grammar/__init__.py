@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from grammar.errors import ParseError
-from grammar.frames import Command, Frame, ObjectRef
+from grammar.frames.command import Command, Frame, ObjectRef
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from grammar.lexicon import Lexicon
+    from grammar.words.lexicon import Lexicon
 
 __all__ = ["Command", "Frame", "ObjectRef", "ParseError", "paraphrase", "parse"]
 
@@ -28,7 +28,7 @@ def parse(text: str) -> Command:
 
 
 def paraphrase(said: Frame | Sequence[Frame], lexicon: Lexicon | None = None) -> str:
-    """Says in plain words what frames ask; see `grammar.wording.paraphrase`."""
-    from grammar import wording
+    """Says in plain words what frames ask; see `command_wording.paraphrase`."""
+    from grammar.paraphrasing import command_wording as wording
 
     return wording.paraphrase(said, lexicon)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grammar.frames import Span, Spans
+from grammar.frames.command import Span, Spans
 
 
 class ParseError(Exception):

@@ -12,16 +12,16 @@ from pathlib import Path
 from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedToken, VisitError
 
-from grammar.diagnosis import diagnose
-from grammar.frames import Command
-from grammar.lexer import PhraseLexer
-from grammar.lexicon import Lexicon
-from grammar.meaning import frames_of
-from grammar.normalise import Normalised, normalise
-from grammar.phrasing import Phrasing
-from grammar.plugins import installed
-from grammar.transform import parts_of
-from grammar.wording import paraphrase
+from grammar.clauses.frame_builder import frames_of
+from grammar.frames.command import Command
+from grammar.paraphrasing.clause_wording import Phrasing
+from grammar.paraphrasing.command_wording import paraphrase
+from grammar.phrases.tree_transform import parts_of
+from grammar.syntax_diagnosis import diagnose
+from grammar.words.lexicon import Lexicon
+from grammar.words.lexicon_plugins import installed
+from grammar.words.normalisation import Normalised, normalise
+from grammar.words.phrase_lexer import PhraseLexer
 
 
 class Parser:
@@ -32,7 +32,9 @@ class Parser:
     """
 
     def __init__(self, lexicon: Lexicon) -> None:
-        rules = Path(__file__).with_name("nlcontrol.lark").read_text(encoding="utf-8")
+        rules = (
+            Path(__file__).parent.joinpath("phrases", "nlcontrol.lark").read_text(encoding="utf-8")
+        )
         self.lexicon = lexicon
         self._lark = Lark(
             f"{rules}\n{lexicon.declarations()}",

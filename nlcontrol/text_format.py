@@ -12,7 +12,7 @@ from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from grammar.frames import Frame
+    from grammar.frames.command import Frame
     from nlcontrol.errors import ErrorInfo
 
 _SCALES: dict[str, tuple[float, str, int]] = {

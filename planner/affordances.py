@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from grammar import frames as g
+from grammar.frames import command as g
 from objectmodels.mechanics.outcome_map import OutcomeMap, outcome_map
 from planner.geometry.directions import HEADINGS, angle_between, face_name, heading_of
 from planner.planning import plan

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, overload
 
-from grammar import frames as g
+from grammar.frames import command as g
 from planner.grasping.grasp_planning import handle, is_handled
 from planner.problem.place_regions import region
 from planner.problem.push_problem import read

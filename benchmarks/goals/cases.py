@@ -20,7 +20,7 @@ from benchmarks.goals.final import final
 from benchmarks.goals.sentences import Kind, said
 from benchmarks.goals.worlds import Job, believed
 from benchmarks.record import Kept
-from grammar.frames import Frame
+from grammar.frames.command import Frame
 from nlcontrol import Controller
 from nlcontrol.checks import Check
 from planner.types.plan import Plan

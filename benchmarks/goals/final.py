@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol.checks import trace_measures as measures
 from planner.geometry.directions import HEADINGS, angle_between, bisector, heading_of, unit
 from planner.types.defaults import DEFAULTS

@@ -29,7 +29,7 @@ from benchmarks.strokes import (
     towards,
     upright,
 )
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol.checks import Check, check
 from nlcontrol.references.reference_resolution import mentioned
 from objectmodels import ObjectModel

@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from grammar import frames as g
+from grammar.frames import command as g
 from objectmodels import ObjectModel
 from objectmodels.geometry.side_faces import Face
 from planner.geometry.directions import angle_between, heading_of

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol.checks.bystander_checks import others
 from nlcontrol.checks.constraint_checks import CONSTRAINTS
 from nlcontrol.checks.evidence import Evidence

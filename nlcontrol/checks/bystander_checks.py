@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.verdicts import Check, named
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol.checks.bystander_checks import met
 from nlcontrol.checks.goal_checks import fell, stands
 from nlcontrol.checks.verdicts import Check, compare, named, placed

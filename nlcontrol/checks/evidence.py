@@ -18,7 +18,7 @@ from planner.types.world_state import PlanarPose, SeenObject, WorldState
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from grammar.frames import Frame
+    from grammar.frames.command import Frame
     from nlcontrol.checks.trace_measures import Array
     from objectmodels import ObjectModel
     from planner.types.defaults import Defaults

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal, Protocol
 
 from pydantic import BaseModel, ConfigDict
 
-from grammar.frames import Spans
+from grammar.frames.command import Spans
 
 if TYPE_CHECKING:
     from planner.problem.place_regions import Measure

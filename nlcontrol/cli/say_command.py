@@ -124,8 +124,8 @@ def sample(count: int, seed: int, nouns: tuple[str, ...], as_json: bool) -> int:
     """Make up random sentences of the language, each with the frames that it means."""
     from itertools import islice
 
-    from grammar.plugins import installed
-    from grammar.sampling import NOUNS, samples
+    from grammar.paraphrasing.sentence_sampler import NOUNS, samples
+    from grammar.words.lexicon_plugins import installed
 
     lexicon, _ = installed()
     _tell_problems(())
@@ -141,7 +141,7 @@ def sample(count: int, seed: int, nouns: tuple[str, ...], as_json: bool) -> int:
 
 def _tell_problems(problems: Iterable[object]) -> None:
     """Tells on standard error which plug-ins and model files were skipped."""
-    from grammar.plugins import installed
+    from grammar.words.lexicon_plugins import installed
 
     _, words = installed()
     for problem in (*problems, *words):

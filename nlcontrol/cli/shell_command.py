@@ -41,7 +41,7 @@ def command(as_json: bool, scene: str, seed: int, settings: Settings, plan_only:
     from nlcontrol.session.conversation import Conversation
 
     controller = controller_of(scene, seed, settings)
-    from grammar.plugins import installed
+    from grammar.words.lexicon_plugins import installed
 
     _, broken = installed()
     for problem in (*controller.registry.problems, *broken):
@@ -124,7 +124,7 @@ def _objects(controller: Controller) -> str:
 
 
 def _beginnings() -> tuple[str, ...]:
-    from grammar.plugins import installed
+    from grammar.words.lexicon_plugins import installed
 
     lexicon, _ = installed()
     return (*WORDS, *sorted(lexicon.verb_words["VERB"]))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from pydantic import BaseModel, ConfigDict, Field, InstanceOf
 from pydantic.json_schema import SkipJsonSchema
 
-from grammar.frames import Query
+from grammar.frames.command import Query
 from objectmodels.mechanics.outcome_map import OutcomeMap
 
 if TYPE_CHECKING:

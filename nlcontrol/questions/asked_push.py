@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error
 from nlcontrol.questions.answer import Considered
 from nlcontrol.questions.push_prediction import PushPrediction, predict_push

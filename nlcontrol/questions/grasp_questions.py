@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol import grasp_plan_text as handwords
 from nlcontrol.errors import ControlError, ErrorInfo
 from nlcontrol.questions.answer import Answer, chance

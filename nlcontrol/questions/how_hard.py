@@ -10,7 +10,7 @@ from dataclasses import replace
 from statistics import NormalDist
 from typing import TYPE_CHECKING
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol.questions.answer import DOES, Answer, chance, newtons
 from nlcontrol.questions.asked_push import Inquiry, inquiry, outcome_of, wanted
 from nlcontrol.questions.force_uncertainty import CERTAIN

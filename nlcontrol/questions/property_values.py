@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol.errors import ControlError, ErrorInfo
 from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.asked_push import target_of

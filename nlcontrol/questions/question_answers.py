@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol.checks import require_checkable
 from nlcontrol.errors import ControlError, error
 from nlcontrol.questions.answer import DOES, Answer, Considered, affordance_lines, chance, newtons

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol.questions.answer import DOES, Answer, Chart, chance
 from nlcontrol.questions.asked_push import Inquiry, inquiry, outcome_of, wanted
 from nlcontrol.text_format import quantity

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import get_args
 
-from grammar.frames import ObjectRef, Quality, Relation, Span
+from grammar.frames.command import ObjectRef, Quality, Relation, Span
 from nlcontrol.errors import ControlError, error
 from nlcontrol.references.colour_names import SHADES
 from nlcontrol.references.object_names import Candidate, listed, telling, words

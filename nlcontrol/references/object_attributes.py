@@ -23,7 +23,7 @@ from objectmodels.geometry.base_shapes import Polygon
 from planner.geometry.footprints import footprint, overlaps
 
 if TYPE_CHECKING:
-    from grammar.frames import Quality, Relation
+    from grammar.frames.command import Quality, Relation
     from planner.types.world_state import SeenObject
 
 Array = NDArray[np.float64]

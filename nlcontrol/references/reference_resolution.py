@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from pydantic import BaseModel
 
-from grammar.frames import Command, Frame, ObjectRef, Parameters, Query, RelativeLength
+from grammar.frames.command import Command, Frame, ObjectRef, Parameters, Query, RelativeLength
 from nlcontrol.references.object_names import Candidate
 from nlcontrol.references.reference_search import Spoken, Surroundings, find, fitting
 

@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from grammar.frames import ObjectRef, Quality
+from grammar.frames.command import ObjectRef, Quality
 from nlcontrol.errors import ControlError, error
 from nlcontrol.references.disambiguation_text import COLOURS, GENERIC, ambiguous, noun, said, span
 from nlcontrol.references.object_attributes import having, related
@@ -198,8 +198,8 @@ def _require_no_more_than_a_name(ref: ObjectRef, around: Surroundings, *, misspe
     Raises:
         ControlError: `unknown_object`, about those words.
     """
-    from grammar.diagnosis import words_like
-    from grammar.plugins import installed
+    from grammar.syntax_diagnosis import words_like
+    from grammar.words.lexicon_plugins import installed
 
     said_words = ref.text.split()
     for i in range(len(said_words) - 1, 0, -1):

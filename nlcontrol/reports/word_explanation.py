@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol.questions.answer import DOES, chance, newtons
 from nlcontrol.questions.force_uncertainty import CERTAIN
 from nlcontrol.text_format import quantity

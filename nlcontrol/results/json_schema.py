@@ -6,7 +6,7 @@ import json
 
 from pydantic.json_schema import models_json_schema
 
-from grammar.frames import Command
+from grammar.frames.command import Command
 from nlcontrol.errors import ErrorInfo
 from nlcontrol.learning.exploration_session import ExplorationReport
 from nlcontrol.learning.log_fitting import FitReport

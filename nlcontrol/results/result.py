@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, InstanceOf
 from pydantic.json_schema import SkipJsonSchema
 
-from grammar.frames import Frame
+from grammar.frames.command import Frame
 from nlcontrol.checks import Check
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.errors import OK, ErrorInfo

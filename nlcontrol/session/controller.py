@@ -14,7 +14,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from grammar.frames import Command, Frame
+from grammar.frames.command import Command, Frame
 from nlcontrol.checks import Check, check, require_checkable
 from nlcontrol.errors import ControlError, error, translated
 from nlcontrol.references.object_names import Candidate

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal, NoReturn
 from pydantic import BaseModel
 
 import grammar
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol.errors import ControlError, error
 from nlcontrol.questions.answer import Answer
 from nlcontrol.references.reference_resolution import Context

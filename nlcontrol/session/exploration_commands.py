@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol.errors import ControlError, ErrorInfo, error
 from nlcontrol.learning.exploration_session import (
     CENTRE_OF_MASS,

@@ -20,7 +20,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol.checks import not_held
 from nlcontrol.errors import NOT_UNDERSTOOD, ControlError, ErrorInfo, refusal_error
 from nlcontrol.learning.grasp_lessons import TRIED_AGAIN, believed_after, weighed

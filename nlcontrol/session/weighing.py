@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error
 from nlcontrol.learning.grasp_lessons import felt_weight, weighed
 from nlcontrol.questions.answer import Answer

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
-from grammar import frames as g
+from grammar.frames import command as g
 from planner.explanation.push_explanation import believed
 from planner.explanation.rows import Clause, Row, Value, clauses, named, read, row, shown
 from planner.types.actions import Carry, FlipOver, HandlingPlan, LiftUp, PourOut, TurnCap

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
-from grammar import frames as g
+from grammar.frames import command as g
 from planner.explanation.rows import Clause, Row, Value, clauses, named, read, row, shown
 from planner.geometry.directions import phrase
 

@@ -13,7 +13,7 @@ from typing import Any, Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict
 
-from grammar import frames as g
+from grammar.frames import command as g
 
 PartName = Literal[
     "push controller", "hand controller", "controller", "question", "remark", "object model",

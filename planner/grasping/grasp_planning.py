@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from grammar import frames as g
+from grammar.frames import command as g
 from planner.grasping.lid_planner import close_lid, open_lid
 from planner.grasping.lift_planner import lift, place, set_down
 from planner.grasping.pour_planner import pour_out

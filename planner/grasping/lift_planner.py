@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from grammar import frames as g
+from grammar.frames import command as g
 from objectmodels.geometry.support_points import hull
 from planner.geometry.footprints import footprint, gap, travel_to_edge
 from planner.grasping.grasp_sampling import of_body

@@ -13,7 +13,7 @@ from planner.refusals import pour_refusals as pourrefusals
 from planner.types.plan import DefaultUsed
 
 if TYPE_CHECKING:
-    from grammar import frames as g
+    from grammar.frames import command as g
     from objectmodels.models.object_parts import Container
     from objectmodels.models.vessel import Vessel
     from planner.problem.planning_problem import Task

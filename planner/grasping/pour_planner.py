@@ -37,7 +37,7 @@ from planner.types.actions import (
 from planner.types.plan import Aim, DefaultUsed, Reached
 
 if TYPE_CHECKING:
-    from grammar import frames as g
+    from grammar.frames import command as g
     from objectmodels.geometry.base_shapes import Array
     from objectmodels.models.vessel import Vessel
     from planner.grasping.grasp_sampling import Candidate

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from grammar import frames as g
+from grammar.frames import command as g
 from planner.geometry.directions import FACE_OF_PUSH, HEADINGS
 from planner.problem.contact_heights import bands
 from planner.problem.tilt_goals import almost_tips, spill_tilt

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from grammar import frames as g
+from grammar.frames import command as g
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

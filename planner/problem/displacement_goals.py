@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from grammar import frames as g
+from grammar.frames import command as g
 from planner.geometry.directions import HEADINGS, bisector, heading_of
 from planner.geometry.footprints import footprint, free_travel, gap
 from planner.problem.place_regions import table_region

@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from grammar import frames as g
+from grammar.frames import command as g
 from objectmodels.geometry.base_shapes import Disc
 from planner.geometry.directions import FACE_OF_PUSH, HEADINGS, unit
 from planner.geometry.footprints import footprint, free_travel, travel_to_edge

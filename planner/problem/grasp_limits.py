@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from grammar import frames as g
+from grammar.frames import command as g
 from objectmodels.models.object_parts import FlipLid
 from planner.problem import constraint_limits as restrictions
 from planner.problem.constraint_limits import require_right

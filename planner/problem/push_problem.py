@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from grammar import frames as g
+from grammar.frames import command as g
 from planner.geometry.directions import HEADINGS
 from planner.problem.constraint_limits import Setting, restricted
 from planner.problem.goal_poses import aimed

@@ -19,7 +19,7 @@ from planner.types.plan import Limits, Refusal
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from grammar.frames import Tilt
+    from grammar.frames.command import Tilt
     from objectmodels import ObjectModel
     from planner.types.defaults import Defaults
     from planner.types.plan import Prediction, Push

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import grammar
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol.cli.explore_command import command
 from nlcontrol.learning.log_fitting import NAMES
 from nlcontrol.reports.exploration_report import _COLUMNS

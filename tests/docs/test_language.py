@@ -20,7 +20,7 @@ import yaml
 
 from grammar import ParseError, parse
 from grammar.parser import default_parser
-from grammar.plugins import installed
+from grammar.words.lexicon_plugins import installed
 from nlcontrol import Controller, Conversation
 from nlcontrol.cli import run
 

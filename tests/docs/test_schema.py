@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any, get_args
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol.results.json_schema import schema, schema_json
 from planner.types.default_settings import settings
 

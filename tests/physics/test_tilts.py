@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import grammar
-from grammar.frames import Frame
+from grammar.frames.command import Frame
 from nlcontrol import Controller
 from planner import plan
 from planner.types.plan import Limits, Plan

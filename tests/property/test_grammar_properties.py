@@ -12,10 +12,10 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from grammar import Command, Frame, ParseError, paraphrase, parse
-from grammar.frames import Displace, ObjectRef, Place, Span
-from grammar.lexicon import NAME_TERMINALS, default_lexicon
-from grammar.normalise import normalise
-from grammar.sampling import Sampler
+from grammar.frames.command import Displace, ObjectRef, Place, Span
+from grammar.paraphrasing.sentence_sampler import Sampler
+from grammar.words.lexicon import NAME_TERMINALS, default_lexicon
+from grammar.words.normalisation import normalise
 
 LEXICON = default_lexicon()
 

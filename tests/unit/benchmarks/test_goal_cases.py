@@ -22,7 +22,7 @@ from benchmarks.goals.worlds import (
     pushable,
     standing,
 )
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol import Controller, Registry
 from planner.geometry.footprints import footprint, overlaps
 

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from benchmarks.goals.final import final
-from grammar import frames as g
+from grammar.frames import command as g
 from grammar.parser import parser_for
 from planner.types.plan import Aim, Margins, Plan, Prediction, Push
 from sim.traces.trace import Trace

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from grammar import ParseError, parse
-from grammar.normalise import MAX_LENGTH
+from grammar.words.normalisation import MAX_LENGTH
 
 
 def refusal(text: str) -> ParseError:

@@ -8,7 +8,7 @@ from typing import Any, get_args
 import pytest
 from pydantic import ValidationError
 
-from grammar.frames import (
+from grammar.frames.command import (
     Constraint,
     ContactHeight,
     ContactRegion,
@@ -25,7 +25,7 @@ from grammar.frames import (
     RelativeLength,
     Until,
 )
-from grammar.wording import paraphrase
+from grammar.paraphrasing.command_wording import paraphrase
 
 GOALS = [
     "displace",

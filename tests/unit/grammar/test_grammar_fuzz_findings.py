@@ -8,7 +8,7 @@ from contextlib import suppress
 import pytest
 
 from grammar import ParseError, parse
-from grammar.normalise import MAX_LENGTH
+from grammar.words.normalisation import MAX_LENGTH
 
 LONGEST_S = 0.05
 """Longest time that a sentence may take."""

@@ -12,14 +12,14 @@ from lark import Lark, Token
 
 import grammar
 from grammar import ParseError, parse
-from grammar.frames import Action, Goal, Quality
-from grammar.lexer import PhraseLexer
-from grammar.lexicon import NAME_TERMINALS, Lexicon, default_lexicon, expand
-from grammar.normalise import normalise
+from grammar.frames.command import Action, Goal, Quality
 from grammar.parser import Parser
+from grammar.words.lexicon import NAME_TERMINALS, Lexicon, default_lexicon, expand
+from grammar.words.normalisation import normalise
+from grammar.words.phrase_lexer import PhraseLexer
 
 LEXICON = default_lexicon()
-RULES = (Path(grammar.__file__).parent / "nlcontrol.lark").read_text(encoding="utf-8")
+RULES = (Path(grammar.__file__).parent / "phrases" / "nlcontrol.lark").read_text(encoding="utf-8")
 LEXER = PhraseLexer.bound_to(LEXICON)(None)
 TERMINALS = (*NAME_TERMINALS, *LEXICON.terminals)
 
@@ -253,7 +253,7 @@ def test_plug_in_cannot_change_meanings(more: dict[str, Any], why: str) -> None:
 
 
 def test_lexicon_is_read_from_its_file(tmp_path: Path) -> None:
-    source = Path(grammar.__file__).with_name("lexicon.yaml")
+    source = Path(grammar.__file__).parent / "words" / "lexicon.yaml"
     copy = tmp_path / "lexicon.yaml"
     copy.write_text(source.read_text(encoding="utf-8"), encoding="utf-8")
     assert Lexicon.read(copy) == LEXICON

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from grammar import parse
-from grammar.lexicon import default_lexicon
-from grammar.normalise import normalise
+from grammar.words.lexicon import default_lexicon
+from grammar.words.normalisation import normalise
 
 CONTRACTIONS = default_lexicon().contractions
 

@@ -10,9 +10,10 @@ from typing import Any
 
 import pytest
 
-from grammar import ParseError, parse, plugins
-from grammar.lexicon import default_lexicon
+from grammar import ParseError, parse
 from grammar.parser import Parser, default_parser, parser_for
+from grammar.words import lexicon_plugins as plugins
+from grammar.words.lexicon import default_lexicon
 
 SCOOT = """
 WORDS = {"verbs": [{"says": ["scoot"], "action": "slide", "goal": "displace"}]}

@@ -10,8 +10,8 @@ import pint
 import pytest
 
 from grammar import ParseError, parse
-from grammar.lexicon import default_lexicon
-from grammar.numerals import exact
+from grammar.words.lexicon import default_lexicon
+from grammar.words.numerals import exact
 
 UNITS: Any = pint.UnitRegistry()
 LEXICON = default_lexicon()

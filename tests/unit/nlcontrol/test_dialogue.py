@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol import Controller, Conversation
 from nlcontrol.results.result import Result
 from nlcontrol.session.follow_up_frames import continued, corrected, overlaid, repeated

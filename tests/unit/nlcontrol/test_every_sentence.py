@@ -6,7 +6,7 @@ from itertools import islice
 
 import pytest
 
-from grammar.sampling import samples
+from grammar.paraphrasing.sentence_sampler import samples
 from nlcontrol import Controller, Result
 from nlcontrol.errors import CODES
 from planner.types.actions import HandlingPlan

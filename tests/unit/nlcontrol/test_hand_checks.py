@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol import Controller
 from nlcontrol.checks import Check, not_held, require_checkable
 from planner.types.defaults import DEFAULTS

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
 from nlcontrol.learning.grasp_lessons import refilled

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol import Controller
 from nlcontrol.cli import run
 from nlcontrol.errors import ControlError

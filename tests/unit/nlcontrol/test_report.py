@@ -7,7 +7,7 @@ from typing import Any, get_args
 
 import pytest
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol.checks import Check
 from nlcontrol.errors import CODES, NO_PLAN, ErrorInfo
 from nlcontrol.questions.answer import Answer

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
 from nlcontrol.references.object_names import Candidate

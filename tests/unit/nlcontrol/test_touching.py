@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import grammar
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
 from nlcontrol.session.exploration_commands import EVERYTHING, unknown, wanted

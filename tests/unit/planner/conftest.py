@@ -10,7 +10,7 @@ import pytest
 from pydantic import BaseModel
 
 import grammar
-from grammar.frames import Frame, ObjectRef
+from grammar.frames.command import Frame, ObjectRef
 from objectmodels import Registry
 from planner import plan
 from planner.types.plan import Plan, Push, Refusal

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from grammar import frames as g
+from grammar.frames import command as g
 from planner.geometry.directions import angle_between
 from planner.problem.displacement_goals import asked_distance, asked_heading
 from planner.types.defaults import DEFAULTS

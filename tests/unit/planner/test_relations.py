@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from grammar import frames as g
+from grammar.frames import command as g
 from planner.geometry.footprints import footprint, gap
 from planner.problem.place_regions import Between, Region, moved, region, share_of_way, table_region
 from planner.types.defaults import DEFAULTS

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol import checks as clause_checks
 from nlcontrol.checks import Check
 from objectmodels import BoxModel, CylinderModel

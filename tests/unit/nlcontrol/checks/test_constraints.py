@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from grammar import frames as g
+from grammar.frames import command as g
 from objectmodels import BoxModel
 from planner.types.defaults import DEFAULTS
 from sim.traces.trace import joined

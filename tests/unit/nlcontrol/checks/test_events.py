@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from grammar import frames as g
+from grammar.frames import command as g
 from objectmodels import BoxModel
 from tests.unit.nlcontrol.checks.conftest import (
     MUG,

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol import checks as clause_checks
 from objectmodels import BoxModel
 from planner.types.defaults import DEFAULTS

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from grammar import frames as g
+from grammar.frames import command as g
 from objectmodels import BoxModel
 from sim.traces.trace import ContactEvent
 from tests.unit.nlcontrol.checks.conftest import (

@@ -7,7 +7,7 @@ from typing import Any, get_args
 
 import pytest
 
-from grammar import frames as g
+from grammar.frames import command as g
 from nlcontrol.checks import not_held, require_checkable
 from nlcontrol.errors import ControlError
 from objectmodels import BoxModel

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from grammar.frames import Frame, ObjectRef, Pour
+from grammar.frames.command import Frame, ObjectRef, Pour
 from planner import plan
 from planner.types.actions import HandlingPlan, PourOut
 from planner.types.defaults import DEFAULTS

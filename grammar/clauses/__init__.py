@@ -1,0 +1,1 @@
+"""Phrase parts to frames, and their consistency."""

@@ -1,0 +1,271 @@
+"""A clause with a verb: the action, what should come of it, and what must hold on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, cast
+
+from grammar.clauses.clause_errors import unexpected
+from grammar.clauses.clause_parts import Clause
+from grammar.clauses.consistency import require_consistent
+from grammar.clauses.constraint_builder import constraints_of, require_same
+from grammar.clauses.goal_builder import intended
+from grammar.clauses.object_descriptions import parted_of
+from grammar.errors import ParseError
+from grammar.frames import command as g
+from grammar.frames.command import Span
+from grammar.phrases.phrase_parts import (
+    AmountPart,
+    AskPart,
+    ConstraintPart,
+    DirectionPart,
+    HeadingPart,
+    IfPart,
+    Part,
+    ParticlePart,
+    PlacePart,
+    PurposePart,
+    ResultPart,
+    ThingPart,
+    VerbPart,
+)
+from grammar.words.lexicon import Lexicon, Verb
+from grammar.words.normalisation import Normalised
+
+_UP_AND_DOWN: dict[str, g.Direction] = {"up": "away", "down": "toward"}
+
+_PUSHED = frozenset({"displace", "contact", "topple", "tilt"})
+"""Goals of which "from the left" says that they go to the right, unless by pulling."""
+
+_EVENTS: dict[str, g.Event] = {
+    "moves": "moves",
+    "slides": "slides",
+    "tips": "tips",
+    "tilts": "tilts",
+    "turns": "turns",
+}
+
+_STOPS: dict[str, g.Event] = {"moves": "moves", "tips": "tips", "about_to_tip": "tips"}
+
+_ASK_FOR_EVENTS = ("how_hard", "where")
+"""Questions that may ask about an event."""
+
+Parts = list[Part]
+
+
+class ActionReader:
+    """Reads the clause of a verb.
+
+    Args:
+        parts: the parts of the clause, the things that it is about left out.
+        asks: what is asked, if it is a question.
+        lexicon: the words of the language.
+        sentence: the sentence.
+    """
+
+    def __init__(
+        self,
+        parts: Sequence[Part],
+        asks: Sequence[AskPart],
+        lexicon: Lexicon,
+        sentence: Normalised,
+    ) -> None:
+        self._parts = [p for p in parts if not isinstance(p, VerbPart | IfPart)]
+        self._head = next(part for part in parts if isinstance(part, VerbPart))
+        self._asks = asks
+        self._query = next((each.query for each in asks), None)
+        self._lexicon = lexicon
+        self._sentence = sentence
+
+    def frame(self, thing: ThingPart) -> g.Frame:
+        """The frame of the clause as it is about a thing.
+
+        Raises:
+            ParseError: with the words that do not fit.
+        """
+        rest, constraints = constraints_of(
+            _stopping(self._parts), thing, self._lexicon, self._sentence
+        )
+        verb, name, spans, rest = self._verb(self._head, rest)
+        result, rest, event, asked = self._asked_about(rest, thing, verb)
+        if self._query in _ASK_FOR_EVENTS and event is None:
+            constraints, event, asked = _without_stops(constraints)
+        goal = self._goal(verb, name, result, rest, thing, spans[0])
+        goal, thing = self._of_a_part(goal, thing)
+        if verb.action == "push" and _still(constraints) and not _says_more(goal):
+            goal = g.NoGoal()  # a push need not move what it pushes
+        frame = g.Frame(
+            action=cast(g.Action, verb.action),
+            query=self._query,
+            object=thing.ref,
+            goal=goal,
+            constraints=constraints,
+            event=event,
+            negated=any(each.negated for each in self._asks),
+            spans=spans + asked + tuple(each.span for each in self._asks),
+        )
+        require_consistent(frame, self._sentence)
+        return _with_it_bound(frame)
+
+    def _goal(
+        self,
+        verb: Verb,
+        name: str,
+        result: ResultPart | None,
+        rest: Parts,
+        thing: ThingPart,
+        span: Span,
+    ) -> g.Goal:
+        """What should become of the object; every part that is left finds its place in it."""
+        if thing.contents and verb.goal not in ("pour", "fill"):
+            message = f'the contents of a thing do not go with "{name}"'
+            raise ParseError(
+                "does_not_apply", message, thing.span, ("pour the contents of it into …",)
+            )
+        if verb.goal not in _PUSHED or verb.action == "pull":
+            rest = [p for p in rest if not (isinstance(p, DirectionPart) and p.implied)]
+        clause = Clause(rest, verb, self._sentence, span)
+        goal = intended(verb, result, clause)(clause)
+        clause.finish(name)
+        if result is None:
+            return goal
+        return goal.model_copy(update={"spans": tuple(sorted((*goal.spans, result.span)))})
+
+    def _asked_about(
+        self, rest: Parts, thing: ThingPart, verb: Verb
+    ) -> tuple[ResultPart | None, Parts, g.Event | None, g.Spans]:
+        """What should come of it, or what a question asks about, with the words of that."""
+        event = next((each.event for each in self._asks if each.event), None)
+        said = tuple(p.span for p in rest if isinstance(p, ResultPart | PurposePart))
+        result, rest, asked = self._results(rest, thing, self._query, verb)
+        return result, rest, event or asked, said if asked else ()
+
+    def _results(
+        self, rest: Parts, thing: ThingPart, query: g.Query | None, verb: Verb
+    ) -> tuple[ResultPart | None, Parts, g.Event | None]:
+        """What should come of it; in a question it is what is asked about."""
+        results = [p for p in rest if isinstance(p, ResultPart | PurposePart)]
+        rest = [p for p in rest if not isinstance(p, ResultPart | PurposePart)]
+        if not results:
+            return None, rest, None
+        if len(results) > 1:
+            raise unexpected(results[1], self._sentence)
+        part = results[0]
+        mention = part.subject if isinstance(part, ResultPart) else part.thing
+        require_same(mention, thing, part, self._sentence)
+        before = isinstance(part, PurposePart) and part.before
+        if query in ("how_hard", "where") and part.event in _EVENTS:
+            return None, rest, _EVENTS[part.event]
+        if query in ("how_hard", "where") and part.event == "stays_upright":
+            return None, rest, "stays_upright"
+        if query or before or part.event == "stays_upright":
+            raise unexpected(part, self._sentence)
+        if isinstance(part, PurposePart):
+            part = ResultPart(part.span, part.event, thing)
+        elif part.amount:
+            rest.append(AmountPart(part.span, part.amount))
+        return part, rest, None
+
+    def _of_a_part(self, goal: g.Goal, thing: ThingPart) -> tuple[g.Goal, ThingPart]:
+        """Takes "the lid of the cup", when it is opened, for a part of the cup."""
+        if not isinstance(goal, g.Open | g.Close):
+            return goal, thing
+        parted = parted_of(thing, self._lexicon, self._sentence)
+        if parted is None or parted[0] not in self._lexicon.parts:
+            return goal, thing
+        part, span, whole = parted
+        return goal.model_copy(update={"part": part, "spans": (*goal.spans, span)}), whole
+
+    def _verb(self, part: VerbPart, rest: Parts) -> tuple[Verb, str, tuple[Span, ...], Parts]:
+        """Finds the verb with or without its particle; returns what it leaves of the rest."""
+        lexicon = self._lexicon
+        particle = next((p for p in rest if isinstance(p, ParticlePart)), None)
+        alone = lexicon.verb(part.word)
+        if particle is not None and particle.optional:
+            topples = lexicon.verb(part.word, particle.word)
+            if topples is None or (alone and alone.goal == "displace"):
+                rest, particle = [p for p in rest if p is not particle], None
+        if particle is not None:
+            verb = lexicon.verb(part.word, particle.word)
+            if verb is not None:
+                left = [p for p in rest if p is not particle]
+                spans = _joined([part.span, particle.span], self._sentence)
+                return verb, f"{part.word} {particle.word}", spans, left
+        if alone is not None and part.completed is not None:
+            return alone, part.word, (part.span, part.completed), rest
+        if alone is None:
+            whole = tuple(sorted(v for v in lexicon.verbs if v.startswith(f"{part.word} ")))
+            raise ParseError(
+                "unknown_verb",
+                f'"{part.word}" alone is no action; it needs its particle',
+                part.span,
+                tuple(f"did you mean '{phrase}'?" for phrase in whole),
+            )
+        moves = alone.goal in ("displace", "contact")
+        if particle is not None and moves and particle.word in _UP_AND_DOWN:
+            direction = DirectionPart(particle.span, _UP_AND_DOWN[particle.word])
+            rest = [direction if p is particle else p for p in rest]
+        return alone, part.word, (part.span,), rest
+
+
+def _with_it_bound(frame: g.Frame) -> g.Frame:
+    """Takes "it" in "next to the mug without touching it" for the mug."""
+    goal = frame.goal
+    others: tuple[g.ObjectRef, ...] = ()
+    if isinstance(goal, g.Place) and isinstance(goal.reference, tuple):
+        others = goal.reference
+    elif isinstance(goal, g.Displace) and isinstance(goal.toward, g.ObjectRef):
+        others = (goal.toward,)
+    elif isinstance(goal, g.Pour) and goal.into is not None:
+        others = (goal.into,)
+    if len(others) != 1:
+        return frame
+    bound = tuple(
+        clause.model_copy(update={"object": others[0]})
+        if isinstance(clause, g.NoTouch) and clause.object and clause.object.pronoun
+        else clause
+        for clause in frame.constraints
+    )
+    return frame.model_copy(update={"constraints": bound})
+
+
+def _without_stops(
+    constraints: tuple[g.Constraint, ...],
+) -> tuple[tuple[g.Constraint, ...], g.Event | None, g.Spans]:
+    """Takes "how hard … until it tips" for a question about tipping."""
+    for stop in constraints:
+        if isinstance(stop, g.Until) and stop.event in _STOPS:
+            kept = tuple(c for c in constraints if c is not stop)
+            return kept, _STOPS[stop.event], stop.spans
+    return constraints, None, ()
+
+
+def _stopping(parts: Parts) -> Parts:
+    """Takes "to the left so that it touches the mug" for a direction and where to stop."""
+    ends = next((p for p in parts if isinstance(p, ResultPart) and p.event == "ends_up"), None)
+    place = next((p for p in parts if isinstance(p, PlacePart)), None)
+    directed = any(isinstance(p, DirectionPart | HeadingPart) for p in parts)
+    if ends is None or place is None or not directed:
+        return parts
+    if place.relation not in ("touching", "next_to") or not isinstance(place.reference, tuple):
+        return parts
+    event = cast(Any, place.relation)
+    stop = g.Until(event=event, object=place.reference[0], spans=(place.span,))
+    until = ConstraintPart(place.span, stop, ends.subject)
+    return [until if part is place else part for part in parts if part is not ends]
+
+
+def _still(constraints: Sequence[g.Constraint]) -> bool:
+    """Whether the object is to stay where it is."""
+    return {"no_slide", "no_tilt", "no_turn"} <= {c.kind for c in constraints}
+
+
+def _says_more(goal: g.Goal) -> bool:
+    return goal != g.Displace() and bool(goal.spans)
+
+
+def _joined(spans: list[Span], sentence: Normalised) -> tuple[Span, ...]:
+    """One span if only space lies between."""
+    (start, middle), (again, end) = sorted(spans)
+    between = sentence.original[middle:again]
+    return ((start, end),) if not between.strip() else ((start, middle), (again, end))

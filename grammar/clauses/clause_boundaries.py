@@ -1,0 +1,170 @@
+"""One sentence, several clauses: where a command ends and the next begins.
+
+A new verb begins a new clause; what stands between the last "and" or "then" and that verb belongs
+to the new clause ("… and gently topple it"). After "then" a clause may do without its verb ("then
+to the left"). A question is one clause.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from grammar.clauses.clause_errors import unexpected
+from grammar.errors import ParseError
+from grammar.frames.command import Span
+from grammar.phrases.phrase_parts import (
+    AmountPart,
+    AskPart,
+    AvoidPart,
+    ConstraintPart,
+    ExplorePart,
+    FillerPart,
+    FurtherNoTouchPart,
+    NextPart,
+    Part,
+    RemarkPart,
+    SeparatorPart,
+    VerbPart,
+)
+from grammar.words.normalisation import Normalised
+
+_JOINTS = (SeparatorPart, NextPart)
+_HEADS = (VerbPart, ExplorePart)
+_OPENINGS = (FillerPart, AmountPart, ConstraintPart, AvoidPart, RemarkPart)
+"""What may stand before a verb."""
+
+Parts = list[Part]
+
+
+def clauses_of(parts: Sequence[Part], sentence: Normalised) -> list[Parts]:
+    """Splits the parts of a sentence into those of its clauses, joints left out.
+
+    Raises:
+        ParseError: `several_commands`, `unexpected_words`, `incomplete`, `unsupported_question`.
+    """
+    parts = _joined(_without_requests(parts, sentence), sentence)
+    if any(isinstance(part, AskPart) for part in parts):
+        return [_question(parts, sentence)]
+    if sentence.question and not _is_request(sentence):
+        raise _unclear(sentence)
+    clauses: list[Parts] = [[]]
+    for part in parts:
+        if isinstance(part, _HEADS) and any(isinstance(p, _HEADS) for p in clauses[-1]):
+            clauses.append(_opening(clauses[-1], part, sentence))
+        elif isinstance(part, NextPart) and part.word == "then" and _content(clauses[-1]):
+            clauses.append([])
+        clauses[-1].append(part)
+    return [_content(clause) for clause in clauses]
+
+
+def _content(clause: Parts) -> Parts:
+    return [part for part in clause if not isinstance(part, _JOINTS)]
+
+
+def _opening(clause: Parts, verb: Part, sentence: Normalised) -> Parts:
+    """Takes from a clause what opens the next one, back to the joint between them."""
+    last = max((i for i, part in enumerate(clause) if isinstance(part, _JOINTS)), default=None)
+    if last is None or not all(isinstance(part, _OPENINGS) for part in clause[last + 1 :]):
+        written = sentence.written(verb.span)
+        raise ParseError(
+            "several_commands",
+            f'"{written}" begins a second command',
+            verb.span,
+            (f'put "then" before it: "…, then {written} …"',),
+        )
+    opening = clause[last + 1 :]
+    del clause[last:]
+    return opening
+
+
+def _joined(parts: Sequence[Part], sentence: Normalised) -> Parts:
+    """The parts, once every joint is found to join something."""
+    said = [part for part in parts if not isinstance(part, FillerPart)]
+    if isinstance(parts[-1], FillerPart) and said and isinstance(said[-1], SeparatorPart):
+        said.pop()  # "…, thank you"
+    for before, part, after in zip([None, *said], said, [*said[1:], None], strict=False):
+        if not isinstance(part, SeparatorPart):
+            continue
+        if after is None:
+            raise ParseError(
+                "incomplete",
+                f'the sentence ends after "{sentence.written(part.span)}"',
+                part.span,
+                (f'leave out "{sentence.written(part.span)}", or say what comes then',),
+            )
+        if before is None and part.word != ",":
+            raise _unjoined(part, sentence)
+        doubled = isinstance(after, SeparatorPart)
+        if doubled or (part.word == "or" and not _goes_on_avoiding(after)):
+            raise _unjoined(after if doubled else part, sentence)
+    return list(parts)
+
+
+def _goes_on_avoiding(part: Part) -> bool:
+    return isinstance(part, AvoidPart | FurtherNoTouchPart)
+
+
+def _unjoined(part: Part, sentence: Normalised) -> ParseError:
+    """A joint that joins nothing, or that leaves a choice."""
+    if not isinstance(part, SeparatorPart) or part.word != "or":
+        return unexpected(part, sentence)
+    message = f'"{sentence.written(part.span)}" leaves a choice'
+    return ParseError("unexpected_words", message, part.span, ("say the one that is meant",))
+
+
+def _without_requests(parts: Sequence[Part], sentence: Normalised) -> Parts:
+    """Takes "can you" for a polite request, unless a question mark ends the sentence."""
+    out: Parts = []
+    for part in parts:
+        if isinstance(part, AskPart) and part.query is None:
+            asks = sentence.question
+            out.append(replace(part, query="possible") if asks else FillerPart(part.span, False))
+        else:
+            out.append(part)
+    return out
+
+
+def _is_request(sentence: Normalised) -> bool:
+    """Whether a question mark belongs to a request: could you, would you mind."""
+    words = f"{sentence.text} "
+    return any(f"{word} you " in words for word in ("could", "would", "will", "do"))
+
+
+def _unclear(sentence: Normalised) -> ParseError:
+    span = len(sentence.original.rstrip()) - 1, len(sentence.original.rstrip())
+    return ParseError(
+        "unsupported_question",
+        "with a question mark it is not clear whether this is to be done or to be answered",
+        span,
+        (
+            f'to have it done: "{sentence.written((0, span[0]))}"',
+            f'to ask: "can you {sentence.written((0, span[0]))}?"',
+        ),
+    )
+
+
+def _question(parts: Parts, sentence: Normalised) -> Parts:
+    """The parts of a question, which is about one action."""
+    verbs = [part for part in parts if isinstance(part, _HEADS)]
+    asks = [part for part in parts if isinstance(part, AskPart)]
+    actions = 0 if asks[0].query in ("value", "affordances") else 1
+    others = [ask for ask in asks[1:] if not _same_question(asks[0], ask)]
+    extra: Parts = [*verbs[actions:], *others]
+    if extra:
+        raise _second(extra[0].span, sentence)
+    return _content(parts)
+
+
+def _same_question(first: AskPart, second: AskPart) -> bool:
+    """Whether two parts ask one question: "if you push it, what happens, will it topple"."""
+    return first.query == second.query == "predict" and None in (first.event, second.event)
+
+
+def _second(span: Span, sentence: Normalised) -> ParseError:
+    return ParseError(
+        "unsupported_question",
+        f'"{sentence.written(span)}" asks about a second action; one at a time is answered',
+        span,
+        ("ask one question for each action",),
+    )

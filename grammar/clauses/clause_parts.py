@@ -1,0 +1,164 @@
+"""The parts of one clause, each of which is taken once and finds its place in the frame."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeVar, cast
+
+from grammar.errors import ParseError
+from grammar.frames import command as g
+from grammar.frames.command import Span
+from grammar.phrases.phrase_parts import (
+    AmountPart,
+    AnglePart,
+    DiagonalPart,
+    DirectionPart,
+    FillerPart,
+    LengthPart,
+    Part,
+    SharePart,
+    VolumePart,
+)
+from grammar.words.lexicon import Verb
+from grammar.words.normalisation import Normalised
+
+P = TypeVar("P", bound=Part)
+
+_OPPOSITES: tuple[set[g.Direction], ...] = ({"away", "toward"}, {"left", "right"})
+_MEASURES = (LengthPart, AnglePart)
+_HOW_MUCH = (AmountPart, SharePart, VolumePart)
+
+
+class Clause:
+    """The parts of one clause; each is taken once."""
+
+    def __init__(
+        self,
+        parts: Sequence[Part],
+        verb: Verb,
+        sentence: Normalised,
+        verb_span: Span | None = None,
+    ) -> None:
+        self._left = [part for part in parts if not isinstance(part, FillerPart)]
+        self._sentence = sentence
+        self.verb = verb
+        self.verb_span = verb_span
+        self.spans: list[Span] = []
+
+    def has(self, *kinds: type[Part]) -> bool:
+        """Whether a part of these kinds is left; a direction that is implied does not count."""
+        return any(
+            isinstance(part, kinds) and not (isinstance(part, DirectionPart) and part.implied)
+            for part in self._left
+        )
+
+    def first(self, kind: type[P]) -> P | None:
+        """The first part of a kind, which stays to be taken."""
+        return next((part for part in self._left if isinstance(part, kind)), None)
+
+    def put(self, instead_of: Part, part: Part) -> None:
+        """Takes a part for another one."""
+        self._left = [part if each is instead_of else each for each in self._left]
+
+    def how_much(self) -> list[Part]:
+        """Everything that says how much of a liquid, in the order of the sentence; not taken."""
+        return [part for part in self._left if isinstance(part, _HOW_MUCH)]
+
+    def take_all(self, kind: type[P]) -> list[P]:
+        """Takes all parts of a kind; their words become the goal's."""
+        taken = [part for part in self._left if isinstance(part, kind)]
+        self._left = [part for part in self._left if not isinstance(part, kind)]
+        self.spans += [part.span for part in taken]
+        return taken
+
+    def take(self, kind: type[P]) -> P | None:
+        """Takes the only part of a kind."""
+        taken = self.take_all(kind)
+        if len(taken) > 1:
+            raise self.twice(taken[0], taken[1])
+        return taken[0] if taken else None
+
+    def twice(self, first: Part, second: Part) -> ParseError:
+        """Two parts say the same thing."""
+        quotes = self.quote(first), self.quote(second)
+        return ParseError(
+            "said_twice",
+            f"{quotes[0]} and {quotes[1]} say the same thing twice",
+            second.span,
+            (f"leave out one of {quotes[0]} and {quotes[1]}",),
+            spans=(first.span, second.span),
+        )
+
+    def against(self, first: Part, second: Part) -> ParseError:
+        """Two parts contradict each other."""
+        quotes = self.quote(first), self.quote(second)
+        return ParseError(
+            "contradiction",
+            f"{quotes[0]} and {quotes[1]} contradict each other",
+            second.span,
+            tuple(f"say only {quote}" for quote in quotes),
+            spans=(first.span, second.span),
+        )
+
+    def refused(self, part: Part, message: str, *suggestions: str) -> ParseError:
+        """A part that does not apply."""
+        text = f"{self.quote(part)} {message}"
+        return ParseError("does_not_apply", text, part.span, suggestions)
+
+    def quote(self, part: Part) -> str:
+        """The words of a part, in quotation marks."""
+        return f'"{self._sentence.written(part.span)}"'
+
+    def directions(self) -> tuple[g.Direction, ...]:
+        """Takes what is said of the direction: none, one, or two across each other."""
+        parts = self.take_all(DirectionPart)
+        if any(not part.implied for part in parts):
+            self.spans = [s for s in self.spans if s not in {p.span for p in parts if p.implied}]
+            parts = [part for part in parts if not part.implied]
+        for i, part in enumerate(parts):
+            for other in parts[:i]:
+                if {part.value, other.value} in _OPPOSITES:
+                    raise self.against(other, part)
+        said = {part.value for part in parts}
+        diagonal = self.take(DiagonalPart)
+        if diagonal is not None and len(said) < 2:
+            message = "needs two directions"
+            raise self.refused(diagonal, message, "away and to the left", "back and to the right")
+        return tuple(sorted(said, key=("away", "toward", "left", "right").index))
+
+    def drop_implied(self) -> None:
+        """Forgets the direction that a side implies, where another says where to go."""
+        self._left = [p for p in self._left if not (isinstance(p, DirectionPart) and p.implied)]
+
+    def direction(self) -> g.Direction | None:
+        """Takes what is said of the direction, where only a single one makes sense."""
+        last = next((p for p in reversed(self._left) if isinstance(p, DirectionPart)), None)
+        directions = self.directions()
+        if last is not None and len(directions) > 1:
+            message = "is a second direction; a single one is possible here"
+            raise self.refused(last, message, *directions)
+        return directions[0] if directions else None
+
+    def angle(self) -> tuple[float | None, g.Bound]:
+        """Takes an angle and its bound."""
+        part = self.take(AnglePart)
+        return (None, "exact") if part is None else (part.value, part.bound)
+
+    def amount(self) -> g.Amount | None:
+        """Takes "a little", unless a quantity says how much."""
+        measure = next((part for part in self._left if isinstance(part, _MEASURES)), None)
+        part = self.take(AmountPart)
+        if part is not None and measure is not None:
+            raise self.twice(part, measure)
+        return None if part is None else cast(g.Amount, part.value)
+
+    def finish(self, verb: str) -> None:
+        """Refuses parts that were not taken."""
+        for part in self._left:
+            message = f"does not go with {verb!r}" if verb else "says nothing here"
+            raise self.refused(part, message, f"leave out {self.quote(part)}")
+
+    @property
+    def all_spans(self) -> tuple[Span, ...]:
+        """The words of the goal, in the order of the sentence."""
+        return tuple(sorted(set(self.spans)))

@@ -1,0 +1,217 @@
+"""From parts to constraints: what must not happen, where the object is touched, and how."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from grammar.clauses.consistency import once
+from grammar.errors import ParseError
+from grammar.frames.command import (
+    Constraint,
+    ContactRegion,
+    MaxDistance,
+    MaxTilt,
+    MaxTurn,
+    NoLift,
+    NoSlide,
+    NoSpill,
+    NoTilt,
+    NoTopple,
+    NoTouch,
+    NoTurn,
+)
+from grammar.phrases.phrase_parts import (
+    AnglePart,
+    AvoidPart,
+    ConstraintPart,
+    FurtherNoTouchPart,
+    LengthPart,
+    Part,
+    ParticlePart,
+    ThingPart,
+)
+from grammar.words.lexicon import Lexicon
+from grammar.words.normalisation import Normalised
+
+_Avoided = type[NoTopple | NoTilt | NoTurn | NoSlide | NoLift | NoSpill]
+AVOIDED: dict[str, tuple[_Avoided, ...]] = {
+    "no_topple": (NoTopple,),
+    "no_tilt": (NoTilt,),
+    "no_turn": (NoTurn,),
+    "no_slide": (NoSlide,),
+    "no_lift": (NoLift,),
+    "no_spill": (NoSpill,),
+    "no_move": (NoSlide, NoTilt, NoTurn),
+}
+
+
+_LISTED = ("no_touch", "max_tilt", "max_turn", "max_distance")
+"""Constraints that further things to avoid may follow."""
+
+
+def constraints_of(
+    parts: Sequence[Part], thing: ThingPart, lexicon: Lexicon, sentence: Normalised
+) -> tuple[list[Part], tuple[Constraint, ...]]:
+    """Separates the constraints, in their order, from the parts that belong to the goal."""
+    rest: list[Part] = []
+    constraints: list[Constraint] = []
+    previous: Part | None = None
+    for part in _with_bounds(_with_ranges(_with_particles(parts, lexicon))):
+        if isinstance(part, AvoidPart | FurtherNoTouchPart):
+            _require_opened(part, previous, sentence)
+        if isinstance(part, AvoidPart):
+            constraints += _avoided(part, thing, sentence)
+        elif isinstance(part, ConstraintPart):
+            require_same(part.subject, thing, part, sentence)
+            constraints.append(part.constraint)
+        elif isinstance(part, FurtherNoTouchPart):
+            constraints.append(part.constraint)
+        else:
+            rest.append(part)
+        previous = part
+    return rest, tuple(once(_one_contact(constraints, sentence)))
+
+
+def require_same(
+    mention: ThingPart | None, thing: ThingPart, part: Part, sentence: Normalised
+) -> None:
+    """Refuses a phrase that is about another object than the clause.
+
+    Raises:
+        ParseError: `other_object`.
+    """
+    if mention is None or same(mention, thing):
+        return
+    raise ParseError(
+        "other_object",
+        f'the sentence is about "{thing.ref.text}", but "{sentence.written(part.span)}" '
+        f'is about "{mention.ref.text}"',
+        mention.span,
+        (f'name "{thing.ref.text}" in both places, or say "it"',),
+        spans=(thing.span, mention.span),
+    )
+
+
+def same(mention: ThingPart, thing: ThingPart) -> bool:
+    """Whether a later mention can be the object itself: "it", or the end of its name."""
+    words, name = mention.ref.text.casefold().split(), thing.ref.text.casefold().split()
+    return mention.ref.pronoun or words == name[-len(words) :]
+
+
+def _require_opened(
+    part: AvoidPart | FurtherNoTouchPart, previous: Part | None, sentence: Normalised
+) -> None:
+    """A further thing to avoid needs a first one before it."""
+    listed = isinstance(previous, AvoidPart | FurtherNoTouchPart) or (
+        isinstance(previous, ConstraintPart) and previous.constraint.kind in _LISTED
+    )
+    if not getattr(part, "further", True) or listed:
+        return
+    written = sentence.written(part.span)
+    message = f'"{written}" needs "without" before it'
+    raise ParseError("unexpected_words", message, part.span, (f"without {written}",))
+
+
+def _with_particles(parts: Sequence[Part], lexicon: Lexicon) -> list[Part]:
+    """Gives "over" in "without knocking it over" to the verb that it stands behind."""
+    out: list[Part] = []
+    for part in parts:
+        before = out[-1] if out else None
+        if isinstance(part, ParticlePart) and isinstance(before, AvoidPart) and before.word:
+            phrase = f"{before.word} {part.word}"
+            kind = lexicon.terminals["AVOIDING"].get(phrase, lexicon.terminals["AVOID"].get(phrase))
+            if kind is not None:
+                span = before.span[0], part.span[1]
+                out[-1] = replace(before, kind=kind, word=phrase, span=span)
+                continue
+        out.append(part)
+    return out
+
+
+def _with_ranges(parts: Sequence[Part]) -> list[Part]:
+    """Turns the upper ends of distances ("5 to 10 cm", "…, at most 10 cm") into constraints."""
+    out: list[Part] = []
+    known: LengthPart | None = None
+    for part in parts:
+        if not isinstance(part, LengthPart):
+            out.append(part)
+            continue
+        if part.most is not None:
+            out += [replace(part, most=None), _at_most(part, part.most)]
+        elif part.bound == "at_most" and known is not None and isinstance(part.value, float):
+            out.append(_at_most(part, part.value))
+        else:
+            out.append(part)
+        known = known or part
+    return out
+
+
+def _at_most(part: LengthPart, value: float) -> ConstraintPart:
+    return ConstraintPart(part.span, MaxDistance(value=value, spans=(part.span,)))
+
+
+def _with_bounds(parts: Sequence[Part]) -> list[Part]:
+    """Joins "without tilting it" and "more than 5 degrees" to one limit."""
+    out: list[Part] = []
+    for part in parts:
+        before = out[-1] if out else None
+        limit = _limit(before, part) if isinstance(before, AvoidPart) else None
+        if limit is not None:
+            out[-1] = limit
+        else:
+            out.append(part)
+    return out
+
+
+def _limit(avoid: AvoidPart, part: Part) -> ConstraintPart | None:
+    if not isinstance(part, AnglePart | LengthPart) or part.bound != "at_least":
+        return None
+    span = avoid.span[0], part.span[1]
+    value = part.value
+    if isinstance(part, AnglePart) and avoid.kind in ("no_topple", "no_tilt", "no_turn"):
+        kind: type[MaxTilt | MaxTurn] = MaxTurn if avoid.kind == "no_turn" else MaxTilt
+        return ConstraintPart(span, kind(value=part.value, spans=(span,)), avoid.thing)
+    if isinstance(value, float) and avoid.kind in ("no_slide", "no_move"):
+        return ConstraintPart(span, MaxDistance(value=value, spans=(span,)), avoid.thing)
+    return None
+
+
+def _avoided(part: AvoidPart, thing: ThingPart, sentence: Normalised) -> list[Constraint]:
+    if not part.kind:
+        raise ParseError(
+            "unexpected_words",
+            f'"{part.word}" alone says nothing to avoid',
+            part.span,
+            (f"{part.word} it over",),
+        )
+    if part.word.startswith("knock") and part.thing and not same(part.thing, thing):
+        # What is not touched is not knocked over.
+        return [NoTouch(object=part.thing.ref, spans=(part.span,))]
+    require_same(part.thing, thing, part, sentence)
+    return [kind(spans=(part.span,)) for kind in AVOIDED[part.kind]]
+
+
+def _one_contact(constraints: Sequence[Constraint], sentence: Normalised) -> list[Constraint]:
+    """Joins what is said of the contact ("at the top", "from the left") in one constraint."""
+    out: list[Constraint] = []
+    for new in constraints:
+        known = next((c for c in out if isinstance(c, ContactRegion)), None)
+        if known is None or not isinstance(new, ContactRegion):
+            out.append(new)
+            continue
+        said = known.model_dump(exclude_none=True, exclude={"kind", "spans"})
+        more = new.model_dump(exclude_none=True, exclude={"kind", "spans"})
+        if any(said.get(key, value) != value for key, value in more.items()):
+            quoted = [f'"{sentence.written(c.spans[-1])}"' for c in (known, new)]
+            raise ParseError(
+                "contradiction",
+                f"{quoted[0]} and {quoted[1]} name different places to touch",
+                new.spans[-1],
+                tuple(f"say only {quote}" for quote in quoted),
+                spans=(known.spans[-1], new.spans[-1]),
+            )
+        update = {key: getattr(new, key) for key in more}
+        spans = known.spans + new.spans
+        out[out.index(known)] = known.model_copy(update={**update, "spans": spans})
+    return out

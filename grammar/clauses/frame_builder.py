@@ -1,0 +1,249 @@
+"""From the parts of a sentence to its frames: clause by clause, command, question or remark."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from grammar.clauses.action_reader import ActionReader
+from grammar.clauses.clause_boundaries import clauses_of
+from grammar.clauses.clause_errors import no_verb, several, unexpected
+from grammar.clauses.clause_parts import Clause
+from grammar.clauses.clause_subjects import NOBODY, subjects
+from grammar.clauses.consistency import require_consistent
+from grammar.clauses.constraint_builder import constraints_of
+from grammar.clauses.goal_builder import intended, method
+from grammar.clauses.object_descriptions import described
+from grammar.clauses.regrouping import regrouped
+from grammar.errors import ParseError
+from grammar.frames import command as g
+from grammar.phrases.phrase_parts import (
+    AmountPart,
+    AnglePart,
+    AskPart,
+    AvoidPart,
+    AwayFromPart,
+    ConstraintPart,
+    DirectionPart,
+    ExplorePart,
+    FillerPart,
+    HeadingPart,
+    IfPart,
+    LengthPart,
+    NotThisPart,
+    Part,
+    ParticlePart,
+    PlacePart,
+    RemarkPart,
+    SensePart,
+    SharePart,
+    TherePart,
+    ThingPart,
+    TowardPart,
+    VerbPart,
+)
+from grammar.words.lexicon import Lexicon, Verb
+from grammar.words.normalisation import Normalised
+
+_GOES_ON = (DirectionPart, HeadingPart, TowardPart, AwayFromPart, PlacePart, LengthPart, AnglePart,
+            SensePart, AmountPart, SharePart)  # fmt: skip
+"""Parts that say what should become of the object, also without a verb."""
+
+
+Parts = list[Part]
+
+
+def frames_of(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> tuple[g.Frame, ...]:
+    """Puts the parts of a sentence together.
+
+    Raises:
+        ParseError: with the words that do not fit.
+    """
+    frames: list[g.Frame] = []
+    previous: Parts = []
+    for said in clauses_of(parts, sentence):
+        headed = any(isinstance(p, VerbPart | ExplorePart | RemarkPart) for p in said)
+        clause = said if headed or not frames else _elliptic(said, previous, sentence)
+        frames += _Reader(clause, lexicon, sentence).frames()
+        previous = clause
+    return tuple(frames)
+
+
+def _elliptic(clause: Parts, previous: Parts, sentence: Normalised) -> Parts:
+    """A clause without its verb ("then to the left") goes on with verb and object of the last."""
+    if not any(isinstance(part, _GOES_ON) for part in clause):
+        raise no_verb(sentence, clause)
+    verb = [part for part in previous if isinstance(part, VerbPart | ParticlePart)][:2]
+    named = any(isinstance(part, ThingPart) for part in clause)
+    thing = [] if named else [part for part in previous if isinstance(part, ThingPart)][:1]
+    return [*verb, *thing, *clause]
+
+
+class _Reader:
+    """Reads one clause."""
+
+    def __init__(self, parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> None:
+        self._lexicon = lexicon
+        self._sentence = sentence
+        self._parts = described(regrouped(parts, lexicon, sentence), lexicon, sentence)
+
+    def frames(self) -> list[g.Frame]:
+        """The frames of the clause, one for each of its objects."""
+        remarks, explore = self._take(RemarkPart), self._take(ExplorePart)
+        if explore:
+            return self._remarked([self._explored(explore[0])], remarks)
+        ask = self._take(AskPart)
+        verbs = [part for part in self._parts if isinstance(part, VerbPart)]
+        self._require_there_is_clear(ask)
+        if ask and remarks:
+            raise unexpected(remarks[0], self._sentence)
+        if ask and not verbs:
+            return [self._asked(ask)]
+        if ask and ask[0].query in ("value", "affordances"):
+            raise unexpected(verbs[0], self._sentence)
+        if not verbs:
+            return [self._remark(remarks)]
+        excluded = self._take(NotThisPart)
+        things = subjects(self._parts, ask, remarks, self._lexicon, self._sentence)
+        self._take(ThingPart)
+        if not ask:
+            self._require_no_condition()
+        reader = ActionReader(self._parts, ask, self._lexicon, self._sentence)
+        frames = [reader.frame(thing) for thing in things]
+        return self._remarked(frames, remarks, excluded)
+
+    def _remarked(
+        self,
+        frames: list[g.Frame],
+        remarks: Sequence[RemarkPart],
+        excluded: Sequence[NotThisPart] = (),
+    ) -> list[g.Frame]:
+        """The frames of a clause, with what its remarks do to them."""
+        dialogue = self._dialogue(remarks)
+        if dialogue in ("undo", "stop"):
+            raise unexpected(remarks[0], self._sentence)
+        restored = dialogue == "repeat" and frames[0].goal.kind == "upright"
+        if restored:  # "stand it up again" repeats nothing
+            dialogue = None
+        spans = tuple(part.span for part in (*remarks, *excluded))
+        return [
+            frame.model_copy(update={"dialogue": dialogue, "spans": spans + frame.spans})
+            for frame in frames
+        ]
+
+    # --- parts --------------------------------------------------------------------------------
+
+    def _take(self, *kinds: type[Part]) -> list[Any]:
+        taken = [part for part in self._parts if isinstance(part, kinds)]
+        self._parts = [part for part in self._parts if not isinstance(part, kinds)]
+        return taken
+
+    def _require_there_is_clear(self, ask: Sequence[AskPart]) -> None:
+        for part in self._take(TherePart):
+            if not any(each.query == "why" for each in ask):
+                written = self._sentence.written(part.span)
+                raise ParseError(
+                    "unexpected_words",
+                    f'"{written}" does not say where',
+                    part.span,
+                    ("next to the mug", "to the middle of the table", "10 cm to the left"),
+                )
+
+    def _require_no_condition(self) -> None:
+        """Lets "when you push it" follow a restriction; else a condition belongs to a question."""
+        restricted = False
+        for part in self._parts:
+            restricted = restricted or isinstance(part, AvoidPart | ConstraintPart)
+            if isinstance(part, IfPart) and not restricted:
+                raise unexpected(part, self._sentence)
+
+    # --- questions and remarks ----------------------------------------------------------------
+
+    def _explored(self, part: ExplorePart) -> g.Frame:
+        rest, constraints = constraints_of(self._parts, part.thing, self._lexicon, self._sentence)
+        clause = Clause(rest, Verb("explore", "parameters"), self._sentence)
+        how = method(clause)
+        clause.finish("find out")
+        return g.Frame(
+            action="explore",
+            object=part.thing.ref,
+            goal=g.Parameters(which=part.which, method=how, spans=(part.span, *clause.all_spans)),
+            constraints=constraints,
+            spans=(part.span,),
+        )
+
+    def _asked(self, asks: Sequence[AskPart]) -> g.Frame:
+        """A question without a verb: how heavy, what can you do with, why."""
+        ask = asks[0]
+        Clause(self._parts, Verb("push", "contact"), self._sentence).finish("this question")
+        if not ask.whole:
+            raise ParseError(
+                "incomplete",
+                "the question does not say what is done to the object",
+                ask.span,
+                ('ask, for example, "will it topple if you push it at the top?"',),
+            )
+        goal = g.Parameters(which=ask.which, spans=(ask.span,)) if ask.which else g.NoGoal()
+        return g.Frame(
+            query=ask.query,
+            object=None if ask.thing is None else ask.thing.ref,
+            goal=goal,
+            spans=(ask.span,),
+        )
+
+    def _dialogue(self, remarks: Sequence[RemarkPart]) -> g.Dialogue | None:
+        """What the remarks do together: "no, again" corrects; "again and again" is too much."""
+        again = [remark for remark in remarks if remark.dialogue == "repeat"]
+        if len(again) > 1:
+            raise unexpected(again[1], self._sentence)
+        said = {remark.dialogue for remark in remarks}
+        for dialogue in ("correct", "undo", "stop", "repeat", "more"):
+            if dialogue in said:
+                return dialogue
+        return None
+
+    def _remark(self, remarks: Sequence[RemarkPart]) -> g.Frame:
+        """A remark without a verb: undo that, a bit more to the left, no, the coffee box."""
+        excluded = self._take(NotThisPart)
+        things = self._take(ThingPart)
+        dialogue = self._dialogue(remarks)
+        if dialogue is None and excluded and things:
+            dialogue = "correct"
+        if dialogue is None:
+            raise no_verb(self._sentence, [*things, *self._parts])
+        if len(things) > 1:
+            raise several(things[1], self._sentence)
+        thing = things[0] if things else NOBODY
+        rest, constraints = constraints_of(self._parts, thing, self._lexicon, self._sentence)
+        rest = [p for p in rest if not (isinstance(p, ParticlePart) and p.optional)]
+        content = [part for part in rest if not isinstance(part, FillerPart)]
+        if dialogue in ("undo", "stop") and (content or constraints):
+            raise unexpected((content or remarks)[0], self._sentence)
+        if dialogue == "stop" and things:
+            raise several(things[0], self._sentence)
+        if dialogue in ("more", "repeat") and things:
+            raise no_verb(self._sentence, things)
+        if dialogue == "correct" and not (content or constraints or things):
+            raise ParseError(
+                "incomplete",
+                "the sentence does not say what was meant",
+                remarks[0].span,
+                ('say, for example, "no, the coffee box" or "no, to the left"',),
+            )
+        turns = any(isinstance(part, AnglePart | SensePart) for part in content)
+        goal: g.Goal = g.NoGoal()
+        clause = Clause(rest, Verb("turn" if turns else "push", ""), self._sentence)
+        if clause.has(*_GOES_ON):
+            kind = Verb("", "rotate") if turns else Verb("", "displace")
+            goal = intended(kind, None, clause)(clause)
+        clause.finish("")
+        spans = [part.span for part in (*remarks, *excluded)]
+        frame = g.Frame(
+            dialogue=dialogue,
+            object=things[0].ref if things else None,
+            goal=goal,
+            constraints=constraints,
+            spans=tuple(sorted(spans)),
+        )
+        require_consistent(frame, self._sentence)
+        return frame

@@ -1,0 +1,234 @@
+"""Which goal takes which parts of a clause.
+
+Every part must find its place; a part that its verb has no use for is an error, never dropped.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, cast
+
+from grammar.clauses import handling as by_hand
+from grammar.clauses.clause_parts import Clause
+from grammar.errors import ParseError
+from grammar.frames import command as g
+from grammar.phrases.phrase_parts import (
+    AmountPart,
+    AwayFromPart,
+    DirectionPart,
+    HeadingPart,
+    LengthPart,
+    MePart,
+    MethodPart,
+    PlacePart,
+    ResultPart,
+    SensePart,
+    SharePart,
+    TablePart,
+    TowardPart,
+)
+from grammar.words.lexicon import Verb
+
+_SENSES: dict[g.Direction, g.Sense] = {"left": "ccw", "right": "cw"}
+
+
+def _displace(clause: Clause) -> g.Displace | g.Place:
+    place = next((p for p in clause.take_all(PlacePart)), None)
+    if place is not None and place.relation not in ("away_from", "to"):
+        return _place_at(clause, place)
+    share = clause.take(SharePart)
+    if place is not None and place.relation == "to" and share is None:
+        return _place_at(clause, place)
+    heading, toward, me = clause.take(HeadingPart), clause.take(TowardPart), clause.take(MePart)
+    off = clause.take(AwayFromPart)
+    said = [part for part in (heading, toward, place, me, off) if part is not None]
+    if said:
+        clause.drop_implied()
+    if len(said) > 1 or (said and clause.has(DirectionPart)):
+        other = said[1] if len(said) > 1 else clause.take_all(DirectionPart)[0]
+        raise clause.against(*sorted((said[0], other), key=lambda part: part.span))
+    directions = clause.directions()
+    if me is not None or (clause.verb.direction and not said and not directions):
+        directions = (cast(g.Direction, clause.verb.direction or "toward"),)
+    target = None if toward is None else toward.target
+    away_from: g.ObjectRef | g.TableRegion | None = None if off is None else off.region
+    if place is not None:
+        assert isinstance(place.reference, tuple)
+        if place.relation == "to":
+            target = place.reference[0]
+        else:
+            away_from = place.reference[0]
+    if share is not None and (not share.of_way or target is None):
+        if not share.of_way:
+            raise clause.refused(share, "is no single object", "say it for each object")
+        raise clause.refused(share, "needs to say where to", "halfway to the mug")
+    amount = clause.amount()
+    length = clause.take(LengthPart)
+    if share is not None and length is not None:
+        raise clause.twice(share, length)
+    if amount is None and length is None and share is None:
+        amount = cast(g.Amount | None, clause.verb.amount)
+    return g.Displace(
+        direction=cast(Any, directions if len(directions) > 1 else next(iter(directions), None)),
+        heading=None if heading is None else heading.value,
+        toward=target,
+        away_from=away_from,
+        distance=None if length is None else length.value,
+        bound="exact" if length is None else length.bound,
+        fraction=None if share is None else share.value,
+        amount=amount,
+        spans=clause.all_spans,
+    )
+
+
+def _place(clause: Clause) -> g.Place | g.SetDown:
+    place, table = clause.take(PlacePart), clause.take(TablePart)
+    if place is None and table is not None:
+        return g.SetDown(spans=clause.all_spans)
+    if place is None:
+        raise ParseError(
+            "no_place",
+            "the sentence does not say where to put it",
+            clause.verb_span,
+            ("next to the mug", "to the middle of the table", "to x 0.6 y -0.1"),
+        )
+    return _place_at(clause, place)
+
+
+def _place_at(clause: Clause, place: PlacePart) -> g.Place:
+    relation = "next_to" if place.relation in ("from", "away_from", "to") else place.relation
+    length, share = clause.take(LengthPart), clause.take(SharePart)
+    if place.relation == "from" and length is None:
+        raise clause.refused(place, "needs a distance", "10 cm from the mug")
+    objects = isinstance(place.reference, tuple)
+    apart = relation not in ("touching", "on", "between", "at")
+    if length is not None and (not apart or length.bound != "exact" or length.most):
+        raise clause.refused(length, "does not go with this place", "10 cm from the mug")
+    if share is not None and (objects or not share.of_way):
+        raise clause.refused(share, "does not go with this place", "halfway to the left edge")
+    clause.drop_implied()
+    return g.Place(
+        relation=cast(g.Relation, relation),
+        reference=place.reference,
+        distance=None if length is None else length.value,
+        fraction=None if share is None or share.value == 1.0 else share.value,
+        spans=clause.all_spans,
+    )
+
+
+def _rotate(clause: Clause) -> g.Rotate:
+    sense = clause.take(SensePart)
+    aside = clause.first(DirectionPart)
+    direction = clause.direction()
+    turned = _SENSES.get(direction) if direction else None
+    if aside is not None and not aside.implied and (turned is None or sense is not None):
+        message = "says the sense of turning twice" if sense else "is no way to turn"
+        raise clause.refused(aside, message, "to the left", "to the right", "clockwise")
+    amount = clause.amount()
+    angle, bound = clause.angle()
+    if angle is None and clause.verb.turns is not None:
+        angle = math.tau * clause.verb.turns
+    return g.Rotate(
+        angle=angle,
+        sense=turned if sense is None else cast(g.Sense, sense.value),
+        bound=bound,
+        amount=amount,
+        spans=clause.all_spans,
+    )
+
+
+def _tilt(clause: Clause) -> g.Tilt:
+    direction, amount = clause.direction(), clause.amount()
+    angle, bound = clause.angle()
+    return g.Tilt(
+        angle=angle, direction=direction, bound=bound, amount=amount, spans=clause.all_spans
+    )
+
+
+def _topple(clause: Clause) -> g.Topple:
+    return g.Topple(direction=clause.direction(), spans=clause.all_spans)
+
+
+def _hand_over(clause: Clause) -> g.HandOver:
+    clause.take(MePart)
+    if clause.has(DirectionPart) and clause.direction() != "toward":
+        raise ParseError(
+            "does_not_apply",
+            "things are handed to the one who speaks",
+            clause.spans[-1],
+            ("to me",),
+        )
+    return g.HandOver(spans=clause.all_spans)
+
+
+def _contact(clause: Clause) -> g.Displace | g.Place | g.NoGoal:
+    moves = (DirectionPart, HeadingPart, TowardPart, AwayFromPart, PlacePart, LengthPart,
+             AmountPart, SharePart)  # fmt: skip
+    if clause.has(*moves, MePart):
+        return _displace(clause)
+    # The side that is touched says where to push, but a touch need not move anything.
+    clause.take_all(DirectionPart)
+    return g.NoGoal()
+
+
+def _set_down(clause: Clause) -> g.Place | g.SetDown:
+    if clause.has(PlacePart, TablePart):
+        return _place(clause)
+    return g.SetDown()
+
+
+def _parameters(clause: Clause) -> g.Parameters:
+    which = (clause.verb.which,) if clause.verb.which else ()
+    return g.Parameters(which=which, method=method(clause), spans=clause.all_spans)
+
+
+def method(clause: Clause) -> g.Method | None:
+    """Takes how something is to be found out: "by lifting it"."""
+    part = clause.take(MethodPart)
+    return None if part is None else part.value
+
+
+GOALS: dict[str, Callable[[Clause], g.Goal]] = {
+    "displace": _displace,
+    "contact": _contact,
+    "place": _place,
+    "rotate": _rotate,
+    "tilt": _tilt,
+    "topple": _topple,
+    "upright": lambda _: g.Upright(),
+    "lift": by_hand.lifted,
+    "set_down": _set_down,
+    "open": by_hand.opened,
+    "close": by_hand.closed,
+    "pour": by_hand.poured,
+    "fill": by_hand.filled,
+    "hand_over": _hand_over,
+    "parameters": _parameters,
+}
+
+_OUTCOMES = {
+    "moves": "displace",
+    "slides": "displace",
+    "tips": "topple",
+    "tilts": "tilt",
+    "turns": "rotate",
+    "ends_up": "displace",
+}
+
+
+def intended(verb: Verb, result: ResultPart | None, clause: Clause) -> Callable[[Clause], g.Goal]:
+    """The goal that takes the parts of a clause: the verb's, or that of "so that it falls".
+
+    Raises:
+        ParseError: `does_not_apply` if the verb cannot have that outcome.
+    """
+    if result is None:
+        return GOALS[verb.goal]
+    goal = _OUTCOMES.get(result.event)
+    allowed = verb.goal in ("displace", "contact") or goal == verb.goal
+    if goal is None or not allowed:
+        raise clause.refused(
+            result, "is no outcome of this", "so that it moves", "so that it falls"
+        )
+    return GOALS[goal]

@@ -1,0 +1,226 @@
+"""What tells objects apart: "the box next to the mug", "the one on the left".
+
+A place behind an object is where the object is, if the verb takes no place or the sentence says
+elsewhere where to go; else it is where to go. A length before a place is the gap to it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import cast
+
+from grammar.clauses.clause_errors import unexpected
+from grammar.frames import command as g
+from grammar.phrases.phrase_parts import (
+    AskPart,
+    AvoidPart,
+    AwayFromPart,
+    ConstraintPart,
+    DirectionPart,
+    ExplorePart,
+    FurtherNoTouchPart,
+    HeadingPart,
+    LengthPart,
+    Part,
+    ParticlePart,
+    PlacePart,
+    RemarkPart,
+    ResultPart,
+    SidePart,
+    ThatIsPart,
+    ThingPart,
+    TowardPart,
+    VerbPart,
+)
+from grammar.words.lexicon import Lexicon
+from grammar.words.normalisation import Normalised
+
+_TAKES_PLACE = ("displace", "contact", "place", "set_down")
+_ELSEWHERE = (HeadingPart, TowardPart, AwayFromPart, LengthPart)
+_TELLING = ("next_to", "left_of", "right_of", "in_front_of", "behind", "between", "touching",
+            "on", "nearest")  # fmt: skip
+"""Relations that can tell an object from others."""
+
+_QUOTES = ('"', "'", "“", "‘", "„", "«")
+_OF = re.compile(
+    r"(?P<part>.+?)\s+(?P<of>of)\s+(?:(?:the|an?|my|your|our)\s+)?(?P<whole>.+)",
+    re.IGNORECASE | re.DOTALL,
+)
+
+Parts = list[Part]
+
+
+def described(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
+    """The parts of a clause, with the places that tell objects apart given to the objects.
+
+    Raises:
+        ParseError: `unexpected_words` if there is nothing that they could belong to.
+    """
+    out: Parts = []
+    parts = _touching(_touched(parts, lexicon, sentence))
+    for i, part in enumerate(parts):
+        telling = isinstance(part, SidePart)
+        if isinstance(part, PlacePart):
+            after_that_is = bool(out) and isinstance(out[-1], ThatIsPart)
+            told = after_that_is and part.relation in _TELLING
+            telling = told or _tells(part, parts, i, out, lexicon)
+            if told:
+                out.pop()
+        if telling:
+            _give(cast("SidePart | PlacePart", part), out, sentence)
+        else:
+            out.append(part)
+    for part in out:
+        if isinstance(part, ThatIsPart):
+            raise unexpected(part, sentence)
+    return out
+
+
+def _touched(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
+    """Takes "the top of the box" for the box, touched at the top, unless it is opened."""
+    if _goal(list(parts), lexicon) in ("open", "close", None):
+        return list(parts)
+    return [
+        said
+        for part in parts
+        for said in (_split(part, lexicon, sentence) if isinstance(part, ThingPart) else [part])
+    ]
+
+
+def _split(thing: ThingPart, lexicon: Lexicon, sentence: Normalised) -> Parts:
+    """A thing as it is, but "the top of the box" as the box and where it is touched."""
+    parted = parted_of(thing, lexicon, sentence)
+    contact = _contact(parted[0], lexicon) if parted else None
+    if parted is None or contact is None:
+        return [thing]
+    _, span, whole = parted
+    return [whole, ConstraintPart(span, contact.model_copy(update={"spans": (span,)}))]
+
+
+def parted_of(
+    thing: ThingPart, lexicon: Lexicon, sentence: Normalised
+) -> tuple[str, g.Span, ThingPart] | None:
+    """What "the lid of the cup" is made of: the part, where it stands, and the whole."""
+    start, end = thing.span
+    match = _OF.fullmatch(sentence.original[start:end])
+    quoted = sentence.original[:start].endswith(_QUOTES)
+    if match is None or quoted:
+        return None
+    span = start + match.start("whole"), end
+    text = sentence.written(span)
+    update: dict[str, object] = {"text": text, "spans": (span, *thing.ref.spans[1:])}
+    if thing.ref.qualities:
+        words = text.casefold().replace("-", " ").split()
+        of_part = match["part"].casefold().split()
+        own = sum(word in lexicon.adjectives for word in of_part)
+        nouns = [w for w in words if w not in lexicon.adjectives and w not in lexicon.nobodies]
+        update["qualities"] = thing.ref.qualities[own:]
+        update["noun"] = " ".join(nouns) if update["qualities"] else ""
+    ref = thing.ref.model_copy(update=update)
+    part = " ".join(match["part"].casefold().split())
+    return part, (start, start + match.end("of")), ThingPart(span, ref, thing.contents)
+
+
+def _contact(where: str, lexicon: Lexicon) -> g.ContactRegion | None:
+    """The third or the face of an object that some words name."""
+    region = lexicon.terminals["REGION"].get(f"at the {where}")
+    face = lexicon.terminals["FACE"].get(f"on the {where}")
+    if region is None and face is None:
+        return None
+    return g.ContactRegion.model_validate({"region": region, "face": None if region else face})
+
+
+def _touching(parts: Sequence[Part]) -> Parts:
+    """Takes "touching the block" for a place, unless it goes on with what is to be avoided."""
+    out: Parts = []
+    for part in parts:
+        before = out[-1] if out else None
+        avoiding = isinstance(before, AvoidPart | FurtherNoTouchPart) or (
+            isinstance(before, ConstraintPart) and before.constraint.kind == "no_touch"
+        )
+        if isinstance(part, FurtherNoTouchPart) and not avoiding and not part.either:
+            touched = part.constraint.object
+            if touched is not None:
+                out.append(PlacePart(part.span, "touching", (touched,)))
+                continue
+        out.append(part)
+    return out
+
+
+def _tells(part: PlacePart, parts: Parts, i: int, before: Parts, lexicon: Lexicon) -> bool:
+    """Whether a place tells an object from others, rather than where to go."""
+    if part.relation == "nearest":
+        return True
+    owner = before[-1] if before else None
+    asked = isinstance(owner, AskPart | ExplorePart) and owner.thing is not None
+    if part.relation not in _TELLING or not (isinstance(owner, ThingPart) or asked):
+        return False
+    if asked or any(isinstance(p, ResultPart) and p.event == "ends_up" for p in parts[:i]):
+        return asked
+    goal = _goal(parts, lexicon)
+    if goal not in _TAKES_PLACE:
+        # "Lean it against the wall" is no box that stands against the wall.
+        return goal is not None and part.relation != "touching"
+    rest = _not_avoided(parts[i + 1 :])
+    if any(isinstance(p, PlacePart) and p.relation != "nearest" for p in rest):
+        return True
+    said = [*parts[:i], *rest]
+    directed = any(isinstance(p, DirectionPart) and not p.implied for p in said)
+    return goal not in ("place", "set_down") and (
+        directed or any(isinstance(p, _ELSEWHERE) for p in said)
+    )
+
+
+def _not_avoided(parts: Parts) -> Parts:
+    """The parts that say where to go; "more than 5 cm" behind something to avoid is its limit."""
+    return [
+        part
+        for before, part in zip([None, *parts], parts, strict=False)
+        if not isinstance(part, AvoidPart | ConstraintPart)
+        and not (isinstance(part, LengthPart) and isinstance(before, AvoidPart))
+    ]
+
+
+def _goal(parts: Parts, lexicon: Lexicon) -> str | None:
+    """Goal of the clause's verb; None if it has none."""
+    verb = next((p for p in parts if isinstance(p, VerbPart)), None)
+    if verb is None:
+        return "none" if any(isinstance(p, RemarkPart) for p in parts) else None
+    particle = next((p for p in parts if isinstance(p, ParticlePart)), None)
+    found = particle and lexicon.verb(verb.word, particle.word)
+    found = found or lexicon.verb(verb.word)
+    return found.goal if found else "displace"
+
+
+def _give(part: SidePart | PlacePart, out: Parts, sentence: Normalised) -> None:
+    """Gives what tells it apart to the last thing that was named."""
+    for i in reversed(range(len(out))):
+        owner = out[i]
+        if isinstance(owner, ThingPart):
+            out[i] = _with(owner, part)
+            return
+        if isinstance(owner, AskPart | ExplorePart) and owner.thing is not None:
+            out[i] = replace(owner, thing=_with(owner.thing, part))
+            return
+    raise unexpected(part, sentence)
+
+
+def _with(thing: ThingPart, part: SidePart | PlacePart) -> ThingPart:
+    ref = thing.ref
+    noun = ref.noun if ref.qualities else _noun(ref)
+    update: dict[str, object] = {"spans": (*ref.spans, part.span)}
+    if isinstance(part, SidePart):
+        update |= {"qualities": (*ref.qualities, part.quality), "noun": noun}
+    elif part.relation == "nearest":
+        update |= {
+            "qualities": (*ref.qualities, "near"), "noun": noun, "reference": part.reference
+        }  # fmt: skip
+    else:
+        update |= {"relation": part.relation, "reference": part.reference}
+    return replace(thing, ref=ref.model_copy(update=update))
+
+
+def _noun(ref: g.ObjectRef) -> str:
+    return "" if ref.pronoun or ref.text.casefold() in ("one", "ones") else ref.text.casefold()

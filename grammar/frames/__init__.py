@@ -1,0 +1,1 @@
+"""The contract: goals, constraints, their words and conflicts."""

@@ -1,0 +1,1 @@
+"""Frames to words, and the sampler of sentences."""

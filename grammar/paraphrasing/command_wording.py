@@ -1,0 +1,214 @@
+"""Frames in plain words: what was understood.
+
+The words are chosen so that reading them gives the same frames again, up to spans.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from grammar.frames import command as g
+from grammar.paraphrasing.clause_wording import Choice, Phrasing, no_words
+from grammar.words.lexicon import Lexicon, default_lexicon
+
+_VERBS = {
+    ("push", "displace"): "push",
+    ("push", "none"): "press",
+    ("move", "displace"): "move",
+    ("turn", "rotate"): "turn",
+    ("place", "place"): "put",
+    ("place", "upright"): "stand",
+    ("place", "set_down"): "set",
+    ("hand_over", "hand_over"): "hand",
+    ("explore", "parameters"): "explore",
+    **{(verb, "displace"): verb for verb in ("pull", "slide")},
+    ("pull", "none"): "pull",
+    **{(verb, "place"): verb for verb in ("push", "pull", "move", "slide")},
+    **{(verb, verb): verb for verb in ("topple", "tilt", "lift", "open", "close", "pour")},
+}
+_PARTICLES = {"stand": "upright", "set": "down", "hand": "over"}
+_RESULTS = {"topple": "tips", "tilt": "tilts", "rotate": "turns"}
+_LIMITS = ("no_topple", "no_tilt", "no_turn", "no_slide")
+"""Constraints with which "how hard" asks for the most, not for the least."""
+
+_OPENINGS: dict[str, tuple[str, str]] = {
+    "possible": ("POSSIBLE", ""),
+    "how_hard": ("HOW_HARD", "least"),
+    "where": ("WHERE", ""),
+    "why": ("WHY_DID", ""),
+}
+
+
+def paraphrase(
+    said: g.Frame | Sequence[g.Frame],
+    lexicon: Lexicon | None = None,
+    choose: Choice | None = None,
+) -> str:
+    """Says in plain words what frames ask.
+
+    Args:
+        said: what was understood, one frame or several.
+        lexicon: the words of the language.
+        choose: picks one of the phrases that mean the same; the first by default.
+
+    Raises:
+        ValueError: if the language has no words for it.
+    """
+    frames = (said,) if isinstance(said, g.Frame) else said
+    speaker = _Speaker(default_lexicon() if lexicon is None else lexicon, choose)
+    return ", then ".join(speaker.frame(frame) for frame in frames)
+
+
+class _Speaker:
+    """Says whole frames."""
+
+    def __init__(self, lexicon: Lexicon, choose: Choice | None) -> None:
+        self._p = Phrasing(lexicon, choose)
+
+    def frame(self, frame: g.Frame) -> str:
+        """One frame: a command, a question or a remark."""
+        if frame.dialogue is not None:
+            return self._remark(_with_it(frame), frame.dialogue)
+        if frame.query is not None:
+            return self._question(_with_it(frame), frame.query)
+        return self._command(frame)
+
+    # --- commands -----------------------------------------------------------------------------
+
+    def _command(self, frame: g.Frame, name: str | None = None, more: str = "") -> str:
+        """A clause; `name` stands for the object, `more` behind the goal."""
+        if frame.object is None or frame.action is None:
+            raise no_words(f"action {frame.action} without an object")
+        goal = frame.goal
+        if isinstance(goal, g.Parameters) and goal.which:
+            return self._explored(frame, goal.which, more)
+        verb, result = self._verb(frame)
+        constraints = list(frame.constraints)
+        words = []
+        if constraints and (manner := self._p.manner(constraints[0])):
+            words.append(manner)
+            constraints.pop(0)
+        words += [verb, name or self._of_a_part(frame)]
+        if verb in _PARTICLES:
+            words.append(_PARTICLES[verb])
+        words += [*result, *self._p.goal(goal), *([more] if more else [])]
+        words += self._constraints(goal, constraints)
+        return " ".join(words)
+
+    def _verb(self, frame: g.Frame) -> tuple[str, list[str]]:
+        """The verb, and the result if another outcome than its own is wanted."""
+        action, goal = frame.action or "", frame.goal
+        if isinstance(goal, g.Open | g.Close) and goal.part and frame.object is not None:
+            # Only what is called "the …" has a "lid of the …".
+            named = self._p.name(frame.object).startswith("the ")
+            moved = "take" if isinstance(goal, g.Open) else "put"
+            return _VERBS[action, goal.kind] if named else moved, []
+        if (action, goal.kind) in _VERBS:
+            return _VERBS[action, goal.kind], []
+        if (action, "displace") in _VERBS and goal.kind in _RESULTS:
+            event = self._p.say("EVENT", _RESULTS[goal.kind])
+            return _VERBS[action, "displace"], [f"so that it {event}"]
+        raise no_words(f"action {action}, goal {goal.kind}")
+
+    def _of_a_part(self, frame: g.Frame) -> str:
+        """The object; with its part, if that is opened; with its contents, if they are poured."""
+        assert frame.object is not None
+        name, goal = self._p.name(frame.object), frame.goal
+        if isinstance(goal, g.Open | g.Close) and goal.part:
+            if name.startswith("the "):
+                return f"the {goal.part} of {name}"
+            if goal.part not in self._p.lexicon.lids:
+                raise no_words(f"the {goal.part} of {name}")
+            return f"the {goal.part} {'off' if isinstance(goal, g.Open) else 'on'} {name}"
+        return f"{self._p.portion(goal)}{name}" if isinstance(goal, g.Pour) else name
+
+    def _constraints(self, goal: g.Goal, constraints: Sequence[g.Constraint]) -> list[str]:
+        said = ("direction", "heading", "toward", "away_from", "reference")
+        directed = any(getattr(goal, field, None) is not None for field in said)
+        return self._p.constraints(constraints, directed=directed)
+
+    def _explored(self, frame: g.Frame, which: Sequence[str], more: str) -> str:
+        words = [f"find out {self._property(frame, which)}", *self._p.goal(frame.goal)]
+        words += [more] if more else []
+        return " ".join([*words, *self._constraints(frame.goal, frame.constraints)])
+
+    def _property(self, frame: g.Frame, which: Sequence[str]) -> str:
+        """The mass and the friction of an object."""
+        assert frame.object is not None
+        if frame.object.text == "its":
+            return " and ".join(self._p.say("ITS_PROPERTY", name) for name in which)
+        *others, last = which
+        known = self._p.lexicon.says("THE_PROPERTY_OF", last)
+        of = "THE_PROPERTY_OF" if known else "THE_SIDE_OF"
+        said = [self._p.say("THE_PROPERTY", name) for name in others]
+        return f"{' and '.join([*said, self._p.say(of, last)])} {self._p.name(frame.object)}"
+
+    # --- questions ----------------------------------------------------------------------------
+
+    def _question(self, frame: g.Frame, query: g.Query) -> str:
+        if query == "value" and isinstance(frame.goal, g.Parameters):
+            return f"{self._p.say('WHAT_IS')} {self._property(frame, frame.goal.which)}?"
+        if query == "affordances" and frame.object is not None:
+            return f"{self._p.say('WHAT_CAN')} {self._p.name(frame.object)}?"
+        if query == "why" and frame.action is None:
+            return f"{self._p.say('WHY')}?"
+        if query == "predict":
+            return f"{self._predicted(frame)}?"
+        if query not in _OPENINGS:
+            raise no_words(f"the question {query}")
+        if frame.negated:
+            return f"{self._p.say('WHY_DID', 'not')} {self._command(frame)}?"
+        event = [] if frame.event is None else [self._to_make(frame.event)]
+        clause = self._command(frame)
+        terminal, sense = _OPENINGS[query]
+        if query == "how_hard" and not event and any(c.kind in _LIMITS for c in frame.constraints):
+            sense = "most"
+        return f"{' '.join([self._p.say(terminal, sense), clause, *event])}?"
+
+    def _to_make(self, event: g.Event) -> str:
+        return f"{self._p.say('TO_MAKE')} it {self._p.say('EVENT_INFINITIVE', event)}"
+
+    def _predicted(self, frame: g.Frame) -> str:
+        if frame.event is None:
+            return f"{self._p.say('WHAT_IF')} you {self._command(frame)}"
+        assert frame.object is not None
+        happens = self._p.say("EVENT_INFINITIVE", frame.event)
+        partly = isinstance(frame.goal, g.Pour | g.Open | g.Close)
+        name, text = self._p.name(frame.object), frame.object.text
+        if partly or name not in (text, f"the {text}", f'"{text}"'):
+            return f"if you {self._command(frame)}, will it {happens}"
+        return f"will {name} {happens} if you {self._command(frame, name='it')}"
+
+    # --- remarks ------------------------------------------------------------------------------
+
+    def _remark(self, frame: g.Frame, dialogue: g.Dialogue) -> str:
+        if dialogue == "undo" and frame.object is not None:
+            return f"{self._p.say('UNDO_OF')} {self._p.name(frame.object)}"
+        if dialogue in ("undo", "stop"):
+            return self._p.say(dialogue.upper())
+        if dialogue == "correct":
+            return f"no, {self._corrected(frame)}"
+        word = self._p.say(dialogue.upper())
+        if frame.action is not None:
+            return self._command(frame, more=word)
+        if frame.object is not None:
+            raise no_words(f"{dialogue} with an object and no action")
+        rest = [*self._p.goal(frame.goal), *self._constraints(frame.goal, frame.constraints)]
+        return " ".join([word, *rest])
+
+    def _corrected(self, frame: g.Frame) -> str:
+        if frame.action is not None:
+            return self._command(frame)
+        words = [] if frame.object is None else [self._p.name(frame.object)]
+        goal = self._p.goal(frame.goal)
+        if words and isinstance(frame.goal, g.Place):
+            words.append(",")
+        words += [*goal, *self._constraints(frame.goal, frame.constraints)]
+        return " ".join(words).replace(" ,", ",")
+
+
+def _with_it(frame: g.Frame) -> g.Frame:
+    """Adds the object that questions and remarks leave out: "why did you push?", "pull again"."""
+    if frame.action is None or frame.object is not None:
+        return frame
+    return frame.model_copy(update={"object": g.ObjectRef(text="it", pronoun=True)})

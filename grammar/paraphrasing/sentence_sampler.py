@@ -1,0 +1,349 @@
+"""Random sentences of the language with the frames that they mean, for those who extend it.
+
+A frame is drawn first, then said: with each phrase picked from all those of the lexicon that mean
+the same. So a sentence and its frames are known before any parser has seen them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from decimal import Decimal
+from random import Random
+from typing import Any, NamedTuple, TypeVar
+
+from grammar.clauses.consistency import contradiction
+from grammar.frames import command as g
+from grammar.paraphrasing.command_wording import paraphrase
+from grammar.words.lexicon import Lexicon, default_lexicon
+
+T = TypeVar("T")
+
+NOUNS = ("box", "mug", "ice tea box", "soup can", "jar", "tea tin", "bottle", "block")
+_DIRECTIONS: tuple[g.Direction, ...] = ("away", "toward", "left", "right")
+_RELATIONS: tuple[g.Relation, ...] = (
+    "next_to", "left_of", "right_of", "in_front_of", "behind", "touching", "on",
+)  # fmt: skip
+_GAPS = ("next_to", "left_of", "right_of", "in_front_of", "behind")
+_REGIONS: tuple[g.TableRegion, ...] = (
+    "center", "edge", "left_edge", "right_edge", "front_edge", "back_edge", "corner",
+    "front_left_corner", "front_right_corner", "back_left_corner", "back_right_corner",
+)  # fmt: skip
+_FRACTIONS = (0.25, 0.5, 0.75, 1 / 3, 2 / 3)
+_PROPERTIES = ("mass", "friction", "height", "width", "length", "size", "centre_of_mass",
+               "fill")  # fmt: skip
+_SHIFTING = ("push", "pull", "move", "slide")
+
+
+class Sample(NamedTuple):
+    """A sentence, and the frames that it means."""
+
+    text: str
+    frames: tuple[g.Frame, ...]
+
+
+def samples(
+    seed: int = 0, *, lexicon: Lexicon | None = None, nouns: Sequence[str] = NOUNS
+) -> Iterator[Sample]:
+    """Yields random sentences with their frames, without end.
+
+    Args:
+        seed: of the random numbers.
+        lexicon: the words of the language.
+        nouns: names of objects to speak of.
+    """
+    sampler = Sampler(Random(seed), lexicon=lexicon, nouns=nouns)
+    while True:
+        yield sampler.sample()
+
+
+class Sampler:
+    """Draws frames and says them.
+
+    Args:
+        rng: the source of randomness.
+        lexicon: the words of the language.
+        nouns: names of objects to speak of.
+    """
+
+    def __init__(
+        self, rng: Random, *, lexicon: Lexicon | None = None, nouns: Sequence[str] = NOUNS
+    ) -> None:
+        self._rng = rng
+        self._lexicon = default_lexicon() if lexicon is None else lexicon
+        self._nouns = nouns
+
+    def sample(self) -> Sample:
+        """A sentence and its frames."""
+        frames = tuple(self.frame() for _ in range(1 if self._rng.random() < 0.8 else 2))
+        if len(frames) > 1 and any(f.query or f.dialogue for f in frames):
+            frames = frames[:1]
+        text = paraphrase(frames, self._lexicon, self._rng.choice)
+        return Sample(text, frames)
+
+    def frame(self) -> g.Frame:
+        """A frame that does not contradict itself."""
+        while True:
+            kind = self._rng.random()
+            draw = self._command if kind < 0.6 else self._question if kind < 0.85 else self._remark
+            frame = draw()
+            if contradiction(frame) is None:
+                return frame
+
+    # --- choices ------------------------------------------------------------------------------
+
+    def _maybe(self, draw: Callable[[], T], chance: float = 0.5) -> T | None:
+        return draw() if self._rng.random() < chance else None
+
+    def _pick(self, options: Sequence[T]) -> T:
+        return self._rng.choice(options)
+
+    def _length(self) -> float:
+        return self._rng.randint(1, 300) / self._pick((1000, 100))
+
+    def _force(self) -> float:
+        return self._rng.randint(1, 200) / 10
+
+    def _angle(self) -> float:
+        return math.radians(self._rng.randint(1, 360))
+
+    def _bound(self) -> g.Bound:
+        return self._pick(("exact", "exact", "at_least", "at_most"))
+
+    def _measure(self) -> float | g.RelativeLength:
+        if self._rng.random() < 0.7:
+            return self._length()
+        its = g.ObjectRef(text="its", pronoun=True)
+        of = its if self._rng.random() < 0.6 else self._thing()
+        side = self._pick(("width", "height", "length"))
+        return g.RelativeLength(value=self._rng.randint(1, 8) / 2, of=of, side=side)
+
+    # --- objects ------------------------------------------------------------------------------
+
+    def _thing(self) -> g.ObjectRef:
+        """A thing by its name, perhaps with an adjective."""
+        noun = self._pick(self._nouns)
+        adjective = self._maybe(lambda: self._pick(sorted(self._lexicon.adjectives)), 0.3)
+        if adjective is None:
+            return g.ObjectRef(text=noun)
+        quality = self._lexicon.adjectives[adjective]
+        return g.ObjectRef(text=f"{adjective} {noun}", qualities=(quality,), noun=noun)
+
+    def _object(self) -> g.ObjectRef:
+        if self._rng.random() < 0.2:
+            return g.ObjectRef(text="it", pronoun=True)
+        ref = self._thing()
+        if self._rng.random() < 0.85:
+            return ref
+        relation = self._pick(_RELATIONS)
+        return ref.model_copy(update={"relation": relation, "reference": (self._thing(),)})
+
+    # --- goals --------------------------------------------------------------------------------
+
+    def _displace(self) -> g.Displace:
+        where: dict[str, Any] = {}
+        match self._rng.randint(0, 7):
+            case 0 | 1 | 2:
+                where["direction"] = self._pick(_DIRECTIONS)
+            case 3:
+                where["direction"] = (self._pick(("away", "toward")), self._pick(("left", "right")))
+            case 4:
+                where["heading"] = self._angle()
+            case 5:
+                where["toward"] = self._pick((self._thing(), "edge", "left_edge"))
+            case 6:
+                where["away_from"] = self._pick((self._thing(), "edge", "right_edge"))
+            case _:
+                pass
+        if isinstance(where.get("toward"), g.ObjectRef) and self._rng.random() < 0.3:
+            return g.Displace(**where, fraction=self._pick(_FRACTIONS))
+        if self._rng.random() < 0.5:
+            return g.Displace(**where, distance=self._measure(), bound=self._bound())
+        return g.Displace(**where, amount=self._pick((None, "little", "lot")))
+
+    def _place(self) -> g.Place:
+        match self._rng.randint(0, 5):
+            case 0:
+                x, y = (self._rng.randint(-90, 90) / 100 for _ in range(2))
+                return g.Place(relation="at", reference=g.Point(x=x, y=y))
+            case 1:
+                region = self._pick(_REGIONS)
+                return g.Place(
+                    relation="at",
+                    reference=region,
+                    fraction=self._maybe(lambda: self._pick(_FRACTIONS), 0.2),
+                )
+            case 2:
+                return g.Place(relation="between", reference=(self._thing(), self._thing()))
+            case _:
+                relation = self._pick(_RELATIONS)
+                gap = self._maybe(self._length, 0.3) if relation in _GAPS else None
+                return g.Place(relation=relation, reference=(self._thing(),), distance=gap)
+
+    def _goal(self, action: str) -> g.Goal:
+        if action in _SHIFTING:
+            return self._displace() if self._rng.random() < 0.7 else self._place()
+        amount: g.Amount | None = self._pick((None, None, "little", "lot"))
+        angle = self._maybe(self._angle) if amount is None else None
+        bound = self._bound() if angle is not None else "exact"
+        match action:
+            case "turn":
+                sense: g.Sense | None = self._pick((None, "cw", "ccw"))
+                return g.Rotate(angle=angle, sense=sense, bound=bound, amount=amount)
+            case "tilt":
+                way = self._maybe(lambda: self._pick(_DIRECTIONS))
+                return g.Tilt(angle=angle, direction=way, bound=bound, amount=amount)
+            case "topple":
+                return g.Topple(direction=self._maybe(lambda: self._pick(_DIRECTIONS)))
+            case "lift":
+                if angle is None:
+                    return g.Lift(amount=amount)
+                return g.Lift(height=self._measure(), bound=bound)
+            case "place":
+                if self._rng.random() < 0.6:
+                    return self._place()
+                return g.Upright() if self._rng.random() < 0.5 else g.SetDown()
+            case "pour":
+                return self._pour()
+            case "open" | "close":
+                part = self._maybe(lambda: self._pick(sorted(self._lexicon.lids)))
+                return g.Open(part=part) if action == "open" else g.Close(part=part)
+            case "hand_over":
+                return g.HandOver()
+            case _:
+                which = self._maybe(lambda: (self._pick(_PROPERTIES),), 0.7)
+                method: g.Method | None = self._pick((None, None, "lift", "tilt"))
+                return g.Parameters(which=which or (), method=method)
+
+    def _pour(self) -> g.Pour:
+        """Everything, or so much of it; or until what it is poured into is so full."""
+        how_much: dict[str, Any] = self._pick(
+            (
+                {},
+                {"amount": self._pick(("little", "lot"))},
+                {"fraction": self._pick((*_FRACTIONS, 1.0))},
+                {"volume": float(Decimal(self._rng.randint(1, 2000)) / 1_000_000)},
+                {"fill": self._pick((*_FRACTIONS, 1.0, self._rng.randint(1, 100) / 100))},
+            )
+        )
+        into = self._thing() if "fill" in how_much else self._maybe(self._thing, 0.8)
+        return g.Pour(into=into, **how_much)
+
+    # --- constraints --------------------------------------------------------------------------
+
+    def _constraints(self) -> tuple[g.Constraint, ...]:
+        draws = list(self._restrictions().values())
+        self._rng.shuffle(draws)
+        return tuple(draw() for draw in draws[: self._pick((0, 0, 1, 1, 2, 3))])
+
+    def _restrictions(self) -> dict[str, Callable[[], Any]]:
+        """One way to draw each kind of constraint."""
+        manner = self._pick((g.Gentle, g.Hard)), self._pick((g.Slow, g.Fast))
+        force = self._pick((g.Force, g.MinForce, g.MaxForce))
+        speed = self._pick((g.Speed, g.MinSpeed, g.MaxSpeed))
+        avoided = self._pick((g.NoTopple, g.NoTilt, g.NoTurn, g.NoLift, g.NoSpill))
+        limit = self._pick((g.MaxTilt, g.MaxTurn))
+        lasting = self._pick((g.Duration, g.MaxDuration))
+        return {
+            "gentle": manner[0],
+            "slow": manner[1],
+            "force": lambda: force(value=self._force()),
+            "speed": lambda: speed(value=self._rng.randint(1, 50) / 100),
+            "duration": lambda: lasting(value=float(self._rng.randint(1, 20))),
+            "avoided": avoided,
+            "limit": lambda: limit(value=self._angle()),
+            "distance": lambda: g.MaxDistance(value=self._length()),
+            "no_touch": self._no_touch,
+            "contact": self._contact,
+            "effector": self._effector,
+            "until": self._until,
+        }
+
+    def _no_touch(self) -> g.NoTouch:
+        if self._rng.random() < 0.2:
+            return g.NoTouch(object=None)
+        return g.NoTouch(object=self._thing(), clearance=self._maybe(self._length, 0.4))
+
+    def _contact(self) -> g.ContactRegion:
+        face = self._maybe(lambda: self._pick(("front", "back", "left", "right", "top")))
+        region = self._maybe(lambda: self._pick(("top", "middle", "bottom")))
+        if region is None and self._rng.random() < 0.5:
+            height = g.ContactHeight(
+                value=self._length(), origin=self._pick(("table", "top")), bound=self._bound()
+            )
+            return g.ContactRegion(face=face, height=height)
+        return g.ContactRegion(face=face or (None if region else "front"), region=region)
+
+    def _effector(self) -> g.Effector:
+        tool, count = self._pick((("finger", None), ("finger", 1), ("finger", 2), ("hand", None)))
+        side = self._maybe(lambda: self._pick(("left", "right"))) if count is None else None
+        return g.Effector.model_validate({"tool": tool, "count": count, "side": side})
+
+    def _until(self) -> g.Until:
+        event = self._pick(("touching", "in_line", "next_to", "edge", "about_to_tip", "tips",
+                            "moves"))  # fmt: skip
+        named = event in ("touching", "in_line", "next_to")
+        return g.Until.model_validate({"event": event, "object": self._thing() if named else None})
+
+    # --- frames -------------------------------------------------------------------------------
+
+    def _command(self) -> g.Frame:
+        action = self._pick((*_SHIFTING, *_SHIFTING, "turn", "tilt", "topple", "lift", "place",
+                             "open", "close", "pour", "explore", "hand_over"))  # fmt: skip
+        return g.Frame.model_validate(
+            {
+                "action": action,
+                "object": self._object(),
+                "goal": self._goal(action),
+                "constraints": self._constraints(),
+            }
+        )
+
+    def _question(self) -> g.Frame:
+        query = self._pick(("predict", "possible", "how_hard", "where", "why", "value",
+                            "affordances"))  # fmt: skip
+        if query == "value":
+            which = (self._pick(_PROPERTIES),)
+            return g.Frame(query="value", object=self._object(), goal=g.Parameters(which=which))
+        if query == "affordances":
+            return g.Frame(query="affordances", object=self._object())
+        if query == "why" and self._rng.random() < 0.5:
+            return g.Frame(query="why")
+        frame = self._command()
+        while isinstance(frame.goal, g.Parameters):
+            frame = self._command()
+        events: list[g.Event | None] = [None, "slides", "tips", "tilts", "turns", "moves"]
+        if query == "predict":
+            events += ["spills", "holds"]
+        asked = query in ("predict", "how_hard", "where")
+        event = self._pick(events) if asked else None
+        stops = query in ("how_hard", "where")
+        kept = tuple(c for c in frame.constraints if not (stops and isinstance(c, g.Until)))
+        update = {"query": query, "event": event, "constraints": kept}
+        negated = query == "why" and self._rng.random() < 0.5
+        return frame.model_copy(update={**update, "negated": negated})
+
+    def _remark(self) -> g.Frame:
+        dialogue = self._pick(("undo", "stop", "repeat", "more", "correct"))
+        match dialogue:
+            case "undo" | "stop":
+                return g.Frame.model_validate({"dialogue": dialogue})
+            case "correct":
+                said = self._pick(("object", "goal", "command"))
+                if said == "command":
+                    frame = self._command()
+                    while isinstance(frame.goal, g.Parameters):
+                        frame = self._command()
+                    return frame.model_copy(update={"dialogue": "correct"})
+                if said == "object":
+                    return g.Frame(dialogue="correct", object=self._thing())
+                return g.Frame(dialogue="correct", goal=self._moved())
+            case _:
+                goal: g.Goal = g.NoGoal() if self._rng.random() < 0.3 else self._moved()
+                return g.Frame.model_validate({"dialogue": dialogue, "goal": goal})
+
+    def _moved(self) -> g.Displace:
+        """Somewhere; a direction, a distance or an amount is always said."""
+        while (goal := self._displace()) == g.Displace():
+            pass
+        return goal

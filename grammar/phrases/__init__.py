@@ -1,0 +1,1 @@
+"""The lark tree to phrase parts; the grammar file `nlcontrol.lark` lies here."""

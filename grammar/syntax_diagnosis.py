@@ -1,0 +1,183 @@
+"""Why a sentence cannot be read, from what the parser could have gone on with."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Set
+
+from lark.exceptions import UnexpectedToken
+
+from grammar.errors import ParseError
+from grammar.frames.command import Span
+from grammar.words.lexicon import Lexicon
+from grammar.words.normalisation import Normalised
+
+EXAMPLE = 'say, for example, "push the box away"'
+
+_TIE = 5.0
+"""Likenesses nearer to the best than this are as good as it."""
+
+_SHORT = 2
+"""Words of so few letters are like too many others."""
+
+_UNITS = {"LENGTH_UNIT": "cm", "ANGLE_UNIT": "degrees", "FORCE_UNIT": "N", "SPEED_UNIT": "cm/s",
+          "TIME_UNIT": "seconds"}  # fmt: skip
+_WORD = re.compile(r"[^ ]+")
+_TAKEN_BY = re.compile(r"\bby (?:its|the) [^ ]+")
+
+
+def diagnose(
+    error: UnexpectedToken, accepts: Set[str], sentence: Normalised, lexicon: Lexicon
+) -> ParseError:
+    """Says in terms of the language why lark could not go on.
+
+    Args:
+        error: where it stopped.
+        accepts: terminals with which it could have gone on.
+        sentence: the sentence.
+        lexicon: the words of the language.
+    """
+    at_end = error.token.type == "$END"
+    start, word = _word(sentence, len(sentence.text) if at_end else error.token.start_pos or 0)
+    said, last = _word(sentence, sentence.text.rfind(" ") + 1)
+    span = (
+        sentence.span(said, said + len(last)) if at_end else sentence.span(start, start + len(word))
+    )
+    if word.startswith('"'):
+        return _no_object(span)
+    if not at_end and word in lexicon.vague:
+        return _vague(word, span, lexicon)
+    if (
+        not at_end
+        and "VERB" in accepts
+        and (missing := _no_verb(start, word, span, sentence, lexicon))
+    ):
+        return missing
+    taken = [m for m in _TAKEN_BY.finditer(sentence.text) if m.start() <= start < m.end()]
+    if taken and "VERB" not in accepts:
+        return _taken_by(sentence.span(*taken[0].span()), sentence)
+    if "SIDE_OF_OBJECT" in accepts and not accepts & {*_UNITS, "VERB"}:
+        return _no_unit(start, sentence, lexicon)
+    if "WORD" in accepts and "$END" not in accepts and "VERB" not in accepts:
+        before = sentence.text[:start].split()[-1:]
+        if not any(name in accepts for name in _UNITS) or before in (["a"], ["an"]):
+            return _no_object(span)
+    if units := [_UNITS[name] for name in _UNITS if name in accepts and "VERB" not in accepts]:
+        number = last if at_end else sentence.text[:start].split()[-1]
+        wanted = _did_you_mean(word, _words(accepts, lexicon))
+        return ParseError(
+            "missing_unit",
+            f'"{number}" lacks its unit',
+            span,
+            (*wanted, *(f"{number} {unit}" for unit in units)),
+        )
+    if at_end:
+        return _incomplete(accepts, span, lexicon)
+    written = sentence.written(span)
+    anything = "VERB" in accepts
+    instead = (f'leave out "{written}"',) if anything else _could_stand_here(accepts, lexicon)
+    return ParseError(
+        "unexpected_words",
+        f'"{written}" is not understood here',
+        span,
+        (*_did_you_mean(word, _words(accepts, lexicon)), *instead),
+    )
+
+
+def _word(sentence: Normalised, position: int) -> tuple[int, str]:
+    """The word at a position of the plain form, and where it starts."""
+    match = _WORD.search(sentence.text, position)
+    return (match.start(), match.group()) if match else (len(sentence.text), "")
+
+
+def _vague(word: str, span: Span, lexicon: Lexicon) -> ParseError:
+    return ParseError(
+        "unexpected_words",
+        f'"{word}" may mean several things',
+        span,
+        tuple(f'say "{instead}"' for instead in lexicon.vague[word]),
+    )
+
+
+def _no_verb(
+    start: int, word: str, span: Span, sentence: Normalised, lexicon: Lexicon
+) -> ParseError | None:
+    """The error for a word where a command should begin; None if one has begun."""
+    before = sentence.text[:start].split()
+    first = set(before) <= lexicon.silent
+    if not (first or before[-1] in lexicon.joints):
+        return None
+    if word in lexicon.later_verbs:
+        known = ", ".join(sorted(lexicon.verb_words["VERB"]))
+        message = f'the verb "{word}" is not understood yet'
+        return ParseError("unsupported_verb", message, span, (f"understood are {known}",))
+    if not word.isalpha() or word in lexicon.reserved | lexicon.first_words:
+        return None
+    close = _did_you_mean(word, lexicon.verb_words["VERB"], close=65.0)
+    if not (first or close):
+        return None
+    return ParseError("unknown_verb", f'"{word}" is no known verb', span, close or (EXAMPLE,))
+
+
+def _taken_by(span: Span, sentence: Normalised) -> ParseError:
+    """The error for a part by which something is to be held: "by its handle"."""
+    written = sentence.written(span)
+    return ParseError(
+        "unexpected_words",
+        f'where to take hold is up to the robot: "{written}" is not understood',
+        span,
+        (f'leave out "{written}"',),
+    )
+
+
+def _no_unit(end: int, sentence: Normalised, lexicon: Lexicon) -> ParseError:
+    """The error for a word behind a number that is no unit: "10 blorps"."""
+    start = sentence.text[:end].rstrip().rfind(" ") + 1
+    span = sentence.span(start, len(sentence.text[:end].rstrip()))
+    written = sentence.written(span)
+    close = _did_you_mean(written.casefold(), _words(_UNITS, lexicon))
+    message = f'"{written}" is no unit'
+    return ParseError("missing_unit", message, span, close or ("cm", "degrees", "N"))
+
+
+def _no_object(span: Span) -> ParseError:
+    return ParseError("no_object", "the name of an object is missing", span, (EXAMPLE,))
+
+
+def _incomplete(expected: Set[str], span: Span, lexicon: Lexicon) -> ParseError:
+    if "THE" in expected and not expected & {"AVOIDING", "TOOL", "VERB"}:
+        return _no_object(span)
+    return ParseError(
+        "incomplete",
+        "the sentence ends too early",
+        span,
+        _could_stand_here(expected, lexicon) or (EXAMPLE,),
+    )
+
+
+def _could_stand_here(expected: Set[str], lexicon: Lexicon) -> tuple[str, ...]:
+    labels = [label for name, label in lexicon.labels.items() if name in expected]
+    return (f"could stand here: {', '.join(labels)}",) if labels else (EXAMPLE,)
+
+
+def _words(expected: Iterable[str], lexicon: Lexicon) -> set[str]:
+    """Every word of the terminals that could have stood here."""
+    known = [n for n in expected if n in lexicon.terminals or n in lexicon.verb_words]
+    return {w for name in known for p in lexicon.phrases(name) for w in p.split() if len(w) > 3}
+
+
+def words_like(word: str, lexicon: Lexicon) -> tuple[str, ...]:
+    """What a word may have been meant for that is no word of the language."""
+    return _did_you_mean(word.casefold(), _words(lexicon.terminals, lexicon))
+
+
+def _did_you_mean(word: str, known: Iterable[str], close: float = 75.0) -> tuple[str, ...]:
+    """The known words nearest to a word; of near ties all, since none is a better guess."""
+    from rapidfuzz import fuzz, process
+
+    if len(word) <= _SHORT:
+        return ()
+    others = sorted(set(known) - {word})
+    found = process.extract(word, others, scorer=fuzz.ratio, score_cutoff=close, limit=3)
+    near = [name for name, likeness, _ in found if found[0][1] - likeness < _TIE]
+    return (f"did you mean {' or '.join(repr(name) for name in near)}?",) if near else ()

@@ -1,0 +1,1 @@
+"""Text to tokens: normalisation, numbers, lexicon (YAML, plug-ins), lexer."""

@@ -1,0 +1,255 @@
+"""What must follow a phrase for it to be taken: the lexer's look at the next word or two.
+
+Some words mean one thing before a number and another before a name ("up to 5 cm", "up to the mug"),
+and some phrases are the beginning of a name ("from the left", "from the left box").
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from grammar.words.lexicon import NAME_TERMINALS, Lexicon
+
+WORD = re.compile(r"[^ ]+")
+"""A word of the plain form."""
+
+BEFORE_NUMBERS = frozenset({"BY", "BOUND", "RANGE", "FROM", "IS_AT"})
+"""Terminals that stand before quantities only."""
+
+_OF_CONTENTS = ("FILLED", "FILLED_WITH", "TO_LEVEL", "SOME_OF", "PART_OF")
+"""Terminals that say how much is poured or filled in; their words mean other things elsewhere."""
+
+_PERCENT = re.compile(r"[^ %]+ ?(?:%|percent|per cent)(?= |$)")
+_NAMED = re.compile(r" (?:the|my|your|our|its|it|this|that|\")")
+_QUANTITIES = ("THE_SIDE_OF", "BOUND")
+_MULTIPLES = frozenset({"twice", "double", "its"})
+_NAMES_BEGIN = re.compile(r" (?:the|a|an|my|your|its) ")
+
+Rule = Callable[[str, str, int, str], bool]
+
+
+def stands(phrase: str, text: str, start: int) -> bool:
+    """Whether a phrase stands in a text, from here to the end of a word."""
+    end = start + len(phrase)
+    return text.startswith(phrase, start) and (end == len(text) or text[end] == " ")
+
+
+def _word_end(text: str, start: int) -> int:
+    end = text.find(" ", start)
+    return len(text) if end < 0 else end
+
+
+class Phrases:
+    """The phrases of a lexicon, each with the terminals that it may be."""
+
+    def __init__(self, lexicon: Lexicon) -> None:
+        names = [*lexicon.terminals, *NAME_TERMINALS]
+        # "Up to 5 cm" is a bound before it is a place.
+        names.sort(key=lambda name: name not in {*_OF_CONTENTS, *BEFORE_NUMBERS, "TO_DO", "OR"})
+        self._kinds: dict[str, list[str]] = {phrase: ["WORD"] for phrase in lexicon.names}
+        for name in names:
+            for phrase in lexicon.phrases(name):
+                self._kinds.setdefault(phrase, []).append(name)
+        self._most: dict[str, int] = {}
+        for phrase in self._kinds:
+            first, *more = phrase.split()
+            self._most[first] = max(self._most.get(first, 1), 1 + len(more))
+
+    def at(self, text: str, start: int) -> list[tuple[str, list[str]]]:
+        """The phrases that stand in a text from the start of a word, longest first."""
+        found = []
+        end = _word_end(text, start)
+        for _ in range(self._most.get(text[start:end], 0)):
+            if (phrase := text[start:end]) in self._kinds:
+                found.append((phrase, self._kinds[phrase]))
+            if end == len(text):
+                break
+            end = _word_end(text, end + 1)
+        return found[::-1]
+
+    def any(self, kind: str, text: str, start: int) -> bool:
+        """Whether a phrase of a terminal stands here."""
+        return any(kind in kinds for _, kinds in self.at(text, start))
+
+
+class Lookahead:
+    """The rules, by terminal.
+
+    Args:
+        lexicon: the words of the language.
+        phrases: its phrases.
+    """
+
+    def __init__(self, lexicon: Lexicon, phrases: Phrases) -> None:
+        self._any = phrases.any
+        self._from_sides = lexicon.phrases("FROM_SIDE")
+        self._first_of_number = lexicon.numbers.first_words
+        self._adjectives = lexicon.adjectives
+        self._function_words = lexicon.reserved | lexicon.first_words
+        self._determiners = {p for n in ("THE", "A", "THAT", "IT") for p in lexicon.phrases(n)}
+        self._verbs = {
+            form: verb
+            for kind in ("VERB", "VERB_ING")
+            for form, verb in lexicon.verb_words[kind].items()
+        }
+        self._goals = {verb: asks.goal for verb, asks in lexicon.verbs.items()}
+        self._rules: dict[str, Rule] = {
+            **dict.fromkeys(BEFORE_NUMBERS, self._before_a_number),
+            **dict.fromkeys(("REGION", "FACE", "SIDE_QUALITY"), self._not_into_a_name),
+            **dict.fromkeys(
+                ("DIRECTION", "TOWARD_REGION", "AWAY_FROM_REGION"), self._not_towards_a_name
+            ),
+            "AMOUNT": self._no_little_box,
+            "CUPS": self._no_cup,
+            "DOES_NOT": self._no_can,
+            "FILLED": self._behind_fill,
+            "FILLED_WITH": self._behind_fill,
+            "ON_TABLE": self._put_there,
+            "PARTICLE": self._not_off_a_thing,
+            "PART_OF": lambda _phrase, _text, _end, last: last == "VOLUME_UNIT",
+            "PORTION": self._of_a_liquid,
+            "TO_LEVEL": lambda _phrase, text, end, _last: bool(_PERCENT.match(text, end + 1)),
+            "FROM_SIDE": lambda _phrase, text, end, _last: self._ends(text, end),
+            "LENGTH_UNIT": self._no_preposition,
+            "NEXT": self._not_next_to,
+            "OF": lambda _phrase, text, end, _last: bool(_NAMES_BEGIN.match(text, end)),
+            "OR": self._in_a_list,
+            "RELATION": self._before_a_thing,
+            "SOME_OF": self._some_of_a_liquid,
+            "TOWARD": self._not_to_make,
+            "TO_DO": lambda _phrase, text, end, _last: self._any("EVENT_INFINITIVE", text, end + 1),
+            "UNDO": self._not_back_on,
+            "WHY_DID": lambda _phrase, text, end, _last: end < len(text),
+        }
+
+    def fits(self, kind: str, phrase: str, text: str, end: int, last: str) -> bool:
+        """Whether a phrase that ends here is what it seems.
+
+        Args:
+            kind: terminal that it may be.
+            phrase: the phrase.
+            text: the sentence in plain form.
+            end: where the phrase ends.
+            last: terminal of the token before it.
+        """
+        rule = self._rules.get(kind)
+        return rule is None or rule(phrase, text, end, last)
+
+    def _ends(self, text: str, end: int) -> bool:
+        """Whether no word of a name follows."""
+        follower = WORD.match(text, end + 1)
+        if follower is None or not follower.group()[0].isalpha():
+            return True
+        return follower.group() in self._function_words
+
+    def _begins_a_number(self, text: str, start: int) -> bool:
+        match = WORD.match(text, start)
+        if match is None:
+            return False
+        word = match.group()
+        return (
+            word[0] in "+-.0123456789"
+            or word in self._first_of_number
+            or word in _MULTIPLES
+            or any(self._any(kind, text, start) for kind in _QUANTITIES)
+        )
+
+    # --- rules --------------------------------------------------------------------------------
+
+    def _before_a_number(self, _phrase: str, text: str, end: int, _last: str) -> bool:
+        return self._begins_a_number(text, end + 1)
+
+    def _not_into_a_name(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """On the right, but not on the right bottle."""
+        word = phrase.rsplit(maxsplit=1)[-1]
+        return word not in self._adjectives or self._ends(text, end)
+
+    def _not_towards_a_name(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """Towards the left, but not towards the left mug."""
+        return not phrase.startswith(("toward", "away from")) or self._ends(text, end)
+
+    def _no_little_box(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """A little, but not a little box."""
+        return not phrase.startswith("a ") or self._ends(text, end)
+
+    def _no_can(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """It can not topple, but not the soup can not below 3 cm."""
+        verbs = ("AVOID", "AVOIDING", "TOUCH")
+        return not phrase.startswith("can") or any(self._any(v, text, end + 1) for v in verbs)
+
+    def _no_preposition(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """2 in, but not y -0.1 in at most 5 s."""
+        return phrase != "in" or not self._begins_a_number(text, end + 1)
+
+    def _not_next_to(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """Next, but not next to."""
+        return not (phrase.endswith("next") and stands("to", text, end + 1))
+
+    def _in_a_list(self, phrase: str, text: str, end: int, last: str) -> bool:
+        """A comma stands for "or" in "do not tilt, turn or topple it"."""
+        return phrase != "," or (last == "AVOID" and self._any("AVOID", text, end + 1))
+
+    def _before_a_thing(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """Over to the mug, away from the jar, but not away from the left."""
+        if phrase == "over to":
+            follower = WORD.match(text, end + 1)
+            return follower is not None and follower.group() in self._determiners
+        if not phrase.endswith("from"):
+            return True
+        start = end - len("from")
+        return not any(
+            stands(side, text, start) and self._ends(text, start + len(side))
+            for side in self._from_sides
+        )
+
+    def _not_to_make(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """Closer to the mug, but not closer, to make it tip."""
+        start = end - len("to")
+        purpose = self._any("TO_MAKE", text, start) or self._any("EVENT_INFINITIVE", text, end + 1)
+        return not (phrase.endswith(" to") and purpose)
+
+    def _some_of_a_liquid(self, phrase: str, text: str, end: int, last: str) -> bool:
+        """A bit of the milk, but not a bit, of its front side; pour some milk, no little box."""
+        if phrase.endswith("of"):
+            return not self._any("FACE", text, end - len("of"))
+        poured = last == "FILLED_WITH" or (last == "VERB" and self._goal(text, end) == "pour")
+        return poured and not self._ends(text, end)
+
+    def _of_a_liquid(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """A quarter of the milk, but not a quarter of its width; half the milk, but not half 5."""
+        if phrase.startswith("all"):
+            return True
+        poured = self._goal(text, end) in ("pour", "fill")
+        return poured and (phrase.endswith("of") or bool(_NAMED.match(text, end)))
+
+    def _behind_fill(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """Fill it half with milk, but do not push it with the hand."""
+        return self._goal(text, end - len(phrase)) == "fill"
+
+    def _put_there(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """Put it on the table, but not the box on the table, nor on the table mat."""
+        put = self._goal(text, end - len(phrase)) in ("place", "set_down")
+        return put and self._ends(text, end)
+
+    def _not_off_a_thing(self, phrase: str, text: str, end: int, last: str) -> bool:
+        """Take the lid off, but not off the jar; take off the lid."""
+        if not phrase.endswith(("on", "off")) or last == "VERB":
+            return True
+        follower = WORD.match(text, end + 1)
+        return self._ends(text, end) and not (follower and follower.group() in self._determiners)
+
+    def _not_back_on(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """Put it back, but not back on the book."""
+        onto = any(stands(word, text, end + 1) for word in ("on", "onto"))
+        return not (phrase.endswith("back") and onto)
+
+    def _no_cup(self, phrase: str, text: str, end: int, _last: str) -> bool:
+        """A cup of milk to be poured, but not any other cup."""
+        return self._goal(text, end - len(phrase)) in ("pour", "fill")
+
+    def _goal(self, text: str, end: int) -> str | None:
+        """Goal of the last verb before a place in the text."""
+        words = reversed(text[:end].replace("fill level", "").split())
+        verb = next((self._verbs[word] for word in words if word in self._verbs), None)
+        return None if verb is None else self._goals.get(verb)

@@ -1,0 +1,317 @@
+"""The words of the language: what they mean, and the terminals they make.
+
+The words stand in `lexicon.yaml`; the grammar's rules know only the terminals. A plug-in extends
+the language with `Lexicon.extended`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any, TypeVar, cast, get_args
+
+from grammar.frames.command import Action, Quality
+from grammar.words.numerals import NumberWords
+
+T = TypeVar("T")
+
+_GROUP = re.compile(r"\(([^()\[\]]*)\)|\[([^()\[\]]*)\]")
+
+NAME_TERMINALS = ("VERB", "VERB_ED", "VERB_ING")
+"""Terminals that are made of the verbs: infinitives, participles, gerunds."""
+
+OPENERS = frozenset({"CAN", "WILL", "FIND_OUT", "TELL", "STOP", "VOCATIVE"})
+"""Terminals that begin something new, so that right behind a name they are a part of it."""
+
+
+def expand(template: str) -> Iterator[str]:
+    """Yields the phrases of a template: `(a|b)` is a choice, `[c]` may be left out."""
+    # Innermost groups first, so that groups may stand inside one another.
+    group = _GROUP.search(template)
+    if group is None:
+        yield " ".join(template.split())
+        return
+    choices = group[1].split("|") if group[1] is not None else ["", *group[2].split("|")]
+    for choice in choices:
+        yield from expand(template[: group.start()] + choice + template[group.end() :])
+
+
+@dataclass(frozen=True)
+class Verb:
+    """What a verb asks for.
+
+    Attributes:
+        action: action of the frame.
+        goal: kind of the goal; `contact` is none unless the sentence says where the object goes.
+        amount: how far, if the verb itself says so ("nudge").
+        direction: where to, if the verb itself says so ("bring").
+        turns: how far it turns, if the verb itself says so ("turn around").
+        which: what is found out, if the verb itself says so ("weigh").
+    """
+
+    action: str
+    goal: str
+    amount: str | None = None
+    direction: str | None = None
+    turns: float | None = None
+    which: str | None = None
+
+
+@dataclass(frozen=True)
+class Lexicon:
+    """The language's words.
+
+    Attributes:
+        verbs: verb, or verb and particle → what it asks for.
+        verb_forms: verb → its participle and gerund, where they are not made by rule.
+        terminals: terminal → phrase → value.
+        adjectives: word of a name → what it tells the object by.
+        nobodies: words that stand for an object without naming it.
+        parts: parts of objects that may be opened.
+        lids: parts of objects that are taken off and put on.
+        names: names of several words that are read as one, whatever their words mean elsewhere.
+        numbers: words that number words are made of.
+        later_verbs: verbs that are known but not read.
+        later_words: words that begin phrases which are not read.
+        vague: words of no clear meaning → what to say instead.
+        contractions: contracted word → spelled out.
+        labels: terminal → how a message names it.
+    """
+
+    verbs: Mapping[str, Verb]
+    verb_forms: Mapping[str, tuple[str, str]]
+    terminals: Mapping[str, Mapping[str, str]]
+    adjectives: Mapping[str, Quality]
+    nobodies: frozenset[str]
+    parts: frozenset[str]
+    lids: frozenset[str]
+    names: frozenset[str]
+    numbers: NumberWords
+    later_verbs: frozenset[str]
+    later_words: frozenset[str]
+    vague: Mapping[str, tuple[str, ...]]
+    contractions: Mapping[str, str]
+    labels: Mapping[str, str]
+
+    @classmethod
+    def read(cls, path: Path) -> Lexicon:
+        """Reads a lexicon from its YAML file.
+
+        Raises:
+            ValueError: if a phrase has two meanings in one terminal.
+        """
+        import yaml
+
+        loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+        return cls.from_data(yaml.load(path.read_text(encoding="utf-8"), Loader=loader))
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> Lexicon:
+        """Builds a lexicon from the mapping that its file holds."""
+        return cls(
+            verbs=_verbs(data["verbs"]),
+            verb_forms={verb: (ed, ing) for verb, (ed, ing) in data["verb_forms"].items()},
+            terminals={name: _phrases(name, v) for name, v in data["terminals"].items()},
+            adjectives=cast("dict[str, Quality]", _phrases("adjectives", data["adjectives"])),
+            nobodies=frozenset(data["nobodies"]),
+            parts=frozenset(data["parts"]),
+            lids=frozenset(data["lids"]),
+            names=frozenset(),
+            numbers=NumberWords.from_data(data["numbers"]),
+            later_verbs=frozenset(data["later_verbs"]),
+            later_words=frozenset(data["later_words"]),
+            vague={word: tuple(instead) for word, instead in data["vague"].items()},
+            contractions=data["contractions"],
+            labels=data["labels"],
+        )
+
+    def extended(
+        self,
+        *,
+        verbs: Iterable[Mapping[str, Any]] = (),
+        terminals: Mapping[str, Mapping[str, Iterable[str]]] | None = None,
+        adjectives: Mapping[str, Iterable[str]] | None = None,
+        names: Iterable[str] = (),
+    ) -> Lexicon:
+        """Returns this lexicon with more words, in the form of the lexicon's file.
+
+        Args:
+            verbs: more verbs.
+            terminals: more phrases for terminals that there are.
+            adjectives: more words for qualities that there are.
+            names: names of objects whose words mean something else in the language ("hard drive").
+
+        Raises:
+            ValueError: if a word already means something else, or a terminal is unknown.
+        """
+        more = {name: _phrases(name, v) for name, v in (terminals or {}).items()}
+        verbs = list(verbs)
+        self._require_verbs(verbs)
+        self._require_phrases(more)
+        if unknown := sorted(more.keys() - self.terminals.keys()):
+            raise ValueError(f"no terminal is called {', '.join(unknown)}")
+        merged = {
+            name: _merged(name, known, more.get(name, {})) for name, known in self.terminals.items()
+        }
+        words = cast("dict[str, Quality]", _phrases("adjectives", adjectives or {}))
+        if unknown := sorted(set(words.values()) - set(self.adjectives.values())):
+            raise ValueError(f"objects are not told apart by {', '.join(unknown)}")
+        plain = {" ".join(name.casefold().replace("-", " ").split()) for name in names}
+        return replace(
+            self,
+            verbs=_merged("VERB", self.verbs, _verbs(verbs)),
+            terminals=merged,
+            adjectives=_merged("adjectives", self.adjectives, words),
+            names=self.names | plain,
+        )
+
+    def _require_verbs(self, entries: Iterable[Mapping[str, Any]]) -> None:
+        """Refuses verbs that ask for what no frame can say."""
+        goals = {known.goal for known in self.verbs.values()}
+        for entry in entries:
+            if isinstance(entry["says"], str):
+                raise ValueError(f"{entry['says']!r}: what a verb says is a list of phrases")
+            if entry["action"] not in get_args(Action) or entry["goal"] not in goals:
+                raise ValueError(f"{entry['says']}: no action {entry['action']}, {entry['goal']}")
+            for phrase in (phrase for template in entry["says"] for phrase in expand(template)):
+                _, _, particle = phrase.partition(" ")
+                if particle and particle not in self.terminals["PARTICLE"]:
+                    raise ValueError(f"{phrase!r}: there is no particle {particle!r}")
+                _require_plain(phrase)
+
+    def _require_phrases(self, more: Mapping[str, Mapping[str, str]]) -> None:
+        """Refuses phrases that could not be found, or whose values mean nothing."""
+        for name in more.keys() & self.terminals.keys():
+            for phrase, value in more[name].items():
+                _require_plain(phrase)
+                if value not in self.terminals[name].values() and not _is_factor(name, value):
+                    raise ValueError(f"{name}: {value!r}, for {phrase!r}, means nothing")
+
+    def value(self, terminal: str, phrase: str) -> str:
+        """What a phrase means as this terminal."""
+        return self.terminals[terminal][phrase]
+
+    def verb(self, word: str, particle: str | None = None) -> Verb | None:
+        """The verb that a word makes, alone or with a particle; None if it makes none."""
+        return self.verbs.get(word if particle is None else f"{word} {particle}")
+
+    @cached_property
+    def verb_words(self) -> Mapping[str, Mapping[str, str]]:
+        """`VERB`, `VERB_ED` and `VERB_ING`: form → the verb that it is a form of."""
+        words = sorted({phrase.split()[0] for phrase in self.verbs})
+        forms = [(word, *self.verb_forms.get(word, _regular(word))) for word in words]
+        return {name: {form[i]: form[0] for form in forms} for i, name in enumerate(NAME_TERMINALS)}
+
+    def phrases(self, terminal: str) -> list[str]:
+        """Everything that a terminal may be, longest first."""
+        known = self.verb_words.get(terminal) or self.terminals[terminal]
+        return sorted(known, key=lambda phrase: (-len(phrase), phrase))
+
+    def says(self, terminal: str, value: str = "") -> list[str]:
+        """The phrases by which a terminal says a value; paraphrases use the first."""
+        return [phrase for phrase, meaning in self.terminals[terminal].items() if meaning == value]
+
+    def declarations(self) -> str:
+        """The terminals, declared for a lark grammar whose lexer finds them itself."""
+        names = (*NAME_TERMINALS, *self.terminals, "WORD", "QUOTED", "NUMBER", "NUMBER_WORD")
+        return f"%declare {' '.join(names)}"
+
+    @cached_property
+    def first_words(self) -> frozenset[str]:
+        """Words that phrases of the language begin with, but for those behind numbers only."""
+        kinds = (known for name, known in self.terminals.items() if name != "CUPS")
+        return frozenset(p.split()[0] for known in kinds for p in known)
+
+    @cached_property
+    def definite(self) -> frozenset[str]:
+        """What phrases end with behind a "the"."""
+        phrases = (f" {p}".rpartition(" the ") for k in self.terminals.values() for p in k)
+        return frozenset(end for _, the, end in phrases if the)
+
+    @cached_property
+    def joints(self) -> frozenset[str]:
+        """Words and marks behind which a new command may begin."""
+        known = (*self.terminals["SEPARATOR"], *self.terminals["NEXT"])
+        return frozenset(phrase.split()[-1] for phrase in known)
+
+    @cached_property
+    def silent(self) -> frozenset[str]:
+        """Words that may stand before a command without being a part of it."""
+        names = ("FILLER", "VOCATIVE", "SEPARATOR", "NEXT", "CAN_YOU", "NO")
+        return frozenset(w for n in names for p in self.terminals[n] for w in p.split())
+
+    @cached_property
+    def openers(self) -> frozenset[str]:
+        """Words that by themselves begin something new and mean nothing else ("soup can")."""
+        kinds: dict[str, set[str]] = {}
+        for name, known in self.terminals.items():
+            for phrase in known:
+                kinds.setdefault(phrase, set()).add(name)
+        return frozenset(p for p, known in kinds.items() if " " not in p and known <= OPENERS)
+
+    @cached_property
+    def ends_names(self) -> frozenset[str]:
+        """Words that are never a part of a name, unless they stand right behind its article."""
+        return self.reserved - self.openers - self.verb_words["VERB"].keys()
+
+    @cached_property
+    def reserved(self) -> frozenset[str]:
+        """Words that mean something by themselves; they end a name."""
+        single = {p for known in self.terminals.values() for p in known if " " not in p}
+        return frozenset(
+            single | self.later_words | self.vague.keys() | self.numbers.first_words
+            | self.verb_words["VERB"].keys()
+        )  # fmt: skip
+
+
+def _require_plain(phrase: str) -> None:
+    if phrase != phrase.casefold():
+        raise ValueError(f"{phrase!r}: words of the language are in lower case")
+
+
+def _is_factor(name: str, value: str) -> bool:
+    """Whether a value is the factor of a unit."""
+    if not name.endswith("_UNIT") or name == "ANGLE_UNIT":
+        return False
+    try:
+        return float(value) > 0.0
+    except ValueError:
+        return False
+
+
+def _regular(verb: str) -> tuple[str, str]:
+    """Participle and gerund of a regular verb."""
+    if verb.endswith("e"):
+        return f"{verb}d", f"{verb[:-1]}ing"
+    return f"{verb}ed", f"{verb}ing"
+
+
+def _verbs(entries: Iterable[Mapping[str, Any]]) -> dict[str, Verb]:
+    verbs: dict[str, Verb] = {}
+    for entry in entries:
+        verb = Verb(**{key: value for key, value in entry.items() if key != "says"})
+        verbs = _merged("VERB", verbs, {p: verb for t in entry["says"] for p in expand(t)})
+    return verbs
+
+
+def _phrases(name: str, values: Mapping[str, Iterable[str]]) -> dict[str, str]:
+    phrases: dict[str, str] = {}
+    for value, templates in values.items():
+        phrases = _merged(name, phrases, {p: value for t in templates for p in expand(t)})
+    return phrases
+
+
+def _merged(name: str, known: Mapping[str, T], more: Mapping[str, T]) -> dict[str, T]:
+    for phrase in known.keys() & more.keys():
+        if known[phrase] != more[phrase]:
+            raise ValueError(f"{name}: {phrase!r} means both {known[phrase]} and {more[phrase]}")
+    return {**known, **more}
+
+
+@cache
+def default_lexicon() -> Lexicon:
+    """The language that nlcontrol comes with."""
+    return Lexicon.read(Path(__file__).with_name("lexicon.yaml"))

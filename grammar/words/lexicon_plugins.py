@@ -1,0 +1,63 @@
+"""Words that other packages bring: entry points of the group `nlcontrol.lexicon`.
+
+What an entry point names may be
+
+- a mapping with `verbs`, `terminals`, `adjectives` and `names`, in the form of the lexicon's own
+  file (see `Lexicon.extended`);
+- a path of a YAML file that holds such a mapping;
+- a function without arguments that returns one of these.
+
+A plug-in that fails, or that would change what a word means, is reported and skipped; it never
+takes the language down.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from grammar.words.lexicon import Lexicon, default_lexicon
+
+GROUP = "nlcontrol.lexicon"
+
+_KEYS = frozenset({"verbs", "terminals", "adjectives", "names"})
+
+
+@cache
+def installed() -> tuple[Lexicon, tuple[str, ...]]:
+    """The lexicon with the words of the installed plug-ins, and what is wrong with the others."""
+    lexicon, problems = default_lexicon(), []
+    for point in sorted(entry_points(group=GROUP), key=lambda p: (_package(p), p.name)):
+        try:
+            lexicon = lexicon.extended(**_words(point.load()))
+        except Exception as error:  # a plug-in may fail in any way
+            place = f"plug-in {point.name!r} of {_package(point)}"
+            problems.append(f"{place}: {type(error).__name__}: {error}")
+    return lexicon, tuple(problems)
+
+
+def _package(point: EntryPoint) -> str:
+    return point.dist.name if point.dist else point.value.partition(":")[0]
+
+
+def _words(thing: object) -> Mapping[str, Any]:
+    """The words in what an entry point names.
+
+    Raises:
+        ValueError: if they have a key that no lexicon has.
+    """
+    if isinstance(thing, Mapping):
+        if unknown := sorted(set(thing) - _KEYS):
+            raise ValueError(f"a lexicon's words have no {', '.join(unknown)}")
+        return thing
+    if isinstance(thing, str | PathLike):
+        import yaml
+
+        return _words(yaml.safe_load(Path(thing).read_text(encoding="utf-8")))
+    if callable(thing):
+        return _words(thing())
+    raise TypeError(f"expected a mapping, a path or a function, found {type(thing).__name__}")

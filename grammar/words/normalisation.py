@@ -1,0 +1,199 @@
+"""The sentence in a plain form, with a map back to the columns of the sentence as given.
+
+In the plain form letters are lower case, digits are ASCII, words stand one space apart, commas
+stand alone, hyphens inside words are spaces, contractions are spelled out, and the mark that ends
+the sentence is gone. Columns are code points.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from grammar.errors import ParseError
+from grammar.frames.command import Span
+
+MAX_LENGTH = 500
+"""Longest sentence that is read [code points]."""
+
+_SAME = str.maketrans("‘’´`“”„«»−‐‑‒–—:…", '\'\'\'\'"""""-----,,.')
+_PLAIN = frozenset(" ,.'-\"")
+_PUNCTUATION = frozenset(".,!?'\"-/°&_+%;")
+_SPACED = frozenset(",.!?'\"-;")
+_ALIKE = frozenset({"CYRILLIC", "GREEK", "ARMENIAN", "CHEROKEE"})
+_WORD = re.compile(r"[^ ]+")
+_MINUS = re.compile(r"(?<![^ ])-(?=[.\d])|(?<=\de)-(?=\d)")
+_RANGE = re.compile(r"(?<=\d)-(?=[.\d])")
+
+
+class _Letter(NamedTuple):
+    """A character of the plain form and the columns it came from."""
+
+    char: str
+    start: int
+    end: int
+
+
+@dataclass(frozen=True)
+class Normalised:
+    """A sentence in plain form.
+
+    Attributes:
+        original: the sentence as given.
+        text: the plain form.
+        columns: for each character of `text` the span in `original` that it came from.
+        question: whether the sentence ended in a question mark.
+    """
+
+    original: str
+    text: str
+    columns: tuple[Span, ...]
+    question: bool
+
+    def span(self, start: int, end: int) -> Span:
+        """Maps `[start, end)` of the plain form to the sentence as given."""
+        return self.columns[start][0], self.columns[end - 1][1]
+
+    def written(self, span: Span) -> str:
+        """The words of a span as they were written, one space apart."""
+        return " ".join(self.original[span[0] : span[1]].split())
+
+
+def normalise(text: str, contractions: Mapping[str, str]) -> Normalised:
+    """Brings a sentence into its plain form.
+
+    Args:
+        text: the sentence as given.
+        contractions: contracted word → the words it stands for, both in plain form.
+
+    Raises:
+        ParseError: `empty`, `too_long`, `control_character`, `unexpected_character` or
+            `unbalanced_quote`.
+    """
+    if len(text) > MAX_LENGTH:
+        raise ParseError(
+            "too_long",
+            f"the sentence has {len(text)} characters; at most {MAX_LENGTH} are read",
+            (MAX_LENGTH, len(text)),
+            ("say it in one short sentence",),
+        )
+    letters = [_Letter(c, i, i + 1) for i, char in enumerate(text) for c in _plain(char, i)]
+    question = "".join(letter.char for letter in letters).rstrip(" .!").endswith("?")
+    while letters and letters[-1].char in " .!?,;":
+        letters.pop()
+    letters = _spell_out(_space_out(letters), contractions)
+    _require_one_script(letters)
+    if not letters:
+        raise ParseError(
+            "empty", "the sentence is empty", None, ('say, for example, "push the box away"',)
+        )
+    quotes = [letter for letter in letters if letter.char == '"']
+    if len(quotes) % 2:
+        raise ParseError(
+            "unbalanced_quote",
+            "a quotation mark has no partner",
+            (quotes[-1].start, quotes[-1].end),
+            ("close the quotation, or leave the mark out",),
+        )
+    return Normalised(
+        original=text,
+        text="".join(letter.char for letter in letters),
+        columns=tuple((letter.start, letter.end) for letter in letters),
+        question=question,
+    )
+
+
+def _require_one_script(letters: list[_Letter]) -> None:
+    """Refuses words of Latin and other letters that look alike, since names would differ unseen."""
+    if all(letter.char.isascii() for letter in letters):
+        return
+    for match in _WORD.finditer("".join(letter.char for letter in letters)):
+        word = letters[match.start() : match.end()]
+        scripts = {unicodedata.name(w.char, "").partition(" ")[0] for w in word if w.char.isalpha()}
+        if "LATIN" in scripts and scripts & _ALIKE:
+            raise ParseError(
+                "unexpected_character",
+                "a word mixes letters of two alphabets",
+                (word[0].start, word[-1].end),
+                ("write the word in Latin letters",),
+            )
+
+
+def _plain(char: str, column: int) -> str:
+    """One character of the sentence as characters of the plain form."""
+    if char.isascii() and (char.isalnum() or char in _PLAIN):
+        return char.lower()
+    if char.isspace():
+        return " "
+    category = unicodedata.category(char)
+    if category.startswith("C"):
+        raise ParseError(
+            "control_character",
+            f"the sentence holds U+{ord(char):04X}, which is not a character of writing",
+            (column, column + 1),
+            ("type the sentence again in plain letters",),
+        )
+    same = char.translate(_SAME)
+    if same == char and category == "Nd":
+        same = str(unicodedata.digit(char))
+    elif same == char and char.isalpha():
+        same = unicodedata.normalize("NFKC", char).casefold()
+    elif category == "No" and "FRACTION" in unicodedata.name(char, ""):
+        same = f" {unicodedata.normalize('NFKC', char).replace(chr(0x2044), '/')}"
+    elif same not in _PUNCTUATION and category != "Mn":
+        raise ParseError(
+            "unexpected_character",
+            f"the character U+{ord(char):04X} does not belong in a command",
+            (column, column + 1),
+            ("use letters, digits and plain punctuation",),
+        )
+    return same
+
+
+def _space_out(letters: list[_Letter]) -> list[_Letter]:
+    """Sets punctuation apart, opens hyphens, and turns single quotes around words into double."""
+    out: list[_Letter] = []
+    plain = "".join(letter.char for letter in letters)
+    minus = {m.start() for m in _MINUS.finditer(plain)}
+    ranges = {m.start() for m in _RANGE.finditer(plain)} - minus
+    quoted = within = False
+    for i, letter in enumerate(letters):
+        if letter.char not in _SPACED:
+            out.append(letter)
+            continue
+        before = letters[i - 1].char if i else " "
+        after = letters[i + 1].char if i + 1 < len(letters) else " "
+        within ^= letter.char == '"'
+        if i in ranges:
+            out += [_Letter(c, letter.start, letter.end) for c in " to "]
+        elif letter.char == "-" and i not in minus:
+            out.append(_Letter(" ", letter.start, letter.end))
+        elif (
+            letter.char == "'"
+            and not within
+            and (before == " " or (quoted and not after.isalnum()))
+        ):
+            quoted = not quoted
+            out.append(_Letter('"', letter.start, letter.end))
+        elif letter.char in ",;!?" or (letter.char == "." and not after.isdigit()):
+            out += [_Letter(c, letter.start, letter.end) for c in (" ", letter.char, " ")]
+        else:
+            out.append(letter)
+    return out
+
+
+def _spell_out(letters: list[_Letter], contractions: Mapping[str, str]) -> list[_Letter]:
+    """Spells out contractions and leaves one space between words."""
+    out: list[_Letter] = []
+    for match in _WORD.finditer("".join(letter.char for letter in letters)):
+        word = letters[match.start() : match.end()]
+        start, end = word[0].start, word[-1].end
+        if out:
+            out.append(_Letter(" ", start, start))
+        if match.group() in contractions:
+            word = [_Letter(char, start, end) for char in contractions[match.group()]]
+        out += word
+    return out

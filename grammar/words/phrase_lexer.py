@@ -1,0 +1,194 @@
+"""From the plain form of a sentence to tokens: the longest phrase that can stand where it stands.
+
+A word means different things in different places ("left" in "the left box", "to the left"), so the
+lexer asks the parser what it could go on with, and takes the longest of those phrases. After an
+article any word may begin a name; a name ends where a word of the language begins.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+from lark import Token
+from lark.lexer import Lexer, LexerState
+from lark.parsers.lalr_analysis import Shift
+
+from grammar.words.lexer_lookahead import WORD, Lookahead, Phrases, stands
+from grammar.words.lexicon import Lexicon
+from grammar.words.numerals import DIGITS
+
+_QUOTED = re.compile(r'"[^"]*[^" ][^"]*"(?= |$)')
+_DETERMINERS = frozenset({"THE", "A", "THAT", "VERB"})
+_UNITS = ("LENGTH_UNIT", "ANGLE_UNIT", "FORCE_UNIT", "SPEED_UNIT", "TIME_UNIT", "VOLUME_UNIT",
+          "CUPS", "PERCENT", "SIDE_OF_OBJECT")  # fmt: skip
+
+
+class PhraseLexer(Lexer):
+    """Finds the terminals of a lexicon; `bound_to` makes the class that lark is given."""
+
+    __future_interface__ = 1
+    lexicon: Lexicon
+
+    def __init__(self, _: object) -> None:
+        lexicon = self.lexicon
+        self._phrases = Phrases(lexicon)
+        self._ahead = Lookahead(lexicon, self._phrases)
+        self._units = [phrase for unit in _UNITS for phrase in lexicon.phrases(unit)]
+        self._numbers = lexicon.numbers
+        self._adjectives = lexicon.adjectives
+        self._reserved = lexicon.reserved
+        self._ends_names = lexicon.ends_names
+        self._nobodies = lexicon.nobodies
+        self._openers = lexicon.openers
+
+    @classmethod
+    def bound_to(cls, lexicon: Lexicon) -> type[PhraseLexer]:
+        """The lexer for the words of a lexicon."""
+        return type(cls.__name__, (cls,), {"lexicon": lexicon})
+
+    def lex(self, lexer_state: LexerState, parser_state: Any) -> Iterator[Token]:
+        """Yields the tokens; one that the parser cannot take stands where the language ends."""
+        text = str(lexer_state.text.text)
+        position, name = 0, _Name()
+        while position < len(text):
+            if text[position] == " ":
+                position += 1
+                continue
+            accepts = _Acceptable(parser_state)
+            kind, end = self._next(text, position, accepts, name)
+            token = Token(kind, text[position:end], position, end_pos=end)
+            name.follow(kind, text[position:end] in self._adjectives)
+            lexer_state.last_token = token
+            yield token
+            position = end
+
+    def _next(self, text: str, start: int, accepts: _Acceptable, name: _Name) -> tuple[str, int]:
+        """Terminal and end of the token that starts here."""
+        match = WORD.match(text, start)
+        assert match is not None
+        word, end = match.group(), match.end()
+        if "QUOTED" in accepts and word.startswith('"') and (quoted := _QUOTED.match(text, start)):
+            return "QUOTED", quoted.end()
+        may_name = "WORD" in accepts and word[0].isalnum()
+        if may_name and self._names(text, word, end, accepts, name):
+            return "WORD", end
+        number = self._numbers.pattern.match(text, start)
+        counted = number.end() if number and "NUMBER_WORD" in accepts else start
+        fallback = None
+        for phrase, kinds in self._phrases.at(text, start):
+            after = start + len(phrase)
+            if counted > after:
+                break
+            for kind in kinds:
+                if kind in accepts and self._ahead.fits(kind, phrase, text, after, name.last):
+                    if kind == "VERB" and name.words and may_name:
+                        return "WORD", end
+                    return kind, after
+            fallback = fallback or (kinds[0], after)
+        digits = DIGITS.match(text, start) if "NUMBER" in accepts else None
+        if digits and self._ends(text, digits.end()):
+            return "NUMBER", digits.end()
+        if counted > start:
+            return "NUMBER_WORD", counted
+        if may_name and word not in self._reserved and not self._is_number(text, start):
+            return "WORD", end
+        if may_name and word == "of" and name.words:
+            return "WORD", end
+        return fallback or ("UNKNOWN", end)
+
+    def _names(self, text: str, word: str, end: int, accepts: _Acceptable, name: _Name) -> bool:
+        """Whether a word is taken for one of a name, although it means something elsewhere."""
+        if name.determined == "THE":
+            return True
+        if name.determined == "A":
+            units = [unit for unit in _UNITS if unit in accepts]
+            return not any(self._measures(unit, text, end - len(word), name) for unit in units)
+        if name.adjectival and word in self._adjectives:
+            follower = WORD.match(text, end + 1)
+            return follower is not None and follower.group() not in self._ends_names
+        if name.adjectival and word in self._nobodies:
+            return not self._measures("PORTION", text, end - len(word), name)
+        return (
+            (name.words > 0 or name.determined == "VERB")
+            and word in self._openers
+            and not self._begins_a_phrase(text, end - len(word), name)
+        )
+
+    def _measures(self, unit: str, text: str, start: int, name: _Name) -> bool:
+        """Whether a unit, or a share, stands here."""
+        return any(
+            unit in kinds and self._ahead.fits(unit, phrase, text, start + len(phrase), name.last)
+            for phrase, kinds in self._phrases.at(text, start)
+        )
+
+    def _begins_a_phrase(self, text: str, start: int, name: _Name) -> bool:
+        """Whether a phrase of several words stands here."""
+        return any(
+            " " in phrase and self._ahead.fits(kind, phrase, text, start + len(phrase), name.last)
+            for phrase, kinds in self._phrases.at(text, start)
+            for kind in kinds
+        )
+
+    def _ends(self, text: str, end: int) -> bool:
+        """Whether a number may end here: before a space, or with its unit glued to it."""
+        if end == len(text) or text[end] == " ":
+            return True
+        return any(stands(unit, text, end) for unit in self._units)
+
+    def _is_number(self, text: str, start: int) -> bool:
+        number = DIGITS.match(text, start)
+        return number is not None and self._ends(text, number.end())
+
+
+class _Acceptable:
+    """The terminals that a parser could go on with; a look at its next state alone says too many.
+
+    In an LALR table a state may reduce on a terminal that cannot stand there after all, so the
+    reductions are followed to the end.
+    """
+
+    def __init__(self, state: Any) -> None:
+        self._states = state.parse_conf.states
+        self._stack = state.state_stack
+        self._known: dict[str, bool] = {}
+
+    def __contains__(self, kind: str) -> bool:
+        if kind not in self._known:
+            self._known[kind] = self._shifts(kind)
+        return self._known[kind]
+
+    def _shifts(self, kind: str) -> bool:
+        stack = self._stack
+        while True:
+            action = self._states[stack[-1]].get(kind)
+            if action is None:
+                return False
+            if action[0] is Shift:
+                return True
+            rule = action[1]
+            size = len(rule.expansion)
+            stack = stack[:-size] if size else list(stack)
+            stack = [*stack, self._states[stack[-1]][rule.origin.name][1]]
+
+
+class _Name:
+    """How far a name has got: just after its article, or within it."""
+
+    def __init__(self) -> None:
+        self.last = ""
+        self.determined = ""
+        self.words = 0
+        self.adjectival = False
+
+    def follow(self, kind: str, adjective: bool) -> None:
+        """Takes note of one more token."""
+        self.last = kind
+        if kind == "WORD":
+            self.adjectival = self.adjectival and adjective
+            self.words += 1
+            self.determined = ""
+            return
+        self.determined = kind if kind in _DETERMINERS else ""
+        self.words, self.adjectival = 0, kind in _DETERMINERS

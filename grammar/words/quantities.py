@@ -1,0 +1,132 @@
+"""Numbers with units in SI, and what is taken seriously."""
+
+from __future__ import annotations
+
+import math
+from decimal import Decimal
+from typing import Any, cast
+
+from lark import Token
+
+from grammar.errors import ParseError
+from grammar.frames.command import Bound, Span
+from grammar.phrases.phrase_parts import Part
+from grammar.words.lexicon import Lexicon
+from grammar.words.normalisation import Normalised
+from grammar.words.numerals import LENIENT, exact
+
+MAX_LENGTH_M = 10.0
+"""Longest distance that is taken seriously [m]."""
+
+MAX_FORCE_N = 1000.0
+"""Largest force that is taken seriously [N]."""
+
+MAX_ANGLE_RAD = 20 * math.pi
+"""Largest angle that is taken seriously [rad]."""
+
+MAX_SPEED = 10.0
+"""Largest speed that is taken seriously [m/s]."""
+
+MAX_VOLUME = 0.1
+"""Largest volume that is taken seriously [m³]."""
+
+MAX_TIME_S = 3600.0
+"""Longest time that is taken seriously [s]."""
+
+Children = list[Any]
+
+
+class Words:
+    """The tokens of a sentence, with their places in it and their values."""
+
+    def __init__(self, lexicon: Lexicon, sentence: Normalised) -> None:
+        self.lexicon = lexicon
+        self.sentence = sentence
+
+    def span(self, children: Children) -> Span:
+        """From the first to the last of tokens and parts."""
+        ends = [self._ends(child) for child in children]
+        return min(start for start, _ in ends), max(end for _, end in ends)
+
+    def _ends(self, child: Token | Part) -> Span:
+        if isinstance(child, Part):
+            return child.span
+        assert child.start_pos is not None
+        assert child.end_pos is not None
+        return self.sentence.span(child.start_pos, child.end_pos)
+
+    def value(self, children: Children, terminal: str, default: str = "") -> str:
+        """What the token of a terminal means."""
+        for child in children:
+            if isinstance(child, Token) and child.type == terminal:
+                return self.lexicon.value(terminal, str(child))
+        return default
+
+    def bound(self, children: Children) -> Bound:
+        """Exactly, at least, at most; "or more" is said behind the quantity."""
+        said = self.value(children, "BOUND") or self.value(children, "OR_MORE", "exact")
+        return cast(Bound, said)
+
+    def numbers(self, children: Children) -> list[Decimal]:
+        """The numbers among the children; an article is a one."""
+        found: list[Decimal] = []
+        for child in children:
+            if not isinstance(child, Token):
+                continue
+            if child.type == "NUMBER":
+                found.append(exact(str(child)))
+            elif child.type == "NUMBER_WORD":
+                found.append(self.lexicon.numbers.value(str(child)))
+            elif child.type == "TWICE":
+                found.append(Decimal(self.lexicon.value("TWICE", str(child))))
+            elif child.type == "A":
+                found.append(Decimal(1))
+            elif child.type == "AND_FRACTION":
+                fraction = Decimal(self.lexicon.value("AND_FRACTION", str(child)))
+                found[-1] = LENIENT.add(found[-1], fraction)
+        return found
+
+    def in_unit(self, children: Children, terminal: str) -> list[float]:
+        """The numbers times their unit [SI]."""
+        factor = Decimal(self.value(children, terminal))
+        return [float(LENIENT.multiply(number, factor)) for number in self.numbers(children)]
+
+    def lengths(self, children: Children) -> list[float]:
+        """The distances [m]."""
+        factors = [
+            Decimal(self.lexicon.value("LENGTH_UNIT", str(child)))
+            for child in children
+            if isinstance(child, Token) and child.type == "LENGTH_UNIT"
+        ]
+        numbers = self.numbers(children)
+        factors = factors * len(numbers) if len(factors) == 1 else factors
+        return [
+            self.possible(
+                children, float(LENIENT.multiply(number, factor)), MAX_LENGTH_M,
+                f"a distance is more than 0 and at most {MAX_LENGTH_M:g} m",
+            )
+            for number, factor in zip(numbers, factors, strict=True)
+        ]  # fmt: skip
+
+    def angle(self, children: Children, *, signed: bool = False) -> float:
+        """The angle [rad]; a heading may also be zero or negative."""
+        number, unit = float(self.numbers(children)[0]), self.value(children, "ANGLE_UNIT")
+        angle = {"degree": math.radians(number), "turn": math.tau * number}.get(unit, number)
+        if signed:
+            range_ = "a heading is at most one turn"
+            self.possible(children, abs(angle) or math.tau, math.tau, range_)
+            return angle
+        range_ = "an angle is more than 0 and at most ten turns"
+        return self.possible(children, angle, MAX_ANGLE_RAD, range_)
+
+    def possible(self, children: Children, value: float, most: float, range_: str) -> float:
+        """The value, if it lies in (0, most]; `range_` says so in words."""
+        if not 0.0 < value <= most:
+            span = self.span(children)
+            raise ParseError(
+                "impossible_quantity",
+                f'"{self.sentence.written(span)}" is out of range: {range_}',
+                span,
+                (range_,),
+            )
+        return value
