@@ -3,9 +3,18 @@
 Model: each push turns the object about a pivot off its middle
 (`objectmodels.mechanics.turning_push`), so that it is displaced as well; the next push, on the
 opposite side, takes most of that back. Of some ways to part a turn (equal parts, or those of
-`planner.pushing.turnsequence`, whose displacements cancel) and of all sides to begin on, the one is
-taken that ends nearest to where the object should be with few pushes. It is parted anew after each
-push, from where the object is seen then.
+`turn_parts`, whose displacements cancel) and of all sides to begin on, the one is taken that ends
+nearest to where the object should be with few pushes. It is parted anew after each push, from where
+the object is seen then.
+
+A push turns the object about a pivot p of B, the same push on the opposite face about −p. Turning
+by a, b and c on one face, the other, and the first again moves B's origin, with R the turn in the
+plane, by
+
+    (1 − 2 R(a) + 2 R(a + b) − R(a + b + c)) p
+
+which vanishes for a = c and sin(b / 2) = sin((a + b + c) / 2) / 2, wherever the pivot is. So the
+friction radius, which is known least, does not matter. Two such threes in a row share a push.
 
 Frames: W, its table plane; pivots in B.
 """
@@ -25,7 +34,6 @@ from objectmodels.mechanics.turning_push import best_turn
 from planner.geometry.directions import heading_of
 from planner.geometry.footprints import footprint, gap, travel_to_edge
 from planner.pushing.touchable_sides import Side
-from planner.pushing.turnsequence import turn_parts
 
 if TYPE_CHECKING:
     from objectmodels.geometry.side_faces import Face
@@ -35,6 +43,12 @@ if TYPE_CHECKING:
 
 MOST = math.radians(52.0)
 """Largest turn by one push: the palm turns with the object, and the arm must follow."""
+
+LARGEST_TURN = math.radians(90.0)
+"""Largest turn by three pushes [rad]; the largest of them then turns by 49°."""
+
+PAIRED_TURN = math.radians(15.0)
+"""Largest turn by two pushes [rad]: they leave the object p · (turn / 2)² off, 2 mm."""
 
 _SMALL = math.radians(20.0)  # turn whose pivot stands for all
 _AT_PLACE = 0.004  # an object so near to its place needs no further push [m]
@@ -148,6 +162,22 @@ def _partings(turn: float) -> list[tuple[float, ...]]:
     rest = sum(cancelling[1:])
     parted.append(tuple(part * turn / rest for part in cancelling[1:]))
     return [parts for parts in dict.fromkeys(parted) if max(map(abs, parts)) <= MOST]
+
+
+def turn_parts(angle: float, largest: float = LARGEST_TURN) -> tuple[float, ...]:
+    """Turns of alternating pushes on two opposite faces that leave the object in its place [rad].
+
+    Args:
+        angle: of the whole turn, counter-clockwise [rad].
+        largest: largest turn by three pushes, no more than π [rad].
+    """
+    if abs(angle) <= PAIRED_TURN:
+        return (0.5 * angle, 0.5 * angle)
+    threes = int(np.ceil(abs(angle) / largest - 1e-9))
+    whole = angle / threes
+    middle = 2.0 * float(np.arcsin(0.5 * np.sin(0.5 * whole)))
+    outer = 0.5 * (whole - middle)
+    return (outer, *(middle, 2.0 * outer) * (threes - 1), middle, outer)
 
 
 def _turnable(target: SeenObject, angle: float) -> list[tuple[Swing, Swing]]:

@@ -14,7 +14,6 @@ from objectmodels.mechanics.turning_push import (
     learned_radius,
     turning,
 )
-from planner.pushing.turnsequence import LARGEST_TURN, PAIRED_TURN, turn_parts
 
 BOX = BoxModel(
     name="b",
@@ -176,20 +175,3 @@ def test_a_turn_shows_the_friction_radius(true_radius: float, angle: float) -> N
     assert learned_radius(believed, best.point, d, [0.0, 0.0, angle]) > 0.01
     with pytest.raises(ModelError, match="did not turn"):
         learned_radius(believed, best.point, d, [0.01, 0.0, 0.0])
-
-
-@pytest.mark.parametrize("degrees", [5.0, -14.0, 20.0, 45.0, -90.0, 120.0, -180.0])
-@pytest.mark.parametrize("radius", [0.03, 0.07])
-def test_pushes_on_opposite_faces_leave_it_where_it_was(degrees: float, radius: float) -> None:
-    crate = BOX.model_copy(update={"friction_radius": radius, "com": (0.0, 0.0, 0.09)})
-    parts = turn_parts(np.radians(degrees))
-    assert sum(parts) == pytest.approx(np.radians(degrees))
-    assert len(parts) % 2 == (abs(degrees) > np.degrees(PAIRED_TURN))
-    place, heading = np.zeros(2), 0.0
-    for number, part in enumerate(parts):
-        best = best_turn(crate, crate.faces()[2 * (number % 2)], part, 0.03)
-        assert best is not None
-        place = place + rotated(heading) @ np.array(best.pose[:2])
-        heading += part
-    assert abs(parts[0]) <= 0.5 * LARGEST_TURN
-    assert np.linalg.norm(place) < (1e-12 if len(parts) > 2 else 0.002)
