@@ -1,4 +1,8 @@
-"""What a clause is about: the object that it names, or those of a list, or "it"."""
+"""The objects of a clause: what it names, "it", or what a clause of lids or contents is about.
+
+"Take the lid off the jar" is about the jar, "fill the mug with ice tea" about the ice tea. Where
+the sentence names only the lid, or only what is filled, it is about what was spoken of before.
+"""
 
 from __future__ import annotations
 
@@ -8,24 +12,41 @@ from itertools import pairwise
 
 from grammar.clauses.clause_errors import no_object, several, unexpected
 from grammar.clauses.constraint_builder import require_same
+from grammar.clauses.object_descriptions import parted_of
 from grammar.frames import command as g
 from grammar.phrases.phrase_parts import (
+    AmountPart,
     AskPart,
     AvoidPart,
     ConstraintPart,
+    FilledWithPart,
+    IntoPart,
+    LengthPart,
+    LidPart,
     Part,
+    ParticlePart,
+    PlacePart,
     RemarkPart,
     ThingPart,
     VerbPart,
+    VolumePart,
 )
-from grammar.words.lexicon import Lexicon
+from grammar.words.lexicon import Lexicon, Verb
 from grammar.words.normalisation import Normalised
 
 NOBODY = ThingPart((0, 0), g.ObjectRef(text="it", pronoun=True))
 """What a remark is about that names nothing."""
 
+_MOVED_BY = {"from": "off", "on": "on"}
+"""Particle that a lid's verb has where the sentence names what it goes off or on."""
 
-def subjects(
+Parts = list[Part]
+
+
+# --- which object ------------------------------------------------------------------------------
+
+
+def clause_objects(
     parts: Sequence[Part],
     ask: Sequence[AskPart],
     remarks: Sequence[RemarkPart],
@@ -84,3 +105,129 @@ def _listed(things: Sequence[ThingPart], lexicon: Lexicon, sentence: Normalised)
         if not joined or not {",", "and"} & set(words):
             return False
     return True
+
+
+# --- objects that are implied ------------------------------------------------------------------
+
+
+def attach_objects(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
+    """The parts of a clause, once it is about the object that its verb handles."""
+    verb = next((part for part in parts if isinstance(part, VerbPart)), None)
+    if verb is None:
+        return list(parts)
+    asks = _asks_for(verb, parts, lexicon)
+    if asks is not None and asks.goal == "fill":
+        return _filled(parts, verb)
+    if asks is not None and asks.goal == "pour":
+        return _poured(parts, verb)
+    parts = _lidded(parts, verb, asks, lexicon, sentence)
+    said = any(isinstance(part, LengthPart | AmountPart) for part in parts)
+    if asks is not None and asks.goal == "lift" and not said:
+        return [_height(part, sentence) for part in parts]
+    return list(parts)
+
+
+def _asks_for(verb: VerbPart, parts: Sequence[Part], lexicon: Lexicon) -> Verb | None:
+    particle = next((p for p in parts if isinstance(p, ParticlePart)), None)
+    with_it = particle and lexicon.verb(verb.word, particle.word)
+    return with_it or lexicon.verb(verb.word)
+
+
+def _it(after: Part) -> ThingPart:
+    """What was spoken of before."""
+    end = after.span[1]
+    return ThingPart((end, end), g.ObjectRef(text="it", pronoun=True))
+
+
+# --- contents ---------------------------------------------------------------------------------
+
+
+def _filled(parts: Sequence[Part], verb: VerbPart) -> Parts:
+    """Takes "fill the mug with ice tea" for pouring the ice tea into the mug."""
+    filled = next((part for part in parts if isinstance(part, ThingPart)), None)
+    if filled is None or any(isinstance(part, IntoPart) for part in parts):
+        return list(parts)
+    out: Parts = [IntoPart(filled.span, filled.ref) if p is filled else p for p in parts]
+    source = next((part.thing for part in parts if isinstance(part, FilledWithPart)), None)
+    return [*out, source or _it(verb)]
+
+
+def _poured(parts: Sequence[Part], verb: VerbPart) -> Parts:
+    """Takes "pour 100 ml into the mug" for 100 ml of what was spoken of before."""
+    amount = any(isinstance(part, VolumePart | AmountPart) for part in parts)
+    named = any(isinstance(part, ThingPart) for part in parts)
+    return list(parts) if named or not amount else [*parts, _it(verb)]
+
+
+# --- lids -------------------------------------------------------------------------------------
+
+
+def _lidded(
+    parts: Sequence[Part],
+    verb: VerbPart,
+    asks: Verb | None,
+    lexicon: Lexicon,
+    sentence: Normalised,
+) -> Parts:
+    """Takes what is done to a lid for something done to the object that it belongs to."""
+    thing = next((part for part in parts if isinstance(part, ThingPart)), None)
+    if thing is None:
+        return list(parts)
+    place = next((part for part in parts if isinstance(part, PlacePart)), None)
+    off = lexicon.verb(verb.word, "off")
+    words = " ".join(thing.ref.text.casefold().split())
+    if words not in lexicon.lids:
+        parted = parted_of(thing, lexicon, sentence)
+        lifts = asks is not None and asks.goal == "lift" and off is not None
+        if parted is None or parted[0] not in lexicon.lids or not lifts:
+            return list(parts)
+        name, span, whole = parted
+        own: Parts = [ParticlePart(verb.span, "off"), LidPart(span, name), whole]
+        return [p for part in parts for p in (own if part is thing else [part])]
+    if place is None:
+        return _unplaced(parts, verb, asks, off, LidPart(thing.span, words))
+    particle = _MOVED_BY.get(place.relation, "")
+    known = lexicon.verb(verb.word, particle)
+    opens = asks is not None and asks.goal == "open" and particle == "off"
+    closes_or_opens = known is not None and known.goal in ("open", "close")
+    if not isinstance(place.reference, tuple) or not (opens or closes_or_opens):
+        return list(parts)
+    whole = ThingPart(place.reference[0].spans[0], place.reference[0])
+    start, end = _before(place, whole, sentence)
+    lid = LidPart((thing.span[0], end) if opens else thing.span, words)
+    moved: Parts = [whole] if opens else [ParticlePart((start, end), particle), whole]
+    said = [lid if part is thing else part for part in parts]
+    return [p for part in said for p in (moved if part is place else [part])]
+
+
+def _unplaced(
+    parts: Sequence[Part], verb: VerbPart, asks: Verb | None, off: Verb | None, lid: LidPart
+) -> Parts:
+    """Takes "lift the lid", "put the lid back on" for the lid of what was spoken of before."""
+    said = [p for p in parts if not (isinstance(p, ThingPart) and p.span == lid.span)]
+    if asks is not None and asks.goal in ("open", "close"):
+        return [*said, lid, _it(lid)]
+    if asks is not None and asks.goal == "lift" and off is not None:
+        return [*said, ParticlePart(verb.span, "off"), lid, _it(lid)]
+    return list(parts)
+
+
+def _before(place: PlacePart, whole: ThingPart, sentence: Normalised) -> g.Span:
+    """Where the relation of a place stands, without the object and its article."""
+    start, end = place.span[0], whole.span[0]
+    return start, start + len(sentence.original[start:end].rstrip())
+
+
+# --- heights ----------------------------------------------------------------------------------
+
+
+def _height(part: Part, sentence: Normalised) -> Part:
+    """Takes "10 cm above the table" for how high it is lifted; "at 10 cm …" is where to touch."""
+    if not isinstance(part, ConstraintPart) or not isinstance(part.constraint, g.ContactRegion):
+        return part
+    clause = part.constraint
+    height = clause.height
+    touched = sentence.written(part.span).casefold().startswith("at ")
+    if height is None or height.origin != "table" or height.bound != "exact" or touched:
+        return part
+    return LengthPart(part.span, height.value, "exact")

@@ -9,12 +9,11 @@ from grammar.clauses.action_reader import ActionReader
 from grammar.clauses.clause_boundaries import clauses_of
 from grammar.clauses.clause_errors import no_verb, several, unexpected
 from grammar.clauses.clause_parts import Clause
-from grammar.clauses.clause_subjects import NOBODY, subjects
+from grammar.clauses.clause_subjects import NOBODY, attach_objects, clause_objects
 from grammar.clauses.consistency import require_consistent
 from grammar.clauses.constraint_builder import constraints_of
 from grammar.clauses.goal_builder import intended, method
 from grammar.clauses.object_descriptions import described
-from grammar.clauses.regrouping import regrouped
 from grammar.errors import ParseError
 from grammar.frames import command as g
 from grammar.phrases.phrase_parts import (
@@ -85,7 +84,7 @@ class _Reader:
     def __init__(self, parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> None:
         self._lexicon = lexicon
         self._sentence = sentence
-        self._parts = described(regrouped(parts, lexicon, sentence), lexicon, sentence)
+        self._parts = described(attach_objects(parts, lexicon, sentence), lexicon, sentence)
 
     def frames(self) -> list[g.Frame]:
         """The frames of the clause, one for each of its objects."""
@@ -104,7 +103,7 @@ class _Reader:
         if not verbs:
             return [self._remark(remarks)]
         excluded = self._take(NotThisPart)
-        things = subjects(self._parts, ask, remarks, self._lexicon, self._sentence)
+        things = clause_objects(self._parts, ask, remarks, self._lexicon, self._sentence)
         self._take(ThingPart)
         if not ask:
             self._require_no_condition()

@@ -9,7 +9,6 @@ import math
 from collections.abc import Callable
 from typing import Any, cast
 
-from grammar.clauses import handling as by_hand
 from grammar.clauses.clause_parts import Clause
 from grammar.errors import ParseError
 from grammar.frames import command as g
@@ -17,8 +16,12 @@ from grammar.phrases.phrase_parts import (
     AmountPart,
     AwayFromPart,
     DirectionPart,
+    FilledWithPart,
+    FullPart,
     HeadingPart,
+    IntoPart,
     LengthPart,
+    LidPart,
     MePart,
     MethodPart,
     PlacePart,
@@ -26,7 +29,9 @@ from grammar.phrases.phrase_parts import (
     SensePart,
     SharePart,
     TablePart,
+    ThingPart,
     TowardPart,
+    VolumePart,
 )
 from grammar.words.lexicon import Verb
 
@@ -189,6 +194,78 @@ def method(clause: Clause) -> g.Method | None:
     return None if part is None else part.value
 
 
+# --- goals of the whole hand -------------------------------------------------------------------
+
+
+def lift_goal(clause: Clause) -> g.Lift:
+    """Lift the mug by 10 cm."""
+    amount, height = clause.amount(), clause.take(LengthPart)
+    return g.Lift(
+        height=None if height is None else height.value,
+        bound="exact" if height is None else height.bound,
+        amount=amount,
+        spans=clause.all_spans,
+    )
+
+
+def open_goal(clause: Clause) -> g.Open:
+    """Take the lid off the jar."""
+    return g.Open(part=_part(clause), spans=clause.all_spans)
+
+
+def close_goal(clause: Clause) -> g.Close:
+    """Put the lid back on the jar."""
+    return g.Close(part=_part(clause), spans=clause.all_spans)
+
+
+def _part(clause: Clause) -> str | None:
+    lid = clause.take(LidPart)
+    return None if lid is None else lid.name
+
+
+def pour_goal(clause: Clause) -> g.Pour:
+    """Pour half of the ice tea into the mug; until it is half full."""
+    full, said = clause.take(FullPart), clause.how_much()
+    into, amount, share = clause.take(IntoPart), clause.amount(), clause.take(SharePart)
+    volume = clause.take(VolumePart)
+    if share is not None and share.of_way:
+        raise clause.refused(share, "is no part of a liquid", "half of the water")
+    if full is not None and full.subject and into and not _same(full.subject, into):
+        raise clause.refused(full, "is about something else", "until it is half full")
+    if full is not None and into is None:
+        raise clause.refused(full, "needs to say what is filled", "into the mug")
+    if full is not None and said:
+        raise clause.twice(*sorted((full, said[0]), key=lambda part: part.span))
+    if len(said) > 1:
+        raise clause.twice(said[0], said[1])
+    return g.Pour(
+        into=None if into is None else into.target,
+        amount=amount,
+        fraction=None if share is None else share.value,
+        volume=None if volume is None else volume.value,
+        fill=None if full is None else full.value,
+        spans=clause.all_spans,
+    )
+
+
+def _same(subject: ThingPart, into: IntoPart) -> bool:
+    words, name = subject.ref.text.casefold().split(), into.target.text.casefold().split()
+    return subject.ref.pronoun or words == name[-len(words) :]
+
+
+def fill_goal(clause: Clause) -> g.Pour:
+    """Fill the mug with ice tea: to the brim, if nothing else is said."""
+    into, share = clause.first(IntoPart), clause.first(SharePart)
+    if into and share and share.span < into.span and not share.of_way:
+        clause.put(share, FullPart(share.span, share.value))  # fill half of the mug
+    clause.take(FilledWithPart)
+    goal = pour_goal(clause)
+    said = (goal.amount, goal.fraction, goal.volume, goal.fill)
+    return goal if any(said) else goal.model_copy(update={"fill": 1.0})
+
+
+# --- which goal --------------------------------------------------------------------------------
+
 GOALS: dict[str, Callable[[Clause], g.Goal]] = {
     "displace": _displace,
     "contact": _contact,
@@ -197,12 +274,12 @@ GOALS: dict[str, Callable[[Clause], g.Goal]] = {
     "tilt": _tilt,
     "topple": _topple,
     "upright": lambda _: g.Upright(),
-    "lift": by_hand.lifted,
+    "lift": lift_goal,
     "set_down": _set_down,
-    "open": by_hand.opened,
-    "close": by_hand.closed,
-    "pour": by_hand.poured,
-    "fill": by_hand.filled,
+    "open": open_goal,
+    "close": close_goal,
+    "pour": pour_goal,
+    "fill": fill_goal,
     "hand_over": _hand_over,
     "parameters": _parameters,
 }

@@ -8,6 +8,7 @@ from lark import Token
 
 from grammar.errors import ParseError
 from grammar.frames import command as g
+from grammar.phrases import token_reader as q
 from grammar.phrases.outcome_phrases import Phrases
 from grammar.phrases.phrase_parts import (
     AmountPart,
@@ -20,7 +21,6 @@ from grammar.phrases.phrase_parts import (
     ThingPart,
     VolumePart,
 )
-from grammar.words import quantities as q
 
 Children = list[Any]
 

@@ -6,9 +6,9 @@ from typing import Any, Literal, cast
 
 from grammar.errors import ParseError
 from grammar.frames import command as g
+from grammar.phrases import token_reader as q
 from grammar.phrases.outcome_phrases import MANNERS, Phrases
 from grammar.phrases.phrase_parts import ConstraintPart, DirectionPart, Part, RemarkPart
-from grammar.words import quantities as q
 
 _FORCES: dict[str, type[g.Force | g.MinForce | g.MaxForce]] = {
     "exact": g.Force,

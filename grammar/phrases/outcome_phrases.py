@@ -24,7 +24,7 @@ from grammar.phrases.phrase_parts import (
     ThingPart,
     VerbPart,
 )
-from grammar.words.quantities import Words
+from grammar.phrases.token_reader import TokenReader
 
 MANNERS: dict[str, type[g.Gentle | g.Hard | g.Slow | g.Fast]] = {
     "gentle": g.Gentle,
@@ -55,7 +55,7 @@ def _things(children: Children) -> list[ThingPart]:
 class Phrases:
     """What all phrases need: the words, and a way to refuse them."""
 
-    _w: Words
+    _w: TokenReader
 
     def _refuse(self, children: Children, message: str, *suggestions: str) -> ParseError:
         span = self._w.span(children)

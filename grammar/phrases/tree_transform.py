@@ -8,6 +8,7 @@ from lark import Token, Transformer, Tree
 
 from grammar.errors import ParseError
 from grammar.frames import command as g
+from grammar.phrases import token_reader as q
 from grammar.phrases.container_phrases import Contents
 from grammar.phrases.manner_phrases import Manners
 from grammar.phrases.outcome_phrases import Outcomes, Questions
@@ -36,7 +37,6 @@ from grammar.phrases.phrase_parts import (
     TowardPart,
     VerbPart,
 )
-from grammar.words import quantities as q
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 
@@ -51,7 +51,7 @@ class Parts(Manners, Contents, Outcomes, Questions, Transformer[Token, list[Part
 
     def __init__(self, lexicon: Lexicon, sentence: Normalised) -> None:
         super().__init__(visit_tokens=False)
-        self._w = q.Words(lexicon, sentence)
+        self._w = q.TokenReader(lexicon, sentence)
 
     # --- what holds the sentence together -----------------------------------------------------
 

@@ -36,7 +36,7 @@ MAX_TIME_S = 3600.0
 Children = list[Any]
 
 
-class Words:
+class TokenReader:
     """The tokens of a sentence, with their places in it and their values."""
 
     def __init__(self, lexicon: Lexicon, sentence: Normalised) -> None:
