@@ -22,8 +22,9 @@ from benchmarks.lidbench import LidBench
 from objectmodels import CylinderModel
 from objectmodels.containers import lid_forces as opening
 from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap
+from sim.cell.cell_description import Vision
 from sim.truth.object_truth import Truth
-from sim.truth.scene_file import Pose, SceneObject, Vision
+from sim.truth.scene_file import Pose, SceneObject
 
 Kind = Literal["flip", "lift_off", "screw"]
 

@@ -27,9 +27,10 @@ from objectmodels.containers.pour_dynamics import Catch, angle_for, caught, pour
 from objectmodels.geometry.base_shapes import Polygon
 from objectmodels.models.object_parts import Container, Opening
 from objectmodels.models.vessel import Vessel
+from sim.cell.cell_description import RobotMount
 from sim.rotations import Array, axis_rotation
 from sim.truth.object_truth import Truth
-from sim.truth.scene_file import Pose, Robot, Scene, SceneObject
+from sim.truth.scene_file import Pose, Scene, SceneObject
 from sim.worlds.drake.drake_plant import Standing, add_object
 from sim.worlds.drake.liquid_transfer import Liquid
 
@@ -49,7 +50,7 @@ KINDS = ("box", "cylinder", "prism")
 WALL, SHELL = 0.002, 0.06  # [m], [kg]
 SOURCE, TARGET = "jug", "glass"
 QUANTITIES = ("poured", "received", "spilled")
-_HOME = Robot(home_deg=(41.0, -95.0, 75.0, -87.0, 110.0, -90.0, 42.0))
+_HOME = RobotMount(home_deg=(41.0, -95.0, 75.0, -87.0, 110.0, -90.0, 42.0))
 _FRICTION: dict[str, Any] = {"friction_table": 0.4, "friction_finger": 0.6}
 _AT = Pose(x_m=0.5, y_m=0.0)
 

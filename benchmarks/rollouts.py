@@ -41,8 +41,9 @@ from nlcontrol import Controller, Registry
 from planner.types.plan import Plan, Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import WorldState
+from sim.cell.cell_description import Vision
 from sim.motion.robot_reach import ArmReach
-from sim.truth.scene_file import Pose, Scene, SceneObject, Vision
+from sim.truth.scene_file import Pose, Scene, SceneObject
 
 OBJECT = "ice tea box"
 START = Pose(x_m=0.55, y_m=-0.08)
@@ -131,7 +132,7 @@ def planned(goal: Goal, repetitions: int, *, kinematics: bool) -> tuple[list[flo
     """Times of planning [s], the first one included, and why there is no plan, if so."""
     controller = Controller(world(), registry=Registry.built_in())
     if not kinematics:
-        controller._reach = Everywhere(controller.scene)
+        controller._reach = Everywhere(controller.scene.cell)
     (frame,) = controller.resolve(controller.parse(goal.text)).frames
     state, _ = controller.look(), controller.reach
     times, why = [], ""

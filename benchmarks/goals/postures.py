@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from benchmarks.strokes import Array, Generator, Stroke
 from planner.types.world_state import WorldState
 from sim.arms.lwr import lwr_kinematics as arm
+from sim.cell.cell_description import RobotMount, Vision
 from sim.collision import collision_spheres as spheres
 from sim.collision.collision_scene import FRAGILE_CLEARANCE
 from sim.hands.four_finger.hand_kinematics import (
@@ -33,7 +34,6 @@ from sim.hands.four_finger.pushing_postures import quality
 from sim.motion.arm_configuration import Mount
 from sim.motion.robot_reach import FINGER_SPREADS
 from sim.rotations import rot_x, rot_y, rot_z
-from sim.truth.scene_file import Robot, Vision
 
 UNSEEN = Vision().position_noise_m
 """A distance that no single look tells from none [m]."""
@@ -50,7 +50,7 @@ _AT_ONCE = 40  # hands whose arms are solved together
 
 
 def reachable(
-    stroke: Stroke, fingers: int, robot: Robot, state: WorldState, rng: Generator
+    stroke: Stroke, fingers: int, robot: RobotMount, state: WorldState, rng: Generator
 ) -> bool:
     """Whether some hand and arm could make a stroke.
 

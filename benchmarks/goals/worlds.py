@@ -20,17 +20,10 @@ import numpy as np
 from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel, Registry
 from planner.geometry.footprints import footprint, overlaps
 from planner.types.world_state import PlanarPose, SeenObject
+from sim.cell.cell_description import RobotMount, Vision
 from sim.motion.robot_reach import ArmReach
 from sim.truth.object_truth import Truth
-from sim.truth.scene_file import (
-    Pose,
-    Robot,
-    Scene,
-    SceneObject,
-    Vision,
-    built_in_scenes,
-    load_scene,
-)
+from sim.truth.scene_file import Pose, Scene, SceneObject, built_in_scenes, load_scene
 
 Generator = np.random.Generator
 
@@ -158,7 +151,7 @@ def scene(name: str, objects: list[SceneObject], vision: Vision) -> Scene:
 
 
 @cache
-def _robot() -> Robot:
+def _robot() -> RobotMount:
     return load_scene("kitchen").robot
 
 

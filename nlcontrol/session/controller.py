@@ -93,7 +93,7 @@ class Controller:
         if self._reach is None:
             from sim import ArmReach
 
-            self._reach = ArmReach(self.scene)
+            self._reach = ArmReach(self.scene.cell)
         return self._reach
 
     @property

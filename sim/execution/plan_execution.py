@@ -63,7 +63,7 @@ def execute(
     Returns:
         What happened, also if it ended early.
     """
-    tell, reach = progress or silent, reach or ArmReach(world.scene)
+    tell, reach = progress or silent, reach or ArmReach(world.scene.cell)
     if isinstance(plan, HandlingPlan):
         return handle(plan, world, models, reach, tell)
     trip = Trip(plan.push, world, models, reach, tell)

@@ -90,7 +90,7 @@ def probe(
     """
     tell = progress or silent
     models = {name: seen.model for name, seen in state.objects.items()}
-    trip = Trip(experiment.push, world, models, reach or ArmReach(world.scene), tell)
+    trip = Trip(experiment.push, world, models, reach or ArmReach(world.scene.cell), tell)
     before = state.objects[experiment.push.object].pose
     try:
         found = _touched(experiment, trip, state, before, tell)

@@ -46,7 +46,11 @@ class FingerTouch:
         normal = np.array(contact.normal)
         if abs(normal[2]) > np.sin(_SQUARE) or -normal @ contact.direction < np.cos(_SQUARE):
             return TouchResult(None, None, "the finger presses upright faces straight in only")
-        world, reach, state = DrakeWorld(scene, seed=seed), ArmReach(scene), self._seen(scene, seed)
+        world, reach, state = (
+            DrakeWorld(scene, seed=seed),
+            ArmReach(scene.cell),
+            self._seen(scene, seed),
+        )
         experiment = press_at(state.objects[contact.object], np.array(contact.point), normal, reach)
         recording = press(experiment, world, state, reach=reach)
         if not len(recording.time):

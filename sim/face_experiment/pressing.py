@@ -34,7 +34,7 @@ def press(
         What the robot felt; no samples if the hand did not get there, and the reason.
     """
     models = {name: seen.model for name, seen in state.objects.items()}
-    trip = Trip(experiment.push, world, models, reach or ArmReach(world.scene), silent)
+    trip = Trip(experiment.push, world, models, reach or ArmReach(world.scene.cell), silent)
     before = state.objects[experiment.push.object].pose
     try:
         stance, way = trip.stance(state)

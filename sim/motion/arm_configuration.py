@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim.arms.lwr import lwr_kinematics as arm
+from sim.cell.cell_description import RobotMount
 from sim.hands.four_finger.hand_kinematics import (
     FLANGE_TO_PALM,
     R_FP,
@@ -23,7 +24,6 @@ from sim.hands.four_finger.hand_kinematics import (
     fingertip_stiffness,
 )
 from sim.rotations import Array, rot_x, rot_y, rot_z
-from sim.truth.scene_file import Robot
 
 
 class UnreachableError(Exception):
@@ -38,7 +38,7 @@ class Mount:
     p_WA: Array
 
     @classmethod
-    def of(cls, robot: Robot) -> Mount:
+    def of(cls, robot: RobotMount) -> Mount:
         """The mount that a scene's robot has."""
         roll, pitch, yaw = np.radians(robot.base_rpy_deg)
         return cls(rot_z(yaw) @ rot_y(pitch) @ rot_x(roll), np.array(robot.base_m))

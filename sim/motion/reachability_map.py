@@ -15,12 +15,12 @@ import functools
 import numpy as np
 
 from sim.arms.lwr import lwr_kinematics as arm
+from sim.cell.cell_description import RobotMount
 from sim.collision.collision_scene import TABLE_CLEARANCE
 from sim.hands.four_finger.pushing_postures import hands
 from sim.motion.arm_configuration import Mount
 from sim.motion.ik_search import ELBOWS, in_range, poses
 from sim.rotations import Array, rot_z
-from sim.truth.scene_file import Robot
 
 CELL = 0.04
 """Length of a cell along each axis [m]."""
@@ -77,6 +77,6 @@ class ReachMap:
 
 
 @functools.lru_cache(maxsize=16)
-def reach_map(robot: Robot) -> ReachMap:
+def reach_map(robot: RobotMount) -> ReachMap:
     """The map of a robot; always the same one."""
     return ReachMap(Mount.of(robot))

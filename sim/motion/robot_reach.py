@@ -20,6 +20,7 @@ from planner.types.hand_reach import Grip
 from planner.types.plan import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import WorldState
+from sim.cell.cell_description import CellDescription
 from sim.collision import collision_spheres as spheres
 from sim.collision.collision_scene import TABLE_CLEARANCE
 from sim.hands.four_finger.grasp_postures import NARROWEST, WIDEST, hand_grip, pinch
@@ -31,14 +32,13 @@ from sim.motion.grasp_motion_search import HandWay, best_way
 from sim.motion.push_motion_search import THOROUGH, USUAL, Effort, Search
 from sim.motion.reachability_map import reach_map
 from sim.paths.fingertip_path import Way
-from sim.truth.scene_file import Scene
 
 FINGER_SPREADS = (0.04, 0.032, 0.024)
 """Distances between the fingertips of a two-finger push, the largest first [m]."""
 
 
 class ArmReach:
-    """The reach of a scene's robot; answers the planner's question.
+    """The reach of the robot of a cell.
 
     Attributes:
         fingertip_radius: [m].
@@ -57,12 +57,12 @@ class ArmReach:
     narrowest, widest = NARROWEST, WIDEST
     lowest_level = spheres.ARM_RADIUS + TABLE_CLEARANCE
 
-    def __init__(self, scene: Scene, effort: Effort = USUAL) -> None:
-        self._scene, self._effort = scene, effort
-        self.mount = Mount.of(scene.robot)
-        self.home = np.radians(scene.robot.home_deg)
+    def __init__(self, cell: CellDescription, effort: Effort = USUAL) -> None:
+        self._cell, self._effort = cell, effort
+        self.mount = Mount.of(cell.robot)
+        self.home = np.radians(cell.robot.home_deg)
         self.max_force = strongest(1, 0.0)
-        self._map = reach_map(scene.robot)
+        self._map = reach_map(cell.robot)
 
     def __call__(self, push: Push, state: WorldState) -> ReachAnswer:
         """Whether the whole way of a push is reachable and free."""
@@ -81,7 +81,7 @@ class ArmReach:
 
     def thorough(self) -> ArmReach:
         """The same, which looks at more hands and lets them pass nearer."""
-        return ArmReach(self._scene, THOROUGH)
+        return ArmReach(self._cell, THOROUGH)
 
     def grip(self, width: float) -> Grip | None:
         """How the hand closes about a width [m]; None if it does not."""

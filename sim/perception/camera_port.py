@@ -22,9 +22,10 @@ from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.object_parts import Lid, LiftOffLid
 from objectmodels.models.resting_faces import LEVEL
 from planner.types.world_state import Colour, PlanarPose, SeenObject
+from sim.cell.cell_description import Vision
 from sim.random_streams import Stream, source
 from sim.rotations import Array, rot_x, rot_y, rot_z, yaw_of
-from sim.truth.scene_file import Scene, Vision
+from sim.truth.scene_file import Scene
 
 _SAME_TIME = 1e-9
 """Times that differ by less are equal [s]; far below any step, far above rounding."""

@@ -13,7 +13,7 @@ from __future__ import annotations
 import difflib
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
 import yaml
 from pydantic import BeforeValidator, Field, InstanceOf, ValidationError, model_validator
@@ -21,7 +21,16 @@ from pydantic import BeforeValidator, Field, InstanceOf, ValidationError, model_
 from objectmodels.yaml_reader import parse_yaml
 from planner.types.default_settings import changed
 from planner.types.defaults import DEFAULTS, Defaults, DefaultsError
-from sim.cell.strict_model import Fraction, NonNegative, Part, Point2, Point3, Positive, Spread
+from sim.cell.cell_description import (
+    CellDescription,
+    CellObject,
+    JointSensor,
+    RobotMount,
+    Table,
+    TorqueSensor,
+    Vision,
+)
+from sim.cell.strict_model import Fraction, NonNegative, Part, Spread
 from sim.errors import SceneError
 from sim.truth.object_truth import Truth
 
@@ -34,24 +43,14 @@ class Pose(Part):
     yaw_deg: float = 0.0
 
 
-class SceneObject(Part):
-    """An object on the table.
+class SceneObject(CellObject):
+    """An object on the table, as it really is.
 
     Attributes:
-        name: what it is called in this scene; unique.
-        model: the registry model that the robot believes it to be.
-        synonyms: further names in this scene.
-        fragile: whether the robot is told to keep its hand and other objects well away from it.
-        fixed: whether a holder on the table keeps it where it stands; the robot is told.
         pose: where it really stands at the start.
         truth: how it really is.
     """
 
-    name: str
-    model: str
-    synonyms: tuple[str, ...] = ()
-    fragile: bool = False
-    fixed: bool = False
     pose: Pose
     truth: Truth
 
@@ -70,92 +69,20 @@ class FrictionVariation(Part):
     per_trial: Fraction = 0.0
 
 
-class Table(Part):
-    """The table top; its upper face is the plane z = 0 of W."""
+class VaryingTable(Table):
+    """The table top, with what is not told of its friction."""
 
     friction_variation: FrictionVariation = FrictionVariation()
-    centre_m: Point2 = (0.5, 0.0)
-    size_m: tuple[Positive, Positive] = (1.4, 1.6)
-    thickness_m: Positive = 0.05
 
 
-class Robot(Part):
-    """How the arm is mounted, and where it waits.
+class ScaledTorqueSensor(TorqueSensor):
+    """The torque sensors, with an error that no data sheet tells.
 
     Attributes:
-        base_m: position of the arm's base in W.
-        base_rpy_deg: roll, pitch, yaw of the base in W; roll 180 hangs it upside down.
-        home_deg: joint angles of the arm while it waits.
-    """
-
-    base_m: Point3 = (0.55, 0.0, 1.1)
-    base_rpy_deg: Point3 = (180.0, 0.0, 0.0)
-    home_deg: tuple[float, float, float, float, float, float, float]
-
-
-class Vision(Part):
-    """The port through which poses reach the robot: white noise, frames at a rate, late.
-
-    Attributes:
-        position_noise_m: standard deviation along each axis of W, in each frame.
-        angle_noise_deg: the same about each axis of W.
-        position_bias_m: standard deviation of the constant error of each object's x, y and z.
-        angle_bias_deg: the same of its heading; the camera knows what stands level.
-        rate_hz: of the frames.
-        delay_s: from a frame to its arrival.
-    """
-
-    position_noise_m: NonNegative = 0.002
-    angle_noise_deg: NonNegative = 1.0
-    position_bias_m: NonNegative = 0.0
-    angle_bias_deg: NonNegative = 0.0
-    rate_hz: Positive = 30.0
-    delay_s: NonNegative = 0.05
-
-
-TORQUE_BIAS = 0.02
-"""Standard deviation of the torque sensors' constant errors, if the scene does not say [N·m]."""
-
-
-class TorqueSensor(Part):
-    """The finger joints' torque sensors.
-
-    The robot's controller reads the mean of the samples since its last step.
-
-    Attributes:
-        noise_nm: standard deviation of the white noise on each sample.
-        resolution_nm: step to which each sample is rounded; 0 for none.
-        bias_nm: standard deviation of the constant error of each joint.
         gain_error: relative error of the scale, common to all joints: 0.05 reads 5 % too much.
-        rate_hz: of the samples.
     """
 
-    noise_nm: NonNegative = 0.005
-    resolution_nm: NonNegative = 0.002
-    bias_nm: NonNegative = TORQUE_BIAS
     gain_error: Annotated[float, Field(gt=-1, lt=1)] = 0.0
-    rate_hz: Positive = 1000.0
-
-
-class JointSensor(Part):
-    """The joints' position sensors, read once in each control step.
-
-    The defaults are those of sensors at the motors, seen through the gears. Sensors behind the
-    gears are published with 0.01° (1.7e-4 rad) for a light arm of this kind, and with 0.1°
-    (1.7e-3 rad) for the joints of such a hand, whose motors turn a hundred times as far.
-
-    Attributes:
-        arm_noise_rad, finger_noise_rad: standard deviations of white noise.
-        arm_resolution_rad, finger_resolution_rad: steps to which angles are rounded; 0 for none.
-        arm_offset_rad, finger_offset_rad: standard deviations of the constant error of each joint.
-    """
-
-    arm_noise_rad: NonNegative = 1e-5
-    arm_resolution_rad: NonNegative = 5e-6
-    arm_offset_rad: NonNegative = 0.0
-    finger_noise_rad: NonNegative = 1e-4
-    finger_resolution_rad: NonNegative = 2e-4
-    finger_offset_rad: NonNegative = 0.0
 
 
 class Hidden(Part):
@@ -197,10 +124,10 @@ class Scene(Part):
 
     version: Literal[1]
     name: str
-    robot: Robot
-    table: Table = Table()
+    robot: RobotMount
+    table: VaryingTable = VaryingTable()
     vision: Vision = Vision()
-    torque_sensor: TorqueSensor = TorqueSensor()
+    torque_sensor: ScaledTorqueSensor = ScaledTorqueSensor()
     joint_sensor: JointSensor = JointSensor()
     time_step_s: Annotated[float, Field(gt=0, le=0.005)] = 0.002
     control_rate_hz: Annotated[float, Field(ge=20, le=1000)] = 100.0
@@ -230,6 +157,30 @@ class Scene(Part):
     def names(self) -> tuple[str, ...]:
         """Names of the objects, in the order of the file."""
         return tuple(o.name for o in self.objects)
+
+    @property
+    def cell(self) -> CellDescription:
+        """The part of the scene that the robot is told."""
+        return CellDescription(
+            name=self.name,
+            objects=tuple(_public(CellObject, item) for item in self.objects),
+            robot=self.robot,
+            table=_public(Table, self.table),
+            vision=self.vision,
+            torque_sensor=_public(TorqueSensor, self.torque_sensor),
+            joint_sensor=self.joint_sensor,
+            control_rate_hz=self.control_rate_hz,
+            models=self.models,
+            defaults=self.defaults,
+        )
+
+
+_PublicPart = TypeVar("_PublicPart", bound=Part)
+
+
+def _public(kind: type[_PublicPart], part: Part) -> _PublicPart:
+    """The fields of a part that its public kind has."""
+    return kind(**{name: getattr(part, name) for name in kind.model_fields})
 
 
 def built_in_scenes() -> tuple[str, ...]:

@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from sim.cell.cell_description import JointSensor, TorqueSensor
 from sim.hands.four_finger.hand_kinematics import FINGERS
 from sim.random_streams import Stream, source
 from sim.rotations import Array
-from sim.truth.scene_file import JointSensor, TorqueSensor
 
 _MEASURED = 3  # joints of a finger that have a torque sensor
 
@@ -27,10 +27,13 @@ class TorqueReadings:
         sensor: how good they are.
         period: of a control step [s].
         seed: of the world.
+        gain_error: relative error of their scale.
     """
 
-    def __init__(self, sensor: TorqueSensor, period: float, seed: int) -> None:
-        self._sensor = sensor
+    def __init__(
+        self, sensor: TorqueSensor, period: float, seed: int, *, gain_error: float = 0.0
+    ) -> None:
+        self._sensor, self._gain = sensor, 1.0 + gain_error
         self._samples = max(1, round(sensor.rate_hz * period))
         self._noise = source(seed, Stream.TORQUE_NOISE)
         bias = source(seed, Stream.TORQUE_BIAS).standard_normal((len(FINGERS), _MEASURED))
@@ -45,7 +48,7 @@ class TorqueReadings:
             torques: the true ones, shape (3,) [N·m].
         """
         noise = self._noise.standard_normal((self._samples, _MEASURED))
-        true = (1.0 + self._sensor.gain_error) * torques + self._bias[finger]
+        true = self._gain * torques + self._bias[finger]
         samples = self._rounded(true + self._sensor.noise_nm * noise)
         return np.asarray(samples.sum(axis=0) / self._samples)
 

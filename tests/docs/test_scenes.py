@@ -10,17 +10,16 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from sim import DrakeWorld
+from sim.cell.cell_description import JointSensor, Vision
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import (
     FrictionVariation,
     Hidden,
-    JointSensor,
     Pose,
+    ScaledTorqueSensor,
     Scene,
     SceneObject,
-    Table,
-    TorqueSensor,
-    Vision,
+    VaryingTable,
     built_in_scenes,
     load_scene,
     parse_scene,
@@ -60,10 +59,10 @@ def test_every_key_of_the_format_is_explained() -> None:
         SceneObject,
         Pose,
         Truth,
-        Table,
+        VaryingTable,
         FrictionVariation,
         Vision,
-        TorqueSensor,
+        ScaledTorqueSensor,
         JointSensor,
         Hidden,
     )
@@ -80,7 +79,7 @@ def test_defaults_in_the_tables_are_those_of_the_code() -> None:
     }
     assert len(told) == 11
     classes: dict[str, type[BaseModel]] = {
-        "torque_sensor": TorqueSensor,
+        "torque_sensor": ScaledTorqueSensor,
         "joint_sensor": JointSensor,
         "vision": Vision,
     }

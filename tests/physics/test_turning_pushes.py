@@ -153,7 +153,7 @@ def test_a_hand_that_cannot_go_straight_off_the_face_goes_by_the_joints() -> Non
     plan = _plan("ice tea box", alone, 2, -0.5)
     models = {"ice tea box": Registry.default().get("ice tea box")}
     world = DrakeWorld(alone)
-    trip = Trip(plan.push, world, models, ArmReach(alone), silent)
+    trip = Trip(plan.push, world, models, ArmReach(alone.cell), silent)
     stance, way = trip.stance(trip.look())
     trip.approach(stance, way)
     start = world.commanded[0]

@@ -19,11 +19,11 @@ from objectmodels.geometry.base_shapes import Disc
 from planner.geometry.footprints import footprint, gap
 from planner.types.plan import Push
 from planner.types.world_state import SeenObject, WorldState
+from sim.cell.cell_description import Vision
 from sim.control.pushing.push_guards import MOVED
 from sim.perception.camera_port import Frame, SeenPose
 from sim.rotations import Array, wrap, yaw_of
 from sim.traces.trace import EndReason
-from sim.truth.scene_file import Vision
 
 End = tuple[EndReason, str]
 

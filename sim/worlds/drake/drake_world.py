@@ -122,7 +122,8 @@ class DrakeWorld:
         self._vision = VisionPort(scene.vision, scene.names, lids_in(scene), seed=seed)
         self._impulse = np.zeros(len(hand.JOINT_NAMES))
         self._mean_torques = np.zeros(len(hand.JOINT_NAMES))
-        self._torques = TorqueReadings(scene.torque_sensor, self.period, seed)
+        sensor = scene.torque_sensor
+        self._torques = TorqueReadings(sensor, self.period, seed, gain_error=sensor.gain_error)
         self._angles = JointReadings(scene.joint_sensor, len(self._arm_joints), len(joints), seed)
         self._measured = np.zeros(len(joints))
         self._steps = 0

@@ -23,7 +23,7 @@ import numpy as np
 from sim.random_streams import Stream, source
 from sim.rotations import Array
 from sim.truth.object_truth import Truth
-from sim.truth.scene_file import Scene, Table
+from sim.truth.scene_file import Scene, VaryingTable
 from sim.worlds.drake.contact_material import surface
 from sim.worlds.drake.drake_plant import Standing
 
@@ -49,7 +49,7 @@ class FrictionField:
         seed: of the world.
     """
 
-    def __init__(self, table: Table, seed: int) -> None:
+    def __init__(self, table: VaryingTable, seed: int) -> None:
         rng = source(seed, Stream.TABLE_FRICTION)
         variation = table.friction_variation
         self._waves = rng.standard_normal((2, _WAVES)) / variation.length_m

@@ -8,7 +8,8 @@ from benchmarks.goals.sense import sensible, tips
 from benchmarks.goals.worlds import as_believed, scene, standing
 from nlcontrol import Controller, Registry
 from planner.types.world_state import WorldState
-from sim.truth.scene_file import Pose, SceneObject, Vision
+from sim.cell.cell_description import Vision
+from sim.truth.scene_file import Pose, SceneObject
 
 REGISTRY = Registry.built_in()
 

@@ -32,7 +32,7 @@ YAWS = [0.0, 0.35, -2.0]
 
 @pytest.fixture(scope="module")
 def arm() -> Reach:
-    return ArmReach(load_scene("kitchen"))
+    return ArmReach(load_scene("kitchen").cell)
 
 
 def seen(model: ObjectModel, yaw: float = 0.0) -> SeenObject:

@@ -20,7 +20,7 @@ from sim.traces.trace import EndReason
 BOX = "ice tea box"
 MODEL = Registry.built_in().get(BOX)
 STATE = WorldState({BOX: SeenObject(BOX, PlanarPose(0.45, 0.0), MODEL)})
-REACH = ArmReach(load_scene("kitchen"))
+REACH = ArmReach(load_scene("kitchen").cell)
 
 Fails = Mapping[tuple[Kind, FaceName], EndReason]
 

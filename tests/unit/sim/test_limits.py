@@ -10,10 +10,10 @@ import pytest
 from objectmodels import Registry
 from planner.types.plan import Limits, Push
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
+from sim.cell.cell_description import Vision
 from sim.control.pushing.clause_guards import End, LimitGuards
 from sim.perception.camera_port import Frame, SeenPose
 from sim.rotations import Array, rot_y, rot_z
-from sim.truth.scene_file import Vision
 
 PERIOD = 0.01
 SPEED = 0.03

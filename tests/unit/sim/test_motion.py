@@ -9,12 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sim.cell.cell_description import Vision
 from sim.control.pushing.lateral_control import LineKeeper, Pushed
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.paths.point_attractor import attracted
 from sim.perception.camera_port import SeenPose, VisionPort, first_look
 from sim.rotations import rot_z
-from sim.truth.scene_file import Vision, load_scene
+from sim.truth.scene_file import load_scene
 
 PERIOD = 0.01
 numbers = st.floats(-2.0, 2.0)

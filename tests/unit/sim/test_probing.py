@@ -18,7 +18,7 @@ from sim.exploration.trial_extraction import trials
 from sim.truth.scene_file import Scene
 
 BOX = "ice tea box"
-REACH = ArmReach(load_scene("kitchen"))
+REACH = ArmReach(load_scene("kitchen").cell)
 
 
 def scene(**truth: Any) -> Scene:

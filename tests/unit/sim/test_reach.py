@@ -29,7 +29,7 @@ def scene() -> Scene:
 
 @pytest.fixture(scope="module")
 def reach(scene: Scene) -> ArmReach:
-    return ArmReach(scene)
+    return ArmReach(scene.cell)
 
 
 def _believed(scene: Scene) -> WorldState:
@@ -210,7 +210,9 @@ def test_spheres_cover_the_collision_shapes() -> None:
     q = np.radians(scene.robot.home_deg)
     model.plant.SetPositions(context, model.arm, q)
     posture = _stance(
-        ArmReach(scene), _push(_believed(scene), "ice tea box", "front", 0.029), _believed(scene)
+        ArmReach(scene.cell),
+        _push(_believed(scene), "ice tea box", "front", 0.029),
+        _believed(scene),
     ).posture
     for finger in FINGERS:
         a, b, c = posture.angles[finger]

@@ -37,7 +37,7 @@ from sim.motion.roadmap import along
 from sim.paths.fingertip_path import Way
 
 REGISTRY = Registry.built_in()
-REACH = ArmReach(load_scene("kitchen"))
+REACH = ArmReach(load_scene("kitchen").cell)
 PLACES = [(0.42, -0.3), (0.42, 0.3), (0.66, -0.28), (0.68, 0.3), (0.72, 0.02), (0.38, 0.0)]
 
 

@@ -26,7 +26,7 @@ RNG = np.random.default_rng(0)
 
 
 def experiment(kind: str) -> Experiment:
-    found = experiments(SEEN, ArmReach(load_scene("kitchen")))
+    found = experiments(SEEN, ArmReach(load_scene("kitchen").cell))
     return next(e for e in found if e.kind == kind and e.push.face == "front")
 
 

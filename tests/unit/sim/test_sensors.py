@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sim.cell.cell_description import JointSensor, TorqueSensor, Vision
 from sim.hands.four_finger.hand_kinematics import FINGERS
 from sim.perception.camera_port import VisionPort, mean_pose
-from sim.truth.scene_file import JointSensor, TorqueSensor, Vision
 from sim.worlds.sensor_noise import JointReadings, TorqueReadings
 
 PERIOD = 0.01
@@ -15,8 +15,10 @@ TRUE = np.array([0.30, -0.10, 0.05])
 IDEAL = TorqueSensor(noise_nm=0.0, resolution_nm=0.0, bias_nm=0.0)
 
 
-def _readings(sensor: TorqueSensor, *, times: int = 1, seed: int = 0) -> np.ndarray:
-    readings = TorqueReadings(sensor, PERIOD, seed)
+def _readings(
+    sensor: TorqueSensor, *, times: int = 1, seed: int = 0, gain_error: float = 0.0
+) -> np.ndarray:
+    readings = TorqueReadings(sensor, PERIOD, seed, gain_error=gain_error)
     return np.array([[readings.read(finger, TRUE) for finger in FINGERS] for _ in range(times)])
 
 
@@ -26,8 +28,8 @@ def test_an_ideal_torque_sensor_shows_the_truth() -> None:
 
 
 def test_gain_scales_every_joint_alike() -> None:
-    high = IDEAL.model_copy(update={"gain_error": 0.05})
-    np.testing.assert_allclose(_readings(high)[0], np.tile(1.05 * TRUE, (4, 1)), rtol=1e-14)
+    high = _readings(IDEAL, gain_error=0.05)
+    np.testing.assert_allclose(high[0], np.tile(1.05 * TRUE, (4, 1)), rtol=1e-14)
 
 
 def test_each_sample_is_rounded_and_their_mean_is_read() -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sim.hands.four_finger.hand_kinematics import FINGER_JOINTS, RESTING
 from sim.random_streams import Stream, source
-from sim.truth.scene_file import FrictionVariation, Scene, Table, parse_scene
+from sim.truth.scene_file import FrictionVariation, Scene, VaryingTable, parse_scene
 from sim.worlds.drake.contents import ShiftingContents
 from sim.worlds.drake.drake_plant import Plant, add_plant
 from sim.worlds.drake.world_variation import FrictionField, VaryingFriction
@@ -142,7 +142,7 @@ def test_shifted_contents_move_the_force_that_topples(free: Free) -> None:
 
 
 def test_the_field_has_its_mean_and_its_spread_over_the_table() -> None:
-    table = Table(friction_variation=FrictionVariation(over_table=0.18, length_m=0.1))
+    table = VaryingTable(friction_variation=FrictionVariation(over_table=0.18, length_m=0.1))
     grid = np.stack(np.meshgrid(np.linspace(-0.2, 1.2, 140), np.linspace(-0.8, 0.8, 160)), axis=-1)
     for seed in range(5):
         values = FrictionField(table, seed).at(grid)
@@ -153,7 +153,7 @@ def test_the_field_has_its_mean_and_its_spread_over_the_table() -> None:
 
 
 def test_friction_changes_over_the_stated_length() -> None:
-    table = Table(friction_variation=FrictionVariation(over_table=0.3, length_m=0.1))
+    table = VaryingTable(friction_variation=FrictionVariation(over_table=0.3, length_m=0.1))
     rng = np.random.default_rng(0)
     here = rng.uniform((0.0, -0.6), (1.0, 0.6), (400, 2))
     distances = (0.0, 0.03, 0.1, 0.3)
@@ -171,5 +171,5 @@ def test_friction_changes_over_the_stated_length() -> None:
 
 
 def test_a_table_that_varies_by_trial_only_is_even() -> None:
-    table = Table(friction_variation=FrictionVariation(per_trial=0.2))
+    table = VaryingTable(friction_variation=FrictionVariation(per_trial=0.2))
     np.testing.assert_array_equal(FrictionField(table, 0).at(np.zeros((3, 2))), np.ones(3))

@@ -67,7 +67,7 @@ def test_a_turn_by_nothing_is_a_straight_push(target: SeenObject) -> None:
 def test_a_turned_palm_leaves_the_fingertip_where_it_should_be(target: SeenObject) -> None:
     scene = load_scene("kitchen")
     push = _push("turned", turn=-0.3)
-    answer = ArmReach(scene).stance(push, WorldState({"ice tea box": target}))
+    answer = ArmReach(scene.cell).stance(push, WorldState({"ice tea box": target}))
     assert isinstance(answer, tuple), answer
     stance: Stance = answer[0]
     way = Way.of(push, target)

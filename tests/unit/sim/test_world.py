@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from sim import DrakeWorld, PictureError, first_look, load_scene, save_picture, save_replay
+from sim.cell.cell_description import TorqueSensor
 from sim.hands.four_finger.hand_kinematics import JOINT_NAMES
 from sim.traces.trace import Trace
-from sim.truth.scene_file import TorqueSensor
 from sim.views.trace_picture import missing_libraries
 from sim.views.trace_scene import samples
 

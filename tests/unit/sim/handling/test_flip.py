@@ -103,7 +103,7 @@ def test_the_way_begins_and_ends_off_the_lid() -> None:
 def test_a_cup_beside_the_arm_is_opened_and_closed_whichever_way_it_faces(
     heading: float, way: tuple[float, float]
 ) -> None:
-    reach = ArmReach(load_scene("kitchen"))
+    reach = ArmReach(load_scene("kitchen").cell)
     plan, state = _plan(*way), _state(0.24, 0.20, heading, opened=way[0])
     answer = reach.handles(plan, state)
     assert answer.ok
@@ -122,7 +122,7 @@ def test_a_cup_beside_the_arm_is_opened_and_closed_whichever_way_it_faces(
 
 
 def test_what_stands_where_the_hand_must_be_is_named() -> None:
-    reach = ArmReach(load_scene("kitchen"))
+    reach = ArmReach(load_scene("kitchen").cell)
     cereal = Registry.built_in().get("cereal box")
     walls = [
         SeenObject(
@@ -137,7 +137,7 @@ def test_what_stands_where_the_hand_must_be_is_named() -> None:
 
 
 def test_out_of_reach_is_told() -> None:
-    reach = ArmReach(load_scene("kitchen"))
+    reach = ArmReach(load_scene("kitchen").cell)
     answer = reach.handles(_plan(0.0, OPEN), _state(2.0, 0.0, 0.0))
     assert not answer.ok
     assert answer.reason == "kinematics"

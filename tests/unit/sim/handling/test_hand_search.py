@@ -15,7 +15,7 @@ from sim.motion.grasp_motion_search import HandWay
 from sim.motion.robot_reach import ArmReach
 from tests.unit.sim.handling.table import CARTON, grasp, plan, scene, state
 
-REACH = ArmReach(scene())
+REACH = ArmReach(scene().cell)
 LIFT, DOWN = LiftUp(height=0.12), SetDown()
 POUR = PourOut(
     into="mug", heading=np.pi / 2.0, lip_W=(0.75, 0.238, 0.112), angle=2.2, rate=0.35, wait=1.0

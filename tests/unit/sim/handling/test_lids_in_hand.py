@@ -121,7 +121,7 @@ def test_a_lid_is_put_onto_its_rim() -> None:
 
 @pytest.mark.parametrize("name", [JAR, BOTTLE])
 def test_the_arm_reaches_lids_that_stand_away_from_below_it(name: str) -> None:
-    reach = ArmReach(load_scene("kitchen"))
+    reach = ArmReach(load_scene("kitchen").cell)
     steps = _aside(name) if name == JAR else (TURN, *_aside(name))
     found = [
         reach.handles(_plan(name, *steps, yaw=math.radians(yaw)), _state(name))

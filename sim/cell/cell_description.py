@@ -1,0 +1,148 @@
+"""What a robot is told of its cell: what stands there, the table, its mount and its sensors.
+
+It holds nothing of how the objects really are; `sim.truth.scene_file` adds that. A real robot's
+cell is described in the same way.
+
+Frames: W is the world, z up, table plane z = 0.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field, InstanceOf
+
+from planner.types.defaults import DEFAULTS, Defaults
+from sim.cell.strict_model import NonNegative, Part, Point2, Point3, Positive
+
+
+class CellObject(Part):
+    """An object on the table, as the robot is told of it.
+
+    Attributes:
+        name: what it is called in this cell; unique.
+        model: the registry model that the robot believes it to be.
+        synonyms: further names in this cell.
+        fragile: the robot keeps its hand and other objects well away from it.
+        fixed: a holder on the table keeps it where it stands.
+    """
+
+    name: str
+    model: str
+    synonyms: tuple[str, ...] = ()
+    fragile: bool = False
+    fixed: bool = False
+
+
+class Table(Part):
+    """The table top; its upper face is the plane z = 0 of W."""
+
+    centre_m: Point2 = (0.5, 0.0)
+    size_m: tuple[Positive, Positive] = (1.4, 1.6)
+    thickness_m: Positive = 0.05
+
+
+class RobotMount(Part):
+    """How the arm is mounted, and where it waits.
+
+    Attributes:
+        base_m: position of the arm's base in W.
+        base_rpy_deg: roll, pitch, yaw of the base in W; roll 180 hangs it upside down.
+        home_deg: joint angles of the arm while it waits.
+    """
+
+    base_m: Point3 = (0.55, 0.0, 1.1)
+    base_rpy_deg: Point3 = (180.0, 0.0, 0.0)
+    home_deg: tuple[float, float, float, float, float, float, float]
+
+
+class Vision(Part):
+    """Data sheet of the camera: white noise, frames at a rate, late.
+
+    Attributes:
+        position_noise_m: standard deviation along each axis of W, in each frame.
+        angle_noise_deg: the same about each axis of W.
+        position_bias_m: standard deviation of the constant error of each object's x, y and z.
+        angle_bias_deg: the same of its heading; the camera knows what stands level.
+        rate_hz: of the frames.
+        delay_s: from a frame to its arrival.
+    """
+
+    position_noise_m: NonNegative = 0.002
+    angle_noise_deg: NonNegative = 1.0
+    position_bias_m: NonNegative = 0.0
+    angle_bias_deg: NonNegative = 0.0
+    rate_hz: Positive = 30.0
+    delay_s: NonNegative = 0.05
+
+
+TORQUE_BIAS = 0.02
+"""Standard deviation of the torque sensors' constant errors, if the scene does not say [N·m]."""
+
+
+class TorqueSensor(Part):
+    """Data sheet of the finger joints' torque sensors.
+
+    The robot's controller reads the mean of the samples since its last step.
+
+    Attributes:
+        noise_nm: standard deviation of the white noise on each sample.
+        resolution_nm: step to which each sample is rounded; 0 for none.
+        bias_nm: standard deviation of the constant error of each joint.
+        rate_hz: of the samples.
+    """
+
+    noise_nm: NonNegative = 0.005
+    resolution_nm: NonNegative = 0.002
+    bias_nm: NonNegative = TORQUE_BIAS
+    rate_hz: Positive = 1000.0
+
+
+class JointSensor(Part):
+    """Data sheet of the joints' position sensors, read once in each control step.
+
+    The defaults are those of sensors at the motors, seen through the gears. Sensors behind the
+    gears are published with 0.01° (1.7e-4 rad) for a light arm of this kind, and with 0.1°
+    (1.7e-3 rad) for the joints of such a hand, whose motors turn a hundred times as far.
+
+    Attributes:
+        arm_noise_rad, finger_noise_rad: standard deviations of white noise.
+        arm_resolution_rad, finger_resolution_rad: steps to which angles are rounded; 0 for none.
+        arm_offset_rad, finger_offset_rad: standard deviations of the constant error of each joint.
+    """
+
+    arm_noise_rad: NonNegative = 1e-5
+    arm_resolution_rad: NonNegative = 5e-6
+    arm_offset_rad: NonNegative = 0.0
+    finger_noise_rad: NonNegative = 1e-4
+    finger_resolution_rad: NonNegative = 2e-4
+    finger_offset_rad: NonNegative = 0.0
+
+
+class CellDescription(Part):
+    """Everything that a robot is told before it looks.
+
+    Attributes:
+        name: for reports.
+        objects: what stands on the table.
+        robot: how the arm is mounted.
+        control_rate_hz: of the robot's control loop.
+        models: model files, or folders of them, that belong to the cell.
+        defaults: what a clause means when a sentence does not say more.
+    """
+
+    name: str
+    objects: tuple[CellObject, ...]
+    robot: RobotMount
+    table: Table = Table()
+    vision: Vision = Vision()
+    torque_sensor: TorqueSensor = TorqueSensor()
+    joint_sensor: JointSensor = JointSensor()
+    control_rate_hz: Annotated[float, Field(ge=20, le=1000)] = 100.0
+    models: tuple[str, ...] = ()
+    defaults: InstanceOf[Defaults] = DEFAULTS
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the objects, in their order."""
+        return tuple(item.name for item in self.objects)
