@@ -16,9 +16,9 @@ import numpy as np
 
 from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel
 from objectmodels.geometry.support_points import Support
+from objectmodels.mechanics.exact.exact_thresholds import BORDER
 from objectmodels.mechanics.outcome_map import BAND
 from objectmodels.mechanics.worst_cases import contact_forces
-from objectmodels.models.object_model import BORDER
 
 Generator = np.random.Generator
 

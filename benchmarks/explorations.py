@@ -36,8 +36,8 @@ from nlcontrol.learning.exploration_session import CENTRE_OF_MASS, ExplorationRe
 from nlcontrol.learning.push_lessons import taken
 from nlcontrol.reports.exploration_report import with_truth
 from objectmodels import ObjectModel
+from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification import guess
-from objectmodels.models.parameters import UNCERTAIN
 from sim.exploration.exploration_run import Explorer, Touched
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import FrictionVariation, Hidden, Pose, Scene, SceneObject, load_scene

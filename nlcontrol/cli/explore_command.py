@@ -73,7 +73,7 @@ def command(
     from nlcontrol.learning.model_store import kept, placed, renamed
     from nlcontrol.outcome_maps.experiment_runner import standing
     from nlcontrol.reports.exploration_report import report_lines, with_truth
-    from objectmodels.models.parameters import UNCERTAIN
+    from objectmodels.geometry.mechanical import UNCERTAIN
     from objectmodels.registry.model_files import save_model
 
     if precision is not None and math.isnan(precision):

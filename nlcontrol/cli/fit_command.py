@@ -30,7 +30,7 @@ class ParameterNames(click.ParamType[tuple[str, ...]]):
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[str, ...]:
         """Reads them; `centre_of_mass` stands for its three coordinates."""
-        from objectmodels.models.parameters import UNCERTAIN
+        from objectmodels.geometry.mechanical import UNCERTAIN
         from objectmodels.name_suggestions import suggest
 
         if isinstance(value, tuple):

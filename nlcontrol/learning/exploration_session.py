@@ -24,6 +24,7 @@ from nlcontrol.errors import ControlError, ErrorInfo, error
 from nlcontrol.learning.log_fitting import FittedParameter, correlations, fitted_parameter
 from nlcontrol.learning.push_lessons import SPREAD, taken
 from objectmodels.errors import ModelError
+from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification.belief_update import guess as guessed
 from objectmodels.identification.closed_form_estimates import (
     Estimates,
@@ -33,7 +34,7 @@ from objectmodels.identification.closed_form_estimates import (
 )
 from objectmodels.identification.experiment_design import Candidate, ranked, reached
 from objectmodels.identification.joint_fit import Fit, fit
-from objectmodels.models.parameters import UNCERTAIN, Provenance
+from objectmodels.models.parameters import Provenance
 from planner.touch_experiments import Experiment, Kind, expected
 
 if TYPE_CHECKING:

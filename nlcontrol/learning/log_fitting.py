@@ -16,10 +16,10 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict
 
 from objectmodels import ModelError, ObjectModel, Provenance
+from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification.identifiability import UNKNOWN
 from objectmodels.identification.joint_fit import Fit, fit
 from objectmodels.identification.logs.touch_log import FORCE_SHARE, Reading, read_data
-from objectmodels.models.parameters import UNCERTAIN
 
 TOLD = 0.3
 """Correlations from this size on are told."""

@@ -11,8 +11,8 @@ from pydantic import BaseModel, ConfigDict
 
 from nlcontrol.text_format import known
 from objectmodels.errors import ModelError
+from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.mechanics.turning_push import learned_radius
-from objectmodels.models.parameters import UNCERTAIN
 from sim.exploration.push_observation import shown
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.mechanics.outcome_probability import SMALLEST_SHARE
-from objectmodels.models.parameters import UNCERTAIN
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel

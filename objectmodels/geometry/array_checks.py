@@ -1,6 +1,8 @@
-"""Arrays that callers hand in, checked at the boundary."""
+"""Arrays that callers hand in, checked at the boundary; arrays as tuples of a strict model."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,3 +35,16 @@ def require_normals(n: Array) -> None:
     """Refuses normals that are not those of side faces, shape (n, 3)."""
     if np.any(np.abs(np.linalg.norm(n, axis=1) - 1.0) > 1e-6) or np.any(np.abs(n[:, 2]) > 0.99):
         raise ModelError("bad_array", "normals must be unit vectors of side faces")
+
+
+def as_tuple(value: Any) -> Any:
+    """A list or an array as a tuple; anything else as it is."""
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    return tuple(value) if isinstance(value, list) else value
+
+
+def as_tuples(value: Any) -> Any:
+    """The same, and for the lists in it."""
+    value = as_tuple(value)
+    return tuple(map(as_tuple, value)) if isinstance(value, tuple) else value

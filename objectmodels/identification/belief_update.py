@@ -20,6 +20,7 @@ import numpy as np
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification.least_squares import require_possible
 from objectmodels.identification.measurement_model import Balance, Linear
 from objectmodels.identification.parameter_coordinates import (
@@ -33,7 +34,6 @@ from objectmodels.identification.parameter_coordinates import (
 )
 from objectmodels.identification.trial import Trial
 from objectmodels.models.object_model import ObjectModel
-from objectmodels.models.parameters import UNCERTAIN
 
 SURPRISING = 3.0
 """Standard deviations from which on a trial contradicts what was believed."""

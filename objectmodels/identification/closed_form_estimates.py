@@ -26,12 +26,12 @@ import numpy as np
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification.measurement_model import Balance, tilt_arms
 from objectmodels.identification.parameter_coordinates import COM_X, MASS
 from objectmodels.identification.trial import Trial
 from objectmodels.mechanics.push_thresholds import GRAVITY, yaw_arm
 from objectmodels.models.object_model import ObjectModel
-from objectmodels.models.parameters import UNCERTAIN
 
 _INDEPENDENT = 0.02  # least singular value of columns of unit length that are told apart
 _OPPOSITE = -0.5  # cosine between the ways of tilts to opposite sides

@@ -20,13 +20,13 @@ import numpy as np
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification.belief_update import belief_of
 from objectmodels.identification.identifiability import require_names
 from objectmodels.identification.measurement_model import Balance
 from objectmodels.identification.parameter_coordinates import FRICTION, units
 from objectmodels.identification.trial import Trial
 from objectmodels.models.object_model import ObjectModel
-from objectmodels.models.parameters import UNCERTAIN
 
 LEAST = 1e-9
 """Precision that no experiment reaches: for a parameter that is wanted as well as it can be."""

@@ -16,6 +16,7 @@ import numpy as np
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification.measurement_model import Balance, Linear
 from objectmodels.identification.parameter_coordinates import (
     COM_X,
@@ -28,7 +29,6 @@ from objectmodels.identification.parameter_coordinates import (
     RADIUS,
     Mask,
 )
-from objectmodels.models.parameters import UNCERTAIN
 from objectmodels.name_suggestions import suggest
 
 UNKNOWN = 0.5

@@ -25,6 +25,7 @@ import numpy as np
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.geometry.support_points import Support, friction_radius
 from objectmodels.identification.identifiability import identified
 from objectmodels.identification.least_squares import Solution, require_possible, solve
@@ -44,7 +45,7 @@ from objectmodels.identification.parameter_coordinates import (
 from objectmodels.identification.trial import Trial
 from objectmodels.mechanics.push_thresholds import yaw_arm
 from objectmodels.models.object_model import ObjectModel
-from objectmodels.models.parameters import UNCERTAIN, Provenance
+from objectmodels.models.parameters import Provenance
 
 OUTLIER = 4.0
 """Robust standard deviations from which on a residual is an outlier."""

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from objectmodels.containers.contents_update import reweighed
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.models.object_model import ObjectModel
-from objectmodels.models.parameters import UNCERTAIN
 
 Mask = NDArray[np.bool_]
 

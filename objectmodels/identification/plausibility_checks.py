@@ -7,10 +7,11 @@ the unit. A force that pulls the object towards the finger is that on the finger
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array, Polygon
-from objectmodels.identification.logs.csv_tables import Row
 from objectmodels.identification.trial import Trial, Vector
 from objectmodels.models.object_model import ObjectModel
 
@@ -24,81 +25,86 @@ _PULLS = 0.05  # least part of a unit force along the outward normal that surely
 _NEAR_ZERO = 0.01  # contacts nearer to the origin than this share of the object are none
 
 
-def require_on_object(
-    row: Row, model: ObjectModel, point: Vector, columns: tuple[str, ...]
-) -> None:
-    """Checks that a contact lies on the object, inside or out by no more than `SLACK`.
+@dataclass(frozen=True)
+class Objection:
+    """Reason why a measurement cannot be right.
+
+    Attributes:
+        quantity: the one that is wrong: `x`, `y` or `z` of the contact, `force` or `force_sd`.
+        message: in words, with the number found.
+        hints: at what may have been meant.
+    """
+
+    quantity: str
+    message: str
+    hints: tuple[str, ...] = ()
+
+
+def contact_objection(model: ObjectModel, point: Vector) -> Objection | None:
+    """Objection to a contact that lies outside of the object by more than `SLACK`; None if it fits.
 
     Args:
-        row: where it was read, for the error.
         model: the object.
         point: contact point in B [m].
-        columns: of its three coordinates.
-
-    Raises:
-        ModelError: `bad_data`.
     """
     x, y, z = point
     low, high = model.outline.min(axis=0), model.outline.max(axis=0)
     if z > model.top + SLACK:
         what = f"{z:g} lies above the object, {model.top:g} m high"
-        raise row.error(columns[2], what, *_length_hint(z, model.top))
+        return Objection("z", what, _length_hint(z, model.top))
     if z < -SLACK:
-        raise row.error(columns[2], f"{z:g} lies below the table", "z is 0 at the base, and up")
-    for value, least, most, column in zip((x, y), low, high, columns, strict=False):
+        return Objection("z", f"{z:g} lies below the table", ("z is 0 at the base, and up",))
+    for quantity, value, least, most in zip("xy", (x, y), low, high, strict=True):
         if not least - SLACK <= value <= most + SLACK:
             what = f"{value:g} lies beside the object, which reaches from {least:g} to {most:g} m"
-            raise row.error(column, what, *_length_hint(abs(value), max(-least, most)))
+            return Objection(quantity, what, _length_hint(abs(value), max(-least, most)))
     if _beyond(model, point).max() > SLACK:
-        raise row.error(columns[0], f"({x:g}, {y:g}) lies beside the object")
+        return Objection("x", f"({x:g}, {y:g}) lies beside the object")
     if np.linalg.norm(point) < _NEAR_ZERO * max(model.extents):
         what = "the contact lies in the middle of the base, inside the object"
-        raise row.error(columns[0], what, "the coordinates are in metres, from the base's middle")
+        return Objection("x", what, ("the coordinates are in metres, from the base's middle",))
+    return None
 
 
-def require_plausible_force(row: Row, model: ObjectModel, trial: Trial, column: str) -> None:
-    """Checks that a force presses on the object, and is not off by a factor of 1000.
+def force_objection(model: ObjectModel, trial: Trial) -> Objection | None:
+    """Objection to a force that pulls, or is off by a factor of 1000; None if it is plausible.
 
     Args:
-        row: where it was read, for the error.
         model: the object as it is believed to be.
-        trial: what was read.
-        column: of the force, or of its largest component.
-
-    Raises:
-        ModelError: `bad_data`.
+        trial: the measurement.
     """
     f = np.array(trial.force)
     size = float(np.linalg.norm(f))
     if size == 0.0:
-        raise row.error(column, "a force of 0 N moves nothing")
+        return Objection("force", "a force of 0 N moves nothing")
     u = f / size
     if trial.moved != "slip" and not u[:2].any():
-        raise row.error(column, "a vertical force neither slides nor tilts anything")
+        return Objection("force", "a vertical force neither slides nor tilts anything")
     if trial.force_sd > size:
         what = f"{trial.force_sd:g} is larger than the force itself, {size:.3g} N"
-        raise row.error("force_sd_n", what, "is it in millinewtons?")
+        return Objection("force_sd", what, ("is it in millinewtons?",))
     beyond = _beyond(model, trial.point)
     normals = Polygon.convex(model.outline).normals[beyond > -SLACK]
     if len(normals) and (normals @ u[:2]).min() > _PULLS:
         what = "the force pulls the object towards the finger"
         hint = "is it the force on the finger? That on the object has the other sign"
-        raise row.error(column, what, hint)
+        return Objection("force", what, (hint,))
     if trial.moved == "slip":
-        return  # only the ratio of its parts counts
-    believed = _believed(model, trial, u)
+        return None  # only the ratio of its parts counts
+    believed = _believed_force(model, trial, u)
     # A force that holds a tilted object is less than that at the onset, down to nothing.
     least = believed / (1e3 if trial.tilt else FAR)
-    if not least <= size <= FAR * believed:
-        unit = "millinewtons" if size > believed else "kilonewtons"
-        what = (
-            f"a force of {size:.3g} N is far from what the {model.name} is believed to need to "
-            f"{trial.moved} there, {believed:.3g} N"
-        )
-        raise row.error(column, what, f"is it in {unit}?", "or mend the model's guess")
+    if least <= size <= FAR * believed:
+        return None
+    unit = "millinewtons" if size > believed else "kilonewtons"
+    what = (
+        f"a force of {size:.3g} N is far from what the {model.name} is believed to need to "
+        f"{trial.moved} there, {believed:.3g} N"
+    )
+    return Objection("force", what, (f"is it in {unit}?", "or mend the model's guess"))
 
 
-def _believed(model: ObjectModel, trial: Trial, u: Array) -> float:
+def _believed_force(model: ObjectModel, trial: Trial, u: Array) -> float:
     """Force at which the object is believed to do what it did; its weight if never [N]."""
     t = model.thresholds([trial.point], [u])
     force = float((t.slide if trial.moved == "slide" else t.topple)[0])

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from objectmodels.models.object_model import ObjectModel
+    from objectmodels.geometry.mechanical import Mechanical
 
     Index = NDArray[np.int64]
 
@@ -79,7 +79,7 @@ class ConeThresholds:
     critical_height: Array
     slides_most: Array
     topples_most: Array
-    _contacts: tuple[ObjectModel, Array, Array, bool] = field(repr=False)
+    _contacts: tuple[Mechanical, Array, Array, bool] = field(repr=False)
 
     @cached_property
     def probability_slide(self) -> Array:
@@ -96,7 +96,7 @@ class ConeThresholds:
 
 
 def cone_thresholds(
-    model: ObjectModel, p: Array, normals: Array, sigmas: float, yaw: bool
+    model: Mechanical, p: Array, normals: Array, sigmas: float, yaw: bool
 ) -> ConeThresholds:
     """See `ObjectModel.cone_thresholds`, which checks its arguments."""
     # All but the topple threshold is the same for every height over one point of the base.

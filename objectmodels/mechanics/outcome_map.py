@@ -10,18 +10,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal, Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.mechanical import Mechanical
 from objectmodels.geometry.side_faces import Face
 
 if TYPE_CHECKING:
     from objectmodels.mechanics.outcome_probability import Likelihood
-    from objectmodels.models.object_model import ObjectModel
+    from objectmodels.mechanics.push_outcomes import Thresholds
 
 BAND = 0.05
 """Relative distance of the two thresholds up to which an outcome counts as undecided."""
@@ -33,6 +34,24 @@ MOST_CONTACTS = 100_000
 
 MOST_EXACT = 5_000
 """Maps of more contacts take the exact tier only where the closed form may have the wrong class."""
+
+
+class MappedObject(Mechanical, Protocol):
+    """An object of which a map can be made: it answers with exact thresholds and probabilities."""
+
+    def thresholds(
+        self, points: ArrayLike, directions: ArrayLike, *, exact: bool | Literal["border"]
+    ) -> Thresholds:
+        """See `ObjectModel.thresholds`."""
+        ...
+
+    def likelihood(self, points: ArrayLike, directions: ArrayLike) -> Likelihood:
+        """See `ObjectModel.likelihood`."""
+        ...
+
+    def model_copy(self, *, update: dict[str, Any]) -> Self:
+        """A copy with changed parameters."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -62,7 +81,7 @@ class OutcomeMap:
     band: float
     level: float | None
     friction: str
-    model: ObjectModel
+    model: MappedObject
 
     @property
     def force(self) -> Array:
@@ -98,7 +117,7 @@ class OutcomeMap:
 
 
 def outcome_map(
-    model: ObjectModel,
+    model: MappedObject,
     face: Face,
     *,
     direction: ArrayLike | None = None,

@@ -20,6 +20,7 @@ import numpy as np
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.mechanics.push_thresholds import (
     critical_friction,
     slide_threshold,
@@ -27,10 +28,9 @@ from objectmodels.mechanics.push_thresholds import (
     yaw_arm,
 )
 from objectmodels.mechanics.worst_cases import contact_forces, directions
-from objectmodels.models.parameters import UNCERTAIN
 
 if TYPE_CHECKING:
-    from objectmodels.models.object_model import ObjectModel
+    from objectmodels.geometry.mechanical import Mechanical
 
 NODES = 128
 """Points of the Halton sequence that a probability is averaged over."""
@@ -92,7 +92,7 @@ class Draws:
 _CONDITIONS = ("com_x", "com_y", "friction_radius", "finger_friction")
 
 
-def draws(model: ObjectModel, z: Array, *, yaw: bool = True) -> Draws:
+def draws(model: Mechanical, z: Array, *, yaw: bool = True) -> Draws:
     """Parameters at standard normal deviates z, shape (k, 4): com x, com y, radius, finger.
 
     Without yaw the friction radius is infinite.
@@ -119,7 +119,7 @@ def _root(correlation: Array) -> Array:
     return np.asarray(np.linalg.cholesky(shifted), dtype=np.float64)
 
 
-def _inside(model: ObjectModel, com: Array) -> Array:
+def _inside(model: Mechanical, com: Array) -> Array:
     """Centres of mass (k, 2) drawn back along rays from the origin until they are on the base."""
     length = np.hypot(*com.T)
     rays = com / np.maximum(length, 1e-300)[:, None]
@@ -130,7 +130,7 @@ def _inside(model: ObjectModel, com: Array) -> Array:
 
 
 def likelihood(
-    model: ObjectModel, p: Array, u: Array, force: float | None = None, seed: int = 0
+    model: Mechanical, p: Array, u: Array, force: float | None = None, seed: int = 0
 ) -> Likelihood:
     """See `ObjectModel.likelihood`, which checks its arrays."""
     if force is None:
@@ -153,13 +153,13 @@ def _blocks(p: Array, u: Array) -> list[tuple[Array, Array]]:
     return [(p[i : i + BLOCK], u[i : i + BLOCK]) for i in starts]
 
 
-def _at_onset(model: ObjectModel, p: Array, u: Array, draw: Draws) -> tuple[Array, Array]:
+def _at_onset(model: Mechanical, p: Array, u: Array, draw: Draws) -> tuple[Array, Array]:
     """Probabilities of sliding and of toppling first, shape (n,) each."""
     slide, topple = _classes(model, p[:, None, :], u[:, None, :], draw)
     return slide.mean(axis=-1), topple.mean(axis=-1)
 
 
-def _classes(model: ObjectModel, p: Array, f: Array, draw: Draws) -> tuple[Array, Array]:
+def _classes(model: Mechanical, p: Array, f: Array, draw: Draws) -> tuple[Array, Array]:
     """Probabilities over the friction alone, for each draw in the last axis."""
     topple = topple_threshold(model.base, p, f, draw.com, model.weight)
     arm = yaw_arm(p, f, draw.com)
@@ -188,7 +188,7 @@ class Sample:
     com: Array
 
 
-def sampled(model: ObjectModel, samples: int, seed: int) -> Sample:
+def sampled(model: Mechanical, samples: int, seed: int) -> Sample:
     """Draws all uncertain parameters of an object."""
     z = np.random.default_rng(seed).standard_normal((samples, len(UNCERTAIN)))
     mean = model.means
@@ -203,7 +203,7 @@ def sampled(model: ObjectModel, samples: int, seed: int) -> Sample:
     )
 
 
-def _sampled(model: ObjectModel, p: Array, u: Array, force: float, seed: int) -> Array:
+def _sampled(model: Mechanical, p: Array, u: Array, force: float, seed: int) -> Array:
     """Shares of none, slide, topple among samples of all parameters, shape (n, 3)."""
     drawn = sampled(model, SAMPLES, seed)
     weight, com = drawn.weight, drawn.com
@@ -218,7 +218,7 @@ def _sampled(model: ObjectModel, p: Array, u: Array, force: float, seed: int) ->
 
 
 def worst_probability(
-    model: ObjectModel, p: Array, normals: Array, yaw: bool, outcome: Literal["slide", "topple"]
+    model: Mechanical, p: Array, normals: Array, yaw: bool, outcome: Literal["slide", "topple"]
 ) -> Array:
     """Probability of an outcome at onset for the worst direction in the finger's cone, (n,).
 
@@ -242,7 +242,7 @@ def worst_probability(
 
 
 def _probability(
-    model: ObjectModel, p: Array, normals: Array, shares: Array, outcome: str, draw: Draws
+    model: Mechanical, p: Array, normals: Array, shares: Array, outcome: str, draw: Draws
 ) -> Array:
     """Probability of an outcome for the directions of given shares (n, j, 2), shape (n, j)."""
     tangential = shares[:, :, None, :] * draw.finger_friction[:, None]

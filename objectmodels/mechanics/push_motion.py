@@ -22,7 +22,7 @@ from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
 
 if TYPE_CHECKING:
-    from objectmodels.models.object_model import ObjectModel
+    from objectmodels.geometry.mechanical import Mechanical
 
 STEPS = 200
 """Steps of the integration over a stroke; the pose's error is then below 1 µm for 0.2 m."""
@@ -52,7 +52,7 @@ class Stroke:
 
 
 def stroke(
-    model: ObjectModel, points: ArrayLike, normals: ArrayLike, direction: ArrayLike, travel: float
+    model: Mechanical, points: ArrayLike, normals: ArrayLike, direction: ArrayLike, travel: float
 ) -> Stroke:
     """See `ObjectModel.stroke`."""
     p, n, d = _checked(points, normals, direction, travel)
@@ -105,7 +105,7 @@ def _checked(
     return p[..., :2].copy(), level, d[:, :2].copy()
 
 
-def touched_faces(model: ObjectModel, places: Array, normals: Array) -> Array:
+def touched_faces(model: Mechanical, places: Array, normals: Array) -> Array:
     """Of each touched face: where along it the contact is, half its width, curvature; (n, 3).
 
     Args:
@@ -135,7 +135,7 @@ def touched_faces(model: ObjectModel, places: Array, normals: Array) -> Array:
 class _Pushes:
     """The equations of motion of n strokes with k fingers."""
 
-    def __init__(self, model: ObjectModel, p: Array, n: Array, d: Array, face: Array) -> None:
+    def __init__(self, model: Mechanical, p: Array, n: Array, d: Array, face: Array) -> None:
         self.c, self.radius = np.array(model.com[:2]), model.friction_radius
         self.mu = model.finger_friction
         self.p, self.inward, self.d, self.face = p, -n, d, face

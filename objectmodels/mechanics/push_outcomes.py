@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Array, Base
-from objectmodels.mechanics.push_thresholds import centre_of_pressure, sliding_twist, toppling_twist
+from objectmodels.mechanics.push_thresholds import (
+    centre_of_pressure,
+    slide_threshold,
+    sliding_twist,
+    topple_threshold,
+    toppling_twist,
+    yaw_arm,
+)
+
+if TYPE_CHECKING:
+    from objectmodels.geometry.mechanical import Friction, Mechanical
 
 UNDECIDED = 1e-9
 """Relative band in which two thresholds count as equal: the outcome is then `slide+topple`."""
@@ -154,6 +165,32 @@ class Prediction:
             apart = np.where(np.isinf(t.onset), np.inf, np.abs(t.slide - t.topple))
         margin = np.abs(self.force - t.onset)
         return np.where(self.moves, np.minimum(margin, apart), margin)
+
+
+def closed_form_thresholds(
+    model: Mechanical, p: Array, u: Array, friction: Friction = "static"
+) -> Thresholds:
+    """Thresholds of the closed form; see `ObjectModel.thresholds`, which checks its arguments.
+
+    A zero direction never moves anything.
+    """
+    c, weight = np.array(model.com), model.weight
+    # One component after the other: numpy is much faster on arrays that lie in a row.
+    p, u = np.asfortranarray(p), np.asfortranarray(u)
+    mu, radius = model.coefficient(friction), model.friction_radius
+    return Thresholds(
+        slide=slide_threshold(u, yaw_arm(p, u, c), mu, radius, weight),
+        topple=topple_threshold(model.base, p, u, c, weight),
+        friction=friction,
+        push=(p, u),
+        body=(model.base, c, radius, weight),
+    )
+
+
+def size_and_direction(f: Array) -> tuple[Array, Array]:
+    """Sizes (n,) and unit directions (n, 3) of forces; a zero force has the direction zero."""
+    size = np.sqrt(f[:, 0] ** 2 + f[:, 1] ** 2 + f[:, 2] ** 2)
+    return size, f / np.maximum(size, np.finfo(float).tiny)[:, None]
 
 
 def gap(first: Array, other: Array) -> Array:

@@ -29,8 +29,8 @@ from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.support_points import friction_radius
 
 if TYPE_CHECKING:
+    from objectmodels.geometry.mechanical import Mechanical
     from objectmodels.geometry.side_faces import Face
-    from objectmodels.models.object_model import ObjectModel
 
 Vector3 = tuple[float, float, float]
 
@@ -105,7 +105,7 @@ class TurningPush:
 
 
 def turning(
-    model: ObjectModel,
+    model: Mechanical,
     points: ArrayLike,
     normals: ArrayLike,
     slants: ArrayLike,
@@ -153,7 +153,7 @@ def turning(
 
 
 def best_turn(
-    model: ObjectModel,
+    model: Mechanical,
     face: Face,
     angle: float,
     height: float,
@@ -211,7 +211,7 @@ def best_turn(
 
 
 def learned_radius(
-    model: ObjectModel, point: ArrayLike, direction: ArrayLike, pose: ArrayLike
+    model: Mechanical, point: ArrayLike, direction: ArrayLike, pose: ArrayLike
 ) -> float:
     """The friction radius that a push has shown which turned the object [m].
 
@@ -250,7 +250,7 @@ class _Contacts:
         r: contacts from the centre of mass, shape (n, 2) [m].
     """
 
-    def __init__(self, model: ObjectModel, points: ArrayLike, normals: ArrayLike) -> None:
+    def __init__(self, model: Mechanical, points: ArrayLike, normals: ArrayLike) -> None:
         p, n = pairs(points, normals)
         require_normals(n)
         self._model = model
@@ -280,7 +280,7 @@ class _Contacts:
         return np.asarray((force[:, 0] > 0.0) & (np.abs(force[:, 1]) <= mu * force[:, 0]))
 
 
-def _radius(model: ObjectModel, sigmas: float) -> float:
+def _radius(model: Mechanical, sigmas: float) -> float:
     """The friction radius with so many deviations more, or less if negative [m].
 
     No pressure turns harder than that of an object which stands on its corners.

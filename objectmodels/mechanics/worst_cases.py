@@ -27,7 +27,7 @@ from objectmodels.mechanics.push_thresholds import (
 )
 
 if TYPE_CHECKING:
-    from objectmodels.models.object_model import ObjectModel
+    from objectmodels.geometry.mechanical import Mechanical
 
 SMALLEST_SHARE = 1e-3
 """A worst case never takes a friction radius below this share of its nominal value."""
@@ -56,7 +56,7 @@ class Case:
     weight: float
 
     @classmethod
-    def of(cls, model: ObjectModel, sigmas: float, *, yaw: bool = True) -> Case:
+    def of(cls, model: Mechanical, sigmas: float, *, yaw: bool = True) -> Case:
         """The object that slides late and topples early (σ > 0), or the other way round (σ < 0).
 
         Without yaw it may only slide straight: its friction radius is infinite.

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field
 
-from objectmodels.geometry.base_shapes import Polygon
+from objectmodels.geometry.base_shapes import Array, Polygon
 from objectmodels.geometry.side_faces import Face, sides
 from objectmodels.models.object_model import ObjectModel
-from objectmodels.models.parameters import Array, Size
+from objectmodels.models.parameters import Size
 from objectmodels.models.resting_faces import Resting
 
 # Rows are the new axes in the old frame: the named face comes to lie below.

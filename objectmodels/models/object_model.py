@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Self
 
@@ -23,35 +22,29 @@ from pydantic import model_validator
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.array_checks import pairs, require_normals, require_units
-from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon
+from objectmodels.geometry.base_shapes import Array, Base, Polygon
+from objectmodels.geometry.mechanical import Friction
 from objectmodels.geometry.side_faces import Face
 from objectmodels.geometry.support_points import carrying_base, friction_radius, within
-from objectmodels.mechanics import tilt_limits as tilting
+from objectmodels.mechanics import tilt_limits
 from objectmodels.mechanics.friction_cone import ConeThresholds, cone_thresholds
-from objectmodels.mechanics.push_outcomes import Prediction, Thresholds
-from objectmodels.mechanics.push_thresholds import (
-    GRAVITY,
-    push_moment,
-    slide_threshold,
-    topple_threshold,
-    yaw_arm,
+from objectmodels.mechanics.push_outcomes import (
+    Prediction,
+    Thresholds,
+    closed_form_thresholds,
+    size_and_direction,
 )
+from objectmodels.mechanics.push_thresholds import GRAVITY, push_moment
 from objectmodels.models.parameters import RADIUS_SHARE_SD, Parameters
 from objectmodels.models.resting_faces import Resting, lying
 from objectmodels.models.vessel import Vessel
 
 if TYPE_CHECKING:
-    from objectmodels.mechanics.exact.exact_thresholds import ExactThresholds
     from objectmodels.mechanics.exact.step_force import SuddenPush
     from objectmodels.mechanics.outcome_probability import Likelihood
     from objectmodels.mechanics.push_motion import Stroke
 
-Friction = Literal["static", "kinetic"]
-
 _OF_ITS_STANDING = ("container", "lid", "grasp")  # stated for the base that it stands on
-
-BORDER = 0.4
-"""Relative distance of the closed form's thresholds within which its class may be wrong."""
 
 
 class ObjectModel(Parameters, ABC):
@@ -270,41 +263,17 @@ class ObjectModel(Parameters, ABC):
         """
         p, u = pairs(points, directions)
         require_units(u)
-        if exact == "border":
-            return self._exact_at_the_border(p, u, friction)
-        return self._exact(p, u, friction) if exact else self._thresholds(p, u, friction)
+        return self._thresholds(p, u, exact, friction)
 
-    def _exact_at_the_border(self, p: Array, u: Array, friction: Friction) -> Thresholds:
-        t = self._thresholds(p, u, friction)
-        with np.errstate(invalid="ignore"):
-            close = np.abs(t.slide - t.topple) <= BORDER * t.onset
-        # Near tipping a round base stands on one point, which does not keep it from turning.
-        if isinstance(self.base, Disc):
-            close |= t.topple < t.slide
-        (i,) = np.nonzero(close)
-        slide = t.slide.copy()
-        if i.size:
-            slide[i] = self._exact(p[i], u[i], friction).slide
-        return replace(t, slide=slide)
+    def _thresholds(
+        self, p: Array, u: Array, exact: bool | Literal["border"], friction: Friction
+    ) -> Thresholds:
+        if not exact:
+            return closed_form_thresholds(self, p, u, friction)
+        from objectmodels.mechanics.exact import exact_thresholds as tier
 
-    def _exact(self, p: Array, u: Array, friction: Friction) -> ExactThresholds:
-        from objectmodels.mechanics.exact.exact_thresholds import exact_thresholds
-
-        return exact_thresholds(self, p, u, friction)
-
-    def _thresholds(self, p: Array, u: Array, friction: Friction = "static") -> Thresholds:
-        """`thresholds` for checked arrays; a zero direction never moves anything."""
-        c, weight = np.array(self.com), self.weight
-        # One component after the other: numpy is much faster on arrays that lie in a row.
-        p, u = np.asfortranarray(p), np.asfortranarray(u)
-        mu, radius = self.coefficient(friction), self.friction_radius
-        return Thresholds(
-            slide=slide_threshold(u, yaw_arm(p, u, c), mu, radius, weight),
-            topple=topple_threshold(self.base, p, u, c, weight),
-            friction=friction,
-            push=(p, u),
-            body=(self.base, c, radius, weight),
-        )
+        compute = tier.exact_near_the_border if exact == "border" else tier.exact_thresholds
+        return compute(self, p, u, friction)
 
     def topple_by_edge(self, points: ArrayLike, directions: ArrayLike) -> Array:
         """Forces at which slow pushes would topple it about each edge of its base, (n, k) [N].
@@ -338,10 +307,8 @@ class ObjectModel(Parameters, ABC):
             ModelError: `bad_array` if a shape or a value is wrong.
         """
         p, f = pairs(points, forces)
-        force = np.sqrt(f[:, 0] ** 2 + f[:, 1] ** 2 + f[:, 2] ** 2)
-        u = f / np.maximum(force, np.finfo(float).tiny)[:, None]
-        t = self._exact(p, u, friction) if exact else self._thresholds(p, u, friction)
-        return Prediction(force, t)
+        force, u = size_and_direction(f)
+        return Prediction(force, self._thresholds(p, u, exact, friction))
 
     def cone_thresholds(
         self, points: ArrayLike, normals: ArrayLike, *, sigmas: float = 0.0, yaw: bool = True
@@ -449,7 +416,7 @@ class ObjectModel(Parameters, ABC):
             sigmas: take the centre of mass at so many standard deviations towards an earlier
                 fall (negative: towards a later one).
         """
-        return tilting.angle_of_no_return(self, direction, sigmas)
+        return tilt_limits.angle_of_no_return(self, direction, sigmas)
 
     def topple_stroke(self, direction: ArrayLike, height: float, angle: float) -> float:
         """Travel of a finger that tilts it by an angle, the larger of two cases [m].
@@ -459,7 +426,7 @@ class ObjectModel(Parameters, ABC):
             height: contact height on the face pushed [m].
             angle: tilt to be reached [rad].
         """
-        return tilting.topple_stroke(self, direction, height, angle)
+        return tilt_limits.topple_stroke(self, direction, height, angle)
 
     def stroke_tilt(
         self, direction: ArrayLike, height: float, travel: float
@@ -474,4 +441,4 @@ class ObjectModel(Parameters, ABC):
         Returns:
             The smaller and the larger of the two.
         """
-        return tilting.stroke_tilt(self, direction, height, travel)
+        return tilt_limits.stroke_tilt(self, direction, height, travel)

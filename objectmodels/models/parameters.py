@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Annotated, ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import (
     BaseModel,
     BeforeValidator,
@@ -21,17 +20,14 @@ from pydantic import (
 )
 
 from objectmodels.errors import ModelError
+from objectmodels.geometry.array_checks import as_tuple, as_tuples
+from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.geometry.support_points import Support
-from objectmodels.geometry.tuples import as_tuple, as_tuples
 from objectmodels.models.object_parts import Container, Graspable, Lid
-
-Array = NDArray[np.float64]
 
 RADIUS_SHARE_SD = 0.45
 """Standard deviation of an unfitted friction radius as a share of it: real objects spread so."""
-
-UNCERTAIN = ("mass", "friction", "finger_friction", "friction_radius", "com_x", "com_y", "com_z")
-"""Names of the uncertain parameters, in the order of `Parameters.means` and `.covariance`."""
 
 _DERIVED = float("nan")  # a default that depends on the shape; never seen from outside
 

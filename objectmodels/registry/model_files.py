@@ -3,7 +3,7 @@
 A file begins with `format: KIND/VERSION`, e.g. `box/1`; the kind is a class of model, whose fields
 are the file's keys (by their aliases, which carry the units). It is read strictly: what is unknown,
 of another type or out of range is an error that names file, key, what was found and what was
-expected. See `objectmodels/models/` for examples.
+expected. See `objectmodels/registry/builtin/` for examples.
 """
 
 from __future__ import annotations

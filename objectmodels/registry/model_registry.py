@@ -80,7 +80,7 @@ class Registry:
     def built_in(cls) -> Registry:
         """A registry of the built-in models alone."""
         registry = cls()
-        with as_file(files("objectmodels") / "models") as folder:
+        with as_file(files("objectmodels.registry") / "builtin") as folder:
             registry.load(folder, place="built in")
         return registry
 

@@ -13,9 +13,9 @@ import pytest
 from nlcontrol.cli import run
 from nlcontrol.learning.log_fitting import EXPERIMENTS
 from objectmodels import Registry
+from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification.logs import force_recordings as recordings
 from objectmodels.identification.logs import touch_log as datafile
-from objectmodels.models.parameters import UNCERTAIN
 
 ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "fitting.md").read_text(encoding="utf-8")

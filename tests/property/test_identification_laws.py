@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from objectmodels import BoxModel
+from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification import Trial, estimates, fit
-from objectmodels.models.parameters import UNCERTAIN
 from tests.unit.objectmodels.touching import everything, touched
 
 PLAN = everything(1)

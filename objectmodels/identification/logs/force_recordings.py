@@ -25,8 +25,9 @@ from objectmodels.identification.onset_detection import (
     detect_onset,
 )
 from objectmodels.identification.plausibility_checks import (
-    require_on_object,
-    require_plausible_force,
+    Objection,
+    contact_objection,
+    force_objection,
 )
 from objectmodels.identification.trial import Moved, Trial, Vector
 from objectmodels.models.object_model import ObjectModel
@@ -162,7 +163,7 @@ def read_recordings(table: Table, model: ObjectModel, prefix: str) -> tuple[list
     unused: list[str] = []
     for label, rows in _by_trial(table).items():
         recording = _recording(label, rows, prefix)
-        require_on_object(rows[0], model, _vector(recording.tip[0]), CONTACT)
+        require_none(rows[0], contact_objection(model, _vector(recording.tip[0])))
         try:
             found = trial_from_series(recording)
         except ModelError as error:
@@ -175,10 +176,29 @@ def read_recordings(table: Table, model: ObjectModel, prefix: str) -> tuple[list
             continue
         trial, onset = found
         largest = FORCE[int(np.argmax(np.abs(trial.force)))]
-        require_plausible_force(rows[onset.index], model, trial, largest)
+        require_none(rows[onset.index], force_objection(model, trial), largest)
         held = tilted_trial(recording, trial, model)
         trials += [trial] if held is None else [trial, held]
     return trials, unused
+
+
+def require_none(row: Row, objection: Objection | None, force: str = FORCE[0]) -> None:
+    """Raise an objection as an error of the row that it concerns.
+
+    Args:
+        row: where the measurement was read.
+        objection: to it, None if it is plausible.
+        force: column of the force, or of its largest component.
+
+    Raises:
+        ModelError: `bad_data`.
+    """
+    if objection is not None:
+        columns = dict(zip("xyz", CONTACT, strict=True)) | {
+            "force": force,
+            "force_sd": "force_sd_n",
+        }
+        raise row.error(columns[objection.quantity], objection.message, *objection.hints)
 
 
 def _by_trial(table: Table) -> Mapping[str, list[Row]]:

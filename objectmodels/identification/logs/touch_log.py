@@ -15,11 +15,13 @@ from pathlib import Path
 import numpy as np
 
 from objectmodels.identification.logs.csv_tables import Row, Table, read_table, shortened
-from objectmodels.identification.logs.force_recordings import CONTACT, FORCE, read_recordings
-from objectmodels.identification.plausibility_checks import (
-    require_on_object,
-    require_plausible_force,
+from objectmodels.identification.logs.force_recordings import (
+    CONTACT,
+    FORCE,
+    read_recordings,
+    require_none,
 )
+from objectmodels.identification.plausibility_checks import contact_objection, force_objection
 from objectmodels.identification.trial import Moved, Trial, Vector
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.name_suggestions import suggest
@@ -105,7 +107,7 @@ def _touches(table: Table, model: ObjectModel, prefix: str) -> list[Trial]:
 def _touch(row: Row, model: ObjectModel, prefix: str, by_size: bool) -> Trial:
     moved = _moved(row)
     point = row.vector(CONTACT)
-    require_on_object(row, model, point, CONTACT)
+    require_none(row, contact_objection(model, point))
     force = _sized(row) if by_size else row.vector(FORCE)
     size = hypot(*force)
     tilt, tilt_sd = _tilt(row, moved)
@@ -124,7 +126,7 @@ def _touch(row: Row, model: ObjectModel, prefix: str, by_size: bool) -> Trial:
         source=f"{prefix}row {row.number}",
     )
     largest = FORCE[int(np.argmax(np.abs(force)))]
-    require_plausible_force(row, model, trial, "force_n" if by_size else largest)
+    require_none(row, force_objection(model, trial), "force_n" if by_size else largest)
     return trial
 
 

@@ -19,10 +19,14 @@ from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.exact.exact_thresholds import axes
-from objectmodels.mechanics.push_outcomes import OUTCOMES
+from objectmodels.mechanics.push_outcomes import (
+    OUTCOMES,
+    closed_form_thresholds,
+    size_and_direction,
+)
 
 if TYPE_CHECKING:
-    from objectmodels.models.object_model import ObjectModel
+    from objectmodels.geometry.mechanical import Mechanical
 
 
 @dataclass(frozen=True)
@@ -40,10 +44,11 @@ class SuddenPush:
     angular: Array
 
 
-def sudden_push(model: ObjectModel, p: Array, f: Array) -> SuddenPush:
+def sudden_push(model: Mechanical, p: Array, f: Array) -> SuddenPush:
     """See `ObjectModel.sudden`, which checks its arguments."""
-    slowly = model.predict(p, f)
-    t, c, m, mu = slowly.thresholds, np.array(model.com), model.mass, model.friction
+    force, u = size_and_direction(f)
+    t = closed_form_thresholds(model, p, u)
+    c, m, mu = np.array(model.com), model.mass, model.friction
     _, level, _ = axes(f)
     # Across the edge that it would topple over first, if it topples first; else along the force.
     tips = (t.code == 2)[:, None]
@@ -63,7 +68,7 @@ def sudden_push(model: ObjectModel, p: Array, f: Array) -> SuddenPush:
     # What moves by turning about the vertical too, or slides aside, seems to rest in the plane.
     rests = _both_edges(torque + c_z * fx, load, ahead, behind) & (np.abs(fx) <= mu * load)
     ways = [
-        (~slowly.moves, "none", zero, zero),
+        (force < t.onset, "none", zero, zero),
         (rests, "", zero, zero),
         *_tips(fx, load, torque, inertia, m, mu, c_z, ahead),
         (slides, "slide", (fx - mu * load) / m, zero),

@@ -18,10 +18,10 @@ from nlcontrol.learning.push_lessons import (
     taken,
 )
 from objectmodels import BoxModel
+from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification import Trial
 from objectmodels.identification.belief_update import SURPRISING
 from objectmodels.mechanics.turning_push import turning
-from objectmodels.models.parameters import UNCERTAIN
 from planner.types.plan import Plan
 from planner.types.world_state import SeenObject
 from sim.traces.trace import EndReason, Trace

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from objectmodels import CylinderModel, ModelError
+from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification import Estimates, estimates, estimates_by_repetition, table
-from objectmodels.models.parameters import UNCERTAIN
 from tests.unit.objectmodels.touching import (
     BELIEF,
     TRUTH,

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from objectmodels import CylinderModel, ModelError
+from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.geometry.support_points import Support
 from objectmodels.identification import Trial, fit
-from objectmodels.models.parameters import UNCERTAIN
 from tests.unit.objectmodels.touching import (
     BELIEF,
     SIDES,

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from objectmodels import ModelError, ObjectModel
+from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification import (
     Candidate,
     Trial,
@@ -19,7 +20,6 @@ from objectmodels.identification import (
     update,
     updated,
 )
-from objectmodels.models.parameters import UNCERTAIN
 from tests.unit.objectmodels.touching import (
     BELIEF,
     SIDES,
