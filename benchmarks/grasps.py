@@ -22,7 +22,7 @@ import numpy as np
 from objectmodels.mechanics.grasp_stability import Contacts, slip_multiplier
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from sim.hands.four_finger import hand_kinematics as hand
-from sim.hands.four_finger.grasp_postures import HOLDING, HandGrip, hand_grip, inward
+from sim.hands.four_finger.grasp_postures import HOLDING, GraspPosture, grasp_posture, inward
 from sim.rotations import Array
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject, load_scene
@@ -80,8 +80,8 @@ def drawn(cases: int, seed: int) -> list[Case]:
     return made
 
 
-def _grip(width: float) -> HandGrip:
-    grip = hand_grip(width)
+def _grip(width: float) -> GraspPosture:
+    grip = grasp_posture(width)
     assert grip is not None, "the cases are drawn among the hand's widths"
     return grip
 

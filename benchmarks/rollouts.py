@@ -42,7 +42,7 @@ from planner.types.plan import Plan, Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import WorldState
 from sim.cell.cell_description import Vision
-from sim.motion.robot_reach import ArmReach
+from sim.motion.robot_reach import ArmHandReach
 from sim.truth.scene_file import Pose, Scene, SceneObject
 
 OBJECT = "ice tea box"
@@ -103,7 +103,7 @@ class Shot:
         return self.off <= NEAR and self.angle <= TURNED
 
 
-class Everywhere(ArmReach):
+class Everywhere(ArmHandReach):
     """A hand that gets everywhere, so that no time goes into the arm's kinematics."""
 
     def __call__(self, push: Push, state: WorldState) -> ReachAnswer:

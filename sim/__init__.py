@@ -5,7 +5,7 @@ Drake is imported when a world is built, not with this package.
 
 from sim.errors import PictureError, SceneError, SimError
 from sim.execution.plan_execution import execute, watch
-from sim.motion.robot_reach import ArmReach
+from sim.motion.robot_reach import ArmHandReach
 from sim.perception.camera_port import first_look, seen_colours
 from sim.traces.trace import Trace
 from sim.truth.scene_file import Scene, load_scene
@@ -14,7 +14,7 @@ from sim.views.trace_picture import save_picture
 from sim.worlds.drake.drake_world import DrakeWorld
 
 __all__ = [
-    "ArmReach",
+    "ArmHandReach",
     "DrakeWorld",
     "PictureError",
     "Scene",

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from planner.types.actions import HandlingPlan
     from planner.types.defaults import Defaults
     from planner.types.robot import Reach
-    from sim import ArmReach, DrakeWorld
+    from sim import ArmHandReach, DrakeWorld
     from sim.traces.trace import Trace
 
 Progress = Callable[[str, float, str], None]
@@ -76,7 +76,7 @@ class Controller:
         self.seed = seed
         self.defaults = self.scene.defaults if defaults is None else defaults
         self._world: DrakeWorld | None = None
-        self._reach: ArmReach | None = None
+        self._reach: ArmHandReach | None = None
 
     @property
     def world(self) -> DrakeWorld:
@@ -88,12 +88,12 @@ class Controller:
         return self._world
 
     @property
-    def reach(self) -> ArmReach:
+    def reach(self) -> ArmHandReach:
         """Answers whether the hand gets somewhere."""
         if self._reach is None:
-            from sim import ArmReach
+            from sim import ArmHandReach
 
-            self._reach = ArmReach(self.scene.cell)
+            self._reach = ArmHandReach(self.scene.cell)
         return self._reach
 
     @property

@@ -110,7 +110,7 @@ class Obstacle:
 
 
 @dataclass(frozen=True, eq=False)
-class Scenery:
+class CollisionScene:
     """Everything on the table.
 
     Attributes:
@@ -128,7 +128,7 @@ class Scenery:
         pushed: str,
         spare: float = 0.0,
         clearance: float = OBJECT_CLEARANCE,
-    ) -> Scenery:
+    ) -> CollisionScene:
         """What the robot sees.
 
         Args:

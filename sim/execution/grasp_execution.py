@@ -22,9 +22,9 @@ from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.trace_recorder import Recorder
 from sim.execution.push_execution import Progress
 from sim.hands.four_finger.grasp_postures import HOLDING
-from sim.motion.grasp_motion_search import HandWay
-from sim.paths.held_object import Handled
-from sim.paths.held_object_path import Leg, upright_again
+from sim.motion.grasp_motion_search import GraspMotion
+from sim.paths.held_object import HeldObject
+from sim.paths.held_object_path import HeldSegment, upright_again
 from sim.rotations import Array
 
 CONTACT = 0.4
@@ -60,9 +60,9 @@ class HandTrip:
 
     def __init__(
         self,
-        handled: Handled,
+        handled: HeldObject,
         recorder: Recorder,
-        way: HandWay,
+        way: GraspMotion,
         tell: Progress,
     ) -> None:
         self._handled = handled
@@ -109,7 +109,7 @@ class HandTrip:
         handled = self._handled
         return HandSense(self._recorder, self._way.mount, handled.name, p_BG, handled.state)
 
-    def _make(self, step: HandStep, legs: tuple[Leg, ...]) -> None:
+    def _make(self, step: HandStep, legs: tuple[HeldSegment, ...]) -> None:
         """Makes one step."""
         if isinstance(step, PourOut):
             self._pour(step, legs)
@@ -142,7 +142,7 @@ class HandTrip:
 
     # -- taking hold ----------------------------------------------------------------------------
 
-    def _reach_for(self, approach: Leg) -> None:
+    def _reach_for(self, approach: HeldSegment) -> None:
         """From home to where the open hand is about the object."""
         self._tell("transit", "moving the hand")
         self._recorder.phase = "transit"
@@ -241,7 +241,7 @@ class HandTrip:
         # The arm still swings at first.
         return weight(np.array(felt[len(felt) // 3 :]), self._motion.zero_samples)
 
-    def _pour(self, step: PourOut, legs: tuple[Leg, ...]) -> None:
+    def _pour(self, step: PourOut, legs: tuple[HeldSegment, ...]) -> None:
         """Tilts until enough has run out, waits, and comes back upright."""
         self._tell("pour", f"pouring into the {step.into}")
         first, *tilting = legs[: len(legs) // 2]
@@ -264,8 +264,8 @@ class HandTrip:
         self._tell("pour", f"{1e6 * poured:.0f} ml have run out, as the weight tells")
 
     def _pour_some(
-        self, legs: list[Leg], full: float, out: float, wait: float
-    ) -> tuple[list[Leg], float]:
+        self, legs: list[HeldSegment], full: float, out: float, wait: float
+    ) -> tuple[list[HeldSegment], float]:
         """Tilts the slower the more has run out, until it is enough.
 
         Args:
@@ -278,7 +278,7 @@ class HandTrip:
             Legs that were made, and the share of the last one.
         """
         period, pace = self._world.period, 0.0
-        done: list[Leg] = []
+        done: list[HeldSegment] = []
         for leg in legs:
             done.append(leg)
             share = 0.0
@@ -306,7 +306,7 @@ class HandTrip:
         coming = sense.weight - sense.weight_ahead(_RIGHTED)
         return gone + float(np.clip(coming, 0.0, gone))
 
-    def _set_down(self, leg: Leg) -> None:
+    def _set_down(self, leg: HeldSegment) -> None:
         """Down until it stands, then lets go."""
         self._tell("set_down", f"setting the {self._plan.object} down")
         height = float(leg.start[2] - leg.end[2])

@@ -20,8 +20,8 @@ from sim.control.trace_recorder import Recorder
 from sim.execution.grasp_execution import HandTrip
 from sim.execution.lid_execution import LidTrip
 from sim.execution.push_execution import Progress, look_around
-from sim.motion.robot_reach import ArmReach
-from sim.paths.held_object import Handled
+from sim.motion.robot_reach import ArmHandReach
+from sim.paths.held_object import HeldObject
 from sim.traces.trace import EndReason, Trace
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ def handle(
     plan: HandlingPlan,
     world: DrakeWorld,
     models: Mapping[str, ObjectModel],
-    reach: ArmReach,
+    reach: ArmHandReach,
     tell: Progress,
 ) -> Trace:
     """Carries out a plan of the whole hand.
@@ -52,13 +52,13 @@ def handle(
         return flip_over(plan, world, models, reach, tell)
     recorder = Recorder(world, reach.mount, -np.array(plan.grasp.approach_W))
     state = look_around(recorder, models, tell)
-    way = reach.hand_way(plan, state, SPARE)
+    way = reach.grasp_motion(plan, state, SPARE)
     end: EndReason = "handled"
     detail = "all steps were made"
     if isinstance(way, ReachAnswer):
         end, detail = "unreachable", way.message
     else:
-        handled = Handled.of(plan, state)
+        handled = HeldObject.of(plan, state)
         make = HandTrip if handled.owner is None else LidTrip
         trip = make(handled, recorder, way, tell)
         try:

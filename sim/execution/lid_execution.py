@@ -17,9 +17,9 @@ from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.trace_recorder import Recorder
 from sim.execution.grasp_execution import HandTrip
 from sim.execution.push_execution import Progress
-from sim.motion.grasp_motion_search import HandWay
-from sim.paths.held_object import THREAD, Handled
-from sim.paths.held_object_path import Leg
+from sim.motion.grasp_motion_search import GraspMotion
+from sim.paths.held_object import THREAD, HeldObject
+from sim.paths.held_object_path import HeldSegment
 
 _FOLLOWS = 0.5  # share of a lift that a lid which comes along is seen lifted
 _LOOKS = 0.4  # time after which the camera shows what came of it [s]
@@ -40,7 +40,9 @@ class LidTrip(HandTrip):
         tell: progress.
     """
 
-    def __init__(self, handled: Handled, recorder: Recorder, way: HandWay, tell: Progress) -> None:
+    def __init__(
+        self, handled: HeldObject, recorder: Recorder, way: GraspMotion, tell: Progress
+    ) -> None:
         super().__init__(handled, recorder, way, tell)
         self._lid = handled.state.objects[handled.name].model.lid
 
@@ -48,7 +50,7 @@ class LidTrip(HandTrip):
         self._feels = LidSense(self._recorder, self._way, self._handled)
         return self._feels
 
-    def _make(self, step: HandStep, legs: tuple[Leg, ...]) -> None:
+    def _make(self, step: HandStep, legs: tuple[HeldSegment, ...]) -> None:
         if isinstance(step, TurnCap):
             self._turn(step, legs)
         elif isinstance(step, PutOn):
@@ -66,7 +68,7 @@ class LidTrip(HandTrip):
         if isinstance(step, PutOn):
             self._require_on(step)
 
-    def _turn(self, step: TurnCap, legs: tuple[Leg, ...]) -> None:
+    def _turn(self, step: TurnCap, legs: tuple[HeldSegment, ...]) -> None:
         """Turns the cap, gripping anew between the strokes, until it is seen turned."""
         before, first = self._feels.lid, legs[0]
         self._tell("lid", f"turning the cap by {np.degrees(step.angle):.0f}°")
@@ -109,7 +111,7 @@ class LidTrip(HandTrip):
         if self._feels.is_off:
             raise EarlyEndError("missed", f"the lid does not sit on the {step.onto}")
 
-    def _put_on(self, step: PutOn, leg: Leg) -> None:
+    def _put_on(self, step: PutOn, leg: HeldSegment) -> None:
         """Down onto the rim, until it presses."""
         self._tell("lid", f"putting the lid onto the {step.onto}")
         height = float(leg.start[2] - leg.end[2])

@@ -26,7 +26,7 @@ from sim.control.trace_recorder import Recorder
 from sim.execution.handling import handle
 from sim.execution.push_execution import Progress, Trip, silent
 from sim.motion.arm_configuration import UnreachableError
-from sim.motion.robot_reach import ArmReach
+from sim.motion.robot_reach import ArmHandReach
 from sim.traces.trace import EndReason, Trace
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def execute(
     world: DrakeWorld,
     models: Mapping[str, ObjectModel],
     *,
-    reach: ArmReach | None = None,
+    reach: ArmHandReach | None = None,
     progress: Progress | None = None,
 ) -> Trace:
     """Carries out a plan.
@@ -63,7 +63,7 @@ def execute(
     Returns:
         What happened, also if it ended early.
     """
-    tell, reach = progress or silent, reach or ArmReach(world.scene.cell)
+    tell, reach = progress or silent, reach or ArmHandReach(world.scene.cell)
     if isinstance(plan, HandlingPlan):
         return handle(plan, world, models, reach, tell)
     trip = Trip(plan.push, world, models, reach, tell)
@@ -78,7 +78,7 @@ def execute(
     return trip.recorder.trace(push.object, np.array(push.direction_W), end=end, detail=detail)
 
 
-def watch(world: DrakeWorld, name: str, reach: ArmReach, seconds: float) -> Trace:
+def watch(world: DrakeWorld, name: str, reach: ArmHandReach, seconds: float) -> Trace:
     """A look at the table during which nothing is done.
 
     Args:

@@ -18,10 +18,10 @@ from sim.collision.collision_scene import SPARE
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.trace_recorder import Recorder
 from sim.hands.four_finger.hand_kinematics import RESTING
-from sim.motion.arm_configuration import Stance, UnreachableError
-from sim.motion.robot_reach import ArmReach
-from sim.paths.fingertip_path import BACK, Way
-from sim.paths.point_attractor import attracted
+from sim.motion.arm_configuration import ArmConfiguration, UnreachableError
+from sim.motion.robot_reach import ArmHandReach
+from sim.paths.fingertip_path import BACK, FingertipPath
+from sim.paths.point_attractor import attractor_points
 from sim.perception.camera_port import beheld
 from sim.rotations import Array, rot_z
 
@@ -65,7 +65,7 @@ class Trip:
         push: Push,
         world: DrakeWorld,
         models: Mapping[str, ObjectModel],
-        reach: ArmReach,
+        reach: ArmHandReach,
         tell: Progress,
     ) -> None:
         self.recorder = Recorder(world, reach.mount, np.array(push.normal_W))
@@ -81,7 +81,7 @@ class Trip:
         """Where everything stands now."""
         return look_around(self.recorder, self._models, self._tell)
 
-    def stance(self, state: WorldState) -> tuple[Stance, Way]:
+    def stance(self, state: WorldState) -> tuple[ArmConfiguration, FingertipPath]:
         """How arm and hand stand, and the fingertips' way.
 
         Raises:
@@ -90,13 +90,13 @@ class Trip:
         for reach in (self._reach, self._reach.thorough()):
             # It was reached from where things were seen before.
             for spare in (0.0, SPARE):
-                answer = reach.stance(self._push, state, spare)
+                answer = reach.push_configuration(self._push, state, spare)
                 if not isinstance(answer, ReachAnswer):
-                    return answer[0], Way.of(self._push, state.objects[self._push.object])
+                    return answer[0], FingertipPath.of(self._push, state.objects[self._push.object])
                 why = answer.message
         raise EarlyEndError("unreachable", why)
 
-    def approach(self, stance: Stance, way: Way) -> None:
+    def approach(self, stance: ArmConfiguration, way: FingertipPath) -> None:
         """Free motion: over the start, then down to it."""
         self._tell("transit", self._world.time, f"moving the hand ({stance.posture.name})")
         above = np.array([*way.start[:2], stance.lift])
@@ -111,7 +111,9 @@ class Trip:
             self._go(stance, point)
             self._descent.append(self._world.commanded[0])
 
-    def leave(self, stance: Stance, tip: Array, way: Way, turned: float = 0.0) -> None:
+    def leave(
+        self, stance: ArmConfiguration, tip: Array, way: FingertipPath, turned: float = 0.0
+    ) -> None:
         """Off the face, and back along the way that was free.
 
         Args:
@@ -150,7 +152,7 @@ class Trip:
 
     def _line(self, start: Array, target: Array) -> list[Array]:
         return list(
-            attracted(
+            attractor_points(
                 start,
                 target,
                 speed=HAND_SPEED,
@@ -159,7 +161,7 @@ class Trip:
             )
         )
 
-    def _go(self, stance: Stance, tip: Array, turned: float = 0.0) -> None:
+    def _go(self, stance: ArmConfiguration, tip: Array, turned: float = 0.0) -> None:
         self.recorder.step(stance.joints(tip, turned), stance.posture.joints)
 
 
@@ -193,7 +195,7 @@ def move_joints(recorder: Recorder, q_arm: Array, q_hand: Array) -> None:
     """
     start_arm, start_hand = recorder.world.commanded
     length = float(np.linalg.norm(q_arm - start_arm))
-    for q in attracted(
+    for q in attractor_points(
         start_arm,
         q_arm,
         speed=JOINT_SPEED,

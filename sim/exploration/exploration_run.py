@@ -23,7 +23,7 @@ from sim.exploration.trial_extraction import trials
 
 if TYPE_CHECKING:
     from sim.execution.push_execution import Progress
-    from sim.motion.robot_reach import ArmReach
+    from sim.motion.robot_reach import ArmHandReach
     from sim.worlds.drake.drake_world import DrakeWorld
 
 OPPOSITE: tuple[tuple[FaceName, FaceName], ...] = (("front", "back"), ("left", "right"))
@@ -84,7 +84,7 @@ class Explorer:
         world: DrakeWorld,
         look: Callable[[], WorldState],
         *,
-        reach: ArmReach,
+        reach: ArmHandReach,
         learn: Callable[[Touched], None],
         progress: Progress | None = None,
     ) -> None:

@@ -28,10 +28,10 @@ from planner.types.world_state import PlanarPose, WorldState
 from sim.control.pushing.guarded_touch import EarlyEndError, TouchControl
 from sim.execution.push_execution import Progress, Trip, silent
 from sim.exploration.touch_recording import Recording
-from sim.hands.four_finger.hand_kinematics import at_stop
+from sim.hands.four_finger.hand_kinematics import is_at_stop
 from sim.motion.arm_configuration import UnreachableError
-from sim.motion.robot_reach import ArmReach
-from sim.paths.tilt_arc import Arc
+from sim.motion.robot_reach import ArmHandReach
+from sim.paths.tilt_arc import TiltArc
 from sim.perception.camera_port import averaged
 from sim.rotations import Array
 from sim.traces.trace import EndReason
@@ -39,8 +39,8 @@ from sim.traces.trace import EndReason
 if TYPE_CHECKING:
     from objectmodels.identification import Moved
     from sim.control.trace_recorder import Recorder
-    from sim.motion.arm_configuration import Stance
-    from sim.paths.fingertip_path import Way
+    from sim.motion.arm_configuration import ArmConfiguration
+    from sim.paths.fingertip_path import FingertipPath
     from sim.perception.camera_port import Frame
     from sim.worlds.drake.drake_world import DrakeWorld
 
@@ -73,7 +73,7 @@ def probe(
     world: DrakeWorld,
     state: WorldState,
     *,
-    reach: ArmReach | None = None,
+    reach: ArmHandReach | None = None,
     progress: Progress | None = None,
 ) -> Recording:
     """Carries out one experiment.
@@ -90,7 +90,7 @@ def probe(
     """
     tell = progress or silent
     models = {name: seen.model for name, seen in state.objects.items()}
-    trip = Trip(experiment.push, world, models, reach or ArmReach(world.scene.cell), tell)
+    trip = Trip(experiment.push, world, models, reach or ArmHandReach(world.scene.cell), tell)
     before = state.objects[experiment.push.object].pose
     try:
         found = _touched(experiment, trip, state, before, tell)
@@ -139,7 +139,12 @@ class ProbeControl(TouchControl):
     gives_way = 0.08
 
     def __init__(
-        self, experiment: Experiment, recorder: Recorder, stance: Stance, way: Way, tell: Progress
+        self,
+        experiment: Experiment,
+        recorder: Recorder,
+        stance: ArmConfiguration,
+        way: FingertipPath,
+        tell: Progress,
     ) -> None:
         super().__init__(experiment.push, experiment.onset, recorder, stance, way, tell)
         self.experiment = experiment
@@ -245,8 +250,8 @@ class ProbeControl(TouchControl):
             self._seen += [frame for frame in self.recorder.frames if frame.time > since]
 
     @property
-    def _arc(self) -> Arc:
-        return Arc(self._origin, self._u, self.experiment.length)
+    def _arc(self) -> TiltArc:
+        return TiltArc(self._origin, self._u, self.experiment.length)
 
     def _own_tilt(self) -> float:
         """Tilt at which the fingertip touches the face where it is [rad]."""
@@ -304,7 +309,7 @@ class ProbeControl(TouchControl):
     def _at_stop(self) -> bool:
         """Whether the finger is bent back as far as it goes."""
         (finger,) = self.stance.posture.pushing
-        return at_stop(self.recorder.world.finger_angles(finger))
+        return is_at_stop(self.recorder.world.finger_angles(finger))
 
     def _lately(self) -> tuple[float, float]:
         """Means of the tilts seen lately and of the fingertip's own [rad]; nan if too few."""
@@ -344,7 +349,7 @@ class ProbeControl(TouchControl):
         """What was felt and seen."""
         name = self.experiment.push.object
         world, scene = self.recorder.world, self.recorder.world.scene
-        noise = self.stance.coarseness(self._u) * world.torque_noise
+        noise = self.stance.force_noise_gain(self._u) * world.torque_noise
         tilts_seen = [self._tilt_in(frame) for frame in self._seen]
         frames = max(1.0, scene.vision.rate_hz)
         return Recording(

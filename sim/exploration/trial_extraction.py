@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from objectmodels.identification import Onset, Trial, detect_onset
 from objectmodels.identification.onset_detection import LEAST_SAMPLES
 from sim.exploration.touch_recording import Recording
-from sim.paths.tilt_arc import Arc
+from sim.paths.tilt_arc import TiltArc
 from sim.rotations import Array, rot_z, wrap
 
 UNDER_WAY = 0.0015
@@ -87,7 +87,7 @@ def trials(recording: Recording, *, repetition: int = 0) -> tuple[Trial, ...]:
 def _tilts(recording: Recording, source: str) -> list[Trial]:
     """Balances at a small and at a large tilt."""
     push = recording.experiment.push
-    arc = Arc(recording.tips[0], np.array(push.direction_W), recording.experiment.length)
+    arc = TiltArc(recording.tips[0], np.array(push.direction_W), recording.experiment.length)
     tilt, height = arc.tilts(recording.tips), arc.heights(recording.tips)
     forces = recording.forces @ recording.before.R_WB
     top = float(tilt.max())

@@ -19,7 +19,7 @@ from sim.execution.push_execution import LOOK
 from sim.exploration.trial_extraction import curve
 from sim.face_experiment.face_contact import Contact, TouchResult
 from sim.face_experiment.pressing import press
-from sim.motion.robot_reach import ArmReach
+from sim.motion.robot_reach import ArmHandReach
 from sim.perception.camera_port import first_look
 from sim.truth.observer import Observer
 from sim.worlds.drake.drake_world import DrakeWorld
@@ -48,7 +48,7 @@ class FingerTouch:
             return TouchResult(None, None, "the finger presses upright faces straight in only")
         world, reach, state = (
             DrakeWorld(scene, seed=seed),
-            ArmReach(scene.cell),
+            ArmHandReach(scene.cell),
             self._seen(scene, seed),
         )
         experiment = press_at(state.objects[contact.object], np.array(contact.point), normal, reach)

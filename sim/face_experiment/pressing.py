@@ -14,13 +14,17 @@ from sim.execution.push_execution import Trip, silent
 from sim.exploration.probe_control import ProbeControl
 from sim.exploration.touch_recording import Recording
 from sim.motion.arm_configuration import UnreachableError
-from sim.motion.robot_reach import ArmReach
+from sim.motion.robot_reach import ArmHandReach
 from sim.traces.trace import EndReason
 from sim.worlds.drake.drake_world import DrakeWorld
 
 
 def press(
-    experiment: Experiment, world: DrakeWorld, state: WorldState, *, reach: ArmReach | None = None
+    experiment: Experiment,
+    world: DrakeWorld,
+    state: WorldState,
+    *,
+    reach: ArmHandReach | None = None,
 ) -> Recording:
     """Carries out one press.
 
@@ -34,7 +38,7 @@ def press(
         What the robot felt; no samples if the hand did not get there, and the reason.
     """
     models = {name: seen.model for name, seen in state.objects.items()}
-    trip = Trip(experiment.push, world, models, reach or ArmReach(world.scene.cell), silent)
+    trip = Trip(experiment.push, world, models, reach or ArmHandReach(world.scene.cell), silent)
     before = state.objects[experiment.push.object].pose
     try:
         stance, way = trip.stance(state)

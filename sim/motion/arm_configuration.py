@@ -20,8 +20,8 @@ from sim.hands.four_finger.hand_kinematics import (
     TIP_RADIUS,
     Angles,
     Posture,
-    coarseness,
-    fingertip_stiffness,
+    force_noise_gain,
+    tip_stiffness,
 )
 from sim.rotations import Array, rot_x, rot_y, rot_z
 
@@ -58,7 +58,7 @@ class Mount:
 
 
 @dataclass(frozen=True)
-class Stance:
+class ArmConfiguration:
     """A hand posture, the palm's orientation and the arm's branch; fingertips may go anywhere.
 
     Attributes:
@@ -101,13 +101,13 @@ class Stance:
     def stiffness(self, direction_W: Array) -> float:
         """Force per displacement of the pushing fingers along a unit direction in W [N/m]."""
         along = self.R_WP.T @ direction_W
-        each = [along @ fingertip_stiffness(*c) @ along for c in self._contacts(along)]
+        each = [along @ tip_stiffness(*c) @ along for c in self._contacts(along)]
         return float(sum(each))
 
-    def coarseness(self, direction_W: Array) -> float:
+    def force_noise_gain(self, direction_W: Array) -> float:
         """Noise of the force felt by all fingers per noise of a torque sensor [1/m]."""
         along = self.R_WP.T @ direction_W
-        each = [float(coarseness(*c, along)) for c in self._contacts(along)]
+        each = [float(force_noise_gain(*c, along)) for c in self._contacts(along)]
         return float(np.linalg.norm(each))
 
     def _contacts(self, along_P: Array) -> list[tuple[str, Angles, Array]]:

@@ -22,11 +22,11 @@ from planner.types.robot import ReachAnswer
 from planner.types.world_state import WorldState
 from sim.arms.lwr import lwr_kinematics as arm
 from sim.collision import collision_spheres as spheres
-from sim.collision.collision_scene import TABLE_CLEARANCE, Scenery
-from sim.hands.four_finger.flip_postures import FlipHands, flip_hands
-from sim.motion.arm_configuration import Mount, Stance
+from sim.collision.collision_scene import TABLE_CLEARANCE, CollisionScene
+from sim.hands.four_finger.flip_postures import FlipPostureSet, flip_postures
+from sim.motion.arm_configuration import ArmConfiguration, Mount
 from sim.motion.ik_search import ELBOWS
-from sim.motion.roadmap import LIMIT_MARGIN, along, drawn_places, free_way
+from sim.motion.roadmap import LIMIT_MARGIN, along, free_path, sample_configurations
 from sim.paths.lid_arc_path import LidShape, hinge_pose, lid_shape
 from sim.rotations import Array, rot_y
 
@@ -42,7 +42,7 @@ _BODY_CLEARANCE = 0.002  # of the hand from the object and its lid on its way do
 
 
 @dataclass(frozen=True, eq=False)
-class FlipStance:
+class FlipConfiguration:
     """How arm and hand stand while they flip a lid.
 
     Attributes:
@@ -53,8 +53,8 @@ class FlipStance:
         R_WE, p_WE: of the hinge, as it was seen.
     """
 
-    stance: Stance
-    hands: FlipHands
+    stance: ArmConfiguration
+    hands: FlipPostureSet
     lid: LidShape
     lift: float
     R_WE: Array
@@ -88,7 +88,7 @@ class _Solved:
     room: Array
 
 
-class FlipSearch:
+class FlipMotionSearch:
     """The search for one flip.
 
     Args:
@@ -110,13 +110,13 @@ class FlipSearch:
         self._R_WE, self._p_WE = hinge_pose(target)
         # The lid is looked at where it is, not as what rises above the object.
         bare = {**state.objects, name: replace(target, lid=None)}
-        self._scenery = Scenery.of(replace(state, objects=bare), name)
-        self._hands = flip_hands(self._lid)
+        self._scenery = CollisionScene.of(replace(state, objects=bare), name)
+        self._hands = flip_postures(self._lid)
         # Behind an open lid it is above everything before.
         self._lift = _LIFT[self._lid.opens]
         self._stopped: set[str] = set()
 
-    def best(self) -> tuple[FlipStance, ReachAnswer] | ReachAnswer:
+    def best(self) -> tuple[FlipConfiguration, ReachAnswer] | ReachAnswer:
         """The best stance, or why there is none."""
         if not len(self._hands):
             return _no("object", f"the hand would hit the {self._name} with more than a fingertip")
@@ -141,7 +141,7 @@ class FlipSearch:
             return _no("obstacle" if hit else "approach", message, hit)
         return _no("kinematics", f"the arm does not reach along the lid of the {self._name}")
 
-    def _clear_hands(self) -> FlipHands:
+    def _clear_hands(self) -> FlipPostureSet:
         """Hands that hit nothing else on their way."""
         every = self._hands
         hands = every.some(np.unique(np.linspace(0, len(every) - 1, _HANDS).astype(int)))
@@ -159,7 +159,7 @@ class FlipSearch:
 
     # -- arms -----------------------------------------------------------------------------------
 
-    def _found(self, hands: FlipHands) -> Iterator[tuple[FlipStance, Array, float]]:
+    def _found(self, hands: FlipPostureSet) -> Iterator[tuple[FlipConfiguration, Array, float]]:
         """Stances, the arm's pose above their start, and their room to the joint limits."""
         hand, elbow, branch = self._at_a_glance(hands)
         for first in range(0, len(hand), _FOLLOWED):
@@ -167,7 +167,7 @@ class FlipSearch:
             solved = self._followed(hands, hand[few], elbow[few], branch[few])
             for k in range(len(solved.hand)):
                 one = hands.some(solved.hand[k : k + 1])
-                stance = Stance(
+                stance = ArmConfiguration(
                     mount=self._mount,
                     posture=one.postures[0],
                     R_WP=self._R_WE @ one.R_EP[0, 0],
@@ -175,11 +175,13 @@ class FlipSearch:
                     branch=int(solved.branch[k]),
                     lift=self._lift,
                 )
-                found = FlipStance(stance, one, self._lid, self._lift, self._R_WE, self._p_WE)
+                found = FlipConfiguration(
+                    stance, one, self._lid, self._lift, self._R_WE, self._p_WE
+                )
                 yield found, solved.q[k, 0], float(solved.room[k])
 
     def _poses(
-        self, hands: FlipHands, at: list[int], lift: Array, elbow: Array
+        self, hands: FlipPostureSet, at: list[int], lift: Array, elbow: Array
     ) -> tuple[Array, NDArray[np.bool_]]:
         """Arm angles of n hands at some points of their way, shape (n, w, 8, 7)."""
         points = hands.way.points[at] + lift[:, None] * [0.0, 0.0, 1.0]
@@ -192,7 +194,9 @@ class FlipSearch:
         usable = valid & (room > LIMIT_MARGIN) & (np.abs(q[..., 5]) > _WRIST_BEND)
         return q.reshape(n, w, 8, 7), usable.reshape(n, w, 8)
 
-    def _at_a_glance(self, hands: FlipHands) -> tuple[NDArray[np.intp], Array, NDArray[np.intp]]:
+    def _at_a_glance(
+        self, hands: FlipPostureSet
+    ) -> tuple[NDArray[np.intp], Array, NDArray[np.intp]]:
         """Hands, elbow angles and branches that reach the ends of the way, the best first."""
         arc, elbows = hands.way.touching, ELBOWS[::2]
         hand, elbow = np.repeat(np.arange(len(hands)), len(elbows)), np.tile(elbows, len(hands))
@@ -206,7 +210,7 @@ class FlipSearch:
         return hand[row], elbow[row], branch
 
     def _followed(
-        self, hands: FlipHands, hand: NDArray[np.intp], elbow: Array, branch: NDArray[np.intp]
+        self, hands: FlipPostureSet, hand: NDArray[np.intp], elbow: Array, branch: NDArray[np.intp]
     ) -> _Solved:
         """What is continuous all along the way and free, from above the start on."""
         some = hands.some(hand)
@@ -226,7 +230,7 @@ class FlipSearch:
 
     # -- what is in the way ---------------------------------------------------------------------
 
-    def _free(self, hands: FlipHands, q: Array) -> NDArray[np.bool_]:
+    def _free(self, hands: FlipPostureSet, q: Array) -> NDArray[np.bool_]:
         """Which arms keep clear of everything, and their hands on the way down, shape (n,)."""
         arms = self._arm(q)
         free = np.asarray(self._scenery.is_free(arms).all(axis=1))
@@ -247,7 +251,7 @@ class FlipSearch:
         return np.asarray((distance > _BODY_CLEARANCE).all(axis=-1))
 
     def _way_there(
-        self, found: FlipStance, above: Array, *, thorough: bool
+        self, found: FlipConfiguration, above: Array, *, thorough: bool
     ) -> tuple[Array, ...] | None:
         """Arm poses between home and above the start; None if no free way was found."""
 
@@ -262,10 +266,14 @@ class FlipSearch:
             return np.asarray(off & (height >= TABLE_CLEARANCE))
 
         middle = 0.5 * (self._home + above)
-        places = np.vstack([middle, drawn_places(self._home, above)]) if thorough else middle[None]
-        return free_way(self._home, above, places, is_free)
+        places = (
+            np.vstack([middle, sample_configurations(self._home, above)])
+            if thorough
+            else middle[None]
+        )
+        return free_path(self._home, above, places, is_free)
 
-    def _robot(self, found: FlipStance, q: Array) -> Array:
+    def _robot(self, found: FlipConfiguration, q: Array) -> Array:
         """Spheres of hand and arm in W, shape (n, k, 4)."""
         R_WP, p_WP = self._mount.palm(q)
         hand = spheres.placed(spheres.whole_hand(found.stance.posture), R_WP, p_WP)

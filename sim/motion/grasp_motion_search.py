@@ -22,14 +22,19 @@ from planner.types.robot import ReachAnswer
 from planner.types.world_state import WorldState
 from sim.arms.lwr import lwr_kinematics as arm
 from sim.collision import collision_spheres as spheres
-from sim.collision.collision_scene import OBJECT_CLEARANCE, TABLE_CLEARANCE, Obstacle, Scenery
+from sim.collision.collision_scene import (
+    OBJECT_CLEARANCE,
+    TABLE_CLEARANCE,
+    CollisionScene,
+    Obstacle,
+)
 from sim.collision.covering import surface
-from sim.hands.four_finger.grasp_postures import HandGrip
+from sim.hands.four_finger.grasp_postures import GraspPosture
 from sim.motion.arm_configuration import Mount
 from sim.motion.ik_search import ELBOWS, ENOUGH_MARGIN
-from sim.motion.roadmap import LIMIT_MARGIN, drawn_places, free_way
-from sim.paths.held_object import Handled
-from sim.paths.held_object_path import Leg, grasp_frame, legs_of, withdrawals
+from sim.motion.roadmap import LIMIT_MARGIN, free_path, sample_configurations
+from sim.paths.held_object import HeldObject
+from sim.paths.held_object_path import HeldSegment, grasp_frame, held_segments, withdrawals
 from sim.rotations import Array
 
 HELD_CLEARANCE = 0.004
@@ -49,7 +54,7 @@ _RAISED = (0.10, 0.20, 0.30)  # of places above the first pose of the hand [m]
 
 
 @dataclass(frozen=True, eq=False)
-class HandWay:
+class GraspMotion:
     """A way of arm and hand through a plan.
 
     Attributes:
@@ -65,10 +70,10 @@ class HandWay:
     """
 
     mount: Mount
-    grip: HandGrip
+    grip: GraspPosture
     R_BP: Array
     p_BP: Array
-    legs: tuple[tuple[Leg, ...], ...]
+    legs: tuple[tuple[HeldSegment, ...], ...]
     elbow: float
     branch: int
     there: tuple[Array, ...] = ()
@@ -83,7 +88,7 @@ class HandWay:
         return q[:, 0], valid[:, 0] > 0
 
 
-class HandSearch:
+class GraspMotionSearch:
     """The search for one plan.
 
     Args:
@@ -99,8 +104,8 @@ class HandSearch:
         self,
         mount: Mount,
         home: Array,
-        handled: Handled,
-        grip: HandGrip,
+        handled: HeldObject,
+        grip: GraspPosture,
         off: Array,
         spare: float = 0.0,
     ) -> None:
@@ -113,12 +118,12 @@ class HandSearch:
         self._owner = handled.owner
         already = state.held if plan.held else None
         self._at = np.array(already.arm) if already is not None and already.arm else None
-        self._legs = legs_of(handled, off)
+        self._legs = held_segments(handled, off)
         R_BG, p_BG = grasp_frame(handled.grasp, self._held.pose.R_WB)
         self._R_BP, self._p_BP = R_BG, p_BG - R_BG @ grip.middle
         self._closed, self._open = grip.posture(), grip.posture(grip.opening)
         self._spare = spare
-        self._scenery = self._around_it(Scenery.of(state, plan.object, spare), handled)
+        self._scenery = self._around_it(CollisionScene.of(state, plan.object, spare), handled)
         self._kept = dict(plan.clear_of)
         flat = [leg for some in self._legs for leg in some]
         self._free = np.concatenate([np.full(len(leg.sampled()), leg.free) for leg in flat])
@@ -137,7 +142,7 @@ class HandSearch:
             angle = float(np.arctan2(turned[1, 0], turned[0, 0]))
             self._stood = held.taken(held.p_WB, self._p_WB[k], angle)
 
-    def _around_it(self, scenery: Scenery, handled: Handled) -> Scenery:
+    def _around_it(self, scenery: CollisionScene, handled: HeldObject) -> CollisionScene:
         """What the hand must not touch: a lid's object it may come near to."""
         others = (
             replace(each, clearance=_OWNER_CLEARANCE - self._spare)
@@ -147,9 +152,9 @@ class HandSearch:
         )
         lifted = np.array([0.0, 0.0, handled.height if handled.owner else 0.0])
         pushed = replace(scenery.pushed, p_WB=scenery.pushed.p_WB + lifted)
-        return Scenery(pushed, tuple(others))
+        return CollisionScene(pushed, tuple(others))
 
-    def best(self) -> HandWay | ReachAnswer:
+    def best(self) -> GraspMotion | ReachAnswer:
         """The best way, or why there is none."""
         blocked = self._hand_blocked()
         if blocked is not None:
@@ -164,7 +169,7 @@ class HandSearch:
             if what is not None:
                 hindered = hindered or what
                 continue
-            way = HandWay(
+            way = GraspMotion(
                 self._mount, self._grip, self._R_BP, self._p_BP, self._legs,
                 float(elbow[k]), int(branch[k]), room=float(room[k]),
             )  # fmt: skip
@@ -276,7 +281,7 @@ class HandSearch:
 
     # -- transits -------------------------------------------------------------------------------
 
-    def _from_home(self, way: HandWay, q: Array) -> HandWay | None:
+    def _from_home(self, way: GraspMotion, q: Array) -> GraspMotion | None:
         """The same way with those from home and back; None if they are not free."""
         there: tuple[Array, ...] | None = ()
         back: tuple[Array, ...] | None = ()
@@ -290,7 +295,7 @@ class HandSearch:
             return None
         return replace(way, there=there, back=back[::-1])
 
-    def _swing(self, way: HandWay) -> tuple[Array, ...] | None:
+    def _swing(self, way: GraspMotion) -> tuple[Array, ...] | None:
         """Arm poses from where it was left to the way's elbow angle, the hand still."""
         assert self._at is not None, "something is held"
         steps = np.radians(np.arange(0.0, 360.0, _SWING))
@@ -317,7 +322,7 @@ class HandSearch:
         return bool(high and all(each.is_clear(robot).all() for each in self._scenery.others))
 
     def _transit(
-        self, way: HandWay, q: Array, p_WB: Array, R_WB: Array, stands: Obstacle
+        self, way: GraspMotion, q: Array, p_WB: Array, R_WB: Array, stands: Obstacle
     ) -> tuple[Array, ...] | None:
         """Arm poses between home and a pose of the open hand."""
         open_hand = self._around(is_open=True)
@@ -333,20 +338,20 @@ class HandSearch:
         places = np.vstack([raised[valid], 0.5 * (self._home + q), *(
             [0.5 * (self._home + one)] for one in raised[valid]
         )])  # fmt: skip
-        found = free_way(self._home, q, places, is_free)
-        return found if found is not None else free_way(
-            self._home, q, drawn_places(self._home, q), is_free
+        found = free_path(self._home, q, places, is_free)
+        return found if found is not None else free_path(
+            self._home, q, sample_configurations(self._home, q), is_free
         )  # fmt: skip
 
 
-def best_way(
+def best_grasp_motion(
     mount: Mount,
     home: Array,
     plan: HandlingPlan,
-    grip: HandGrip,
+    grip: GraspPosture,
     state: WorldState,
     spare: float = 0.0,
-) -> HandWay | ReachAnswer:
+) -> GraspMotion | ReachAnswer:
     """The best way through a plan, or why there is none.
 
     Args:
@@ -358,10 +363,10 @@ def best_way(
         spare: by how much less than its clearance each of the others may be away [m].
     """
     first: ReachAnswer | None = None
-    handled = Handled.of(plan, state)
+    handled = HeldObject.of(plan, state)
     for off in withdrawals(handled.grasp, handled.held):
-        found = HandSearch(mount, home, handled, grip, off, spare).best()
-        if isinstance(found, HandWay):
+        found = GraspMotionSearch(mount, home, handled, grip, off, spare).best()
+        if isinstance(found, GraspMotion):
             return found
         first = first or found
     assert first is not None, "there is a way off everything"

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from planner.types.plan import Push
 from sim.arms.lwr import lwr_kinematics as arm
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
-from sim.hands.four_finger.pushing_postures import LARGEST_SKEW, Hands
-from sim.motion.arm_configuration import Mount, Stance
+from sim.hands.four_finger.pushing_postures import LARGEST_SKEW, PostureSet
+from sim.motion.arm_configuration import ArmConfiguration, Mount
 from sim.motion.roadmap import LIMIT_MARGIN
 from sim.rotations import Array
 
@@ -42,7 +42,7 @@ _FOLLOWED, _SOLVED = 24, 240  # solutions that are followed along the way togeth
 
 
 @dataclass(frozen=True, eq=False)
-class Solved:
+class IkSolutions:
     """Arm poses along the way, k of them.
 
     Attributes:
@@ -65,13 +65,13 @@ class Solved:
     def __len__(self) -> int:
         return len(self.hand)
 
-    def __getitem__(self, k: NDArray[np.bool_]) -> Solved:
-        return Solved(*(getattr(self, field.name)[k] for field in fields(self)))
+    def __getitem__(self, k: NDArray[np.bool_]) -> IkSolutions:
+        return IkSolutions(*(getattr(self, field.name)[k] for field in fields(self)))
 
-    def stance(self, k: int, mount: Mount, hands: Hands, R_WD: Array) -> Stance:
+    def stance(self, k: int, mount: Mount, hands: PostureSet, R_WD: Array) -> ArmConfiguration:
         """One of them."""
         hand = self.hand[k]
-        return Stance(
+        return ArmConfiguration(
             mount=mount,
             posture=hands.posture(hand),
             R_WP=R_WD @ hands.R_DP[hand],
@@ -81,7 +81,7 @@ class Solved:
         )
 
 
-class ArmPoses:
+class PushIkSearch:
     """The arm poses of one push.
 
     Args:
@@ -103,7 +103,7 @@ class ArmPoses:
         self._R_WD = R_WD
         self.too_weak = False
 
-    def along(self, hands: Hands, least: float) -> Iterator[Solved]:
+    def along(self, hands: PostureSet, least: float) -> Iterator[IkSolutions]:
         """What is reachable and strong enough, the best first, some at a time.
 
         Args:
@@ -121,7 +121,7 @@ class ArmPoses:
                 yield solved[strong]
 
     def _at_both_ends(
-        self, hands: Hands, least: float
+        self, hands: PostureSet, least: float
     ) -> tuple[NDArray[np.intp], Array, NDArray[np.intp]]:
         """Hands, elbow angles and branches that reach both ends of the stroke, the best first."""
         n = len(hands)
@@ -137,8 +137,8 @@ class ArmPoses:
         return hand[row], elbow[row], branch
 
     def _followed(
-        self, hands: Hands, hand: NDArray[np.intp], elbow: Array, branch: NDArray[np.intp]
-    ) -> Solved:
+        self, hands: PostureSet, hand: NDArray[np.intp], elbow: Array, branch: NDArray[np.intp]
+    ) -> IkSolutions:
         """What is continuous along the whole way, from a height above the start on."""
         start, w = self._points[0], len(self._points)
         lifts = _LIFTS[start[2] + 0.03 < _LIFTS]
@@ -154,10 +154,10 @@ class ArmPoses:
         good = valid[:, :w].all(axis=1) & steady & lifted.any(axis=1)
         lift = lifts[lifted.argmax(axis=1)]
         room = (arm.LIMITS - np.abs(q[:, :w])).min(axis=(1, 2))
-        solved = Solved(hand, elbow, branch, q[:, :w], q[:, :0], lift, room)[good]
+        solved = IkSolutions(hand, elbow, branch, q[:, :w], q[:, :0], lift, room)[good]
         return self._let_down(hands, solved)
 
-    def _let_down(self, hands: Hands, solved: Solved) -> Solved:
+    def _let_down(self, hands: PostureSet, solved: IkSolutions) -> IkSolutions:
         """The same with the descent from above to the start."""
         points = descent(self._points[0], solved.lift)
         R_WD = np.broadcast_to(self._R_WD[0], (len(_DESCENT), 3, 3))
@@ -166,7 +166,7 @@ class ArmPoses:
         q, valid = q[rows, :, solved.branch], valid[rows, :, solved.branch]
         return replace(solved, descent=q)[np.asarray(valid.all(axis=1))]
 
-    def _bears(self, solved: Solved) -> NDArray[np.bool_]:
+    def _bears(self, solved: IkSolutions) -> NDArray[np.bool_]:
         """Which arms bear the force of the push all along the stroke, shape (k,)."""
         R_WA, p_WA = self._mount.R_WA, self._mount.p_WA
         p_AC = (self._points[1:] + TIP_RADIUS * self._R_WD[1:, :, 0] - p_WA) @ R_WA
@@ -179,7 +179,7 @@ class ArmPoses:
         return bears
 
 
-def in_range(mount: Mount, hands: Hands, R_WD: Array, points: Array) -> NDArray[np.bool_]:
+def in_range(mount: Mount, hands: PostureSet, R_WD: Array, points: Array) -> NDArray[np.bool_]:
     """Which hands are neither too far from the shoulder nor too near to it.
 
     Args:
@@ -200,7 +200,7 @@ def in_range(mount: Mount, hands: Hands, R_WD: Array, points: Array) -> NDArray[
 
 
 def poses(
-    mount: Mount, hands: Hands, R_WD: Array, points: Array, elbow: Array
+    mount: Mount, hands: PostureSet, R_WD: Array, points: Array, elbow: Array
 ) -> tuple[Array, Array]:
     """Arm angles of n hands and elbow angles with T at w points each.
 

@@ -28,14 +28,14 @@ from sim.collision.collision_scene import (
     LEAST_CLEARANCE,
     OBJECT_CLEARANCE,
     TABLE_CLEARANCE,
+    CollisionScene,
     Obstacle,
-    Scenery,
 )
-from sim.hands.four_finger.pushing_postures import Hands
-from sim.motion.arm_configuration import Mount, Stance, UnreachableError
-from sim.motion.ik_search import ENOUGH_MARGIN, ArmPoses, Solved, descent, in_range
-from sim.motion.roadmap import LIMIT_MARGIN, along, drawn_places, free_way
-from sim.paths.fingertip_path import BACK, Way
+from sim.hands.four_finger.pushing_postures import PostureSet
+from sim.motion.arm_configuration import ArmConfiguration, Mount, UnreachableError
+from sim.motion.ik_search import ENOUGH_MARGIN, IkSolutions, PushIkSearch, descent, in_range
+from sim.motion.roadmap import LIMIT_MARGIN, along, free_path, sample_configurations
+from sim.paths.fingertip_path import BACK, FingertipPath
 from sim.rotations import Array, rot_z
 
 _FACE_CLEARANCE = 0.0005  # of all but the fingertips from the pushed face [m]
@@ -74,7 +74,7 @@ THOROUGH = Effort(LEAST_CLEARANCE, fine=True, most_hands=600, most_transits=10, 
 class _Found:
     """A stance without the way from home: arm angles above the start, room, strength [N]."""
 
-    stance: Stance
+    stance: ArmConfiguration
     above: Array
     room: float
     strength: float
@@ -84,13 +84,13 @@ class _Found:
         return replace(self, stance=replace(self.stance, via=via))
 
     @property
-    def answer(self) -> tuple[Stance, ReachAnswer]:
+    def answer(self) -> tuple[ArmConfiguration, ReachAnswer]:
         """What is told of it."""
         numbers = {"strength": self.strength}
         return self.stance, ReachAnswer(ok=True, margin=self.room, numbers=numbers)
 
 
-class Search:
+class PushMotionSearch:
     """The search for one push.
 
     Args:
@@ -108,7 +108,7 @@ class Search:
         mount: Mount,
         home: Array,
         push: Push,
-        way: Way,
+        way: FingertipPath,
         state: WorldState,
         effort: Effort,
         spare: float = 0.0,
@@ -120,10 +120,10 @@ class Search:
         self._way = way
         self._points = way.points()
         self._R_WD = rot_z(way.turns()) @ way.R_WD
-        self._arms = ArmPoses(mount, home, push, self._points, self._R_WD)
+        self._arms = PushIkSearch(mount, home, push, self._points, self._R_WD)
         table = state.table
         self._centre = 0.5 * np.array([table.x_min + table.x_max, table.y_min + table.y_max])
-        self._scenery = Scenery.of(state, push.object, spare, effort.clearance)
+        self._scenery = CollisionScene.of(state, push.object, spare, effort.clearance)
         # From the touch on, the pushed object goes where the fingertips take it.
         touch = self._points[1]
         self._pushed = [
@@ -131,7 +131,7 @@ class Search:
             for k, turn in enumerate(way.turns())
         ]
 
-    def best(self, hands: Hands) -> tuple[Stance, ReachAnswer] | ReachAnswer:
+    def best(self, hands: PostureSet) -> tuple[ArmConfiguration, ReachAnswer] | ReachAnswer:
         """The best stance in one of some hands, or why there is none."""
         self._stopped: set[str] = set()
         self._hindered: list[Array] = []
@@ -160,7 +160,7 @@ class Search:
             if asked >= self._effort.most_hands:
                 break
         for found in blocked[: self._effort.last_resorts] if best is None else ():
-            via = self._way_there(found, drawn_places(self._home, found.above))
+            via = self._way_there(found, sample_configurations(self._home, found.above))
             if via is not None:
                 best = found.by(via)
                 break
@@ -185,7 +185,7 @@ class Search:
 
     # -- hands ----------------------------------------------------------------------------------
 
-    def _clear_hands(self, hands: Hands) -> Iterator[Hands]:
+    def _clear_hands(self, hands: PostureSet) -> Iterator[PostureSet]:
         """The hands that stay clear of everything during the push, a few at a time."""
         near = self._scenery.near(self._points, hands.size)
         R_WD, points = self._swept() if near else (self._R_WD[:2], self._points[:2])
@@ -222,7 +222,7 @@ class Search:
 
     # -- arms -----------------------------------------------------------------------------------
 
-    def _stances(self, hands: Hands, least: float) -> Iterator[_Found]:
+    def _stances(self, hands: PostureSet, least: float) -> Iterator[_Found]:
         """What is reachable, strong enough and free at the object, the best first.
 
         Args:
@@ -237,7 +237,7 @@ class Search:
 
     # -- whole arms -----------------------------------------------------------------------------
 
-    def _unhindered(self, hands: Hands, solved: Solved) -> NDArray[np.bool_]:
+    def _unhindered(self, hands: PostureSet, solved: IkSolutions) -> NDArray[np.bool_]:
         """Which arms stay clear of everything on the way down and while they push, shape (k,)."""
         down = descent(self._points[0], solved.lift)
         R_WD = np.broadcast_to(self._R_WD[0], (down.shape[1], 3, 3))
@@ -260,7 +260,7 @@ class Search:
             back = self._scenery.is_free(robot, self._pushed[-1])
             return np.asarray(self._scenery.is_free(robot) & back)
 
-        return free_way(self._home, found.above, places, is_free)
+        return free_path(self._home, found.above, places, is_free)
 
     def _comes_off(self, found: _Found) -> bool:
         """Whether the hand also gets off a face that it has turned, and back to the start."""
@@ -296,7 +296,7 @@ class Search:
         q, valid = arm.inverse(*self._mount.flange(R_WP, p_WP), elbow, [stance.branch])
         return np.vstack([swings, q[valid]])
 
-    def _robot(self, stance: Stance, q: Array) -> Array:
+    def _robot(self, stance: ArmConfiguration, q: Array) -> Array:
         """Spheres of hand and arm in W, shape (n, k, 4)."""
         R_WP, p_WP = self._mount.palm(q)
         hand = spheres.placed(spheres.whole_hand(stance.posture), R_WP, p_WP)

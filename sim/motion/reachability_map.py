@@ -31,7 +31,7 @@ TURNS = 24
 _SAMPLED = 32  # hands
 
 
-class ReachMap:
+class ReachabilityMap:
     """The map of one mount.
 
     Args:
@@ -77,6 +77,6 @@ class ReachMap:
 
 
 @functools.lru_cache(maxsize=16)
-def reach_map(robot: RobotMount) -> ReachMap:
+def reachability_map(robot: RobotMount) -> ReachabilityMap:
     """The map of a robot; always the same one."""
-    return ReachMap(Mount.of(robot))
+    return ReachabilityMap(Mount.of(robot))

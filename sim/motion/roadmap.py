@@ -30,7 +30,9 @@ _DRAWN, _MOST_ROADS = 80, 60  # places drawn, and roads looked at in vain
 _BEYOND = 1.0  # how far places are drawn beyond start and goal [rad]
 
 
-def free_way(start: Array, goal: Array, places: Array, is_free: IsFree) -> tuple[Array, ...] | None:
+def free_path(
+    start: Array, goal: Array, places: Array, is_free: IsFree
+) -> tuple[Array, ...] | None:
     """Arm poses between start and goal, joined by straight lines that are free.
 
     Args:
@@ -50,7 +52,7 @@ def free_way(start: Array, goal: Array, places: Array, is_free: IsFree) -> tuple
     return _shortest_free(nodes[free], is_free)
 
 
-def drawn_places(start: Array, goal: Array) -> Array:
+def sample_configurations(start: Array, goal: Array) -> Array:
     """Places about start and goal, always the same, shape (n, 7) [rad]."""
     low, high = np.minimum(start, goal) - _BEYOND, np.maximum(start, goal) + _BEYOND
     return np.random.default_rng(0).uniform(low, high, (_DRAWN, 7))

@@ -23,21 +23,21 @@ from planner.types.world_state import WorldState
 from sim.cell.cell_description import CellDescription
 from sim.collision import collision_spheres as spheres
 from sim.collision.collision_scene import TABLE_CLEARANCE
-from sim.hands.four_finger.grasp_postures import NARROWEST, WIDEST, hand_grip, pinch
+from sim.hands.four_finger.grasp_postures import NARROWEST, WIDEST, grasp_posture, pinch
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.hands.four_finger.pushing_postures import LARGEST_SKEW, hands, strongest
-from sim.motion.arm_configuration import Mount, Stance
-from sim.motion.flip_motion_search import FlipSearch, FlipStance
-from sim.motion.grasp_motion_search import HandWay, best_way
-from sim.motion.push_motion_search import THOROUGH, USUAL, Effort, Search
-from sim.motion.reachability_map import reach_map
-from sim.paths.fingertip_path import Way
+from sim.motion.arm_configuration import ArmConfiguration, Mount
+from sim.motion.flip_motion_search import FlipConfiguration, FlipMotionSearch
+from sim.motion.grasp_motion_search import GraspMotion, best_grasp_motion
+from sim.motion.push_motion_search import THOROUGH, USUAL, Effort, PushMotionSearch
+from sim.motion.reachability_map import reachability_map
+from sim.paths.fingertip_path import FingertipPath
 
 FINGER_SPREADS = (0.04, 0.032, 0.024)
 """Distances between the fingertips of a two-finger push, the largest first [m]."""
 
 
-class ArmReach:
+class ArmHandReach:
     """The reach of the robot of a cell.
 
     Attributes:
@@ -62,11 +62,11 @@ class ArmReach:
         self.mount = Mount.of(cell.robot)
         self.home = np.radians(cell.robot.home_deg)
         self.max_force = strongest(1, 0.0)
-        self._map = reach_map(cell.robot)
+        self._map = reachability_map(cell.robot)
 
     def __call__(self, push: Push, state: WorldState) -> ReachAnswer:
         """Whether the whole way of a push is reachable and free."""
-        answer = self.stance(push, state)
+        answer = self.push_configuration(push, state)
         return answer if isinstance(answer, ReachAnswer) else answer[1]
 
     def prospect(self, push: Push, state: WorldState) -> float:
@@ -74,18 +74,18 @@ class ArmReach:
 
         For the order in which pushes are asked for; a push without room may still be possible.
         """
-        way = Way.of(push, state.objects[push.object])
+        way = FingertipPath.of(push, state.objects[push.object])
         heading = float(np.arctan2(way.inward[1], way.inward[0]))
         ends = (way.touch, way.end)
         return min(self._map.room(push.fingers, push.spread, end, heading) for end in ends)
 
-    def thorough(self) -> ArmReach:
+    def thorough(self) -> ArmHandReach:
         """The same, which looks at more hands and lets them pass nearer."""
-        return ArmReach(self._cell, THOROUGH)
+        return ArmHandReach(self._cell, THOROUGH)
 
     def grip(self, width: float) -> Grip | None:
         """How the hand closes about a width [m]; None if it does not."""
-        found = hand_grip(width)
+        found = grasp_posture(width)
         return None if found is None else found.grip
 
     def pinch(self, width: float) -> Grip | None:
@@ -97,7 +97,7 @@ class ArmReach:
         """Whether arm and hand can carry out a plan, all of its way free."""
         if plan.grasp is None:
             return self._flips(plan, state)
-        found = self.hand_way(plan, state)
+        found = self.grasp_motion(plan, state)
         if isinstance(found, ReachAnswer):
             return found
         numbers = {"strength": found.grip.grip.strongest}
@@ -107,18 +107,18 @@ class ArmReach:
         """Whether a fingertip can carry out a plan in which nothing is held."""
         (step,) = plan.steps
         assert isinstance(step, FlipOver), "an empty hand only flips lids"
-        found = self.flip_stance(step, plan.object, state)
+        found = self.flip_configuration(step, plan.object, state)
         return found if isinstance(found, ReachAnswer) else found[1]
 
-    def flip_stance(
+    def flip_configuration(
         self, step: FlipOver, name: str, state: WorldState
-    ) -> tuple[FlipStance, ReachAnswer] | ReachAnswer:
+    ) -> tuple[FlipConfiguration, ReachAnswer] | ReachAnswer:
         """The best stance that flips the lid of an object, or why there is none."""
-        return FlipSearch(self.mount, self.home, step, name, state).best()
+        return FlipMotionSearch(self.mount, self.home, step, name, state).best()
 
-    def hand_way(
+    def grasp_motion(
         self, plan: HandlingPlan, state: WorldState, spare: float = 0.0
-    ) -> HandWay | ReachAnswer:
+    ) -> GraspMotion | ReachAnswer:
         """The best way of arm and hand through a plan, or why there is none.
 
         Args:
@@ -128,7 +128,7 @@ class ArmReach:
         """
         if plan.grasp is None:
             return ReachAnswer(False, "kinematics", "nothing is held")
-        closes = hand_grip if plan.grasp.part == "body" else pinch
+        closes = grasp_posture if plan.grasp.part == "body" else pinch
         grip = closes(plan.grasp.width)
         if grip is None:
             least, most = 1e3 * self.narrowest, 1e3 * self.widest
@@ -146,11 +146,11 @@ class ArmReach:
                 f"{plan.grasp.squeeze:.1f} N are needed",
                 numbers={"strength": grip.grip.strongest, "force": plan.grasp.squeeze},
             )
-        return best_way(self.mount, self.home, plan, grip, state, spare)
+        return best_grasp_motion(self.mount, self.home, plan, grip, state, spare)
 
-    def stance(
+    def push_configuration(
         self, push: Push, state: WorldState, spare: float = 0.0
-    ) -> tuple[Stance, ReachAnswer] | ReachAnswer:
+    ) -> tuple[ArmConfiguration, ReachAnswer] | ReachAnswer:
         """The best stance for a push, or why there is none.
 
         Args:
@@ -163,8 +163,8 @@ class ArmReach:
             return ReachAnswer(
                 False, "table", f"the finger would touch the table {height:.0f} mm up"
             )
-        way = Way.of(push, state.objects[push.object])
-        search = Search(self.mount, self.home, push, way, state, self._effort, spare)
+        way = FingertipPath.of(push, state.objects[push.object])
+        search = PushMotionSearch(self.mount, self.home, push, way, state, self._effort, spare)
         every = hands(push.fingers, push.spread, fine=self._effort.fine)
         strong = every.strength * push.fingers >= push.force_limit
         found = search.best(every[strong])

@@ -30,7 +30,7 @@ STROKE_POINTS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 
 
 @dataclass(frozen=True)
-class Way:
+class FingertipPath:
     """Where the midpoint of the fingertips goes in W, and how the palm turns on it.
 
     Attributes:
@@ -48,7 +48,7 @@ class Way:
     turn: float = 0.0
 
     @classmethod
-    def of(cls, push: Push, target: SeenObject) -> Way:
+    def of(cls, push: Push, target: SeenObject) -> FingertipPath:
         """The way of a push on an object that is seen somewhere.
 
         A push that turns the object goes along the arc on which the stroke is used up when it has
@@ -66,7 +66,7 @@ class Way:
         inward = -(rot_z(push.turn) @ outward if push.ends_on == "stroke" else outward)
         return cls(inward, touch - STANDOFF * inward, touch, touch + along)
 
-    def raised(self, height: float) -> Way:
+    def raised(self, height: float) -> FingertipPath:
         """The same so much higher [m]."""
         up = np.array([0.0, 0.0, height])
         return replace(self, start=self.start + up, touch=self.touch + up, end=self.end + up)

@@ -23,7 +23,7 @@ THREAD = 2.0 * np.pi
 
 
 @dataclass(frozen=True, eq=False)
-class Handled:
+class HeldObject:
     """A plan and a state in which what is held is an object of its own.
 
     Attributes:
@@ -51,7 +51,7 @@ class Handled:
     opened: float = 0.0
 
     @classmethod
-    def of(cls, plan: HandlingPlan, state: WorldState) -> Handled:
+    def of(cls, plan: HandlingPlan, state: WorldState) -> HeldObject:
         """What a plan with a grasp is about."""
         assert plan.grasp is not None, "something is held"
         already = state.held if plan.held else None

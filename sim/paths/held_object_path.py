@@ -26,7 +26,7 @@ from planner.types.actions import (
     TurnCap,
 )
 from planner.types.world_state import SeenObject
-from sim.paths.held_object import THREAD, Handled
+from sim.paths.held_object import THREAD, HeldObject
 from sim.rotations import Array, axis_rotation, wrap
 
 BEYOND = 0.03
@@ -48,7 +48,7 @@ _STEP, _TURN_STEP = 0.025, np.radians(8.0)  # between poses that are looked at
 
 
 @dataclass(frozen=True, eq=False)
-class Leg:
+class HeldSegment:
     """A point C of the held object goes straight while it turns evenly about an axis.
 
     Attributes:
@@ -97,7 +97,7 @@ class Leg:
         R_WB, p_WB = self.poses(np.ones(1))
         return R_WB[0], p_WB[0]
 
-    def back(self, **changes: object) -> Leg:
+    def back(self, **changes: object) -> HeldSegment:
         """The same leg the other way."""
         R_WB, _ = self.ends
         there = replace(self, R_WB=R_WB, start=self.end, end=self.start, turn=-self.turn)
@@ -127,7 +127,7 @@ def withdrawals(grasp: Grasp, held: SeenObject) -> tuple[Array, ...]:
     return (back,) if approach[2] < -_DOWN else (back, up)
 
 
-def legs_of(handled: Handled, off: Array) -> tuple[tuple[Leg, ...], ...]:
+def held_segments(handled: HeldObject, off: Array) -> tuple[tuple[HeldSegment, ...], ...]:
     """The legs of a plan: of the approach, of each step, and of the way back.
 
     Args:
@@ -141,7 +141,7 @@ def legs_of(handled: Handled, off: Array) -> tuple[tuple[Leg, ...], ...]:
     plan, held = handled.plan, handled.held
     R_WB, p_WB = held.pose.R_WB, held.pose.p_WB + np.array([0.0, 0.0, handled.height])
     there = _straight("approach", R_WB, p_WB + off, p_WB, REACH_SPEED, free=True)
-    made: list[tuple[Leg, ...]] = [() if plan.held else (there,)]
+    made: list[tuple[HeldSegment, ...]] = [() if plan.held else (there,)]
     for step in plan.steps:
         legs = _step(step, handled, R_WB, p_WB)
         made.append(tuple(replace(leg, speed=min(leg.speed, plan.speed)) for leg in legs))
@@ -155,7 +155,7 @@ def legs_of(handled: Handled, off: Array) -> tuple[tuple[Leg, ...], ...]:
     return (*made, (back,))
 
 
-def _step(step: HandStep, handled: Handled, R_WB: Array, p_WB: Array) -> Iterator[Leg]:
+def _step(step: HandStep, handled: HeldObject, R_WB: Array, p_WB: Array) -> Iterator[HeldSegment]:
     """The legs of a step that begins somewhere."""
     if isinstance(step, LiftUp):
         up = np.array([0.0, 0.0, step.height])
@@ -175,12 +175,12 @@ def _step(step: HandStep, handled: Handled, R_WB: Array, p_WB: Array) -> Iterato
 
 def _straight(
     phase: str, R_WB: Array, start: Array, end: Array, speed: float, *, free: bool = False
-) -> Leg:
+) -> HeldSegment:
     up = np.array([0.0, 0.0, 1.0])
-    return Leg(phase, R_WB, np.zeros(3), start, end, up, 0.0, speed, TURN_SPEED, free)
+    return HeldSegment(phase, R_WB, np.zeros(3), start, end, up, 0.0, speed, TURN_SPEED, free)
 
 
-def _turns(step: TurnCap, pitch: float, R_WB: Array, p_WB: Array) -> Iterator[Leg]:
+def _turns(step: TurnCap, pitch: float, R_WB: Array, p_WB: Array) -> Iterator[HeldSegment]:
     """Turns of the held cap, and of the open hand back between them."""
     strokes = max(1, int(np.ceil(abs(step.angle) / _STROKE)))
     turn = step.angle / strokes
@@ -193,7 +193,7 @@ def _turns(step: TurnCap, pitch: float, R_WB: Array, p_WB: Array) -> Iterator[Le
             yield leg.back(start=p_WB, end=p_WB, free=True)
 
 
-def _carry(step: Carry, R_WB: Array, p_WB: Array) -> Leg:
+def _carry(step: Carry, R_WB: Array, p_WB: Array) -> HeldSegment:
     turn = 0.0
     if step.to.yaw is not None:
         turn = float(wrap(step.to.yaw - np.arctan2(R_WB[1, 0], R_WB[0, 0])))
@@ -201,7 +201,7 @@ def _carry(step: Carry, R_WB: Array, p_WB: Array) -> Leg:
     return replace(_straight("carry", R_WB, p_WB, end, CARRY_SPEED), turn=turn)
 
 
-def _pour(step: PourOut, held: SeenObject, R_WB: Array, p_WB: Array) -> Iterator[Leg]:
+def _pour(step: PourOut, held: SeenObject, R_WB: Array, p_WB: Array) -> Iterator[HeldSegment]:
     """Over the other object, tilted there, and upright again where it came from."""
     lean = np.array([np.cos(step.heading), np.sin(step.heading), 0.0])
     axis = np.cross([0.0, 0.0, 1.0], lean)
@@ -211,12 +211,21 @@ def _pour(step: PourOut, held: SeenObject, R_WB: Array, p_WB: Array) -> Iterator
     lowers = np.minimum(_LOWERS, np.multiply(_LOWERS_SHARE, step.angle))
     tilts = np.array([0.0, *lowers, step.angle])
     places = [over, over, there, there]
-    first = Leg("pour", R_WB, p_BC, here, over, axis, 0.0, CARRY_SPEED, step.rate)
+    first = HeldSegment("pour", R_WB, p_BC, here, over, axis, 0.0, CARRY_SPEED, step.rate)
     tilting = [
-        Leg("pour", axis_rotation(axis, tilts[k]) @ R_WB, p_BC, places[k], places[k + 1], axis,
-            float(tilts[k + 1] - tilts[k]), CARRY_SPEED, step.rate)
+        HeldSegment(
+            "pour",
+            axis_rotation(axis, tilts[k]) @ R_WB,
+            p_BC,
+            places[k],
+            places[k + 1],
+            axis,
+            float(tilts[k + 1] - tilts[k]),
+            CARRY_SPEED,
+            step.rate,
+        )
         for k in range(3)
-    ]  # fmt: skip
+    ]
     yield first
     yield from tilting
     for leg in reversed(tilting):
@@ -237,7 +246,9 @@ def lip(held: SeenObject, lean_B: Array) -> Array:
     return np.array([x, y, held.model.top])
 
 
-def upright_again(done: Sequence[Leg], leg: Leg, share: float) -> tuple[Leg, ...]:
+def upright_again(
+    done: Sequence[HeldSegment], leg: HeldSegment, share: float
+) -> tuple[HeldSegment, ...]:
     """The way back upright after pouring.
 
     Args:

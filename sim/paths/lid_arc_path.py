@@ -110,7 +110,7 @@ class LidShape:
 
 
 @dataclass(frozen=True, eq=False)
-class LidWay:
+class LidPath:
     """Where the fingertip goes in E, and how: before the lid, along the arc, off it and back.
 
     Attributes:
@@ -126,7 +126,7 @@ class LidWay:
     touching: slice
 
     @classmethod
-    def of(cls, lid: LidShape) -> LidWay:
+    def of(cls, lid: LidShape) -> LidPath:
         """The way on which a lid is opened or closed."""
         arc = np.linspace(lid.start, lid.end, _POINTS)
         first, last = arc[:1], arc[-1:]

@@ -17,7 +17,7 @@ from sim.rotations import Array
 _ARRIVED = 1e-6
 
 
-def attracted(
+def attractor_points(
     start: Array, target: Array, *, speed: float, acceleration: float, period: float
 ) -> Iterator[Array]:
     """Points on the way from `start` to `target`, one per period; the last one is the target.

@@ -18,7 +18,7 @@ from sim.rotations import Array
 
 
 @dataclass(frozen=True, eq=False)
-class Arc:
+class TiltArc:
     """Where the fingertip may be.
 
     Attributes:

@@ -10,7 +10,7 @@ import pytest
 from objectmodels import Registry
 from objectmodels.mechanics.turning_push import TurningPush, best_turn
 from planner.types.plan import Limits, Margins, Plan, Prediction, Push
-from sim import ArmReach, DrakeWorld, Trace, execute, load_scene
+from sim import ArmHandReach, DrakeWorld, Trace, execute, load_scene
 from sim.execution.push_execution import JOINT_SPEED, Trip, silent
 from sim.rotations import Array, rot_z
 from sim.truth.scene_file import Scene
@@ -153,7 +153,7 @@ def test_a_hand_that_cannot_go_straight_off_the_face_goes_by_the_joints() -> Non
     plan = _plan("ice tea box", alone, 2, -0.5)
     models = {"ice tea box": Registry.default().get("ice tea box")}
     world = DrakeWorld(alone)
-    trip = Trip(plan.push, world, models, ArmReach(alone.cell), silent)
+    trip = Trip(plan.push, world, models, ArmHandReach(alone.cell), silent)
     stance, way = trip.stance(trip.look())
     trip.approach(stance, way)
     start = world.commanded[0]

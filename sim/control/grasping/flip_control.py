@@ -33,9 +33,9 @@ from sim.execution.push_execution import (
 )
 from sim.hands.four_finger.hand_kinematics import RESTING
 from sim.motion.arm_configuration import UnreachableError
-from sim.motion.flip_motion_search import FlipStance
-from sim.motion.robot_reach import ArmReach
-from sim.paths.point_attractor import attracted
+from sim.motion.flip_motion_search import FlipConfiguration
+from sim.motion.robot_reach import ArmHandReach
+from sim.paths.point_attractor import attractor_points
 from sim.rotations import Array
 from sim.traces.trace import EndReason, Trace
 
@@ -79,7 +79,7 @@ class FlipControl:
         self,
         step: FlipOver,
         recorder: Recorder,
-        stance: FlipStance,
+        stance: FlipConfiguration,
         target: SeenObject,
         tell: Progress,
     ) -> None:
@@ -214,7 +214,7 @@ class FlipControl:
     def _go(self, point: Array, share: float, speed: float) -> None:
         """Straight to a point of E, the palm turning along."""
         here, goal = np.append(self._at[0], _PALM * self._at[1]), np.append(point, _PALM * share)
-        for at in attracted(
+        for at in attractor_points(
             here, goal, speed=speed, acceleration=HAND_ACCELERATION, period=self._period
         ):
             self._command(at[:3], float(at[3]) / _PALM)
@@ -238,7 +238,7 @@ class FlipTrip:
         stance: of arm and hand.
     """
 
-    def __init__(self, recorder: Recorder, stance: FlipStance) -> None:
+    def __init__(self, recorder: Recorder, stance: FlipConfiguration) -> None:
         self._recorder = recorder
         self._stance = stance
         self._came: list[Array] = []
@@ -279,7 +279,7 @@ class FlipTrip:
 
     def _straight(self, start: Array, goal: Array) -> None:
         recorder, posture = self._recorder, self._stance.stance.posture
-        for point in attracted(
+        for point in attractor_points(
             start,
             goal,
             speed=HAND_SPEED,
@@ -293,7 +293,7 @@ def flip_over(
     plan: HandlingPlan,
     world: DrakeWorld,
     models: Mapping[str, ObjectModel],
-    reach: ArmReach,
+    reach: ArmHandReach,
     tell: Progress,
 ) -> Trace:
     """Carries out a plan whose only step flips a lid.
@@ -316,7 +316,7 @@ def flip_over(
     target = state.objects[plan.object]
     if target.lid is not None:
         step = step.model_copy(update={"start": target.lid})
-    found = reach.flip_stance(step, plan.object, state)
+    found = reach.flip_configuration(step, plan.object, state)
     end: EndReason
     if isinstance(found, ReachAnswer):
         end, detail = "unreachable", found.message
@@ -326,7 +326,11 @@ def flip_over(
 
 
 def _flipped(
-    step: FlipOver, recorder: Recorder, stance: FlipStance, target: SeenObject, tell: Progress
+    step: FlipOver,
+    recorder: Recorder,
+    stance: FlipConfiguration,
+    target: SeenObject,
+    tell: Progress,
 ) -> tuple[EndReason, str]:
     """Goes there, flips the lid and comes home; returns how that ended."""
     trip = FlipTrip(recorder, stance)

@@ -17,14 +17,14 @@ from sim.control.pushing.guarded_touch import PAUSE, EarlyEndError
 from sim.execution.push_execution import move_joints
 from sim.hands.four_finger.grasp_postures import HOLDING
 from sim.hands.four_finger.hand_kinematics import RESTING
-from sim.paths.held_object_path import Leg
-from sim.paths.point_attractor import attracted
+from sim.paths.held_object_path import HeldSegment
+from sim.paths.point_attractor import attractor_points
 from sim.rotations import Array
 
 if TYPE_CHECKING:
     from planner.types.world_state import Held
     from sim.control.trace_recorder import Recorder
-    from sim.motion.grasp_motion_search import HandWay
+    from sim.motion.grasp_motion_search import GraspMotion
 
 CLOSING_SPEED = 0.020
 """Of the fingertips on each side while they close and open [m/s]."""
@@ -55,7 +55,7 @@ class HandMotion:
         bears: whether the springs are wound up to bear what is felt to hang on them, too.
     """
 
-    def __init__(self, recorder: Recorder, way: HandWay, sense: HandSense) -> None:
+    def __init__(self, recorder: Recorder, way: GraspMotion, sense: HandSense) -> None:
         self._recorder = recorder
         self._world = recorder.world
         self._way = way
@@ -143,7 +143,7 @@ class HandMotion:
             move_joints(self._recorder, q, q_hand)
             self.came.append(q)
 
-    def go(self, leg: Leg, until: float = -np.inf) -> float:
+    def go(self, leg: HeldSegment, until: float = -np.inf) -> float:
         """Moves along a leg; ends early if less than a weight is felt [N].
 
         Returns:
@@ -160,7 +160,7 @@ class HandMotion:
                 break
         return made
 
-    def reach(self, leg: Leg, share: float) -> None:
+    def reach(self, leg: HeldSegment, share: float) -> None:
         """To a place on a leg, for one control step.
 
         Raises:
@@ -223,7 +223,7 @@ class HandMotion:
 
     def _shares(self, far: float, speed: float) -> Iterator[float]:
         """From 0 to an end, one per control step."""
-        for (share,) in attracted(
+        for (share,) in attractor_points(
             np.zeros(1),
             np.array([far]),
             speed=speed,

@@ -15,8 +15,8 @@ from sim.control.grasping.lidview import LidView
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.trace_recorder import Recorder
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
-from sim.motion.grasp_motion_search import HandWay
-from sim.paths.held_object import Handled
+from sim.motion.grasp_motion_search import GraspMotion
+from sim.paths.held_object import HeldObject
 from sim.rotations import Array
 
 LEANS, MOVES, TURNS = float(np.radians(3.0)), 0.008, float(np.radians(6.0))
@@ -38,7 +38,7 @@ class LidSense(HandSense):
         torque: with which it does, about the vertical [N·m].
     """
 
-    def __init__(self, recorder: Recorder, way: HandWay, handled: Handled) -> None:
+    def __init__(self, recorder: Recorder, way: GraspMotion, handled: HeldObject) -> None:
         p_BG = np.array(handled.grasp.p_BG)
         super().__init__(recorder, way.mount, handled.held.name, p_BG, handled.state)
         self._lid_way = way

@@ -28,8 +28,8 @@ from sim.control.pushing.guarded_touch import TouchControl
 from sim.control.pushing.push_guards import RAMP, band
 from sim.control.trace_recorder import Recorder
 from sim.execution.push_execution import Progress
-from sim.motion.arm_configuration import Stance
-from sim.paths.fingertip_path import Way
+from sim.motion.arm_configuration import ArmConfiguration
+from sim.paths.fingertip_path import FingertipPath
 from sim.perception.camera_port import SeenPose
 from sim.rotations import Array
 from sim.traces.trace import EndReason
@@ -64,8 +64,8 @@ class Errand:
 
     plan: Plan
     recorder: Recorder
-    stance: Stance
-    way: Way
+    stance: ArmConfiguration
+    way: FingertipPath
     state: WorldState
     tell: Progress
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from planner.types.plan import Push
 from sim.control.trace_recorder import Recorder
-from sim.motion.arm_configuration import Stance
-from sim.paths.fingertip_path import STANDOFF, Way
+from sim.motion.arm_configuration import ArmConfiguration
+from sim.paths.fingertip_path import STANDOFF, FingertipPath
 from sim.perception.fingertip_sensing import Touch
 from sim.rotations import Array
 from sim.traces.trace import EndReason
@@ -78,8 +78,8 @@ class TouchControl:
         push: Push,
         onset: float,
         recorder: Recorder,
-        stance: Stance,
-        way: Way,
+        stance: ArmConfiguration,
+        way: FingertipPath,
         tell: Callable[[str, float, str], None],
     ) -> None:
         self.recorder = recorder
@@ -131,7 +131,7 @@ class TouchControl:
 
     def _touch_share(self) -> float:
         """Weight of a new sample with which the noise stays well below the touch force."""
-        noise = self.stance.coarseness(self.way.inward) * self.recorder.world.torque_noise
+        noise = self.stance.force_noise_gain(self.way.inward) * self.recorder.world.torque_noise
         quiet = (self._touch_force / max(_NOISES * noise, 1e-9)) ** 2
         # An exponential filter of weight s lets s / (2 − s) of the variance through.
         return float(min(1.0, self._period / _FILTER, 2.0 * quiet / (1.0 + quiet)))

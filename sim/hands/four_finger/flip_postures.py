@@ -22,11 +22,11 @@ from sim.collision.collision_scene import TABLE_CLEARANCE
 from sim.hands.four_finger.hand_kinematics import (
     TIP_RADIUS,
     Posture,
-    coarseness,
     finger_posture,
-    strength,
+    force_noise_gain,
+    max_tip_force,
 )
-from sim.paths.lid_arc_path import LidShape, LidWay
+from sim.paths.lid_arc_path import LidPath, LidShape
 from sim.rotations import Array, rot_y, rot_z
 
 _CLEARANCE = 0.003  # of all but the fingertip from the object and its lid [m]
@@ -46,7 +46,7 @@ _BEARS = 3.0  # force that the finger bears, more than any lid needs [N]
 
 
 @dataclass(frozen=True, eq=False)
-class FlipHands:
+class FlipPostureSet:
     """Hands that flip a lid, n of them, those that feel best first.
 
     Attributes:
@@ -56,7 +56,7 @@ class FlipHands:
         tips: centre of the fingertip in P, shape (n, 3) [m].
     """
 
-    way: LidWay
+    way: LidPath
     postures: tuple[Posture, ...]
     R_EP: Array
     tips: Array
@@ -64,10 +64,10 @@ class FlipHands:
     def __len__(self) -> int:
         return len(self.postures)
 
-    def some(self, chosen: NDArray[np.intp]) -> FlipHands:
+    def some(self, chosen: NDArray[np.intp]) -> FlipPostureSet:
         """A few of them."""
         postures = tuple(self.postures[k] for k in chosen.tolist())
-        return FlipHands(self.way, postures, self.R_EP[chosen], self.tips[chosen])
+        return FlipPostureSet(self.way, postures, self.R_EP[chosen], self.tips[chosen])
 
     @functools.cached_property
     def robot(self) -> Array:
@@ -83,9 +83,9 @@ class FlipHands:
 
 
 @functools.lru_cache(maxsize=16)
-def flip_hands(lid: LidShape) -> FlipHands:
+def flip_postures(lid: LidShape) -> FlipPostureSet:
     """All hands that flip a lid."""
-    way = LidWay.of(lid)
+    way = LidPath.of(lid)
     R_EP = _orientations(lid, way)
     postures, orientations, tips, coarse = [], [], [], []
     for finger, flexion in itertools.product(("index", "middle", "ring"), _FLEXIONS):
@@ -97,11 +97,11 @@ def flip_hands(lid: LidShape) -> FlipHands:
         tips.append(np.tile(posture.tips[0], (int(good.sum()), 1)))
         coarse.append(felt[good])
     order = np.argsort(np.concatenate(coarse), kind="stable")
-    every = FlipHands(way, tuple(postures), np.concatenate(orientations), np.concatenate(tips))
+    every = FlipPostureSet(way, tuple(postures), np.concatenate(orientations), np.concatenate(tips))
     return every.some(order)
 
 
-def _orientations(lid: LidShape, way: LidWay) -> Array:
+def _orientations(lid: LidShape, way: LidPath) -> Array:
     """Orientations of the palm along the way, shape (n, w, 3, 3)."""
     lean, side, turn = (
         a.ravel() for a in np.meshgrid(_LEANS[lid.opens], _SIDES, _TURNS, indexing="ij")
@@ -114,19 +114,19 @@ def _orientations(lid: LidShape, way: LidWay) -> Array:
 
 
 def _feels(
-    posture: Posture, lid: LidShape, way: LidWay, R_EP: Array
+    posture: Posture, lid: LidShape, way: LidPath, R_EP: Array
 ) -> tuple[NDArray[np.bool_], Array]:
     """Which orientations feel and bear the push all along the arc, and how coarsely; (n,) each."""
     (finger,) = posture.pushing
     into = lid.normals(way.angles[way.touching])
     into_P = np.einsum("nwji,wj->nwi", R_EP[:, way.touching], into)
     p_PC = posture.tips[0] + TIP_RADIUS * into_P
-    coarse = coarseness(finger, posture.angles[finger], p_PC, into_P).max(axis=1)
-    bears = strength(finger, posture.angles[finger], p_PC, into_P).min(axis=1)
+    coarse = force_noise_gain(finger, posture.angles[finger], p_PC, into_P).max(axis=1)
+    bears = max_tip_force(finger, posture.angles[finger], p_PC, into_P).min(axis=1)
     return np.asarray((coarse < _COARSEST_FEELING) & (bears > _BEARS)), coarse
 
 
-def _clear(posture: Posture, lid: LidShape, way: LidWay, R_EP: Array) -> NDArray[np.bool_]:
+def _clear(posture: Posture, lid: LidShape, way: LidPath, R_EP: Array) -> NDArray[np.bool_]:
     """Which orientations keep all but the fingertip off table, object and lid, shape (n,)."""
     about = spheres.hand_spheres(posture) - np.append(posture.tips[0], 0.0)
     left = np.arange(len(R_EP))

@@ -29,7 +29,7 @@ from sim.hands.four_finger.hand_kinematics import (
     TIP_RADIUS,
     Angles,
     Posture,
-    bent_to,
+    angles_reaching,
     finger_jacobian,
     finger_points,
 )
@@ -62,7 +62,7 @@ _UNKNOWN = Grip(np.zeros((4, 2)), SHARES, 0.0, (0.0, 0.0))
 
 
 @dataclass(frozen=True, eq=False)
-class HandGrip:
+class GraspPosture:
     """A grip of this hand.
 
     Attributes:
@@ -138,14 +138,14 @@ def inward(finger: str) -> Array:
     return np.array([-1.0 if finger == "thumb" else 1.0, 0.0, 0.0])
 
 
-def hand_grip(width: float) -> HandGrip | None:
+def grasp_posture(width: float) -> GraspPosture | None:
     """How the hand closes about a width [m]; None if it does not."""
     if not NARROWEST <= width <= WIDEST:
         return None
     return _best(round(width, 4))
 
 
-def pinch(width: float) -> HandGrip | None:
+def pinch(width: float) -> GraspPosture | None:
     """How thumb and middle finger close about a knob of a width [m]; None if they do not."""
     if not NARROWEST <= width <= WIDEST:
         return None
@@ -153,7 +153,7 @@ def pinch(width: float) -> HandGrip | None:
 
 
 @functools.lru_cache(maxsize=256)
-def _best(width: float, *, pinches: bool = False) -> HandGrip | None:
+def _best(width: float, *, pinches: bool = False) -> GraspPosture | None:
     shares = PINCH if pinches else SHARES
     found = [_at(width, x, z, shares) for x, z in itertools.product(_ACROSS, _ALONG)]
     worth = _pinch_worth if pinches else _worth
@@ -161,11 +161,11 @@ def _best(width: float, *, pinches: bool = False) -> HandGrip | None:
     return None if best is None else replace(best, grip=_as_known(best))
 
 
-def _worth(grip: HandGrip) -> float:
+def _worth(grip: GraspPosture) -> float:
     return float(grip.strongest + _DEPTH_WORTH * grip.middle[2] + _OPENING_WORTH * grip.opening)
 
 
-def _pinch_worth(grip: HandGrip) -> float:
+def _pinch_worth(grip: GraspPosture) -> float:
     """A knob stands on something that the fingers must not touch."""
     hanging = [
         finger_points(finger, grip.posture(opening).angles[finger])[:, 2].max() - grip.middle[2]
@@ -179,7 +179,7 @@ def _holding(shares: Array) -> tuple[str, ...]:
     return tuple(finger for finger, share in zip(HOLDING, shares, strict=True) if share > 0.0)
 
 
-def _at(width: float, x: float, z: float, shares: Array) -> HandGrip | None:
+def _at(width: float, x: float, z: float, shares: Array) -> GraspPosture | None:
     """The grip about a width in one place; None if the fingers do not get there."""
     holding = _holding(shares)
     closed = _angles(width, x, z, holding)
@@ -190,10 +190,10 @@ def _at(width: float, x: float, z: float, shares: Array) -> HandGrip | None:
     opening = next((o for o in openings if _angles(width + 2.0 * o, x, z, holding)), None)
     if opening is None:
         return None
-    return HandGrip(width, np.array([x, 0.0, z]), float(opening), _UNKNOWN, shares)
+    return GraspPosture(width, np.array([x, 0.0, z]), float(opening), _UNKNOWN, shares)
 
 
-def _as_known(found: HandGrip) -> Grip:
+def _as_known(found: GraspPosture) -> Grip:
     """What the planner knows of it."""
     x, _, z = found.middle
     contacts = np.array([found.touching(finger)[[2, 1]] - [z, 0.0] for finger in found.holding])
@@ -211,7 +211,9 @@ def _angles(width: float, x: float, z: float, holding: tuple[str, ...]) -> dict[
     angles = {}
     low, high = FINGER_LIMITS.T
     for finger in holding:
-        bent = bent_to(finger, np.array([x, 0.0, z]) - (width / 2.0 + TIP_RADIUS) * inward(finger))
+        bent = angles_reaching(
+            finger, np.array([x, 0.0, z]) - (width / 2.0 + TIP_RADIUS) * inward(finger)
+        )
         if bent is None or not ((bent > low + STOP_ROOM) & (bent < high - STOP_ROOM))[1:].all():
             return None
         angles[finger] = bent
@@ -223,7 +225,9 @@ def _posture(name: str, width: float, x: float, z: float, holding: tuple[str, ..
     """The hand about a width, wherever its fingers get; those that do not hold are curled up."""
     angles = dict.fromkeys(FINGERS, CURLED)
     for finger in holding:
-        bent = bent_to(finger, np.array([x, 0.0, z]) - (width / 2.0 + TIP_RADIUS) * inward(finger))
+        bent = angles_reaching(
+            finger, np.array([x, 0.0, z]) - (width / 2.0 + TIP_RADIUS) * inward(finger)
+        )
         assert bent is not None, "a grip is about a width that the fingers reach"
         angles[finger] = bent
     return Posture(name, angles, holding)

@@ -102,7 +102,7 @@ def _chain() -> tuple[Array, Array]:
     return middle, tips
 
 
-def bent_to(finger: str, p_PT: Array) -> Angles | None:
+def angles_reaching(finger: str, p_PT: Array) -> Angles | None:
     """Angles with which a finger that is not spread has its tip somewhere in its own plane.
 
     Args:
@@ -145,7 +145,7 @@ def finger_jacobian(finger: str, angles: Angles, p_PC: Array) -> Array:
     return np.swapaxes(cross(R[:, [0, 1, 1]].T, arms), -1, -2)
 
 
-def fingertip_stiffness(finger: str, angles: Angles, p_PC: Array) -> Array:
+def tip_stiffness(finger: str, angles: Angles, p_PC: Array) -> Array:
     """Force at points of the distal link per displacement, (J k⁻¹ Jᵀ)⁻¹, in P [N/m].
 
     Args:
@@ -160,7 +160,7 @@ def fingertip_stiffness(finger: str, angles: Angles, p_PC: Array) -> Array:
     return np.asarray(np.linalg.inv(J @ np.swapaxes(J, -1, -2) / JOINT_STIFFNESS))
 
 
-def coarseness(finger: str, angles: Angles, p_PC: Array, along_P: Array) -> Array:
+def force_noise_gain(finger: str, angles: Angles, p_PC: Array, along_P: Array) -> Array:
     """Noise of the force felt along unit directions per noise of a torque sensor [1/m].
 
     Args:
@@ -176,7 +176,7 @@ def coarseness(finger: str, angles: Angles, p_PC: Array, along_P: Array) -> Arra
     return np.asarray(np.linalg.norm(np.linalg.solve(J, along_P[..., None])[..., 0], axis=-1))
 
 
-def strength(finger: str, angles: Angles, p_PC: Array, load_P: Array) -> Array:
+def max_tip_force(finger: str, angles: Angles, p_PC: Array, load_P: Array) -> Array:
     """Largest multiple of a load that a finger exerts without overloading or stopping a joint.
 
     The joints are springs: exerting the torque Jᵀf, a joint gives way by Jᵀf/k towards a stop.
@@ -198,7 +198,7 @@ def strength(finger: str, angles: Angles, p_PC: Array, load_P: Array) -> Array:
     return np.asarray((most / np.maximum(np.abs(torque), 1e-12)).min(axis=-1))
 
 
-def at_stop(angles: Angles) -> bool:
+def is_at_stop(angles: Angles) -> bool:
     """Whether a joint of a finger is at its stop, which then bears what no torque sensor shows."""
     low, high = FINGER_LIMITS.T
     room = np.minimum(angles - low, high - angles)

@@ -26,10 +26,10 @@ from sim.hands.four_finger.hand_kinematics import (
     FLANGE_TO_PALM,
     TIP_RADIUS,
     Posture,
-    coarseness,
-    fingertip_stiffness,
+    force_noise_gain,
+    max_tip_force,
     one_finger_postures,
-    strength,
+    tip_stiffness,
     two_finger_postures,
 )
 from sim.rotations import Array, rot_x, rot_y, rot_z
@@ -50,7 +50,7 @@ _BLURRED = 0.2  # what a closed finger counts less, as a skew
 
 
 @dataclass(frozen=True, eq=False)
-class Hands:
+class PostureSet:
     """Postures and orientations of the palm, n of them, the best first.
 
     Attributes:
@@ -77,8 +77,8 @@ class Hands:
     def __len__(self) -> int:
         return len(self.which)
 
-    def __getitem__(self, chosen: NDArray[np.bool_] | NDArray[np.intp] | slice) -> Hands:
-        return Hands(
+    def __getitem__(self, chosen: NDArray[np.bool_] | NDArray[np.intp] | slice) -> PostureSet:
+        return PostureSet(
             self.postures,
             self.which[chosen],
             self.R_DP[chosen],
@@ -124,7 +124,7 @@ class Hands:
 
 
 @functools.cache
-def hands(fingers: int, spread: float, *, fine: bool = False) -> Hands:
+def hands(fingers: int, spread: float, *, fine: bool = False) -> PostureSet:
     """Everything in which a hand may push with so many fingers.
 
     Args:
@@ -151,7 +151,7 @@ def hands(fingers: int, spread: float, *, fine: bool = False) -> Hands:
     tips = np.array([posture.midpoint for posture in postures])[which]
     palm = -(R_DP @ tips[..., None])[..., 0]
     about_T = _padded(postures)[which]
-    return Hands(
+    return PostureSet(
         postures,
         which,
         R_DP,
@@ -191,11 +191,11 @@ def quality(posture: Posture, R_DP: Array) -> tuple[Array, Array, Array]:
     coarse, skew, bears = np.zeros(len(R_DP)), np.zeros(len(R_DP)), np.full(len(R_DP), np.inf)
     for finger, tip in zip(posture.pushing, posture.tips, strict=True):
         angles, p_PC = posture.angles[finger], tip + TIP_RADIUS * into_face
-        stiffness = fingertip_stiffness(finger, angles, p_PC)
+        stiffness = tip_stiffness(finger, angles, p_PC)
         force = (R_DP @ stiffness @ into_face[..., None])[..., 0]
         drag = force[:, 2] / force[:, 0]
-        coarse = np.maximum(coarse, coarseness(finger, angles, p_PC, into_face))
+        coarse = np.maximum(coarse, force_noise_gain(finger, angles, p_PC, into_face))
         skew = np.maximum(skew, np.abs(drag))
         for load in (into_face, into_face + drag[:, None] * up):
-            bears = np.minimum(bears, strength(finger, angles, p_PC, load))
+            bears = np.minimum(bears, max_tip_force(finger, angles, p_PC, load))
     return coarse, skew, bears

@@ -21,7 +21,7 @@ from planner.touch_experiments import (
 )
 from planner.types.robot import Reach
 from planner.types.world_state import PlanarPose, SeenObject
-from sim import ArmReach, load_scene
+from sim import ArmHandReach, load_scene
 
 MODELS = {model.name: model for model in Registry.built_in()}
 LOW = "book"
@@ -32,7 +32,7 @@ YAWS = [0.0, 0.35, -2.0]
 
 @pytest.fixture(scope="module")
 def arm() -> Reach:
-    return ArmReach(load_scene("kitchen").cell)
+    return ArmHandReach(load_scene("kitchen").cell)
 
 
 def seen(model: ObjectModel, yaw: float = 0.0) -> SeenObject:

@@ -129,7 +129,7 @@ def test_stiffness_gives_back_the_force_of_a_spring() -> None:
         ]
     )
     moved = J @ (J.T @ force) / hand.JOINT_STIFFNESS
-    stiffness = hand.fingertip_stiffness("index", angles, tip)
+    stiffness = hand.tip_stiffness("index", angles, tip)
     np.testing.assert_allclose(stiffness @ moved, force, rtol=1e-4)  # differences as above
     np.testing.assert_allclose(stiffness, stiffness.T, rtol=1e-9)
 
@@ -152,8 +152,8 @@ def test_stops_of_the_fingers_are_those_of_the_file() -> None:
         # The file has six digits.
         file = float(found.attrib["lower"]), float(found.attrib["upper"])
         assert file == pytest.approx(tuple(stops), abs=1e-5)
-    assert hand.at_stop((0.0, -0.697, 0.5))
-    assert not hand.at_stop((0.0, -0.65, 0.5))
+    assert hand.is_at_stop((0.0, -0.697, 0.5))
+    assert not hand.is_at_stop((0.0, -0.65, 0.5))
 
 
 def test_finger_stiffness_is_that_of_the_file() -> None:
@@ -220,7 +220,7 @@ def test_a_finger_bears_its_strength_and_no_more(
     angles = tuple((low + np.array(share) * (high - low)).tolist())
     load = np.array(push)
     p_PC = hand.finger_points(finger, angles)[3] + hand.TIP_RADIUS * load / np.linalg.norm(load)
-    most = float(hand.strength(finger, angles, p_PC, load))
+    most = float(hand.max_tip_force(finger, angles, p_PC, load))
     torque = most * hand.finger_jacobian(finger, angles, p_PC).T @ load
     given_way = np.array(angles) - torque / hand.JOINT_STIFFNESS
     room = np.minimum(given_way - low, high - given_way) - hand.STOP_ROOM

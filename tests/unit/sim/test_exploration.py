@@ -12,7 +12,7 @@ from objectmodels.identification import Trial
 from planner.touch_experiments import Experiment, Kind, expected
 from planner.types.plan import FaceName
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim import ArmReach, load_scene
+from sim import ArmHandReach, load_scene
 from sim.exploration.exploration_run import OPPOSITE, SPIRAL, Explorer, Touched
 from sim.exploration.touch_recording import Recording
 from sim.traces.trace import EndReason
@@ -20,7 +20,7 @@ from sim.traces.trace import EndReason
 BOX = "ice tea box"
 MODEL = Registry.built_in().get(BOX)
 STATE = WorldState({BOX: SeenObject(BOX, PlanarPose(0.45, 0.0), MODEL)})
-REACH = ArmReach(load_scene("kitchen").cell)
+REACH = ArmHandReach(load_scene("kitchen").cell)
 
 Fails = Mapping[tuple[Kind, FaceName], EndReason]
 

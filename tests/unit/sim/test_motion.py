@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from sim.cell.cell_description import Vision
 from sim.control.pushing.lateral_control import LineKeeper, Pushed
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
-from sim.paths.point_attractor import attracted
+from sim.paths.point_attractor import attractor_points
 from sim.perception.camera_port import SeenPose, VisionPort, first_look
 from sim.rotations import rot_z
 from sim.truth.scene_file import load_scene
@@ -31,7 +31,9 @@ def test_attractor_keeps_its_bounds_and_arrives(
     start: list[float], target: list[float], speed: float, acceleration: float
 ) -> None:
     a, b = np.array(start), np.array(target)
-    points = np.array([a, *attracted(a, b, speed=speed, acceleration=acceleration, period=PERIOD)])
+    points = np.array(
+        [a, *attractor_points(a, b, speed=speed, acceleration=acceleration, period=PERIOD)]
+    )
     np.testing.assert_array_equal(points[-1], b if len(points) > 1 else points[-1])
     assert np.linalg.norm(points[-1] - b) < 1e-6
     velocity = np.diff(points, axis=0) / PERIOD

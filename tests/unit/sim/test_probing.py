@@ -11,14 +11,14 @@ import pytest
 from objectmodels import Registry
 from planner.touch_experiments import Experiment, Kind, experiments
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim import ArmReach, DrakeWorld, load_scene
+from sim import ArmHandReach, DrakeWorld, load_scene
 from sim.exploration.probe_control import probe
 from sim.exploration.touch_recording import Recording
 from sim.exploration.trial_extraction import trials
 from sim.truth.scene_file import Scene
 
 BOX = "ice tea box"
-REACH = ArmReach(load_scene("kitchen").cell)
+REACH = ArmHandReach(load_scene("kitchen").cell)
 
 
 def scene(**truth: Any) -> Scene:

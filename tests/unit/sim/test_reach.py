@@ -12,11 +12,11 @@ from objectmodels import Registry
 from planner.types.plan import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim import ArmReach, load_scene
+from sim import ArmHandReach, load_scene
 from sim.collision.collision_spheres import arm_spheres, distance_to_box, hand_spheres
 from sim.hands.four_finger.hand_kinematics import FINGER_JOINTS, FINGERS
-from sim.motion.arm_configuration import Stance, UnreachableError
-from sim.paths.fingertip_path import Way
+from sim.motion.arm_configuration import ArmConfiguration, UnreachableError
+from sim.paths.fingertip_path import FingertipPath
 from sim.truth.scene_file import Scene
 
 FACES = {"front": (-1.0, 0.0), "back": (1.0, 0.0), "left": (0.0, 1.0), "right": (0.0, -1.0)}
@@ -28,8 +28,8 @@ def scene() -> Scene:
 
 
 @pytest.fixture(scope="module")
-def reach(scene: Scene) -> ArmReach:
-    return ArmReach(scene.cell)
+def reach(scene: Scene) -> ArmHandReach:
+    return ArmHandReach(scene.cell)
 
 
 def _believed(scene: Scene) -> WorldState:
@@ -69,8 +69,8 @@ def _push(
     )
 
 
-def _stance(reach: ArmReach, push: Push, state: WorldState) -> Stance:
-    answer = reach.stance(push, state)
+def _stance(reach: ArmHandReach, push: Push, state: WorldState) -> ArmConfiguration:
+    answer = reach.push_configuration(push, state)
     assert not isinstance(answer, ReachAnswer), answer
     return answer[0]
 
@@ -87,7 +87,7 @@ CASES = [
 
 @pytest.mark.parametrize(("name", "face", "height", "fingers"), CASES)
 def test_the_way_is_free_by_drakes_own_distances(
-    reach: ArmReach, scene: Scene, name: str, face: str, height: float, fingers: int
+    reach: ArmHandReach, scene: Scene, name: str, face: str, height: float, fingers: int
 ) -> None:
     from pydrake.systems.framework import DiagramBuilder
 
@@ -96,7 +96,7 @@ def test_the_way_is_free_by_drakes_own_distances(
     state = _believed(scene)
     push = _push(state, name, face, height, fingers=fingers)
     stance = _stance(reach, push, state)
-    way = Way.of(push, state.objects[name])
+    way = FingertipPath.of(push, state.objects[name])
     builder = DiagramBuilder()
     model = add_plant(builder, scene)
     diagram = builder.Build()
@@ -124,7 +124,9 @@ def test_the_way_is_free_by_drakes_own_distances(
     assert 0.003 < smallest < 0.05
 
 
-def _poses(reach: ArmReach, stance: Stance, way: Way) -> Iterator[np.ndarray]:
+def _poses(
+    reach: ArmHandReach, stance: ArmConfiguration, way: FingertipPath
+) -> Iterator[np.ndarray]:
     above = np.array([*way.start[:2], stance.lift])
     legs = [reach.home, *stance.via, stance.joints(above)]
     for start, end in itertools.pairwise(legs):
@@ -140,10 +142,10 @@ def _body(model: object, query: object, geometry: object) -> str:
     return str(model.plant.GetBodyFromFrameId(frame).name())  # type: ignore[attr-defined]
 
 
-def test_the_tips_go_where_the_push_says(reach: ArmReach, scene: Scene) -> None:
+def test_the_tips_go_where_the_push_says(reach: ArmHandReach, scene: Scene) -> None:
     state = _believed(scene)
     push = _push(state, "ice tea box", "front", 0.029)
-    stance, way = _stance(reach, push, state), Way.of(push, state.objects["ice tea box"])
+    stance, way = _stance(reach, push, state), FingertipPath.of(push, state.objects["ice tea box"])
     for point in way.points():
         R_WP, p_WP = reach.mount.palm(stance.joints(point))
         middle = R_WP @ stance.posture.tips.mean(axis=0) + p_WP
@@ -152,13 +154,13 @@ def test_the_tips_go_where_the_push_says(reach: ArmReach, scene: Scene) -> None:
         stance.joints(np.array([3.0, 0.0, 0.1]))
 
 
-def test_too_low_is_refused(reach: ArmReach, scene: Scene) -> None:
+def test_too_low_is_refused(reach: ArmHandReach, scene: Scene) -> None:
     state = _believed(scene)
     answer = reach(_push(state, "ice tea box", "front", 0.01), state)
     assert (answer.ok, answer.reason) == (False, "table")
 
 
-def test_a_wall_of_boxes_is_an_obstacle(reach: ArmReach, scene: Scene) -> None:
+def test_a_wall_of_boxes_is_an_obstacle(reach: ArmHandReach, scene: Scene) -> None:
     state = _believed(scene)
     tea = state.objects["ice tea box"]
     wall = {
@@ -171,7 +173,7 @@ def test_a_wall_of_boxes_is_an_obstacle(reach: ArmReach, scene: Scene) -> None:
     assert answer.reason in {"obstacle", "approach"}
 
 
-def test_far_away_is_out_of_reach(reach: ArmReach, scene: Scene) -> None:
+def test_far_away_is_out_of_reach(reach: ArmHandReach, scene: Scene) -> None:
     state = _believed(scene)
     far = SeenObject("ice tea box", PlanarPose(2.5, 0.0), state.objects["ice tea box"].model)
     alone = WorldState({"ice tea box": far})
@@ -210,7 +212,7 @@ def test_spheres_cover_the_collision_shapes() -> None:
     q = np.radians(scene.robot.home_deg)
     model.plant.SetPositions(context, model.arm, q)
     posture = _stance(
-        ArmReach(scene.cell),
+        ArmHandReach(scene.cell),
         _push(_believed(scene), "ice tea box", "front", 0.029),
         _believed(scene),
     ).posture

@@ -13,7 +13,7 @@ from planner.geometry.directions import face_name
 from planner.types.plan import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim import ArmReach, load_scene
+from sim import ArmHandReach, load_scene
 from sim.collision import collision_spheres as spheres
 from sim.collision.collision_scene import (
     FRAGILE_CLEARANCE,
@@ -31,13 +31,13 @@ from sim.hands.four_finger.hand_kinematics import (
     finger_jacobian,
 )
 from sim.hands.four_finger.pushing_postures import hands, strongest
-from sim.motion.arm_configuration import Stance
-from sim.motion.reachability_map import reach_map
+from sim.motion.arm_configuration import ArmConfiguration
+from sim.motion.reachability_map import reachability_map
 from sim.motion.roadmap import along
-from sim.paths.fingertip_path import Way
+from sim.paths.fingertip_path import FingertipPath
 
 REGISTRY = Registry.built_in()
-REACH = ArmReach(load_scene("kitchen").cell)
+REACH = ArmHandReach(load_scene("kitchen").cell)
 PLACES = [(0.42, -0.3), (0.42, 0.3), (0.66, -0.28), (0.68, 0.3), (0.72, 0.02), (0.38, 0.0)]
 
 
@@ -83,7 +83,7 @@ def _alone(name: str, x: float, y: float) -> WorldState:
     return WorldState({name: SeenObject(name, PlanarPose(x, y), REGISTRY.get(name))})
 
 
-def _robot(stance: Stance, q: np.ndarray, *, tips: bool) -> np.ndarray:
+def _robot(stance: ArmConfiguration, q: np.ndarray, *, tips: bool) -> np.ndarray:
     R_WP, p_WP = stance.mount.palm(q)
     hand = spheres.whole_hand(stance.posture)
     if not tips:
@@ -92,7 +92,7 @@ def _robot(stance: Stance, q: np.ndarray, *, tips: bool) -> np.ndarray:
     return np.concatenate([spheres.placed(hand, R_WP, p_WP), arm], axis=-2)
 
 
-def _transit(stance: Stance, way: Way) -> np.ndarray:
+def _transit(stance: ArmConfiguration, way: FingertipPath) -> np.ndarray:
     above = np.array([*way.start[:2], stance.lift])
     legs = [REACH.home, *stance.via, stance.joints(above)]
     down = [stance.joints(above + t * (way.start - above)) for t in np.linspace(0.0, 1.0, 20)]
@@ -107,11 +107,11 @@ def test_hand_and_arm_keep_clear_of_a_crowd_all_the_way(fragile: bool) -> None:
     reached = 0
     for seed in SEEDS:
         push, state = _crowd(seed, fragile=fragile)
-        answer = REACH.stance(push, state)
+        answer = REACH.push_configuration(push, state)
         if isinstance(answer, ReachAnswer):
             continue
         reached += 1
-        stance, way = answer[0], Way.of(push, state.objects[push.object])
+        stance, way = answer[0], FingertipPath.of(push, state.objects[push.object])
         transit = _robot(stance, _transit(stance, way), tips=True)
         # Between the poses that were looked at a sphere moves by less than 2 mm towards an object.
         assert (transit[..., 2] - transit[..., 3]).min() > 0.005 - 0.002
@@ -136,12 +136,12 @@ def test_what_stands_halfway_beside_the_stroke_is_in_the_way() -> None:
     push = _push(tea, 0.0, 0.1, stroke=0.2)
     x, y, z = push.p_BC
     push = push.model_copy(update={"p_BC": (x, y + 0.03, z)})
-    way = Way.of(push, tea)
+    way = FingertipPath.of(push, tea)
     thin = BoxModel(name="post", size=(0.01, 0.01, 0.25), mass=0.1, friction=0.4)
     for off in (0.02, 0.03, 0.04, 0.05, 0.06):
         # Beside the box's way, but maybe not beside the hand's: it is wider behind than in front.
         post = SeenObject("post", PlanarPose(float(way.touch[0]) + 0.09, 0.045 + off), thin)
-        answer = REACH.stance(push, WorldState({tea.name: tea, "post": post}))
+        answer = REACH.push_configuration(push, WorldState({tea.name: tea, "post": post}))
         if isinstance(answer, ReachAnswer):
             assert answer.blocker == "post"
             continue
@@ -159,11 +159,11 @@ def test_what_was_just_reached_is_reached_from_the_next_look() -> None:
     tea = state.objects["ice tea box"]
     push = _push(tea, 0.0, 0.03, stroke=0.05)
     wall = BoxModel(name="wall", size=(0.01, 0.6, 0.3), mass=1.0, friction=0.4)
-    behind = float(Way.of(push, tea).start[0])
+    behind = float(FingertipPath.of(push, tea).start[0])
 
     def stance(nearer: float, spare: float) -> object:
         seen = SeenObject("wall", PlanarPose(behind - 0.2 + nearer, 0.0), wall)
-        return REACH.stance(push, WorldState({tea.name: tea, "wall": seen}), spare)
+        return REACH.push_configuration(push, WorldState({tea.name: tea, "wall": seen}), spare)
 
     def reached(nearer: float, spare: float = 0.0) -> bool:
         return not isinstance(stance(nearer, spare), ReachAnswer)
@@ -181,11 +181,11 @@ def test_what_looks_thoroughly_keeps_clear_too(fragile: bool) -> None:
     least = FRAGILE_CLEARANCE if fragile else LEAST_CLEARANCE
     for seed in SEEDS[:6]:
         push, state = _crowd(seed, fragile=fragile)
-        answer = thorough.stance(push, state)
+        answer = thorough.push_configuration(push, state)
         if isinstance(answer, ReachAnswer):
-            assert isinstance(REACH.stance(push, state), ReachAnswer)
+            assert isinstance(REACH.push_configuration(push, state), ReachAnswer)
             continue
-        stance, way = answer[0], Way.of(push, state.objects[push.object])
+        stance, way = answer[0], FingertipPath.of(push, state.objects[push.object])
         transit = _robot(stance, _transit(stance, way), tips=True)
         for name, seen in state.objects.items():
             if name == push.object:
@@ -205,9 +205,9 @@ def test_what_looks_thoroughly_gets_past_what_is_nearer() -> None:
     tea = state.objects["ice tea box"]
     push = _push(tea, 0.0, 0.03, stroke=0.05)
     wall = BoxModel(name="wall", size=(0.01, 0.6, 0.3), mass=1.0, friction=0.4)
-    behind = float(Way.of(push, tea).start[0])
+    behind = float(FingertipPath.of(push, tea).start[0])
 
-    def nearest(reach: ArmReach) -> float:
+    def nearest(reach: ArmHandReach) -> float:
         at = np.arange(0.0, 0.2, 0.001)
         seen = [SeenObject("wall", PlanarPose(behind - 0.2 + x, 0.0), wall) for x in at]
         states = [WorldState({tea.name: tea, "wall": each}) for each in seen]
@@ -233,9 +233,9 @@ def test_the_hand_that_is_chosen_bears_the_force() -> None:
     state = _alone("ice tea box", 0.5, 0.1)
     for force in (2.0, 8.0, 14.0, 20.0):
         push = _push(state.objects["ice tea box"], 0.0, 0.08, stroke=0.1, force=force)
-        answer = REACH.stance(push, state)
+        answer = REACH.push_configuration(push, state)
         assert not isinstance(answer, ReachAnswer), answer
-        stance, way = answer[0], Way.of(push, state.objects["ice tea box"])
+        stance, way = answer[0], FingertipPath.of(push, state.objects["ice tea box"])
         (finger,) = stance.posture.pushing
         angles = np.array(stance.posture.angles[finger])
         load = force * stance.R_WP.T @ way.inward
@@ -257,7 +257,7 @@ def test_answers_do_not_depend_on_what_was_asked_before() -> None:
     cases = [_crowd(seed) for seed in range(4)]
 
     def plain(push: Push, state: WorldState) -> tuple[object, ...]:
-        answer = REACH.stance(push, state)
+        answer = REACH.push_configuration(push, state)
         if isinstance(answer, ReachAnswer):
             return (answer, REACH.prospect(push, state))
         stance = answer[0]
@@ -268,7 +268,7 @@ def test_answers_do_not_depend_on_what_was_asked_before() -> None:
     first = [plain(*case) for case in cases]
     hands.cache_clear()
     spheres.hand_spheres.cache_clear()
-    reach_map.cache_clear()
+    reachability_map.cache_clear()
     again = [plain(*case) for case in reversed(cases)][::-1]
     assert first == again
 

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from objectmodels import BoxModel
 from planner.touch_experiments import Experiment, experiments
 from planner.types.world_state import PlanarPose, SeenObject
-from sim import ArmReach, load_scene
+from sim import ArmHandReach, load_scene
 from sim.exploration.touch_recording import Recording
 from sim.exploration.trial_extraction import curve, trials
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
-from sim.paths.tilt_arc import Arc
+from sim.paths.tilt_arc import TiltArc
 
 Array = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ RNG = np.random.default_rng(0)
 
 
 def experiment(kind: str) -> Experiment:
-    found = experiments(SEEN, ArmReach(load_scene("kitchen").cell))
+    found = experiments(SEEN, ArmHandReach(load_scene("kitchen").cell))
     return next(e for e in found if e.kind == kind and e.push.face == "front")
 
 
@@ -98,7 +98,9 @@ def test_the_tilt_follows_from_the_fingertip_wherever_it_slips_to() -> None:
         along = back - (back * np.cos(angle) - up * np.sin(angle))
         tip = start + along * u
         tip[2] = back * np.sin(angle) + up * np.cos(angle)
-        assert Arc(start, u, tried.length).tilts(tip[None])[0] == pytest.approx(angle, abs=1e-12)
+        assert TiltArc(start, u, tried.length).tilts(tip[None])[0] == pytest.approx(
+            angle, abs=1e-12
+        )
 
 
 def slide_recording(turned: float, aside: float = 0.0) -> Recording:

@@ -12,7 +12,12 @@ from objectmodels import Registry
 from planner.types.plan import Push
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
-from sim.collision.collision_scene import FRAGILE_CLEARANCE, OBJECT_CLEARANCE, Obstacle, Scenery
+from sim.collision.collision_scene import (
+    FRAGILE_CLEARANCE,
+    OBJECT_CLEARANCE,
+    CollisionScene,
+    Obstacle,
+)
 from sim.collision.collision_spheres import distance_to_cylinder, distance_to_prism
 from sim.execution.push_execution import Trip, silent
 from sim.rotations import rot_y
@@ -40,7 +45,7 @@ def test_more_clearance_is_kept_from_what_is_fragile() -> None:
     edge = TEA.extents[0] / 2.0
     for fragile, clearance in ((False, OBJECT_CLEARANCE), (True, FRAGILE_CLEARANCE)):
         tea = SeenObject("tea", PlanarPose(0.5, 0.1), TEA, fragile=fragile)
-        scenery = Scenery.of(
+        scenery = CollisionScene.of(
             WorldState({"tea": tea, "can": SeenObject("can", PlanarPose(0, 0), CAN)}), "can"
         )
         near, far = (
@@ -53,7 +58,7 @@ def test_more_clearance_is_kept_from_what_is_fragile() -> None:
 
 def test_the_pushed_object_counts_where_it_is_by_then() -> None:
     can = SeenObject("can", PlanarPose(0.5, 0.0), CAN)
-    scenery = Scenery.of(WorldState({"can": can}), "can")
+    scenery = CollisionScene.of(WorldState({"can": can}), "can")
     there = scenery.pushed.taken(np.zeros(3), np.array([0.2, 0.0, 0.0]), 0.0)
     at_first, later = _sphere(0.5, 0.0, 0.05), _sphere(0.7, 0.0, 0.05)
     assert not scenery.is_free(at_first)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.arms.lwr import lwr_kinematics as arm
-from sim.motion.roadmap import LIMIT_MARGIN, along, drawn_places, free_way
+from sim.motion.roadmap import LIMIT_MARGIN, along, free_path, sample_configurations
 
 Array = NDArray[np.float64]
 
@@ -26,11 +26,11 @@ def _around_the_middle(q: Array) -> NDArray[np.bool_]:
 
 
 def test_the_straight_way_is_taken_if_it_is_free() -> None:
-    assert free_way(START, GOAL, BESIDE[None], _everywhere) == ()
+    assert free_path(START, GOAL, BESIDE[None], _everywhere) == ()
 
 
 def test_a_place_beside_leads_around() -> None:
-    way = free_way(START, GOAL, BESIDE[None], _around_the_middle)
+    way = free_path(START, GOAL, BESIDE[None], _around_the_middle)
     assert way is not None
     np.testing.assert_array_equal(way, BESIDE[None])
     for leg in itertools.pairwise([START, *way, GOAL]):
@@ -39,13 +39,16 @@ def test_a_place_beside_leads_around() -> None:
 
 def test_of_two_places_the_nearer() -> None:
     farther = np.vstack([1.5 * BESIDE, BESIDE])
-    way = free_way(START, GOAL, farther, _around_the_middle)
+    way = free_path(START, GOAL, farther, _around_the_middle)
     assert way is not None
     np.testing.assert_array_equal(way, BESIDE[None])
 
 
 def test_drawn_places_find_a_way_and_always_the_same() -> None:
-    ways = [free_way(START, GOAL, drawn_places(START, GOAL), _around_the_middle) for _ in range(2)]
+    ways = [
+        free_path(START, GOAL, sample_configurations(START, GOAL), _around_the_middle)
+        for _ in range(2)
+    ]
     assert ways[0]
     np.testing.assert_array_equal(ways[0], ways[1])
 
@@ -55,13 +58,13 @@ def test_there_is_no_way_out_of_a_cage() -> None:
         far = np.linalg.norm(q - START, axis=1)
         return np.asarray((far < 0.2) | (far > 0.4))
 
-    assert free_way(START, GOAL, drawn_places(START, GOAL), caged) is None
-    assert free_way(START, GOAL, NOWHERE, lambda q: ~_everywhere(q)) is None
+    assert free_path(START, GOAL, sample_configurations(START, GOAL), caged) is None
+    assert free_path(START, GOAL, NOWHERE, lambda q: ~_everywhere(q)) is None
 
 
 def test_places_beyond_the_joint_limits_are_not_taken() -> None:
     beyond = np.where(np.arange(7) == 0, arm.LIMITS - 0.5 * LIMIT_MARGIN, BESIDE)
-    assert free_way(START, GOAL, beyond[None], _around_the_middle) is None
+    assert free_path(START, GOAL, beyond[None], _around_the_middle) is None
 
 
 def test_poses_along_a_leg_are_close_to_each_other() -> None:

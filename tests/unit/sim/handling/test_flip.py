@@ -18,10 +18,10 @@ from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.arms.lwr.lwr_kinematics import LIMITS
 from sim.control.grasping.lidview import LidView
 from sim.execution.plan_execution import execute
-from sim.hands.four_finger.flip_postures import flip_hands
+from sim.hands.four_finger.flip_postures import flip_postures
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
-from sim.motion.robot_reach import ArmReach
-from sim.paths.lid_arc_path import LidShape, LidWay
+from sim.motion.robot_reach import ArmHandReach
+from sim.paths.lid_arc_path import LidPath, LidShape
 from sim.perception.camera_port import Frame, SeenPose
 from sim.traces.trace import Trace
 from sim.truth.object_truth import Truth
@@ -80,7 +80,7 @@ def test_a_lid_is_a_plate_with_a_tab() -> None:
 @pytest.mark.parametrize("way", [(0.0, OPEN), (OPEN, 0.0)])
 def test_hands_touch_with_nothing_but_a_fingertip(way: tuple[float, float]) -> None:
     lid = _lid(*way)
-    hands = flip_hands(lid)
+    hands = flip_postures(lid)
     assert len(hands) > 100
     rest = hands.robot[:, :, :-1]  # the fingertip comes last
     angles = np.broadcast_to(hands.way.angles, rest.shape[:2])
@@ -90,7 +90,7 @@ def test_hands_touch_with_nothing_but_a_fingertip(way: tuple[float, float]) -> N
 
 def test_the_way_begins_and_ends_off_the_lid() -> None:
     for lid in (_lid(0.0, OPEN), _lid(OPEN, 0.0)):
-        way = LidWay.of(lid)
+        way = LidPath.of(lid)
         tips = np.column_stack([way.points, np.full(len(way.points), TIP_RADIUS)])
         gaps = lid.distance(tips[:, None], way.angles)[:, 0]
         assert gaps[way.touching] == pytest.approx(0.0, abs=1e-9)
@@ -103,12 +103,12 @@ def test_the_way_begins_and_ends_off_the_lid() -> None:
 def test_a_cup_beside_the_arm_is_opened_and_closed_whichever_way_it_faces(
     heading: float, way: tuple[float, float]
 ) -> None:
-    reach = ArmReach(load_scene("kitchen").cell)
+    reach = ArmHandReach(load_scene("kitchen").cell)
     plan, state = _plan(*way), _state(0.24, 0.20, heading, opened=way[0])
     answer = reach.handles(plan, state)
     assert answer.ok
     assert answer.margin > 0.08
-    found = reach.flip_stance(plan.steps[0], CUP, state)  # type: ignore[arg-type]
+    found = reach.flip_configuration(plan.steps[0], CUP, state)  # type: ignore[arg-type]
     assert not isinstance(found, ReachAnswer)
     stance, _ = found
     fingertip = []
@@ -122,7 +122,7 @@ def test_a_cup_beside_the_arm_is_opened_and_closed_whichever_way_it_faces(
 
 
 def test_what_stands_where_the_hand_must_be_is_named() -> None:
-    reach = ArmReach(load_scene("kitchen").cell)
+    reach = ArmHandReach(load_scene("kitchen").cell)
     cereal = Registry.built_in().get("cereal box")
     walls = [
         SeenObject(
@@ -137,7 +137,7 @@ def test_what_stands_where_the_hand_must_be_is_named() -> None:
 
 
 def test_out_of_reach_is_told() -> None:
-    reach = ArmReach(load_scene("kitchen").cell)
+    reach = ArmHandReach(load_scene("kitchen").cell)
     answer = reach.handles(_plan(0.0, OPEN), _state(2.0, 0.0, 0.0))
     assert not answer.ok
     assert answer.reason == "kinematics"

@@ -7,8 +7,8 @@ from sim.hands.four_finger.grasp_postures import (
     HOLDING,
     NARROWEST,
     WIDEST,
-    HandGrip,
-    hand_grip,
+    GraspPosture,
+    grasp_posture,
     inward,
 )
 from sim.hands.four_finger.hand_kinematics import (
@@ -17,7 +17,7 @@ from sim.hands.four_finger.hand_kinematics import (
     FINGERS,
     JOINT_STIFFNESS,
     TIP_RADIUS,
-    bent_to,
+    angles_reaching,
     finger_jacobian,
     finger_points,
 )
@@ -25,8 +25,8 @@ from sim.hands.four_finger.hand_kinematics import (
 WIDTHS = (NARROWEST, 0.03, 0.06, 0.09, WIDEST)
 
 
-def _grip(width: float) -> HandGrip:
-    grip = hand_grip(width)
+def _grip(width: float) -> GraspPosture:
+    grip = grasp_posture(width)
     assert grip is not None
     return grip
 
@@ -34,14 +34,14 @@ def _grip(width: float) -> HandGrip:
 @pytest.mark.parametrize("finger", FINGERS)
 def test_a_finger_bends_to_where_its_tip_was(finger: str) -> None:
     tip = finger_points(finger, (0.0, 0.2, 0.7))[3]
-    bent = bent_to(finger, tip)
+    bent = angles_reaching(finger, tip)
     assert bent is not None
     # The bend is interpolated between a few thousand.
     assert bent == pytest.approx((0.0, 0.2, 0.7), abs=1e-5)
 
 
 def test_a_finger_does_not_bend_beyond_its_length() -> None:
-    assert bent_to("middle", np.array([0.0, 0.0, 0.30])) is None
+    assert angles_reaching("middle", np.array([0.0, 0.0, 0.30])) is None
 
 
 @pytest.mark.parametrize("width", WIDTHS)
@@ -65,8 +65,8 @@ def test_the_open_hand_stands_off_both_sides(width: float) -> None:
 
 
 def test_no_grip_where_the_hand_does_not_close() -> None:
-    assert hand_grip(0.9 * NARROWEST) is None
-    assert hand_grip(1.1 * WIDEST) is None
+    assert grasp_posture(0.9 * NARROWEST) is None
+    assert grasp_posture(1.1 * WIDEST) is None
 
 
 @pytest.mark.parametrize("width", WIDTHS)
@@ -77,7 +77,7 @@ def test_no_joint_is_overloaded_by_the_strongest_squeeze(width: float) -> None:
     assert grip.grip.strongest > 10.0  # what the hand was made for [N]
 
 
-def _forces(grip: HandGrip, commanded: np.ndarray) -> np.ndarray:
+def _forces(grip: GraspPosture, commanded: np.ndarray) -> np.ndarray:
     """What the fingers exert if their springs are wound up so, in P, shape (4, 3) [N]."""
     torques = dict(zip(FINGERS, JOINT_STIFFNESS * commanded.reshape(4, 3), strict=True))
     angles = grip.posture().angles

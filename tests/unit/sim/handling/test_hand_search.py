@@ -11,20 +11,20 @@ from planner.types.plan import Aim
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
 from sim.arms.lwr import lwr_kinematics as arm
-from sim.motion.grasp_motion_search import HandWay
-from sim.motion.robot_reach import ArmReach
+from sim.motion.grasp_motion_search import GraspMotion
+from sim.motion.robot_reach import ArmHandReach
 from tests.unit.sim.handling.table import CARTON, grasp, plan, scene, state
 
-REACH = ArmReach(scene().cell)
+REACH = ArmHandReach(scene().cell)
 LIFT, DOWN = LiftUp(height=0.12), SetDown()
 POUR = PourOut(
     into="mug", heading=np.pi / 2.0, lip_W=(0.75, 0.238, 0.112), angle=2.2, rate=0.35, wait=1.0
 )
 
 
-def _way(made: HandlingPlan, seen: WorldState) -> HandWay:
-    way = REACH.hand_way(made, seen)
-    assert isinstance(way, HandWay), way
+def _way(made: HandlingPlan, seen: WorldState) -> GraspMotion:
+    way = REACH.grasp_motion(made, seen)
+    assert isinstance(way, GraspMotion), way
     return way
 
 

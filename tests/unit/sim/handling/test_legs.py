@@ -8,8 +8,15 @@ import pytest
 
 from planner.types.actions import Carry, LiftUp, PourOut, SetDown
 from planner.types.plan import Aim
-from sim.paths.held_object import Handled
-from sim.paths.held_object_path import Leg, grasp_frame, legs_of, lip, upright_again, withdrawals
+from sim.paths.held_object import HeldObject
+from sim.paths.held_object_path import (
+    HeldSegment,
+    grasp_frame,
+    held_segments,
+    lip,
+    upright_again,
+    withdrawals,
+)
 from sim.rotations import axis_rotation
 from tests.unit.sim.handling.table import grasp, plan, state
 
@@ -21,15 +28,15 @@ CARTON = state().objects["carton"]
 OFF = np.array([-0.07, 0.0, 0.0])
 
 
-def _pour() -> tuple[Leg, ...]:
-    return legs_of(Handled.of(plan(LIFT, POUR, DOWN), state()), OFF)[2]
+def _pour() -> tuple[HeldSegment, ...]:
+    return held_segments(HeldObject.of(plan(LIFT, POUR, DOWN), state()), OFF)[2]
 
 
 def test_each_leg_begins_where_the_one_before_ends() -> None:
     carry = Carry(to=Aim(x=0.7, y=-0.1, yaw=-1.2))
     legs = [
         leg
-        for some in legs_of(Handled.of(plan(LIFT, carry, POUR, DOWN), state()), OFF)
+        for some in held_segments(HeldObject.of(plan(LIFT, carry, POUR, DOWN), state()), OFF)
         for leg in some
     ]
     for before, after in itertools.pairwise(legs):
@@ -40,15 +47,15 @@ def test_each_leg_begins_where_the_one_before_ends() -> None:
 
 def test_it_is_set_down_where_it_was_carried() -> None:
     steps = (LIFT, Carry(to=Aim(x=0.7, y=-0.1, yaw=-1.2)), DOWN)
-    _, _, _, down, _ = legs_of(Handled.of(plan(*steps), state()), OFF)
+    _, _, _, down, _ = held_segments(HeldObject.of(plan(*steps), state()), OFF)
     R_WB, p_WB = down[-1].ends
     np.testing.assert_allclose(p_WB, (0.7, -0.1, 0.0), atol=1e-12)
     assert np.arctan2(R_WB[1, 0], R_WB[0, 0]) == pytest.approx(-1.2)
 
 
 def test_the_hand_leaves_as_the_object_was_turned() -> None:
-    *_, back = legs_of(
-        Handled.of(plan(LIFT, Carry(to=Aim(x=0.7, y=0.0, yaw=0.0)), DOWN), state()), OFF
+    *_, back = held_segments(
+        HeldObject.of(plan(LIFT, Carry(to=Aim(x=0.7, y=0.0, yaw=0.0)), DOWN), state()), OFF
     )
     # A quarter turn counter-clockwise: what was −x is −y.
     np.testing.assert_allclose(back[0].end - back[0].start, (0.0, -0.07, 0.0), atol=1e-12)
@@ -88,7 +95,7 @@ def test_a_pour_that_is_stopped_goes_back_the_way_it_came() -> None:
 
 def test_a_leg_is_no_faster_than_the_plan() -> None:
     slow = plan(LIFT, DOWN).model_copy(update={"speed": 0.01})
-    (lift,) = legs_of(Handled.of(slow, state()), OFF)[1]
+    (lift,) = held_segments(HeldObject.of(slow, state()), OFF)[1]
     assert lift.fastest == pytest.approx(0.01 / LIFT.height)
 
 

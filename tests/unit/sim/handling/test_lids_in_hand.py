@@ -24,9 +24,9 @@ from planner.types.plan import Aim
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.hands.four_finger.grasp_postures import pinch
 from sim.hands.four_finger.hand_kinematics import finger_points
-from sim.motion.robot_reach import ArmReach
-from sim.paths.held_object import Handled
-from sim.paths.held_object_path import legs_of
+from sim.motion.robot_reach import ArmHandReach
+from sim.paths.held_object import HeldObject
+from sim.paths.held_object_path import held_segments
 from sim.truth.scene_file import load_scene
 
 JAR, BOTTLE = "jar", "water bottle"
@@ -88,21 +88,21 @@ def test_a_pinch_does_not_hang_below_its_fingertips(width: float) -> None:
 
 
 def test_a_lid_is_an_object_of_its_own() -> None:
-    handled = Handled.of(_plan(JAR, *_aside(JAR)), _state(JAR))
+    handled = HeldObject.of(_plan(JAR, *_aside(JAR)), _state(JAR))
     assert handled.held.name == "jar lid"
     assert handled.name == JAR
     assert handled.height == handled.seat == pytest.approx(0.11)
     # In B the knob is held 17 mm over the disc, in the lid's own frame that is 25 mm up.
     assert handled.grasp.p_BG == pytest.approx((0.0, 0.0, 0.025))
     assert handled.about.radius == pytest.approx(0.012)
-    aside = Handled.of(_plan(JAR, *_aside(JAR)), _state(JAR, (0.4, 0.1, 0.0)))
+    aside = HeldObject.of(_plan(JAR, *_aside(JAR)), _state(JAR, (0.4, 0.1, 0.0)))
     assert aside.height == 0.0
     assert aside.held.pose.p_WB == pytest.approx([0.4, 0.1, 0.0])
 
 
 def test_a_cap_rises_on_its_thread_and_is_gripped_anew() -> None:
-    handled = Handled.of(_plan(BOTTLE, TURN), _state(BOTTLE))
-    _, turning, back = legs_of(handled, np.array([0.0, 0.0, 0.05]))
+    handled = HeldObject.of(_plan(BOTTLE, TURN), _state(BOTTLE))
+    _, turning, back = held_segments(handled, np.array([0.0, 0.0, 0.05]))
     held, free = [[leg for leg in turning if leg.free is so] for so in (False, True)]
     assert sum(leg.turn for leg in held) == pytest.approx(math.tau)
     assert len(free) == len(held) - 1
@@ -114,14 +114,14 @@ def test_a_cap_rises_on_its_thread_and_is_gripped_anew() -> None:
 def test_a_lid_is_put_onto_its_rim() -> None:
     x, y = AT[JAR]
     steps = (LiftUp(height=0.15), Carry(to=Aim(x=x, y=y)), PutOn(onto=JAR, press=2.0))
-    handled = Handled.of(_plan(JAR, *steps), _state(JAR, (x + 0.1, y + 0.1, 0.0)))
-    *_, on, _ = legs_of(handled, np.array([0.0, 0.0, 0.05]))
+    handled = HeldObject.of(_plan(JAR, *steps), _state(JAR, (x + 0.1, y + 0.1, 0.0)))
+    *_, on, _ = held_segments(handled, np.array([0.0, 0.0, 0.05]))
     assert on[-1].end == pytest.approx([x, y, 0.11])
 
 
 @pytest.mark.parametrize("name", [JAR, BOTTLE])
 def test_the_arm_reaches_lids_that_stand_away_from_below_it(name: str) -> None:
-    reach = ArmReach(load_scene("kitchen").cell)
+    reach = ArmHandReach(load_scene("kitchen").cell)
     steps = _aside(name) if name == JAR else (TURN, *_aside(name))
     found = [
         reach.handles(_plan(name, *steps, yaw=math.radians(yaw)), _state(name))
