@@ -29,9 +29,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from objectmodels import Face
-    from planner.types.hand_reach import HandReach
     from planner.types.plan import FaceName
-    from planner.types.robot import Reach
+    from planner.types.robot import HandReach, Reach
     from planner.types.world_state import SeenObject, WorldState
 
 SPACING = 0.01

@@ -21,15 +21,14 @@ from planner.problem.place_regions import region
 from planner.problem.push_problem import read
 from planner.pushing.strategies import Attempt, persistently
 from planner.refusals import push_refusals as refusals
-from planner.refusals.push_refusals import RefusedError
+from planner.refusals.push_refusals import NoPlanError
 from planner.types.defaults import DEFAULTS, Defaults
 from planner.types.plan import Plan, Reached, Refusal
 from planner.types.robot import Patient
 
 if TYPE_CHECKING:
     from planner.types.actions import HandlingPlan
-    from planner.types.hand_reach import HandReach
-    from planner.types.robot import Reach
+    from planner.types.robot import HandReach, Reach
     from planner.types.world_state import WorldState
 
 
@@ -109,10 +108,10 @@ def _pushes(
         assert frame.object.id is not None
         target = state.objects[frame.object.id]
         if state.held is not None:
-            raise RefusedError(refusals.holds(state.held.name))
+            raise NoPlanError(refusals.holds(state.held.name))
         if target.lies_on != "bottom":
-            raise RefusedError(refusals.lies(target))
-    except RefusedError as refused:
+            raise NoPlanError(refusals.lies(target))
+    except NoPlanError as refused:
         return refused.refusal
     patient = Patient(reach, defaults.most_looks, state)
     return persistently(Attempt(asked, target, state, patient, defaults, before))

@@ -30,7 +30,7 @@ from planner.geometry.directions import angle_between, heading_of
 from planner.geometry.footprints import footprint, free_travel, gap, landing_strip, travel_to_edge
 from planner.problem.push_problem import Asked, read
 from planner.pushing.push_paths import obliqueness
-from planner.refusals.push_refusals import RefusedError
+from planner.refusals.push_refusals import NoPlanError
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Aim
 from planner.types.world_state import SeenObject, WorldState
@@ -65,7 +65,7 @@ def sensible(frames: Sequence[g.Frame], state: WorldState) -> bool:
     for frame in frames:
         try:
             asked = read(frame, state, DEFAULTS)
-        except RefusedError:
+        except NoPlanError:
             return False
         assert frame.object is not None, "what is read has an object"
         target = state.objects[frame.object.id or ""]

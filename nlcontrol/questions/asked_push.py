@@ -22,7 +22,7 @@ from planner.affordances import pushed_face
 from planner.geometry.directions import FACE_HEADINGS, HEADINGS, heading_of, unit
 from planner.problem.push_problem import Asked, read
 from planner.refusals import push_refusals as refusals
-from planner.refusals.push_refusals import RefusedError
+from planner.refusals.push_refusals import NoPlanError
 
 if TYPE_CHECKING:
     from objectmodels import Face
@@ -133,9 +133,9 @@ def inquiry(frame: g.Frame, state: WorldState, defaults: Defaults) -> Inquiry:
     try:
         asked = read(_as_command(frame), state, defaults)
         if target.lies_on == "nothing flat":
-            raise RefusedError(refusals.lies(target))
+            raise NoPlanError(refusals.lies(target))
         face_name, face, heading = _touched(asked, target)
-    except RefusedError as refused:
+    except NoPlanError as refused:
         raise ControlError(refusal_error(refused.refusal)) from refused
     low, high = max(asked.low, face.bottom), min(asked.high, face.top)
     if low > high:
@@ -192,7 +192,7 @@ def _touched(asked: Asked, target: SeenObject) -> tuple[FaceName, Face, float | 
         into = HEADINGS["away"] if asked.heading is None else asked.heading
     found = pushed_face(target, into)
     if found is None or asked.face not in (None, found[0]):
-        raise RefusedError(refusals.no_side(asked, target))
+        raise NoPlanError(refusals.no_side(asked, target))
     return *found, heading
 
 

@@ -27,9 +27,8 @@ from planner.grasping.grasp_planning import is_handled
 from planner.grasping.lid_planner import is_open
 from planner.problem.tilt_goals import meant
 from planner.types.actions import HandlingPlan
-from planner.types.hand_reach import HandReach
 from planner.types.plan import Refusal
-from planner.types.robot import Reach
+from planner.types.robot import HandReach, Reach
 
 if TYPE_CHECKING:
     from planner.types.defaults import Defaults

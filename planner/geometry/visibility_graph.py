@@ -21,7 +21,6 @@ from scipy.spatial import ConvexHull
 
 from planner.geometry.directions import unit
 from planner.geometry.footprints import footprint
-from planner.pushing.push_paths import ANOTHER_PUSH
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -39,13 +38,14 @@ MOST_LEGS = 4
 _AROUND = 0.30  # how far beyond start and end the grid reaches [m]
 
 
-def detour(
+def shortest_detour(
     target: SeenObject,
     aim: tuple[float, float],
     headings: tuple[float, ...],
     state: WorldState,
     clearances: Mapping[str, float],
     margin: float,
+    turn_cost: float,
 ) -> list[tuple[float, float]] | None:
     """The cheapest way of straight legs, (heading in W [rad], length [m]) each.
 
@@ -56,6 +56,7 @@ def detour(
         state: what is believed.
         clearances: distance kept from each other object [m].
         margin: distance kept from the table's edge [m].
+        turn_cost: way that costs as much as one more leg [m].
 
     Returns:
         None if there is no way.
@@ -75,7 +76,7 @@ def detour(
         )
         if any(abs(math.remainder(heading - h, math.tau)) < 1e-6 for h in headings)
     }  # fmt: skip
-    return _searched(lines, free, here, there, steps)
+    return _cheapest(lines, free, here, there, steps, turn_cost)
 
 
 def _axes(headings: tuple[float, ...]) -> tuple[float, float]:
@@ -122,12 +123,13 @@ def _free(
     return free
 
 
-def _searched(
+def _cheapest(
     lines: list[Array],
     free: NDArray[np.bool_],
     here: tuple[int, int],
     there: tuple[int, int],
     steps: Mapping[float, tuple[int, int]],
+    turn_cost: float,
 ) -> list[tuple[float, float]] | None:
     """The cheapest way over the grid; the start itself need not be free."""
 
@@ -152,7 +154,7 @@ def _searched(
             turns = next_heading != heading
             if legs + turns > MOST_LEGS:
                 continue
-            total = cost + length + ANOTHER_PUSH * turns
+            total = cost + length + turn_cost * turns
             if total < best.get((i, j, next_heading), math.inf) - 1e-9:
                 best[i, j, next_heading] = total
                 estimate = total + left((i, j))

@@ -12,13 +12,13 @@ from planner.problem.grasp_limits import Setting, manner
 from planner.problem.planning_problem import Task
 from planner.refusals import grasp_refusals as refusals
 from planner.refusals import push_refusals as pushing
-from planner.refusals.push_refusals import RefusedError
+from planner.refusals.push_refusals import NoPlanError
 
 if TYPE_CHECKING:
     from planner.types.actions import HandlingPlan
     from planner.types.defaults import Defaults
-    from planner.types.hand_reach import HandReach
     from planner.types.plan import Reached, Refusal
+    from planner.types.robot import HandReach
     from planner.types.world_state import SeenObject, WorldState
 
 _DOING = {
@@ -54,7 +54,7 @@ def handle(
         how = manner(frame, Setting(target, state, defaults, doing))
         task = Task(target, state, hand, how, defaults, doing)
         return _done(frame, task)
-    except RefusedError as refused:
+    except NoPlanError as refused:
         return refused.refusal
 
 
@@ -69,10 +69,10 @@ def _target(frame: g.Frame, state: WorldState) -> SeenObject:
     # A hand that holds an object has none left for its lid.
     by_lid = isinstance(frame.goal, g.Open | g.Close)
     if held is not None and (held.name != name or by_lid):
-        raise RefusedError(pushing.holds(held.name))
+        raise NoPlanError(pushing.holds(held.name))
     target = state.objects[name]
     if target.lies_on != "bottom":
-        raise RefusedError(pushing.lies(target))
+        raise NoPlanError(pushing.lies(target))
     return target
 
 

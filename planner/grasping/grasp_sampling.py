@@ -2,7 +2,7 @@
 
 Model: the thumb touches one side, the other fingers the opposite one, on a line across. The
 straight fingers come along the sides, level or from above, or askew where that does not do. A grip
-is a pattern of contacts about its middle (`planner.types.hand_reach.Grip`); all of them must lie on
+is a pattern of contacts about its middle (`planner.types.robot.Grip`); all of them must lie on
 the sides and between the heights at which the model may be touched. Along the sides the middle is
 where the centre of mass is, so that the weight does not turn the object about the line across. A
 knob or a cap is held from above, with the fingers around it.
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from objectmodels.geometry.side_faces import Face
     from objectmodels.models.object_parts import LiftOffLid, ScrewCap
     from planner.problem.grasp_limits import Manner
-    from planner.types.hand_reach import Grip, HandReach
+    from planner.types.robot import Grip, HandReach
     from planner.types.world_state import SeenObject, WorldState
 
 _HEADINGS = np.radians(np.arange(0.0, 180.0, 22.5))  # in W, across which a round side is held
@@ -113,7 +113,7 @@ def of_body(target: SeenObject, hand: HandReach, how: Manner) -> list[Candidate]
         how: between which heights the sentence allows it.
 
     Raises:
-        RefusedError: there is none.
+        NoPlanError: there is none.
     """
     graspable = target.model.grasp
     if graspable is None:
@@ -150,7 +150,7 @@ def of_lid(
         headings: directions in W across which it may be held [rad].
 
     Raises:
-        RefusedError: the hand does not close about it, or it is too low for the fingers.
+        NoPlanError: the hand does not close about it, or it is too low for the fingers.
     """
     radius, low, high = held_part(target, lid)
     grip = hand.pinch(2.0 * radius) if _fits(2.0 * radius, hand) else None

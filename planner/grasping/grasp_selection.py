@@ -144,7 +144,7 @@ def holds(task: Task, bearings: Sequence[Bearing]) -> list[Hold]:
         bearings: ways to hold it.
 
     Raises:
-        RefusedError: none does.
+        NoPlanError: none does.
     """
     d, known = task.defaults, _Known(task.target.model)
     just, worst = (np.array(found) for found in zip(*map(known.needed, bearings), strict=True))
@@ -306,7 +306,7 @@ def first_way(task: Task, action: Action, ways: Sequence[Way], considered: int) 
         considered: how many ways were looked at before.
 
     Raises:
-        RefusedError: there is none.
+        NoPlanError: there is none.
     """
     answers: list[ReachAnswer] = []
     unlikely: HandlingPlan | None = None

@@ -13,10 +13,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from objectmodels.containers.lid_forces import FlipArc, Loosening, flip, lift_off, unscrew
+from objectmodels.geometry.base_shapes import Array, Disc
+from objectmodels.geometry.support_points import hull
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
-from planner.grasping.aside import spots
+from planner.geometry.footprints import footprint, gap, travel_to_edge
 from planner.grasping.grasp_sampling import held_part, lid_middle, of_lid
 from planner.grasping.grasp_selection import (
     Bearing,
@@ -40,6 +44,8 @@ from planner.types.actions import (
 from planner.types.plan import Aim, DefaultUsed, Reached
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from planner.grasping.grasp_selection import Hold
     from planner.problem.planning_problem import Task
     from planner.types.actions import Action, HandStep
@@ -47,13 +53,17 @@ if TYPE_CHECKING:
     from planner.types.world_state import SeenObject
 
 _ASIDE = 6  # places beside it that are looked at for its lid
+_RINGS = np.arange(0.0, 0.25, 0.04)  # beyond the nearest place [m]
+_AROUND = np.arange(12) * math.tau / 12.0
+_ROOM = 0.05  # between a lid and what stands near it, for the fingers that let go of it [m]
+_AXES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 
 
 def open_lid(task: Task) -> HandlingPlan | Reached:
     """Flips, lifts or screws the lid open.
 
     Raises:
-        RefusedError: it has none, or would come along with it.
+        NoPlanError: it has none, or would come along with it.
     """
     lid, seen = task.target.model.lid, task.target.lid or 0.0
     match lid:
@@ -72,7 +82,7 @@ def close_lid(task: Task) -> HandlingPlan | Reached:
     """Flips the lid back, or puts it on.
 
     Raises:
-        RefusedError: it has none, or nobody knows where it lies.
+        NoPlanError: it has none, or nobody knows where it lies.
     """
     lid, seen = task.target.model.lid, task.target.lid or 0.0
     match lid:
@@ -188,7 +198,7 @@ def _taken_off(
 ) -> HandlingPlan:  # fmt: skip
     """A lid that is loose, lifted off and put aside."""
     drafts = []
-    for spot, tallest in spots(task, lid.radius, _ASIDE):
+    for spot, tallest in free_lid_places(task, lid.radius, _ASIDE):
         # Its lower side is as high as the object, and passes over what stands on the way.
         up = max(tallest - task.target.model.top, 0.0) + task.defaults.carry_clearance
         steps = (*before, LiftUp(height=up, hold=0.0), Carry(to=spot), SetDown())
@@ -217,7 +227,7 @@ def _screwed_on(task: Task, cap: ScrewCap, seen: float) -> HandlingPlan:
     """A cap that is turned back.
 
     Raises:
-        RefusedError: it is off, and no hand gets a thread to catch.
+        NoPlanError: it is off, and no hand gets a thread to catch.
     """
     if is_off(cap, seen):
         raise lidrefusals.thread(task)
@@ -260,3 +270,52 @@ def _torques(found: Loosening) -> HandlingPrediction:
 
 def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
+
+
+# -- where a lid is put aside -------------------------------------------------------------------
+
+
+def free_lid_places(task: Task, radius: float, most: int) -> list[tuple[Aim, float]]:
+    """Free places for a disc, the nearest first, and what is tallest on the way to each [m].
+
+    Args:
+        task: about the object whose lid it is.
+        radius: of the lid [m].
+        most: how many places.
+    """
+    free = (found for found in _places_around(task, radius) if _is_free(task, found, radius))
+    return [
+        (Aim(x=float(at[0]), y=float(at[1])), _tallest_on_way(task, at, radius))
+        for _, at in zip(range(most), free, strict=False)
+    ]
+
+
+def _places_around(task: Task, radius: float) -> Iterator[Array]:
+    """Places around the object, ring after ring, shape (2,) [m]."""
+    own = footprint(task.target)
+    middle = task.target.pose.p_WB[:2]
+    nearest = float(np.linalg.norm(own - middle, axis=1).max()) + radius + _ROOM
+    for ring in _RINGS:
+        for angle in _AROUND:
+            yield middle + (nearest + ring) * np.array([math.cos(angle), math.sin(angle)])
+
+
+def _disc(at: Array, radius: float) -> Array:
+    return np.asarray(at + Disc(radius).corners)
+
+
+def _is_free(task: Task, at: Array, radius: float) -> bool:
+    lid, d = _disc(at, radius), task.defaults
+    if min(travel_to_edge(lid, task.state.table, u, d.clearance) for u in _AXES) < 0.0:
+        return False
+    return all(gap(lid, footprint(seen)) >= _ROOM for seen in task.state.objects.values())
+
+
+def _tallest_on_way(task: Task, at: Array, radius: float) -> float:
+    start = _disc(task.target.pose.p_WB[:2], radius)
+    way = hull(np.vstack([start, _disc(at, radius)])).vertices
+    return max(
+        seen.bulk()[1]
+        for seen in task.state.objects.values()
+        if seen is task.target or gap(way, footprint(seen)) < task.defaults.clearance
+    )

@@ -31,7 +31,7 @@ from planner.grasping.grasp_selection import (
 from planner.problem.goal_poses import aimed, here
 from planner.problem.place_regions import moved
 from planner.refusals import grasp_refusals as refusals
-from planner.refusals.push_refusals import RefusedError
+from planner.refusals.push_refusals import NoPlanError
 from planner.types.actions import Carry, HandlingPlan, HandStep, LiftUp, SetDown
 from planner.types.plan import Aim, DefaultUsed
 
@@ -52,7 +52,7 @@ def lift(task: Task, goal: g.Lift) -> HandlingPlan:
     """Straight up, from the table or from where it is held.
 
     Raises:
-        RefusedError: it cannot be held, or not be lifted so far.
+        NoPlanError: it cannot be held, or not be lifted so far.
     """
     require_liftable(task)
     height, used = _height(task, goal)
@@ -64,7 +64,7 @@ def set_down(task: Task) -> HandlingPlan:
     """Down where it is held.
 
     Raises:
-        RefusedError: the hand holds nothing, or nothing can stand there.
+        NoPlanError: the hand holds nothing, or nothing can stand there.
     """
     if task.state.held is None:
         raise refusals.holds_nothing()
@@ -77,7 +77,7 @@ def place(task: Task, frame: g.Frame) -> HandlingPlan:
     """To a place: up, over and down.
 
     Raises:
-        RefusedError: it cannot be held, the place is not free, or the hand does not get there.
+        NoPlanError: it cannot be held, the place is not free, or the hand does not get there.
     """
     require_liftable(task)
     found = aimed(frame, task.target, task.state, task.defaults)
@@ -86,7 +86,7 @@ def place(task: Task, frame: g.Frame) -> HandlingPlan:
     for aim in found.aims:
         try:
             drafts.append(_to(task, aim, found))
-        except RefusedError as error:
+        except NoPlanError as error:
             refused = refused or error
     if not drafts:
         assert refused is not None, "there is an aim"
@@ -120,7 +120,7 @@ def require_liftable(task: Task) -> None:
     """It may leave the table.
 
     Raises:
-        RefusedError: a holder or the sentence keeps it there.
+        NoPlanError: a holder or the sentence keeps it there.
     """
     if task.target.fixed:
         raise refusals.is_fixed(task)
@@ -161,7 +161,7 @@ def require_room(task: Task, there: SeenObject, near: dict[str, float]) -> None:
         near: objects that it is to stand close to, and how close [m].
 
     Raises:
-        RefusedError: something else stands there, or the table ends.
+        NoPlanError: something else stands there, or the table ends.
     """
     own, kept = footprint(there), dict(task.how.clear_of)
     for name, seen in others(task).items():

@@ -40,7 +40,7 @@ class Hollow:
         """An object as a container.
 
         Raises:
-            RefusedError: it is none, lies, or is closed.
+            NoPlanError: it is none, lies, or is closed.
         """
         if seen.lies_on != "bottom":
             raise pourrefusals.lies(seen)
@@ -81,7 +81,7 @@ def amount(task: Task, source: Hollow, into: Hollow, goal: g.Pour) -> Amount | N
     """How much is to be poured; None if it is filled as far as it should be already.
 
     Raises:
-        RefusedError: there is not so much, or it does not fit.
+        NoPlanError: there is not so much, or it does not fit.
     """
     has, room = source.container.contents, into.room
     if has < _DROP:

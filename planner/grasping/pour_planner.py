@@ -77,7 +77,7 @@ def pour_out(task: Task, goal: g.Pour) -> HandlingPlan | Reached:
     """Lifts a container, pours from it and sets it down again.
 
     Raises:
-        RefusedError: nothing runs out, it does not fit, or it would be spilled.
+        NoPlanError: nothing runs out, it does not fit, or it would be spilled.
     """
     if goal.into is None:
         raise pourrefusals.into_nothing(task, goal.spans)
@@ -110,7 +110,7 @@ class _Pouring:
         """The first way that hand and arm can go.
 
         Raises:
-            RefusedError: there is none.
+            NoPlanError: there is none.
         """
         task, held = self._task, held_already(self._task)
         if held:

@@ -11,7 +11,7 @@ from grammar.frames import command as g
 from planner.geometry.directions import FACE_OF_PUSH, HEADINGS
 from planner.problem.contact_heights import bands
 from planner.problem.tilt_goals import almost_tips, spill_tilt
-from planner.refusals.push_refusals import RefusedError, unsupported
+from planner.refusals.push_refusals import NoPlanError, unsupported
 from planner.types.plan import Refusal
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def restricted(asked: Asked, clause: g.Constraint, setting: Setting) -> Asked:
     """What is asked, with one more constraint.
 
     Raises:
-        RefusedError: it contradicts the goal, or this version cannot keep it.
+        NoPlanError: it contradicts the goal, or this version cannot keep it.
     """
     handler = _HANDLERS.get(clause.kind)
     if handler is None:
@@ -52,8 +52,8 @@ def restricted(asked: Asked, clause: g.Constraint, setting: Setting) -> Asked:
     return handler(asked, clause, setting)
 
 
-def _against(message: str, spans: g.Spans) -> RefusedError:
-    return RefusedError(Refusal(reason="impossible", message=message, spans=spans))
+def _against(message: str, spans: g.Spans) -> NoPlanError:
+    return NoPlanError(Refusal(reason="impossible", message=message, spans=spans))
 
 
 def _limited(asked: Asked, **limits: float) -> Asked:
@@ -138,7 +138,7 @@ def _kept_in(asked: Asked, clause: g.NoSpill, s: Setting) -> Asked:
     if asked.tilt is not None:
         does = f"{math.degrees(asked.tilt):.0f}° are asked"
     numbers = {"spill_angle": spills} | ({} if asked.tilt is None else {"tilt": asked.tilt})
-    raise RefusedError(
+    raise NoPlanError(
         Refusal(
             reason="impossible",
             message=f"the {s.target.name} begins to spill at {math.degrees(spills):.0f}°; {does}",
@@ -213,7 +213,7 @@ def _slower(asked: Asked, speed: float) -> Asked:
 
 def _at_speed(asked: Asked, speed: float, spans: g.Spans, defaults: Defaults) -> Asked:
     if speed > defaults.speed_most:
-        raise RefusedError(
+        raise NoPlanError(
             Refusal(
                 reason="impossible",
                 message=f"{1e3 * speed:.0f} mm/s are asked; objects keep to the fingertips up to "
@@ -254,7 +254,7 @@ def _nearer(asked: Asked, clause: g.MaxDistance, s: Setting) -> Asked:
             "are the most that is allowed"
         )
         numbers = {"distance": nearest, "max_distance": clause.value}
-        raise RefusedError(
+        raise NoPlanError(
             Refusal(reason="impossible", message=message, numbers=numbers, spans=clause.spans)
         )
     return replace(asked, aims=aims, distance=min(asked.distance, most))
@@ -295,7 +295,7 @@ def require_right(clause: g.Effector) -> None:
     """The robot has no left hand.
 
     Raises:
-        RefusedError: it is asked for.
+        NoPlanError: it is asked for.
     """
     if clause.side == "left":
         raise unsupported(

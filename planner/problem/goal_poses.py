@@ -17,7 +17,7 @@ from planner.geometry.directions import FACE_OF_PUSH, HEADINGS, unit
 from planner.geometry.footprints import footprint, free_travel, travel_to_edge
 from planner.problem.displacement_goals import asked_distance, asked_heading
 from planner.problem.place_regions import Beside, Between, region, share_of_way
-from planner.refusals.push_refusals import RefusedError, unsupported
+from planner.refusals.push_refusals import NoPlanError, unsupported
 from planner.types.plan import Aim, DefaultUsed, Refusal, StopEvent
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def aimed(frame: g.Frame, target: SeenObject, state: WorldState, defaults: Defau
     """What a frame that moves, turns or taps its object aims at.
 
     Raises:
-        RefusedError: there is no such place, or it cannot be moved to.
+        NoPlanError: there is no such place, or it cannot be moved to.
     """
     goal = frame.goal
     until = next((c for c in frame.constraints if isinstance(c, g.Until)), None)
@@ -117,7 +117,7 @@ def _heading(
     for other, way in ((goal.toward, "towards"), (goal.away_from, "away from")):
         if isinstance(other, g.ObjectRef) and other.id == target.name:
             message = f"the {target.name} cannot move {way} itself"
-            raise RefusedError(Refusal(reason="impossible", message=message, spans=other.spans))
+            raise NoPlanError(Refusal(reason="impossible", message=message, spans=other.spans))
     heading = asked_heading(goal, target, state, defaults)
     if heading is not None:
         return heading, ()
@@ -167,7 +167,7 @@ def _until(
     way = free_travel(own, footprint(other), u[:2], 0.0)
     if until.event == "touching":
         if math.isinf(way):
-            raise RefusedError(_never_met(target, other, until.spans))
+            raise NoPlanError(_never_met(target, other, until.spans))
         met = _along(target, heading, way + _BEYOND, used)
         return replace(met, until="touching", meets=other.name)
     # In line with it, or beside it: as far along the way as the other one stands.
@@ -175,7 +175,7 @@ def _until(
     if until.event == "next_to" and math.isfinite(way):
         along = min(along, way - defaults.place_gap)
     if along <= 0.0:
-        raise RefusedError(_never_met(target, other, until.spans))
+        raise NoPlanError(_never_met(target, other, until.spans))
     return _along(target, heading, along, used)
 
 
@@ -204,7 +204,7 @@ def _placed(goal: g.Place, target: SeenObject, state: WorldState, defaults: Defa
     spots = place.spots(target)
     if not spots:
         message = f"there is no room for the {target.name} there"
-        raise RefusedError(Refusal(reason="impossible", message=message, spans=goal.spans))
+        raise NoPlanError(Refusal(reason="impossible", message=message, spans=goal.spans))
     used: tuple[DefaultUsed, ...] = ()
     if isinstance(place, Beside) and goal.distance is None and place.gap > 0.0:
         reason = "no distance said"

@@ -16,7 +16,7 @@ from objectmodels.models.object_parts import FlipLid
 from planner.problem import constraint_limits as restrictions
 from planner.problem.constraint_limits import require_right
 from planner.problem.contact_heights import bands
-from planner.refusals.push_refusals import RefusedError, unsupported
+from planner.refusals.push_refusals import NoPlanError, unsupported
 from planner.types.plan import DefaultUsed, Refusal
 
 
@@ -69,7 +69,7 @@ def manner(frame: g.Frame, setting: Setting) -> Manner:
     """How the constraints of a frame want it handled.
 
     Raises:
-        RefusedError: this version cannot keep one of them.
+        NoPlanError: this version cannot keep one of them.
     """
     d = setting.defaults
     used = DefaultUsed(name="carry_speed", value=d.carry_speed, unit="m/s", reason="no speed said")
@@ -82,7 +82,7 @@ def manner(frame: g.Frame, setting: Setting) -> Manner:
     return found
 
 
-def _not_so(what: str, clause: g.Constraint, s: Setting) -> RefusedError:
+def _not_so(what: str, clause: g.Constraint, s: Setting) -> NoPlanError:
     message = f"this version of the robot is not capable of {what} while {s.doing}"
     return unsupported(f"{what} while {s.doing}", message, clause.spans, "leave that out")
 
@@ -143,7 +143,7 @@ def _slow(found: Manner, clause: g.Slow, s: Setting) -> Manner:
 def _speed(found: Manner, clause: g.MaxSpeed | g.Speed | g.MinSpeed, s: Setting) -> Manner:
     most = s.defaults.carry_speed
     if not isinstance(clause, g.MaxSpeed) and clause.value > most:
-        raise RefusedError(
+        raise NoPlanError(
             Refusal(
                 reason="impossible",
                 message=f"{1e3 * clause.value:.0f} mm/s are asked; what is held is moved at up to "

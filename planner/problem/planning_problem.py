@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from planner.problem.grasp_limits import Manner
     from planner.types.defaults import Defaults
-    from planner.types.hand_reach import HandReach
+    from planner.types.robot import HandReach
     from planner.types.world_state import SeenObject, WorldState
 
 

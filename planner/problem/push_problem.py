@@ -106,7 +106,7 @@ def read(frame: g.Frame, state: WorldState, defaults: Defaults) -> Asked:
     """What a frame asks.
 
     Raises:
-        RefusedError: it asks for something that this version cannot do.
+        NoPlanError: it asks for something that this version cannot do.
     """
     if frame.query or frame.dialogue or frame.object is None or frame.object.id is None:
         raise unsupported(

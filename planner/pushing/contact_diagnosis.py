@@ -1,24 +1,40 @@
-"""Why no contact on an object will do, with the heights and the probability that decide."""
+"""Why no contact on an object will do, with the heights and the probability that decide.
+
+Model of a doubt: the probability of the outcome at a contact, once as the object is believed and
+once with one of its parameters known as well as touching finds it out (`Defaults.found_to`). The
+parameter whose knowledge decides most, one way or the other, is the one to be found out.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Disc
 from planner.pushing.contact_sampling import EDGE, as_held
-from planner.pushing.doubts import Touch, experiment, outcome_probability
 from planner.types.plan import Refusal, RefusalReason
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from objectmodels import ObjectModel
     from planner.problem.push_problem import Asked
     from planner.pushing.touchable_sides import Side
     from planner.types.defaults import Defaults
     from planner.types.robot import Reach
     from planner.types.world_state import SeenObject
+
+
+_ASKED_FOR = {
+    "friction": "find out how slippery the {name} is first",
+    "com": "find out the centre of mass of the {name} first",
+}
+"""What to say to the robot, by the parameter."""
+
+_CENTRE_FOUND = 0.001  # to which touching finds a centre of mass [m]
 
 
 def _mm(length: float) -> str:
@@ -223,3 +239,57 @@ def _cannot_topple(asked: Asked, target: SeenObject, critical: float, reach: Rea
         spans=asked.contact_spans,
         suggestions=higher,
     )
+
+
+# -- which doubt leaves the outcome open ---------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Touch:
+    """A contact from which something is wanted.
+
+    Attributes:
+        point: p_BC, shape (3,) [m].
+        normal: outward unit normal there.
+        outcome: that is wanted at the onset.
+        turns: whether the object may turn as it slides; two fingertips hold it straight.
+    """
+
+    point: NDArray[np.float64]
+    normal: tuple[float, float, float]
+    outcome: Literal["slide", "topple"]
+    turns: bool = False
+
+
+def outcome_probability(model: ObjectModel, touch: Touch) -> float:
+    """Probability of an outcome at a contact, whatever the finger transmits.
+
+    Args:
+        model: of the object.
+        touch: the contact and the outcome.
+    """
+    point, normal = touch.point[None], np.array([touch.normal])
+    found = model.cone_thresholds(point, normal, sigmas=0.0, yaw=touch.turns)
+    p = found.probability_slide if touch.outcome == "slide" else found.probability_topple
+    return float(p[0])
+
+
+def experiment(model: ObjectModel, touch: Touch, defaults: Defaults) -> tuple[str, float]:
+    """What to find out first, as a sentence, and the probability of the outcome then.
+
+    Args:
+        model: of the object.
+        touch: the contact and the outcome.
+        defaults: to what properties are found out.
+    """
+    found_to = defaults.found_to
+    known: dict[str, dict[str, object]] = {
+        "friction": {"friction_sd": min(model.friction_sd, found_to * model.friction)},
+        "com": {"com_sd": tuple(min(sd, _CENTRE_FOUND) for sd in model.com_sd)},
+    }
+    then = {
+        name: outcome_probability(model.model_copy(update=better), touch)
+        for name, better in known.items()
+    }
+    best = max(then, key=lambda name: abs(then[name] - 0.5))
+    return _ASKED_FOR[best].format(name=model.name), then[best]

@@ -25,7 +25,7 @@ from planner.pushing.contact_sampling import Contacts, grid, rated
 from planner.pushing.outcome_prediction import confirmed, margins, needed_force, prediction, remarks
 from planner.pushing.touchable_sides import Side, direction, hindered, touchable
 from planner.refusals import push_refusals as refusals
-from planner.refusals.push_refusals import RefusedError
+from planner.refusals.push_refusals import NoPlanError
 from planner.types.plan import Move, Push, Refusal, Vector3
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ def best_push(
         if asked.outcome == "slide":
             return _best(sides, asked, target, state, reach, defaults)
         return _over(sides, asked, target, state, reach, defaults)
-    except RefusedError as refused:
+    except NoPlanError as refused:
         return refused.refusal
 
 
@@ -223,7 +223,7 @@ def _in_time(asked: Asked, target: SeenObject, defaults: Defaults) -> Asked:
     """What is asked, fast enough for the time that it may take.
 
     Raises:
-        RefusedError: it cannot be fast enough.
+        NoPlanError: it cannot be fast enough.
     """
     most = asked.limits.duration
     if most is None or asked.outcome != "slide" or asked.swing:
@@ -232,7 +232,7 @@ def _in_time(asked: Asked, target: SeenObject, defaults: Defaults) -> Asked:
     fastest = asked.speed if said else defaults.speed_most
     least = defaults.push_overhead + asked.distance / fastest
     if least > most:
-        raise RefusedError(refusals.too_slow(asked, target, least, most))
+        raise NoPlanError(refusals.too_slow(asked, target, least, most))
     return replace(asked, speed=max(asked.speed, asked.distance / (most - defaults.push_overhead)))
 
 

@@ -248,15 +248,16 @@ class Journey:
         along = headings(target, self._aim)
         if len(along) < 2 or self._off(target) < _NEAR:
             return
-        from planner.geometry.visibility_graph import detour
+        from planner.geometry.visibility_graph import shortest_detour
 
-        found = detour(
+        found = shortest_detour(
             target,
             (self._aim.x, self._aim.y),
             along,
             self._state,
             self._clearances,
             self._defaults.clearance,
+            ANOTHER_PUSH,
         )
         if found is not None:
             yield tuple(Leg(heading, length) for heading, length in found)

@@ -16,7 +16,7 @@ from planner.geometry.footprints import footprint, landing_strip, overlaps, trav
 from planner.problem import tilt_goals as tilts
 from planner.pushing.push_paths import grip
 from planner.refusals import push_refusals as refusals
-from planner.refusals.push_refusals import RefusedError
+from planner.refusals.push_refusals import NoPlanError
 
 if TYPE_CHECKING:
     from objectmodels.geometry.side_faces import Face
@@ -41,7 +41,7 @@ def touchable(asked: Asked, target: SeenObject, defaults: Defaults) -> list[Side
     """Sides that a push as asked may touch: the straightest, or all if no direction is said.
 
     Raises:
-        RefusedError: there is none, or it is not square enough to the direction.
+        NoPlanError: there is none, or it is not square enough to the direction.
     """
     sides, unclear = [], None
     for face in target.model.faces(_pushed_along(asked) - target.pose.yaw):
@@ -55,9 +55,9 @@ def touchable(asked: Asked, target: SeenObject, defaults: Defaults) -> list[Side
                 continue
         sides.append(Side(face, heading_of(-outward)))
     if not sides and unclear is not None:
-        raise RefusedError(refusals.unclear_face(asked, target, unclear))
+        raise NoPlanError(refusals.unclear_face(asked, target, unclear))
     if not sides:
-        raise RefusedError(refusals.no_side(asked, target))
+        raise NoPlanError(refusals.no_side(asked, target))
     if asked.heading is None:
         return sides
     side = _most_square(sides, asked.heading)
@@ -68,7 +68,7 @@ def touchable(asked: Asked, target: SeenObject, defaults: Defaults) -> list[Side
     if asked.outcome == "topple":
         largest = 0.5 * defaults.side_tolerance
     if abs(oblique) > largest:
-        raise RefusedError(refusals.askew(asked, target, side, oblique, largest))
+        raise NoPlanError(refusals.askew(asked, target, side, oblique, largest))
     return [side]
 
 

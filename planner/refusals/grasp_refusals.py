@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from planner.refusals.push_refusals import RefusedError, unsupported
+from planner.refusals.push_refusals import NoPlanError, unsupported
 from planner.types.plan import Refusal
 
 if TYPE_CHECKING:
@@ -16,9 +16,8 @@ if TYPE_CHECKING:
     from planner.problem.grasp_limits import Manner
     from planner.problem.planning_problem import Task
     from planner.types.actions import HandlingPlan
-    from planner.types.hand_reach import HandReach
     from planner.types.plan import RefusalReason
-    from planner.types.robot import ReachAnswer
+    from planner.types.robot import HandReach, ReachAnswer
     from planner.types.world_state import SeenObject
 
 Spans = tuple[tuple[int, int], ...]
@@ -30,9 +29,9 @@ def refused(
     spans: Spans,
     *suggestions: str,
     **numbers: float,
-) -> RefusedError:
+) -> NoPlanError:
     """A refusal because of some words, or of none, with its numbers by their names."""
-    return RefusedError(
+    return NoPlanError(
         Refusal(
             reason=reason, message=message, numbers=numbers, spans=spans, suggestions=suggestions
         )
@@ -47,7 +46,7 @@ def mm(length: float) -> str:
 # -- where it may be held -----------------------------------------------------------------------
 
 
-def not_graspable(target: SeenObject) -> RefusedError:
+def not_graspable(target: SeenObject) -> NoPlanError:
     """Nobody has said where it may be held."""
     return unsupported(
         f"holding the {target.name}",
@@ -60,7 +59,7 @@ def not_graspable(target: SeenObject) -> RefusedError:
 
 def not_that_wide(
     target: SeenObject, widths: Sequence[float], hand: HandReach, part: str = "body"
-) -> RefusedError:
+) -> NoPlanError:
     """The hand does not close about it."""
     what = f"the {target.name}" if part == "body" else f"the {target.name}'s lid"
     if not widths:
@@ -82,7 +81,7 @@ def not_that_wide(
     )
 
 
-def low_lid(target: SeenObject, tall: float, needed: float) -> RefusedError:
+def low_lid(target: SeenObject, tall: float, needed: float) -> NoPlanError:
     """The fingers find no room about what its lid is held by."""
     return refused(
         "impossible",
@@ -94,7 +93,7 @@ def low_lid(target: SeenObject, tall: float, needed: float) -> RefusedError:
     )
 
 
-def no_such_height(target: SeenObject, graspable: Graspable, how: Manner) -> RefusedError:
+def no_such_height(target: SeenObject, graspable: Graspable, how: Manner) -> NoPlanError:
     """The sentence leaves no height at which it may be held."""
     return refused(
         "impossible",
@@ -107,7 +106,7 @@ def no_such_height(target: SeenObject, graspable: Graspable, how: Manner) -> Ref
     )
 
 
-def no_room(target: SeenObject, low: float, high: float, how: Manner) -> RefusedError:
+def no_room(target: SeenObject, low: float, high: float, how: Manner) -> NoPlanError:
     """The fingers, one beside the other, find no place on it."""
     return refused(
         "impossible",
@@ -123,7 +122,7 @@ def no_room(target: SeenObject, low: float, high: float, how: Manner) -> Refused
 # -- how hard it must be held -------------------------------------------------------------------
 
 
-def too_heavy(task: Task, candidate: Candidate, wanted: float, mu: float) -> RefusedError:
+def too_heavy(task: Task, candidate: Candidate, wanted: float, mu: float) -> NoPlanError:
     """It takes more squeeze than there is."""
     how, model = task.how, task.target.model
     has = candidate.grip.strongest
@@ -148,7 +147,7 @@ def too_heavy(task: Task, candidate: Candidate, wanted: float, mu: float) -> Ref
 
 def may_slip(
     task: Task, squeeze: float, probability: float, learn: str, then: float
-) -> RefusedError:
+) -> NoPlanError:
     """It may slip, since weight or friction are not known well enough."""
     asked = task.defaults.probability
     return refused(
@@ -164,7 +163,7 @@ def may_slip(
     )
 
 
-def unlikely(task: Task, made: HandlingPlan) -> RefusedError:
+def unlikely(task: Task, made: HandlingPlan) -> NoPlanError:
     """Each part of a plan is likely enough, but not all of them together."""
     asked = task.defaults.probability
     return refused(
@@ -178,7 +177,7 @@ def unlikely(task: Task, made: HandlingPlan) -> RefusedError:
     )
 
 
-def no_reach(task: Task, answers: Sequence[ReachAnswer]) -> RefusedError:
+def no_reach(task: Task, answers: Sequence[ReachAnswer]) -> NoPlanError:
     """There are ways, but the hand cannot make them."""
     blockers = [a for a in answers if a.reason == "obstacle" and a.blocker]
     last = (blockers or answers)[0]
@@ -199,12 +198,12 @@ def no_reach(task: Task, answers: Sequence[ReachAnswer]) -> RefusedError:
 # -- what the hand holds, and where things stand ------------------------------------------------
 
 
-def holds_nothing() -> RefusedError:
+def holds_nothing() -> NoPlanError:
     """There is nothing to be set down."""
     return refused("impossible", "the hand holds nothing that could be put down", ())
 
 
-def is_fixed(task: Task) -> RefusedError:
+def is_fixed(task: Task) -> NoPlanError:
     """A holder keeps it where it is."""
     return refused(
         "impossible",
@@ -213,12 +212,12 @@ def is_fixed(task: Task) -> RefusedError:
     )
 
 
-def not_while(task: Task, spans: Spans, forbidden: str) -> RefusedError:
+def not_while(task: Task, spans: Spans, forbidden: str) -> NoPlanError:
     """The sentence asks for something and forbids what that takes."""
     return refused("impossible", f"{task.doing} the {task.target.name} {forbidden}", spans)
 
 
-def no_place(task: Task, what: str, blocker: str | None) -> RefusedError:
+def no_place(task: Task, what: str, blocker: str | None) -> NoPlanError:
     """Where it should stand there is no room."""
     met = "the table ends there" if blocker is None else f"the {blocker} stands there"
     return refused(

@@ -10,20 +10,20 @@ from planner.refusals.grasp_refusals import mm, refused
 if TYPE_CHECKING:
     from objectmodels.containers.lid_forces import FlipArc, Loosening
     from planner.problem.planning_problem import Task
-    from planner.refusals.push_refusals import RefusedError
+    from planner.refusals.push_refusals import NoPlanError
 
 
-def no_lid(task: Task) -> RefusedError:
+def no_lid(task: Task) -> NoPlanError:
     """There is nothing to open."""
     return refused("impossible", f"the {task.target.name} has no lid", ())
 
 
-def lid_not_seen(task: Task) -> RefusedError:
+def lid_not_seen(task: Task) -> NoPlanError:
     """Nobody knows where its lid lies."""
     return refused("impossible", f"the lid of the {task.target.name} is not seen anywhere", ())
 
 
-def thread(task: Task) -> RefusedError:
+def thread(task: Task) -> NoPlanError:
     """The cap is off."""
     name = task.target.name
     return refused(
@@ -34,7 +34,7 @@ def thread(task: Task) -> RefusedError:
     )
 
 
-def too_weak(task: Task, needed: float) -> RefusedError:
+def too_weak(task: Task, needed: float) -> NoPlanError:
     """The sentence does not allow as much force as the lid takes."""
     allowed = task.how.most_force
     return refused(
@@ -48,7 +48,7 @@ def too_weak(task: Task, needed: float) -> RefusedError:
     )
 
 
-def gives_way(task: Task, arc: FlipArc) -> RefusedError:
+def gives_way(task: Task, arc: FlipArc) -> NoPlanError:
     """The standing object would slide or topple before its lid moves all the way."""
     return refused(
         "impossible",
@@ -61,7 +61,7 @@ def gives_way(task: Task, arc: FlipArc) -> RefusedError:
     )
 
 
-def may_give_way(task: Task, arc: FlipArc) -> RefusedError:
+def may_give_way(task: Task, arc: FlipArc) -> NoPlanError:
     """It may, since weight, friction or the lid are not known well enough."""
     asked = task.defaults.probability
     return refused(
@@ -99,12 +99,12 @@ def _forces(arc: FlipArc) -> dict[str, float]:
     return {name: value for name, value in found.items() if math.isfinite(value)}
 
 
-def comes_along(task: Task, found: Loosening) -> RefusedError:
+def comes_along(task: Task, found: Loosening) -> NoPlanError:
     """The object would be lifted or turned with its lid."""
     return refused("impossible", _both(task, found), (), "fix it in a holder", **_numbers(found))
 
 
-def may_come_along(task: Task, found: Loosening) -> RefusedError:
+def may_come_along(task: Task, found: Loosening) -> NoPlanError:
     """It may, since friction, weight or the lid are not known well enough."""
     asked = task.defaults.probability
     return refused(
@@ -138,7 +138,7 @@ def _numbers(found: Loosening) -> dict[str, float]:
     return {"needed": found.needed, "held": found.held, "margin": found.margin}
 
 
-def no_room_aside(task: Task, radius: float) -> RefusedError:
+def no_room_aside(task: Task, radius: float) -> NoPlanError:
     """There is no free place for the lid."""
     return refused(
         "blocked",

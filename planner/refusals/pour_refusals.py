@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from planner.grasping.pour_amounts import Amount
     from planner.grasping.pour_planner import Motion
     from planner.problem.planning_problem import Task
-    from planner.refusals.push_refusals import RefusedError
+    from planner.refusals.push_refusals import NoPlanError
     from planner.types.world_state import SeenObject
 
 
@@ -19,7 +19,7 @@ def ml(volume: float) -> str:
     return f"{1e6 * volume:.0f} ml"
 
 
-def into_nothing(task: Task, spans: Spans) -> RefusedError:
+def into_nothing(task: Task, spans: Spans) -> NoPlanError:
     """It would land on the table."""
     return refused(
         "impossible",
@@ -29,35 +29,35 @@ def into_nothing(task: Task, spans: Spans) -> RefusedError:
     )
 
 
-def into_itself(task: Task, spans: Spans) -> RefusedError:
+def into_itself(task: Task, spans: Spans) -> NoPlanError:
     """Both are the same object."""
     return refused("impossible", f"the {task.target.name} cannot be poured into itself", spans)
 
 
-def no_container(seen: SeenObject) -> RefusedError:
+def no_container(seen: SeenObject) -> NoPlanError:
     """It is solid, as far as is known."""
     return refused("impossible", f"the {seen.name} is no container", ())
 
 
-def lies(seen: SeenObject) -> RefusedError:
+def lies(seen: SeenObject) -> NoPlanError:
     """It does not stand, so that it holds nothing."""
     return refused("impossible", f"the {seen.name} lies on its side", (), "set it upright first")
 
 
-def is_closed(seen: SeenObject) -> RefusedError:
+def is_closed(seen: SeenObject) -> NoPlanError:
     """Its lid is in the way."""
     message = f"the {seen.name} is closed"
     return refused("impossible", message, (), f"open the {seen.name} first")
 
 
-def is_empty(task: Task) -> RefusedError:
+def is_empty(task: Task) -> NoPlanError:
     """There is nothing in it."""
     return refused("impossible", f"the {task.target.name} is empty", (), contents=0.0)
 
 
 def does_not_fit(
     into: SeenObject, wanted: float, room: float, has: float, spans: Spans
-) -> RefusedError:
+) -> NoPlanError:
     """It would run over, whether or not there is so much."""
     fits = min(max(room, 0.0), has)
     most = f"pour up to {ml(fits)}" + ("" if has > room else ", which is all there is to pour")
@@ -72,7 +72,7 @@ def does_not_fit(
     )
 
 
-def not_so_much(task: Task, wanted: float, has: float, spans: Spans) -> RefusedError:
+def not_so_much(task: Task, wanted: float, has: float, spans: Spans) -> NoPlanError:
     """There is less in it."""
     return refused(
         "impossible",
@@ -84,7 +84,7 @@ def not_so_much(task: Task, wanted: float, has: float, spans: Spans) -> RefusedE
     )
 
 
-def wrong_side(task: Task) -> RefusedError:
+def wrong_side(task: Task) -> NoPlanError:
     """Held as it can be, or is, it does not lean to where its opening is."""
     held = task.state.held is not None
     as_it_is = "is held" if held else "can be held"
@@ -96,7 +96,7 @@ def wrong_side(task: Task) -> RefusedError:
     )
 
 
-def may_spill(task: Task, into: SeenObject, wanted: Amount, motion: Motion) -> RefusedError:
+def may_spill(task: Task, into: SeenObject, wanted: Amount, motion: Motion) -> NoPlanError:
     """Too much may miss or run over, or too little run out."""
     mean = {name: float(value) for name, value in motion.poured.mean().items()}
     asked = task.defaults.probability

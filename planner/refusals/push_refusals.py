@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from planner.types.world_state import SeenObject
 
 
-class RefusedError(Exception):
+class NoPlanError(Exception):
     """Planning ends with a refusal; it never leaves the planner."""
 
     def __init__(self, refusal: Refusal) -> None:
@@ -26,9 +26,9 @@ class RefusedError(Exception):
 
 def unsupported(
     capability: str, message: str, spans: tuple[tuple[int, int], ...], *instead: str
-) -> RefusedError:
+) -> NoPlanError:
     """A refusal because this robot, or this version, lacks a capability."""
-    return RefusedError(
+    return NoPlanError(
         Refusal(
             reason="unsupported",
             message=message,

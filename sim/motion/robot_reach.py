@@ -16,9 +16,8 @@ from __future__ import annotations
 import numpy as np
 
 from planner.types.actions import FlipOver, HandlingPlan
-from planner.types.hand_reach import Grip
 from planner.types.plan import Push
-from planner.types.robot import ReachAnswer
+from planner.types.robot import Grip, ReachAnswer
 from planner.types.world_state import WorldState
 from sim.cell.cell_description import CellDescription
 from sim.collision import collision_spheres as spheres

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from planner.types.hand_reach import Grip
+from planner.types.robot import Grip
 from sim.collision import collision_spheres as spheres
 from sim.hands.four_finger.hand_kinematics import (
     CURLED,

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from planner.geometry.directions import unit
 from planner.geometry.footprints import footprint, gap
-from planner.geometry.visibility_graph import detour
+from planner.geometry.visibility_graph import shortest_detour
+from planner.pushing.push_paths import ANOTHER_PUSH
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import world
 
@@ -25,7 +26,7 @@ def found(state: WorldState, aim: tuple[float, float]) -> list[tuple[float, floa
     target = state.objects["ice tea box"]
     others = {name: CLEARANCE for name in state.objects if name != target.name}
     turned = tuple(h + target.pose.yaw for h in QUARTERS)
-    return detour(target, aim, turned, state, others, CLEARANCE)
+    return shortest_detour(target, aim, turned, state, others, CLEARANCE, ANOTHER_PUSH)
 
 
 def walked(target: SeenObject, way: list[tuple[float, float]]) -> list[SeenObject]:

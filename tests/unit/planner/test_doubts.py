@@ -7,7 +7,7 @@ import pytest
 
 from objectmodels import BoxModel
 from planner import plan
-from planner.pushing.doubts import Touch, experiment, outcome_probability
+from planner.pushing.contact_diagnosis import Touch, experiment, outcome_probability
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan, Refusal
 from planner.types.world_state import PlanarPose, SeenObject, WorldState

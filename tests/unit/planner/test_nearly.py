@@ -14,7 +14,7 @@ from planner import plan
 from planner.geometry.directions import angle_between, heading_of
 from planner.geometry.footprints import footprint, free_travel, gap
 from planner.problem.push_problem import read
-from planner.pushing.nearly import nearly
+from planner.pushing.strategies import nearly
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.world_state import PlanarPose, WorldState

@@ -11,7 +11,7 @@ from objectmodels import BoxModel
 from objectmodels.models.object_parts import Container, FlipLid, Opening
 from planner.problem.push_problem import read
 from planner.problem.tilt_goals import spill_tilt
-from planner.refusals.push_refusals import RefusedError
+from planner.refusals.push_refusals import NoPlanError
 from planner.types.defaults import DEFAULTS
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import TABLE, frame_of
@@ -82,7 +82,7 @@ def test_a_tilt_short_of_it_is_made(order: str) -> None:
     ],
 )
 def test_what_would_spill_is_refused_with_the_angle(sentence: str) -> None:
-    with pytest.raises(RefusedError) as refused:
+    with pytest.raises(NoPlanError) as refused:
         read(frame_of(sentence), _state(_seen()), DEFAULTS)
     refusal = refused.value.refusal
     assert refusal.numbers["spill_angle"] == pytest.approx(_spills(_seen()))

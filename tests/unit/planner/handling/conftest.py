@@ -10,9 +10,8 @@ import pytest
 
 from planner import plan
 from planner.types.actions import HandlingPlan
-from planner.types.hand_reach import Grip
 from planner.types.plan import Refusal
-from planner.types.robot import ReachAnswer
+from planner.types.robot import Grip, ReachAnswer
 from planner.types.world_state import PlanarPose, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, world
 
