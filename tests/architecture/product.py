@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -38,6 +39,12 @@ def modules(root: Path = ROOT) -> dict[str, Path]:
     }
 
 
+@cache
+def tree(path: Path) -> ast.Module:
+    """The syntax tree of a file; read once for all tests."""
+    return ast.parse(path.read_text("utf-8"))
+
+
 def _dotted(path: Path) -> str:
     parts = path.with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
@@ -48,10 +55,10 @@ def room(module: str) -> str:
     return ".".join(module.split(".")[:2])
 
 
-def imports(tree: ast.Module, known: Mapping[str, Path]) -> Imports:
+def imports(source: ast.Module, known: Mapping[str, Path]) -> Imports:
     """The imports of one module, as names of `known` modules."""
     found: dict[str, set[str]] = {"at_start": set(), "deferred": set(), "typing": set()}
-    for node, when in _import_nodes(tree, "at_start"):
+    for node, when in _import_nodes(source, "at_start"):
         found[when].update(_targets(node, known))
     return Imports(**{when: frozenset(names) for when, names in found.items()})
 

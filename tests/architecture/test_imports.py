@@ -6,7 +6,7 @@ import ast
 
 import pytest
 
-from tests.architecture.product import Imports, circles, imports, modules, room
+from tests.architecture.product import Imports, circles, imports, modules, room, tree
 
 # `Result.report()` and `.explained()` make a report of the result, with an import inside.
 ALLOWED = {("nlcontrol.results.result", "nlcontrol.reports")}
@@ -17,9 +17,7 @@ MOST_MODULES_OF_A_TYPING_CIRCLE = 3
 @pytest.fixture(scope="module")
 def found() -> dict[str, Imports]:
     known = modules()
-    return {
-        name: imports(ast.parse(path.read_text("utf-8")), known) for name, path in known.items()
-    }
+    return {name: imports(tree(path), known) for name, path in known.items()}
 
 
 def allowed(importing: str, imported: str) -> bool:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.architecture.product import ROOT, modules
+from tests.architecture.product import ROOT, modules, tree
 
 MOST_MODULES = 15
 MOST_LINES = 400
@@ -33,7 +33,7 @@ def test_no_folder_is_too_full(folder: Path) -> None:
 def test_every_folder_says_what_lives_there(folder: Path) -> None:
     front = folder / "__init__.py"
     assert front.exists()
-    assert ast.get_docstring(ast.parse(front.read_text("utf-8")))
+    assert ast.get_docstring(tree(front))
 
 
 @pytest.mark.xfail(strict=False, reason="walls that are still open")
