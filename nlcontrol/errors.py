@@ -92,7 +92,7 @@ class ErrorInfo(BaseModel):
         family: the stage that raised it.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
     code: str
     message: str

@@ -1,18 +1,24 @@
 """Mechanical models of pushed objects, and the registry that serves them."""
 
-from objectmodels.errors import ModelError
-from objectmodels.geometry.base_shapes import Base, Disc, Polygon
-from objectmodels.geometry.side_faces import Face, sides
-from objectmodels.mechanics.friction_cone import ConeThresholds
-from objectmodels.mechanics.push_outcomes import Prediction, Thresholds
-from objectmodels.models.box import BoxModel
-from objectmodels.models.convex_hull import HullModel
-from objectmodels.models.cylinder import CylinderModel
-from objectmodels.models.object_model import ObjectModel
-from objectmodels.models.parameters import Provenance
-from objectmodels.models.prism import PrismModel
-from objectmodels.name_suggestions import suggest
-from objectmodels.registry.model_registry import Registry
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from objectmodels.errors import ModelError
+    from objectmodels.geometry.base_shapes import Base, Disc, Polygon
+    from objectmodels.geometry.side_faces import Face, sides
+    from objectmodels.mechanics.friction_cone import ConeThresholds
+    from objectmodels.mechanics.push_outcomes import Prediction, Thresholds
+    from objectmodels.models.box import BoxModel
+    from objectmodels.models.convex_hull import HullModel
+    from objectmodels.models.cylinder import CylinderModel
+    from objectmodels.models.object_model import ObjectModel
+    from objectmodels.models.parameters import Provenance
+    from objectmodels.models.prism import PrismModel
+    from objectmodels.name_suggestions import suggest
+    from objectmodels.registry.model_registry import Registry
 
 __all__ = [
     "Base",
@@ -33,3 +39,32 @@ __all__ = [
     "sides",
     "suggest",
 ]
+
+_HOMES = {
+    "Base": "objectmodels.geometry.base_shapes",
+    "BoxModel": "objectmodels.models.box",
+    "ConeThresholds": "objectmodels.mechanics.friction_cone",
+    "CylinderModel": "objectmodels.models.cylinder",
+    "Disc": "objectmodels.geometry.base_shapes",
+    "Face": "objectmodels.geometry.side_faces",
+    "HullModel": "objectmodels.models.convex_hull",
+    "ModelError": "objectmodels.errors",
+    "ObjectModel": "objectmodels.models.object_model",
+    "Polygon": "objectmodels.geometry.base_shapes",
+    "Prediction": "objectmodels.mechanics.push_outcomes",
+    "PrismModel": "objectmodels.models.prism",
+    "Provenance": "objectmodels.models.parameters",
+    "Registry": "objectmodels.registry.model_registry",
+    "Thresholds": "objectmodels.mechanics.push_outcomes",
+    "sides": "objectmodels.geometry.side_faces",
+    "suggest": "objectmodels.name_suggestions",
+}
+
+
+def __getattr__(name: str) -> object:
+    """Load a public name on first use, so that what needs one room loads no other."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value: object = getattr(importlib.import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value

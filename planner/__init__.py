@@ -1,9 +1,31 @@
 """From a frame and a predicted outcome to a push, or to a refusal with its numbers."""
 
-import planner.types.plan as _values  # its name is the function's below, so it is bound first
-from planner.planning import plan
+from __future__ import annotations
 
-Plan = _values.Plan
-Refusal = _values.Refusal
+import importlib
+from typing import TYPE_CHECKING
 
-__all__ = ["Plan", "Refusal", "plan"]
+if TYPE_CHECKING:
+    from planner.planning import plan
+    from planner.types.plan import Plan, Refusal
+
+__all__ = [
+    "Plan",
+    "Refusal",
+    "plan",
+]
+
+_HOMES = {
+    "Plan": "planner.types.plan",
+    "Refusal": "planner.types.plan",
+    "plan": "planner.planning",
+}
+
+
+def __getattr__(name: str) -> object:
+    """Load a public name on first use, so that what needs one room loads no other."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value: object = getattr(importlib.import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value

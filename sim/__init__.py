@@ -3,15 +3,21 @@
 Drake is imported when a world is built, not with this package.
 """
 
-from sim.errors import PictureError, SceneError, SimError
-from sim.execution.plan_execution import execute, watch
-from sim.motion.robot_reach import ArmHandReach
-from sim.perception.camera_port import first_look, seen_colours
-from sim.traces.trace import Trace
-from sim.truth.scene_file import Scene, load_scene
-from sim.views.html_replay import save_replay
-from sim.views.trace_picture import save_picture
-from sim.worlds.drake.drake_world import DrakeWorld
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from sim.errors import PictureError, SceneError, SimError
+    from sim.execution.plan_execution import execute, watch
+    from sim.motion.robot_reach import ArmHandReach
+    from sim.perception.camera_port import first_look, seen_colours
+    from sim.traces.trace import Trace
+    from sim.truth.scene_file import Scene, load_scene
+    from sim.views.html_replay import save_replay
+    from sim.views.trace_picture import save_picture
+    from sim.worlds.drake.drake_world import DrakeWorld
 
 __all__ = [
     "ArmHandReach",
@@ -29,3 +35,29 @@ __all__ = [
     "seen_colours",
     "watch",
 ]
+
+_HOMES = {
+    "ArmHandReach": "sim.motion.robot_reach",
+    "DrakeWorld": "sim.worlds.drake.drake_world",
+    "PictureError": "sim.errors",
+    "Scene": "sim.truth.scene_file",
+    "SceneError": "sim.errors",
+    "SimError": "sim.errors",
+    "Trace": "sim.traces.trace",
+    "execute": "sim.execution.plan_execution",
+    "first_look": "sim.perception.camera_port",
+    "load_scene": "sim.truth.scene_file",
+    "save_picture": "sim.views.trace_picture",
+    "save_replay": "sim.views.html_replay",
+    "seen_colours": "sim.perception.camera_port",
+    "watch": "sim.execution.plan_execution",
+}
+
+
+def __getattr__(name: str) -> object:
+    """Load a public name on first use, so that what needs one room loads no other."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value: object = getattr(importlib.import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value

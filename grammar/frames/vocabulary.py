@@ -56,7 +56,7 @@ class Part(BaseModel):
     """A part of a frame: frozen, and without infinities."""
 
     model_config = ConfigDict(
-        frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True
+        defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False, populate_by_name=True
     )
 
 

@@ -43,7 +43,7 @@ class Check(BaseModel):
         ok: whether it holds.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
     clause: str
     spans: Spans = ()

@@ -77,7 +77,7 @@ class TouchMade(BaseModel):
         force: at which something moved [N]; null if nothing did.
     """
 
-    model_config = ConfigDict(frozen=True)
+    model_config = ConfigDict(defer_build=True, frozen=True)
 
     experiment: str
     outcome: str
@@ -105,7 +105,7 @@ class ExplorationReport(BaseModel):
         saved: file of the fitted model, if it was kept; `instead_of` whose place it takes.
     """
 
-    model_config = ConfigDict(frozen=True)
+    model_config = ConfigDict(defer_build=True, frozen=True)
 
     ok: bool = True
     object: str

@@ -61,7 +61,7 @@ class FittedParameter(BaseModel):
         believed, believed_sd: what was believed before.
     """
 
-    model_config = ConfigDict(frozen=True)
+    model_config = ConfigDict(defer_build=True, frozen=True)
 
     value: float
     sd: float
@@ -94,7 +94,7 @@ class FitReport(BaseModel):
         instead_of: where the model comes from whose place the saved one takes, if it takes one.
     """
 
-    model_config = ConfigDict(frozen=True)
+    model_config = ConfigDict(defer_build=True, frozen=True)
 
     ok: bool = True
     object: str

@@ -58,7 +58,7 @@ class Change(BaseModel):
         after, after_sd: what is believed now.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
     parameter: str
     before: float
@@ -97,7 +97,7 @@ class Lesson(BaseModel):
         changes: of what is believed.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
     object: str
     moved: Literal["slide", "topple", "slip", "lift", "none"]

@@ -26,7 +26,7 @@ _HEAD = json.dumps({"format": FORMAT}).encode() + b"\n"
 class _Line(BaseModel):
     """A result as it stands in the file; what it is the result of is for people."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(defer_build=True, extra="forbid", strict=True, allow_inf_nan=False)
 
     key: str
     object: str

@@ -40,7 +40,7 @@ class Chart(BaseModel):
         face: the face, as the robot calls it.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid")
 
     object: str
     face: str
@@ -57,7 +57,7 @@ class Considered(BaseModel):
         force: of the push [N]; None if the question leaves it open.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
     face: str
     height: float | None
@@ -84,7 +84,7 @@ class Answer(BaseModel):
         map: that map; not a part of the JSON document.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
     query: Query | None = None
     text: str

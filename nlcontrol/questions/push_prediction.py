@@ -29,7 +29,7 @@ SURE = 0.95
 class AskedPush(BaseModel):
     """A push as it was asked for, in B, which is turned by `yaw` from the robot's axes [rad]."""
 
-    model_config = ConfigDict(frozen=True)
+    model_config = ConfigDict(defer_build=True, frozen=True)
 
     face: str
     lateral: float
@@ -65,7 +65,7 @@ class PushPrediction(BaseModel):
         text: all of it in words.
     """
 
-    model_config = ConfigDict(frozen=True)
+    model_config = ConfigDict(defer_build=True, frozen=True)
 
     object: str
     push: AskedPush

@@ -41,7 +41,7 @@ class Execution(BaseModel):
         largest_force: felt along the push, averaged against the sensors' noise [N].
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
     end: str
     detail: str
@@ -87,7 +87,7 @@ class Step(BaseModel):
         basis: what was known then; not a part of the JSON document.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
     frame: int
     status: ResultStatus
@@ -134,7 +134,7 @@ class Result(BaseModel):
         trace: what happened over time; not a part of the JSON document.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
     ok: bool
     status: ResultStatus

@@ -27,6 +27,7 @@ class Part(BaseModel):
     """A block of a model file: nothing unknown, nothing converted, nothing changed later."""
 
     model_config = ConfigDict(
+        defer_build=True,
         frozen=True,
         extra="forbid",
         strict=True,

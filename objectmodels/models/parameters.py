@@ -56,7 +56,7 @@ class Provenance(BaseModel):
         date: ISO date of the measurement or entry.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", strict=True)
 
     source: str = "not stated"
     method: str = "not stated"
@@ -87,6 +87,7 @@ class Parameters(BaseModel):
     """
 
     model_config = ConfigDict(
+        defer_build=True,
         frozen=True,
         extra="forbid",
         strict=True,

@@ -36,7 +36,7 @@ class Row(BaseModel):
         problem: whether these words are why there is no plan.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid")
 
     words: str
     field: str

@@ -22,7 +22,7 @@ StopEvent = Literal[
 class Value(BaseModel):
     """Base of what planning results are made of."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 class Limits(Value):

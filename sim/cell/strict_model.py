@@ -19,4 +19,6 @@ Point3 = tuple[float, float, float]
 class Part(BaseModel):
     """A part of a scene file: nothing unknown, nothing converted, nothing changed later."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        defer_build=True, frozen=True, extra="forbid", strict=True, allow_inf_nan=False
+    )
