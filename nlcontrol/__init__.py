@@ -14,6 +14,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
+import nlcontrol_former_names  # noqa: F401 – serves former names
 from nlcontrol._shadowing import refuse_shadowed
 
 refuse_shadowed()

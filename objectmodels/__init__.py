@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
+import nlcontrol_former_names  # noqa: F401 – serves former names
+
 if TYPE_CHECKING:
     from objectmodels.errors import ModelError
     from objectmodels.geometry.base_shapes import Base, Disc, Polygon

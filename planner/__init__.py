@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
+import nlcontrol_former_names  # noqa: F401 – serves former names
+
 if TYPE_CHECKING:
     from planner.planning import plan
     from planner.types.plan import Plan, Refusal

@@ -8,6 +8,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
+import nlcontrol_former_names  # noqa: F401 – serves former names
+
 if TYPE_CHECKING:
     from sim.errors import PictureError, SceneError, SimError
     from sim.execution.plan_execution import execute, watch
