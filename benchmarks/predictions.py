@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog, nnls
 
 from objectmodels import BoxModel, ObjectModel, Registry
-from tests.unit.objectmodels.seed_model import SeedModel
+from tests.unit.objectmodels.mechanics.seed_model import SeedModel
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from objectmodels import BoxModel
 from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification import Trial, estimates, fit
-from tests.unit.objectmodels.touching import everything, touched
+from tests.unit.objectmodels.identification.touching import everything, touched
 
 PLAN = everything(1)
 

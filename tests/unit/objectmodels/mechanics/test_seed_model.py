@@ -11,7 +11,7 @@ import pytest
 from objectmodels import BoxModel, ModelError, PrismModel
 from objectmodels.geometry.base_shapes import without_collinear
 from objectmodels.mechanics.push_thresholds import centre_of_pressure
-from tests.unit.objectmodels.seed_model import SeedModel, TorqueRange, torque_range
+from tests.unit.objectmodels.mechanics.seed_model import SeedModel, TorqueRange, torque_range
 
 BOX = BoxModel(name="b", size=(0.1, 0.2, 0.2), mass=1.0, friction=0.4)
 BAND = 1e-9

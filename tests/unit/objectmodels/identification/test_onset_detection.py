@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from objectmodels import ModelError
 from objectmodels.identification import detect_onset
-from tests.unit.objectmodels.recordings import made_up
+from tests.unit.objectmodels.identification.recordings import made_up
 
 
 @given(

@@ -12,7 +12,7 @@ from objectmodels.geometry.base_shapes import Array
 from objectmodels.identification import Trial
 from objectmodels.identification.measurement_model import Balance
 from objectmodels.identification.parameter_coordinates import LOGARITHMIC, coordinates, values_at
-from tests.unit.objectmodels.touching import slide, slip, tilt
+from tests.unit.objectmodels.identification.touching import slide, slip, tilt
 
 BOX = BoxModel(
     name="b", size=(0.09, 0.12, 0.2), mass=0.8, friction=0.3, com=(0.006, -0.004, 0.09),

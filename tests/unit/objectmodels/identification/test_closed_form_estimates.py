@@ -10,7 +10,7 @@ import pytest
 from objectmodels import CylinderModel, ModelError
 from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification import Estimates, estimates, estimates_by_repetition, table
-from tests.unit.objectmodels.touching import (
+from tests.unit.objectmodels.identification.touching import (
     BELIEF,
     TRUTH,
     everything,

@@ -20,7 +20,7 @@ from objectmodels.identification import (
     update,
     updated,
 )
-from tests.unit.objectmodels.touching import (
+from tests.unit.objectmodels.identification.touching import (
     BELIEF,
     SIDES,
     TRUTH,

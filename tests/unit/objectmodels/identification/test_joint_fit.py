@@ -11,7 +11,7 @@ from objectmodels import CylinderModel, ModelError
 from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.geometry.support_points import Support
 from objectmodels.identification import Trial, fit
-from tests.unit.objectmodels.touching import (
+from tests.unit.objectmodels.identification.touching import (
     BELIEF,
     SIDES,
     TRUTH,
