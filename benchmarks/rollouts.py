@@ -38,7 +38,8 @@ from benchmarks.strokes import (
     upright,
 )
 from nlcontrol import Controller, Registry
-from planner.types.plan import Plan, Push
+from planner.types.actions import Push
+from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import WorldState
 from sim.cell.cell_description import Vision

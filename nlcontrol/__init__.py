@@ -35,7 +35,8 @@ if TYPE_CHECKING:
         PrismModel,
         Registry,
     )
-    from planner.types.plan import Plan, Refusal
+    from planner.types.plan import Plan
+    from planner.types.refusal import Refusal
 
 __version__ = "0.1.0"
 

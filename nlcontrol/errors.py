@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from pydantic import BaseModel, ConfigDict
 
 if TYPE_CHECKING:
-    from planner.types.plan import Refusal
+    from planner.types.refusal import Refusal
 
 OK, INTERNAL, USAGE, NOT_UNDERSTOOD, NO_PLAN, NOT_HELD = range(6)
 """Exit codes of the command line."""

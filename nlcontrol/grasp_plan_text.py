@@ -8,17 +8,20 @@ from nlcontrol.references.object_names import listed
 from nlcontrol.text_format import quantity
 from planner.geometry.directions import phrase
 from planner.types.actions import (
+    Action,
     Carry,
     FlipOver,
+    FlipPrediction,
     Grasp,
-    HandlingPlan,
-    HandStep,
+    GraspAction,
     LiftUp,
     PourOut,
+    PullPrediction,
     PutOn,
     SetDown,
     TurnCap,
 )
+from planner.types.plan import Plan
 
 
 def likely(probability: float) -> str:
@@ -26,7 +29,7 @@ def likely(probability: float) -> str:
     return "over 0.99" if probability > 0.99 else f"{probability:.2f}"
 
 
-def plan_lines(plan: HandlingPlan) -> Iterator[str]:
+def plan_lines(plan: Plan) -> Iterator[str]:
     """How it is held, what is done with it, what will come of that, and why."""
     held = _held(plan)
     yield f"Plan: {held}, then {doing(plan)}." if held else f"Plan: {doing(plan)}."
@@ -38,10 +41,10 @@ def plan_lines(plan: HandlingPlan) -> Iterator[str]:
     yield from (f"  {note}" for note in plan.notes)
 
 
-def _held(plan: HandlingPlan) -> str:
+def _held(plan: Plan) -> str:
     if plan.grasp is None:
         return ""
-    if plan.held:
+    if plan.grasp.held:
         return f"the {plan.object} is in the hand already"
     part = f"the {plan.object}"
     if plan.grasp.part == "lid":
@@ -55,12 +58,12 @@ def grasp_words(grasp: Grasp) -> str:
     return f"{grasp.way}, {where}, with {quantity(grasp.squeeze, 'N')}"
 
 
-def doing(plan: HandlingPlan) -> str:
+def doing(plan: Plan) -> str:
     """All steps of a plan, one after another."""
     return ", then ".join(_step(step, plan) for step in plan.steps)
 
 
-def _step(step: HandStep, plan: HandlingPlan) -> str:
+def _step(step: Action, plan: Plan) -> str:
     what = f"the {plan.object}"
     match step:
         case LiftUp():
@@ -90,71 +93,84 @@ def _step(step: HandStep, plan: HandlingPlan) -> str:
             )
         case PutOn():
             return f"put it onto the {step.onto} and press with {quantity(step.press, 'N')}"
+    raise AssertionError(f"{step.kind} is no step of a hand")
 
 
-def predicted(plan: HandlingPlan) -> list[str]:
+def predicted(plan: Plan) -> list[str]:
     """What the models say will happen."""
-    p = plan.prediction
     told = [f"it succeeds with probability {likely(plan.probability)}"]
-    if p.holds is not None:
-        told.append(f"the grasp holds with probability {likely(p.holds)}")
-    if p.poured is not None:
-        into = [step.into for step in plan.steps if isinstance(step, PourOut)]
-        told.append(f"{quantity(p.poured, 'm³')} run out of the {plan.object}")
-        if p.received is not None and into:
-            told.append(f"{quantity(p.received, 'm³')} arrive in the {into[0]}")
-        if p.spilled is not None:
-            told.append(f"{quantity(p.spilled, 'm³')} are spilled")
-        if p.left is not None:
-            told.append(f"{quantity(p.left, 'm³')} stay in it")
-        if p.level_after is not None and into:
-            told.append(f"the {into[0]} is then {100 * p.level_after:.0f} % full")
-    if p.lid_angle is not None:
-        told.append(f"the lid ends at {quantity(p.lid_angle, 'rad')}")
+    for action in plan.actions:
+        match action:
+            case GraspAction():
+                told.append(f"the grasp holds with probability {likely(action.prediction.holds)}")
+            case PourOut():
+                p = action.prediction
+                told += (
+                    f"{quantity(p.poured, 'm³')} run out of the {plan.object}",
+                    f"{quantity(p.received, 'm³')} arrive in the {action.into}",
+                    f"{quantity(p.spilled, 'm³')} are spilled",
+                    f"{quantity(p.left, 'm³')} stay in it",
+                    f"the {action.into} is then {100 * p.level_after:.0f} % full",
+                )
+            case FlipOver():
+                told.append(f"the lid ends at {quantity(action.prediction.lid_angle, 'rad')}")
     return told
 
 
-def reasons(plan: HandlingPlan) -> list[str]:
+def reasons(plan: Plan) -> list[str]:
     """The numbers by which it works."""
-    p, grasp = plan.prediction, plan.grasp
-    told = []
-    if grasp is not None and grasp.needed > 0.0:
-        told.append(
-            f"{quantity(grasp.needed, 'N')} would just hold it, the fingers have "
-            f"{quantity(grasp.strongest, 'N')} at {quantity(grasp.width, 'm')}"
-        )
-    if p.lid_force is not None:
-        told.append(f"the lid takes up to {quantity(p.lid_force, 'N')}")
-        told += _stands(plan)
-    if p.lid_torque is not None:
-        turns = ""
-        if p.turning_torque is not None:
-            turns = f", the {plan.object} turns along from {quantity(p.turning_torque, 'N·m')} on"
-        told.append(f"the cap takes {quantity(p.lid_torque, 'N·m')}{turns}")
-    return told
+    return [reason for action in plan.actions for reason in _reasons(action, plan.object)]
 
 
-def _stands(plan: HandlingPlan) -> Iterator[str]:
+def _reasons(action: Action, name: str) -> Iterator[str]:
+    match action:
+        case GraspAction() if action.needed > 0.0:
+            yield (
+                f"{quantity(action.needed, 'N')} would just hold it, the fingers have "
+                f"{quantity(action.strongest, 'N')} at {quantity(action.width, 'm')}"
+            )
+        case LiftUp(prediction=PullPrediction() as p):
+            yield f"the lid takes up to {quantity(p.lid_force, 'N')}"
+            if p.lifting_force is not None:
+                yield f"the {name} is lifted from {quantity(p.lifting_force, 'N')} on"
+        case FlipOver():
+            yield f"the lid takes up to {quantity(action.prediction.lid_force, 'N')}"
+            yield from _stands(action.prediction, name)
+        case TurnCap():
+            cap, turns = action.prediction, ""
+            if cap.turning_torque is not None:
+                turns = f", the {name} turns along from {quantity(cap.turning_torque, 'N·m')} on"
+            yield f"the cap takes {quantity(cap.lid_torque, 'N·m')}{turns}"
+
+
+def _stands(p: FlipPrediction, name: str) -> Iterator[str]:
     """What the standing object bears while its lid is opened."""
-    p = plan.prediction
-    if p.lifting_force is not None:
-        yield f"the {plan.object} is lifted from {quantity(p.lifting_force, 'N')} on"
     gives = [
         f"{verb} from {quantity(force, 'N')} on"
         for verb, force in (("slides", p.slide_force), ("topples", p.topple_force))
         if force is not None
     ]
-    if gives and p.nearest_angle is not None and p.nearest_force is not None:
+    if gives:
         yield (
-            f"at {quantity(p.nearest_angle, 'rad')}, where the {plan.object} comes nearest to "
-            f"giving way, it takes {quantity(p.nearest_force, 'N')}, and the {plan.object} "
+            f"at {quantity(p.nearest_angle, 'rad')}, where the {name} comes nearest to "
+            f"giving way, it takes {quantity(p.nearest_force, 'N')}, and the {name} "
             f"{listed(gives)}"
         )
 
 
-def deciding(plan: HandlingPlan) -> dict[str, float]:
+def predicted_figures(plan: Plan) -> dict[str, float]:
+    """Numbers that the actions of a hand predict, by their names."""
+    predictions = (
+        action.prediction
+        for action in plan.actions
+        if not isinstance(action, Carry | SetDown | PutOn)
+    )
+    return {name: x for each in predictions if each for name, x in each if x is not None}
+
+
+def deciding(plan: Plan) -> dict[str, float]:
     """The numbers of a plan by their names."""
-    numbers = {k: v for k, v in plan.prediction.model_dump().items() if v is not None}
+    numbers = predicted_figures(plan)
     if plan.grasp is not None:
         numbers |= {
             "squeeze": plan.grasp.squeeze,

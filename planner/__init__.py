@@ -9,7 +9,8 @@ import nlcontrol_former_names  # noqa: F401 – serves former names
 
 if TYPE_CHECKING:
     from planner.planning import plan
-    from planner.types.plan import Plan, Refusal
+    from planner.types.plan import Plan
+    from planner.types.refusal import Refusal
 
 __all__ = [
     "Plan",
@@ -19,7 +20,7 @@ __all__ = [
 
 _HOMES = {
     "Plan": "planner.types.plan",
-    "Refusal": "planner.types.plan",
+    "Refusal": "planner.types.refusal",
     "plan": "planner.planning",
 }
 

@@ -19,9 +19,8 @@ from grammar.frames import command as g
 from objectmodels.mechanics.outcome_map import OutcomeMap, outcome_map
 from planner.geometry.directions import HEADINGS, angle_between, face_name, heading_of
 from planner.planning import plan
-from planner.types.actions import HandlingPlan
 from planner.types.defaults import DEFAULTS, Defaults
-from planner.types.plan import Plan, Refusal
+from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from objectmodels import Face
-    from planner.types.plan import FaceName
+    from planner.types.actions import FaceName
     from planner.types.robot import HandReach, Reach
     from planner.types.world_state import SeenObject, WorldState
 
@@ -121,7 +120,7 @@ def _by_hand(
             yield Affordance(
                 frame.action, "", *none, False, made.reason, made.message, made.suggestions
             )
-        elif isinstance(made, HandlingPlan):
+        elif made.status == "planned":
             told = f"probability {made.probability:.2f}"
             if made.grasp is not None:
                 told = f"squeezed with {made.grasp.squeeze:.1f} N, {told}"
@@ -234,10 +233,11 @@ def _answered(
         message = f"pushed anywhere on that face, the {target.name} never {verb} first"
         return Affordance(outcome, way, face, False, None, None, None, False, "impossible", message)
     made = plan(_frame(outcome, way, target.name), state, reach, defaults=defaults)
-    if isinstance(made, Plan):
+    if made.status == "planned":
         push = made.push
         fingers = "two fingers" if push.fingers == 2 else "one finger"
-        pushes = f"{1 + len(made.later)} pushes, first " if made.later else ""
+        several = len(made.pushes) > 1
+        pushes = f"{len(made.pushes)} pushes, first " if several else ""
         message = (
             f"{pushes}{fingers} {1e3 * push.p_BC[2]:.0f} mm up, at most {push.force_limit:.1f} N, "
             f"probability {made.probability:.2f}"

@@ -23,11 +23,12 @@ from planner.pushing.strategies import Attempt, persistently
 from planner.refusals import push_refusals as refusals
 from planner.refusals.push_refusals import NoPlanError
 from planner.types.defaults import DEFAULTS, Defaults
-from planner.types.plan import Plan, Reached, Refusal
+from planner.types.plan import Plan, Reached
+from planner.types.refusal import Refusal
 from planner.types.robot import Patient
 
 if TYPE_CHECKING:
-    from planner.types.actions import HandlingPlan
+    from planner.types.plan import Plan
     from planner.types.robot import HandReach, Reach
     from planner.types.world_state import WorldState
 
@@ -52,7 +53,7 @@ def plan(
     hand: HandReach | None,
     defaults: Defaults = DEFAULTS,
     before: Plan | None = None,
-) -> Plan | HandlingPlan | Reached | Refusal: ...
+) -> Plan | Reached | Refusal: ...
 
 
 def plan(
@@ -63,7 +64,7 @@ def plan(
     hand: HandReach | None = None,
     defaults: Defaults = DEFAULTS,
     before: Plan | None = None,
-) -> Plan | HandlingPlan | Reached | Refusal:
+) -> Plan | Reached | Refusal:
     """Finds what satisfies a frame: pushes, or what a whole hand does.
 
     Args:

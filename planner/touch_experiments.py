@@ -32,7 +32,7 @@ from objectmodels.identification.trial import Trial
 from objectmodels.mechanics import tilt_limits as tilting
 from objectmodels.models.object_model import ObjectModel
 from planner.geometry.directions import face_name
-from planner.types.plan import Push
+from planner.types.actions import Push
 from planner.types.robot import Reach
 from planner.types.world_state import SeenObject
 

@@ -31,8 +31,8 @@ from planner.geometry.footprints import footprint, free_travel, gap, landing_str
 from planner.problem.push_problem import Asked, read
 from planner.pushing.push_paths import obliqueness
 from planner.refusals.push_refusals import NoPlanError
+from planner.types.actions import Aim
 from planner.types.defaults import DEFAULTS
-from planner.types.plan import Aim
 from planner.types.world_state import SeenObject, WorldState
 from sim.motion.robot_reach import ArmHandReach
 

@@ -18,7 +18,8 @@ from nlcontrol.checks import trace_measures as measures
 from nlcontrol.learning.push_lessons import Change, Lesson
 from objectmodels.containers.contents_update import holding, reweighed
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from planner.types.actions import HandlingPlan, LiftUp, PourOut
+from planner.types.actions import LiftUp, PourOut
+from planner.types.plan import Plan
 from sim.control.grasping.weighing import Weight, weight
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ _FROM_LEVEL = 0.02  # a share of the contents that always stays unknown
 
 
 def believed_after(
-    made: HandlingPlan, models: Mapping[str, ObjectModel], trace: Trace
+    made: Plan, models: Mapping[str, ObjectModel], trace: Trace
 ) -> dict[str, ObjectModel]:
     """The models that are believed otherwise after a plan of the hand.
 
@@ -58,8 +59,7 @@ def believed_after(
     pours = [step for step in made.steps if isinstance(step, PourOut)]
     if not pours or not measures.during(trace, ("pour",)).any():
         return {}
-    poured = made.prediction.poured or 0.0
-    received = made.prediction.received or 0.0
+    poured, received = pours[0].prediction.poured, pours[0].prediction.received
     ended = 1.0 if trace.end == "handled" else 0.5
     doubt = 0.0 if trace.end == "handled" else 0.5 * poured
     into = pours[0].into
@@ -69,7 +69,7 @@ def believed_after(
     }
 
 
-def felt_weight(made: HandlingPlan, trace: Trace) -> Weight | None:
+def felt_weight(made: Plan, trace: Trace) -> Weight | None:
     """What hung on the fingers after the first lift; None if no object was lifted."""
     if made.grasp is None or made.grasp.part == "lid":
         return None
@@ -84,9 +84,7 @@ def felt_weight(made: HandlingPlan, trace: Trace) -> Weight | None:
     return weight(vertical, len(still))
 
 
-def weighed(
-    made: HandlingPlan, model: ObjectModel, trace: Trace
-) -> tuple[ObjectModel, Lesson] | None:
+def weighed(made: Plan, model: ObjectModel, trace: Trace) -> tuple[ObjectModel, Lesson] | None:
     """What is believed of an object that was lifted; None if it was not.
 
     What it weighs otherwise than believed is put down to its contents, as far as these are

@@ -26,8 +26,8 @@ from planner.refusals.push_refusals import NoPlanError
 
 if TYPE_CHECKING:
     from objectmodels import Face
+    from planner.types.actions import FaceName
     from planner.types.defaults import Defaults
-    from planner.types.plan import FaceName
     from planner.types.world_state import SeenObject, WorldState
 
 Vector3 = tuple[float, float, float]

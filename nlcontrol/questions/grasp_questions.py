@@ -26,8 +26,8 @@ from planner.geometry.directions import HEADINGS, phrase
 from planner.grasping.grasp_planning import is_handled
 from planner.grasping.lid_planner import is_open
 from planner.problem.tilt_goals import meant
-from planner.types.actions import HandlingPlan
-from planner.types.plan import Refusal
+from planner.types.plan import Plan
+from planner.types.refusal import Refusal
 from planner.types.robot import HandReach, Reach
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ _NOTHING = 1e-6  # less than this is not spilled [m³]
 _ON_ITS_SIDE = math.pi / 2.0
 
 
-def can(made: HandlingPlan) -> Answer:
+def can(made: Plan) -> Answer:
     """That a hand can do it, how, and how surely."""
     why = "; ".join((*handwords.predicted(made), *handwords.reasons(made)))
     held = f", held {handwords.grasp_words(made.grasp)}" if made.grasp is not None else ""
@@ -84,22 +84,23 @@ def predict_hand(
             reason=made.reason,
             suggestions=made.suggestions,
         )
-    if not isinstance(made, HandlingPlan):
+    if made.status == "reached":
         return Answer(query="predict", text="Nothing: it is so already.")
     told = "; ".join((*handwords.predicted(made), *handwords.reasons(made)))
-    spilled = made.prediction.spilled or 0.0
+    numbers = handwords.deciding(made)
+    spilled = numbers.get("spilled", 0.0)
     start, yes, p = "", None, made.probability
     if frame.event == "spills":
         yes = spilled > _NOTHING
         start = "Yes: " if yes else "No: "
     elif frame.event == "holds":
-        p = made.probability if made.prediction.holds is None else made.prediction.holds
+        p = numbers.get("holds", made.probability)
         yes = p >= 0.5
         start = "Yes: " if yes else "No: "
     return Answer(
         query="predict",
         text=f"{start}I would {handwords.doing(made)}; {told}.",
-        numbers=handwords.deciding(made),
+        numbers=numbers,
         probability=p,
         yes=yes,
     )

@@ -32,7 +32,6 @@ from nlcontrol.text_format import quantity
 from planner import plan
 from planner.affordances import TURNING_ARM, affordances
 from planner.geometry.directions import HEADINGS, heading_of, phrase
-from planner.types.actions import HandlingPlan
 from planner.types.plan import Plan, Reached
 
 if TYPE_CHECKING:
@@ -177,21 +176,21 @@ def _possible(frame: g.Frame, state: WorldState, reach: WholeReach, defaults: De
     """Whether the planner finds a push for what is asked, and which one or why not."""
     command = frame.model_copy(update={"query": None, "event": None})
     made = plan(command, state, reach, hand=reach, defaults=defaults)
-    if isinstance(made, Plan | HandlingPlan):
+    if made.status == "planned":
         try:
             require_checkable(command)
         except ControlError as raised:
             return _no(raised.info.code, raised.info.message, raised.info.suggestions, {})
-        return _can(made) if isinstance(made, Plan) else can(made)
+        return _can(made) if made.pushes else can(made)
     if isinstance(made, Reached):
         return Answer(query="possible", text="Yes: it is there already.", numbers={}, yes=True)
     return _no(made.reason, made.message, made.suggestions, made.numbers)
 
 
 def _can(made: Plan) -> Answer:
-    push, predicted = made.push, made.prediction
+    push, predicted = made.push, made.push.prediction
     fingers = "two fingers" if push.fingers == 2 else "one finger"
-    pushes = 1 + len(made.later)
+    pushes = len(made.pushes)
     first = f"in {pushes} pushes, the first with " if pushes > 1 else ""
     does = {"turned": "turns", "tilted": "tilts"}.get(push.ends_on) or DOES[predicted.outcome]
     what = "of all of them" if pushes > 1 else f"that it {does}"

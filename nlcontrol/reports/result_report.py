@@ -16,8 +16,8 @@ from nlcontrol.references.object_names import listed
 from nlcontrol.results.result import Result, Step
 from nlcontrol.text_format import error_lines, quantity, words
 from planner.geometry.directions import phrase
-from planner.types.actions import HandlingPlan
-from planner.types.plan import Aim, DefaultUsed, Limits, Plan, Push
+from planner.types.actions import Aim, Limits, Push, PushAction
+from planner.types.plan import DefaultUsed, Plan
 
 
 def report(result: Result) -> str:
@@ -55,13 +55,13 @@ def _step_lines(result: Result, step: Step | Result) -> Iterator[str]:
         yield "It is there already: nothing is to be done."
     if step.checks:
         times = len(step.plans) if isinstance(step, Step) else 1
-        what = "tries" if isinstance(step.plan, HandlingPlan) else "pushes"
+        what = "pushes" if step.plan and step.plan.pushes else "tries"
         yield ""
         yield "What happened:" if times < 2 else f"What happened, in {times} {what}:"
         yield from (check_line(result.text, check) for check in step.checks)
     if isinstance(step, Step) and step.lessons:
         yield ""
-        yield f"What {'that' if isinstance(step.plan, HandlingPlan) else 'the pushes'} taught:"
+        yield f"What {'the pushes' if step.plan and step.plan.pushes else 'that'} taught:"
         yield from (f"  {lesson.text}" for lesson in step.lessons)
     if step.answer:
         yield ""
@@ -92,18 +92,18 @@ def default_line(used: DefaultUsed) -> str:
     return f"  not said, by default: {used.name} {quantity(used.value, used.unit)} ({used.reason})"
 
 
-def plan_lines(plan: Plan | HandlingPlan) -> Iterator[str]:
+def plan_lines(plan: Plan) -> Iterator[str]:
     """Where and how hard it will push, why that does what was asked, and what comes after it."""
-    if isinstance(plan, HandlingPlan):
+    if not plan.pushes:
         yield from handwords.plan_lines(plan)
         return
     yield f"Plan: {push_line(plan.push)}."
-    yield f"  Predicted: {_prediction(plan)}"
-    yield f"  Why that is safe: {_safety(plan)}"
+    yield f"  Predicted: {_prediction(plan.push)}"
+    yield f"  Why that is safe: {_safety(plan.push)}"
     if guards := _guards(plan.push.limits):
         yield f"  It is stopped before it {guards}."
-    for number, move in enumerate(plan.later, start=2):
-        yield f"  {number}. Then, as foreseen: {push_line(move.push)}."
+    for number, push in enumerate(plan.pushes[1:], start=2):
+        yield f"  {number}. Then, as foreseen: {push_line(push)}."
     if plan.aim is not None:
         yield f"  {_end(plan, plan.aim)}"
     yield from (f"  {note}" for note in plan.notes)
@@ -161,7 +161,7 @@ def _guards(limits: Limits) -> str:
 def _end(plan: Plan, aim: Aim) -> str:
     """Where everything leads, and how sure that is."""
     heading = "" if aim.yaw is None else f", heading {quantity(aim.yaw, 'rad')}"
-    pushes = 1 + len(plan.later)
+    pushes = len(plan.pushes)
     sure = f" (probability of all {pushes} pushes {_probability(plan.probability)})"
     return (
         f"It should end at x {quantity(aim.x, 'm')}, y {quantity(aim.y, 'm')}{heading}"
@@ -172,8 +172,8 @@ def _end(plan: Plan, aim: Aim) -> str:
 _VERBS = {"slide": "slides", "topple": "topples", "none": "stays"}
 
 
-def _prediction(plan: Plan) -> str:
-    p = plan.prediction
+def _prediction(push: PushAction) -> str:
+    p = push.prediction
     starts = [
         f"{verb} would start at {quantity(force, 'N')}"
         for verb, force in (("sliding", p.slide_force), ("toppling", p.topple_force))
@@ -183,7 +183,7 @@ def _prediction(plan: Plan) -> str:
         "turned": "turns",
         "tilted": "tilts and stands again",
         "toppled": "topples",
-    }.get(plan.push.ends_on) or _VERBS.get(p.outcome, p.outcome)
+    }.get(push.ends_on) or _VERBS.get(p.outcome, p.outcome)
     text = f"it {verb} (probability {_probability(p.probability)}); {', '.join(starts)}."
     if p.critical_height is not None and p.critical_height_worst is not None:
         text += (
@@ -195,17 +195,17 @@ def _prediction(plan: Plan) -> str:
     return text
 
 
-def _safety(plan: Plan) -> str:
+def _safety(push: PushAction) -> str:
     """How far the push is from the outcome that it must not have."""
-    margins = plan.margins
+    margins = push.margins
     plural = "" if margins.sigmas == 1 else "s"
     case = (
         f"in the worst case of {margins.sigmas:g} standard deviation{plural}, "
         "whichever way it is pressed"
     )
-    if plan.prediction.critical_height is None:
+    if push.prediction.critical_height is None:
         return f"no push on this face topples it; {quantity(margins.force, 'N')} to spare, {case}."
-    slides = plan.prediction.outcome == "slide"
+    slides = push.prediction.outcome == "slide"
     where, other = ("below", "topple") if slides else ("above", "slide")
     return (
         f"the contact is {quantity(margins.height, 'm')} {where} where it could {other} instead, "

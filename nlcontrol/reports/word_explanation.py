@@ -22,7 +22,6 @@ from planner.explanation.grasp_explanation import explain_hand
 from planner.explanation.push_explanation import believed, explain
 from planner.explanation.rows import Clause, Row, Value, clauses, quoted, row
 from planner.geometry.directions import phrase
-from planner.types.actions import HandlingPlan
 
 if TYPE_CHECKING:
     from nlcontrol.errors import ErrorInfo
@@ -57,7 +56,7 @@ def ways(result: Result) -> tuple[Row, ...]:
 
 def _of_frame(frame: g.Frame, step: Step | None, result: Result) -> tuple[Row, ...]:
     if step is not None and step.plan is not None and step.basis is not None:
-        if isinstance(step.plan, HandlingPlan):
+        if not step.plan.pushes:
             return explain_hand(frame, step.plan, result.text, step.basis)
         return explain(frame, step.plan, result.text, step.basis)
     answer = step.answer if step else None

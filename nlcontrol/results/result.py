@@ -18,8 +18,8 @@ from nlcontrol.learning.push_lessons import Lesson
 from nlcontrol.questions.answer import Answer
 from planner.explanation.push_explanation import Basis
 from planner.explanation.rows import Row
-from planner.types.actions import HandlingPlan
-from planner.types.plan import DefaultUsed, Plan, Vector3
+from planner.types.actions import Vector3
+from planner.types.plan import DefaultUsed, Plan
 from planner.types.world_state import PlanarPose
 from sim.traces.trace import Trace
 
@@ -92,8 +92,8 @@ class Step(BaseModel):
     frame: int
     status: ResultStatus
     before: PlanarPose | None = None
-    plan: Plan | HandlingPlan | None = None
-    plans: tuple[Plan | HandlingPlan, ...] = ()
+    plan: Plan | None = None
+    plans: tuple[Plan, ...] = ()
     stuck: str | None = None
     execution: Execution | None = None
     checks: tuple[Check, ...] = ()
@@ -142,7 +142,7 @@ class Result(BaseModel):
     paraphrase: str | None = None
     frames: tuple[Frame, ...] = ()
     planned: int = 0
-    plan: Plan | HandlingPlan | None = None
+    plan: Plan | None = None
     execution: Execution | None = None
     checks: tuple[Check, ...] = ()
     steps: tuple[Step, ...] = ()

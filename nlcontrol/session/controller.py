@@ -21,7 +21,8 @@ from nlcontrol.references.object_names import Candidate
 from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve
 from nlcontrol.results.result import Result, with_
 from objectmodels import ModelError, ObjectModel, Registry
-from planner.types.plan import Plan, Reached, Refusal
+from planner.types.plan import Plan, Reached
+from planner.types.refusal import Refusal
 from planner.types.world_state import Held, PlanarPose, SeenObject, TableState, WorldState
 from sim.perception.camera_port import beheld, first_frames
 from sim.truth.scene_file import Scene, SceneObject, load_scene
@@ -30,8 +31,8 @@ if TYPE_CHECKING:
     from grammar.parser import Parser
     from nlcontrol.questions.answer import Answer
     from planner.affordances import Affordance
-    from planner.types.actions import HandlingPlan
     from planner.types.defaults import Defaults
+    from planner.types.plan import Plan
     from planner.types.robot import Reach
     from sim import ArmHandReach, DrakeWorld
     from sim.traces.trace import Trace
@@ -227,7 +228,7 @@ class Controller:
         *,
         before: Plan | None = None,
         reach: Reach | None = None,
-    ) -> Plan | HandlingPlan | Reached | Refusal:
+    ) -> Plan | Reached | Refusal:
         """What satisfies a frame, by pushes or with a whole hand, or why nothing does.
 
         Args:
@@ -254,7 +255,7 @@ class Controller:
             require_checkable(frame)
         return made
 
-    def execute(self, plan: Plan | HandlingPlan, progress: Progress | None = None) -> Trace:
+    def execute(self, plan: Plan, progress: Progress | None = None) -> Trace:
         """Carries out a plan in the simulated world.
 
         Args:

@@ -28,8 +28,9 @@ from nlcontrol.learning.push_lessons import learned
 from nlcontrol.results.result import Result, ResultStatus, Step, summary, with_
 from planner.explanation.push_explanation import Basis
 from planner.geometry.directions import angle_between
-from planner.types.actions import HandlingPlan
-from planner.types.plan import Plan, Push, Reached, Refusal
+from planner.types.actions import Push
+from planner.types.plan import Plan, Reached
+from planner.types.refusal import Refusal
 from planner.types.robot import Reach, ReachAnswer
 from planner.types.world_state import WorldState
 from sim.traces.trace import EndReason, Trace, joined
@@ -179,14 +180,14 @@ class _Carrying:
                 return _ended(result, self.step, "planned")
             if self._carried_out(made, state):
                 break
-            before = made if isinstance(made, Plan) else None
+            before = made if made.pushes else None
         if plan_only:
             return _ended(result, self.step, "planned")
         return self._checked(self._traced(result))
 
-    def _budget(self, made: Plan | HandlingPlan) -> int:
+    def _budget(self, made: Plan) -> int:
         """Pushes, or tries of a hand, that may be made; what is to be quick is not corrected."""
-        if isinstance(made, HandlingPlan):
+        if not made.pushes:
             return self.controller.defaults.most_tries
         quick = any(isinstance(clause, g.MaxDuration) for clause in self.frame.constraints)
         return 1 if quick else self.controller.defaults.most_pushes
@@ -211,11 +212,11 @@ class _Carrying:
         here = replace(basis.target, pose=replace(pose, yaw=self._yaw))
         return replace(state, objects={**state.objects, here.name: here})
 
-    def _carried_out(self, made: Plan | HandlingPlan, state: WorldState) -> bool:
+    def _carried_out(self, made: Plan, state: WorldState) -> bool:
         """Makes the first push of a plan, or all of a hand's; whether nothing is left after it."""
         trace = self.controller.execute(made, self.progress)
         self.traces.append(trace)
-        if isinstance(made, HandlingPlan):
+        if not made.pushes:
             self._learn_by_hand(made, trace)
             return trace.end not in TRIED_AGAIN
         self._learn(made, state, trace)
@@ -248,7 +249,7 @@ class _Carrying:
         if lesson.contradicts and self.progress is not None:
             self.progress("learn", float(trace.time[-1]), lesson.text)
 
-    def _learn_by_hand(self, made: HandlingPlan, trace: Trace) -> None:
+    def _learn_by_hand(self, made: Plan, trace: Trace) -> None:
         """What lifting taught of a weight, and where the contents are now."""
         models = self.controller.models
         found = weighed(made, models[made.object], trace)
@@ -276,10 +277,9 @@ class _Carrying:
         return _ended(result, self.step, "done")
 
 
-def _spent(made: Plan | HandlingPlan, times: int) -> str:
+def _spent(made: Plan, times: int) -> str:
     """That a frame's budget is used up."""
-    what = "try" if isinstance(made, HandlingPlan) else "push"
-    several = "tries" if isinstance(made, HandlingPlan) else "pushes"
+    what, several = ("push", "pushes") if made.pushes else ("try", "tries")
     return f"this may take {times} {what if times == 1 else several} at most"
 
 

@@ -18,12 +18,11 @@ from grammar.frames import command as g
 from nlcontrol.text_format import quantity
 from objectmodels.geometry.base_shapes import Disc
 from planner.geometry.directions import angle_between, heading_of, phrase
-from planner.types.actions import HandlingPlan
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
     from planner.types.defaults import Defaults
-    from planner.types.plan import Plan
+    from planner.types.plan import Plan, PlanTask
     from planner.types.world_state import PlanarPose, SeenObject, WorldState
 
 
@@ -35,16 +34,16 @@ class Pushed:
         of: what came of the sentence that asked for it.
         object: name of the object in the scene.
         before: where the robot saw it before.
-        action: what a whole hand did; `push` if none did.
+        task: what the plan amounted to.
     """
 
     of: Result
     object: str
     before: PlanarPose
-    action: str = "push"
+    task: PlanTask = "push"
 
 
-def done_to(of: Result, plan: Plan | HandlingPlan, before: PlanarPose) -> Pushed:
+def done_to(of: Result, plan: Plan, before: PlanarPose) -> Pushed:
     """What was done to an object by a plan.
 
     Args:
@@ -52,9 +51,7 @@ def done_to(of: Result, plan: Plan | HandlingPlan, before: PlanarPose) -> Pushed
         plan: how.
         before: where the robot saw the object before.
     """
-    if isinstance(plan, HandlingPlan):
-        return Pushed(of, plan.object, before, plan.action)
-    return Pushed(of, plan.push.object, before)
+    return Pushed(of, plan.object, before, plan.task)
 
 
 @dataclass(frozen=True)
@@ -84,10 +81,10 @@ def way_back(pushed: Sequence[Pushed], state: WorldState, defaults: Defaults) ->
     held = None if state.held is None else state.held.name
     for push in reversed(pushed):
         now = here[push.object]
-        if push.action == "pour":
+        if push.task == "pour":
             notes.append(f"what was poured from the {push.object} is not poured back")
-        if push.action in _OPPOSITES:
-            goal = _OPPOSITES[push.action]()
+        if push.task in _OPPOSITES:
+            goal = _OPPOSITES[push.task]()
             ref = g.ObjectRef(text=now.name, noun=now.name)
             found.append((g.Frame(action=goal.kind, object=ref, goal=goal), push))
         if held == push.object:

@@ -14,8 +14,9 @@ from nlcontrol.learning.grasp_lessons import felt_weight, weighed
 from nlcontrol.questions.answer import Answer
 from nlcontrol.text_format import known
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from planner.types.actions import HandlingPlan, SetDown
-from planner.types.plan import Refusal
+from planner.types.actions import SetDown
+from planner.types.plan import Plan
+from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
     from nlcontrol.session.controller import Controller, Progress
@@ -65,7 +66,7 @@ def weigh(controller: Controller, name: str, frame: g.Frame, progress: Progress 
     )
 
 
-def _planned(controller: Controller, name: str, frame: g.Frame) -> HandlingPlan:
+def _planned(controller: Controller, name: str, frame: g.Frame) -> Plan:
     """Up, and down again where it stood."""
     goal = frame.goal
     if isinstance(goal, g.Parameters) and not set(goal.which) <= {"mass"}:
@@ -82,7 +83,9 @@ def _planned(controller: Controller, name: str, frame: g.Frame) -> HandlingPlan:
     made = controller.plan(lift)
     if isinstance(made, Refusal):
         raise ControlError(refusal_error(made))
-    assert isinstance(made, HandlingPlan), "nothing but a hand lifts"
-    if made.held:
+    assert made.status == "planned", "what is to be lifted is never reached beforehand"
+    assert made.grasp is not None, "nothing but a hand lifts"
+    if made.grasp.held:
         return made
-    return made.model_copy(update={"steps": (*made.steps, SetDown())})
+    actions = (*made.actions, SetDown())
+    return made.model_copy(update={"actions": actions, "committed": len(actions)})

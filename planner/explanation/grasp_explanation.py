@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, Any
 from grammar.frames import command as g
 from planner.explanation.push_explanation import believed
 from planner.explanation.rows import Clause, Row, Value, clauses, named, read, row, shown
-from planner.types.actions import Carry, FlipOver, HandlingPlan, LiftUp, PourOut, TurnCap
+from planner.types.actions import Carry, FlipOver, LiftUp, PourOut, TurnCap
+from planner.types.plan import Plan
 
 if TYPE_CHECKING:
     from planner.explanation.push_explanation import Basis
     from planner.types.plan import DefaultUsed
 
 
-def explain_hand(frame: g.Frame, plan: HandlingPlan, text: str, basis: Basis) -> tuple[Row, ...]:
+def explain_hand(frame: g.Frame, plan: Plan, text: str, basis: Basis) -> tuple[Row, ...]:
     """The rows of a frame that a whole hand carries out.
 
     Args:
@@ -40,7 +41,7 @@ def explain_hand(frame: g.Frame, plan: HandlingPlan, text: str, basis: Basis) ->
     return (*rows, *(row(rest, text, value) for value in _rest(plan)))
 
 
-def _controller(plan: HandlingPlan) -> Iterator[Value]:
+def _controller(plan: Plan) -> Iterator[Value]:
     steps = ", ".join(step.kind.replace("_", " ") for step in plan.steps)
     grasp = plan.grasp
     if grasp is None:
@@ -53,13 +54,13 @@ def _controller(plan: HandlingPlan) -> Iterator[Value]:
     yield Value("squeeze", f"{grasp.squeeze:.1f} N; {least}, {most}")
 
 
-def _outcome(plan: HandlingPlan) -> Iterator[Value]:
+def _outcome(plan: Plan) -> Iterator[Value]:
     likely = "over 0.999" if plan.probability > 0.999 else f"{plan.probability:.3f}"
-    yield Value("outcome", f"{plan.action}, probability {likely}")
+    yield Value("outcome", f"{plan.task}, probability {likely}")
     used = {default.name: default for default in plan.defaults}
     for step in plan.steps:
         match step:
-            case LiftUp() if plan.action == "lift":
+            case LiftUp() if plan.task == "lift":
                 named_by = next((u for n, u in used.items() if n.startswith("lift_")), None)
                 yield _amount("height", shown(step.height, "m"), named_by)
             case PourOut():
@@ -88,16 +89,18 @@ def _amount(name: str, told: str, used: DefaultUsed | None) -> Value:
     return Value(name, f"{told} ({why})", default=True, said=in_words)
 
 
-def _constraint(clause: Any, plan: HandlingPlan) -> Iterator[Value]:
+def _constraint(clause: Any, plan: Plan) -> Iterator[Value]:
     match clause:
         case g.NoTouch():
             other = named(clause.object) if clause.object else "everything"
-            kept = dict(plan.clear_of)
+            kept = dict(plan.limits.clear_of)
             apart = max(kept.values(), default=0.0)
             yield Value("free way", f"{shown(apart, 'm')} or more from the {other}")
-        case g.NoSpill() if plan.prediction.spilled is not None:
-            yield Value("spilled", f"{_ml(plan.prediction.spilled)} foreseen")
-        case g.Gentle() | g.Slow() | g.MaxSpeed() | g.Speed() | g.MinSpeed():
+        case g.NoSpill() if pours := [a for a in plan.actions if isinstance(a, PourOut)]:
+            yield Value("spilled", f"{_ml(pours[0].prediction.spilled)} foreseen")
+        case g.Gentle() | g.Slow() | g.MaxSpeed() | g.Speed() | g.MinSpeed() if (
+            plan.speed is not None
+        ):
             yield Value("largest speed", shown(plan.speed, "m/s"))
         case g.MaxForce() | g.Force() if plan.grasp is not None:
             yield Value("squeeze", f"{plan.grasp.squeeze:.1f} N")
@@ -107,8 +110,8 @@ def _constraint(clause: Any, plan: HandlingPlan) -> Iterator[Value]:
             yield Value("kept", read(clause))
 
 
-def _rest(plan: HandlingPlan) -> Iterator[Value]:
+def _rest(plan: Plan) -> Iterator[Value]:
     """What no clause of the sentence decided."""
-    if any(default.name == "carry_speed" for default in plan.defaults):
+    if plan.speed and any(used.name == "carry_speed" for used in plan.defaults):
         speed = shown(plan.speed, "m/s")
         yield Value("largest speed", f"{speed} (not said: by default)", default=True, said=False)

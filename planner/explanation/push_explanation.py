@@ -19,8 +19,9 @@ from planner.explanation.rows import Clause, Row, Value, clauses, named, read, r
 from planner.geometry.directions import phrase
 
 if TYPE_CHECKING:
+    from planner.types.actions import Push
     from planner.types.defaults import Defaults
-    from planner.types.plan import DefaultUsed, Plan, Push
+    from planner.types.plan import DefaultUsed, Plan
     from planner.types.world_state import SeenObject, WorldState
 
 
@@ -92,8 +93,8 @@ def _with_sd(value: float, sd: float, *, digits: int = 3) -> str:
 
 def _controller(plan: Plan) -> Iterator[Value]:
     yield Value("controller", f"push with {_fingers(plan)}, until {_until(plan.push)}")
-    if plan.later:
-        then = [f"{move.push.face} face, until {_until(move.push)}" for move in plan.later]
+    then = [f"{push.face} face, until {_until(push)}" for push in plan.pushes[1:]]
+    if then:
         yield Value("pushes", f"{1 + len(then)} foreseen; then {'; then '.join(then)}")
 
 
@@ -122,7 +123,7 @@ def _fingers(plan: Plan) -> str:
 
 
 def _predicted(plan: Plan) -> Iterator[Value]:
-    p = plan.prediction
+    p = plan.push.prediction
     yield Value("moves from", f"{p.onset:.1f} N on")
     if p.critical_height is not None:
         yield Value("tips if pushed above", shown(p.critical_height, "m"))
@@ -131,14 +132,14 @@ def _predicted(plan: Plan) -> Iterator[Value]:
 
 def _goal(goal: g.Goal, plan: Plan, basis: Basis) -> Iterator[Value]:
     used = {default.name: default for default in plan.defaults}
-    last = plan.later[-1] if plan.later else plan
-    does = {"turned": "turn", "tilted": "tilt"}.get(last.push.ends_on, last.prediction.outcome)
+    last = plan.pushes[-1]
+    does = {"turned": "turn", "tilted": "tilt"}.get(last.ends_on, last.prediction.outcome)
     likely = "over 0.999" if plan.probability > 0.999 else f"{plan.probability:.3f}"
     yield Value("outcome", f"{does}, probability {likely}")
     if plan.aim is None:
-        yield _direction(goal, last.push.direction_W[:2], used)
-        if last.push.ends_on == "tilted":
-            yield _amount("tilt", shown(last.push.tilt, "rad"), used.get("tilt"))
+        yield _direction(goal, last.direction_W[:2], used)
+        if last.ends_on == "tilted":
+            yield _amount("tilt", shown(last.tilt, "rad"), used.get("tilt"))
         return
     aim, here = plan.aim, basis.target.pose
     if isinstance(goal, g.Rotate):
@@ -198,7 +199,7 @@ def _constraint(clause: Any, plan: Plan, basis: Basis) -> Iterator[Value]:
             yield Value("margin", _margin(plan))
             most, share = defaults.no_tilt, ""
             if clause.kind == "no_topple":
-                most = defaults.no_topple_share * plan.prediction.stay_on_base_angle
+                most = defaults.no_topple_share * push.prediction.stay_on_base_angle
                 share = f", {100 * defaults.no_topple_share:.0f} % of where it falls by itself"
             yield Value("largest tilt", f"{shown(most, 'rad')}{share}")
         case g.NoTurn():
@@ -259,14 +260,14 @@ def _limit(clause: Any, plan: Plan) -> tuple[str, str]:
         case g.MaxTurn():
             return "stopped at a turn of", shown(clause.value, "rad")
         case g.Until():
-            return "ends", f"when {_until((plan.later or (plan,))[-1].push)}"
+            return "ends", f"when {_until(plan.pushes[-1])}"
     return "kept", read(clause)
 
 
 def _margin(plan: Plan) -> str:
-    if plan.prediction.critical_height is None:
+    if plan.push.prediction.critical_height is None:
         return "no push on this face tips it"
-    return f"{shown(plan.margins.height, 'm')} below where it may tip"
+    return f"{shown(plan.push.margins.height, 'm')} below where it may tip"
 
 
 def _heights(clause: g.ContactRegion, basis: Basis) -> Iterator[Value]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.types.plan import FaceName
+from planner.types.actions import FaceName
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

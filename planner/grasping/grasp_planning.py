@@ -15,9 +15,9 @@ from planner.refusals import push_refusals as pushing
 from planner.refusals.push_refusals import NoPlanError
 
 if TYPE_CHECKING:
-    from planner.types.actions import HandlingPlan
     from planner.types.defaults import Defaults
-    from planner.types.plan import Reached, Refusal
+    from planner.types.plan import Plan, Reached
+    from planner.types.refusal import Refusal
     from planner.types.robot import HandReach
     from planner.types.world_state import SeenObject, WorldState
 
@@ -39,7 +39,7 @@ def is_handled(frame: g.Frame) -> bool:
 
 def handle(
     frame: g.Frame, state: WorldState, hand: HandReach, defaults: Defaults
-) -> HandlingPlan | Reached | Refusal:
+) -> Plan | Reached | Refusal:
     """Finds a grasp and steps that satisfy a frame.
 
     Args:
@@ -76,7 +76,7 @@ def _target(frame: g.Frame, state: WorldState) -> SeenObject:
     return target
 
 
-def _done(frame: g.Frame, task: Task) -> HandlingPlan | Reached:
+def _done(frame: g.Frame, task: Task) -> Plan | Reached:
     match frame.goal:
         case g.Lift() as goal:
             return lift(task, goal)

@@ -21,17 +21,16 @@ from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.grasp_stability import STRONGEST, Contacts, Lifted
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.refusals import grasp_refusals as refusals
-from planner.types.actions import Grasp, HandlingPlan, HandlingPrediction, HandStep
-from planner.types.plan import Aim, DefaultUsed, Vector3
+from planner.types.actions import Action, Aim, Grasp, GraspAction, GraspPrediction, Limits, Vector3
+from planner.types.plan import DefaultUsed, Plan
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
     from planner.grasping.grasp_sampling import Candidate
     from planner.problem.planning_problem import Task
-    from planner.types.actions import Action
+    from planner.types.plan import PlanTask
     from planner.types.robot import ReachAnswer
 
-_NOTHING = HandlingPrediction()
 _PATCH = np.array([[0.0, 0.0], [0.0, 0.004], [0.0, -0.004]])  # contacts at a knob [m]
 _TILTS = 8  # at which a motion is looked at
 
@@ -112,15 +111,13 @@ class Draft:
 
     Attributes:
         steps: one after the other.
-        prediction: what comes of it, but for the hold.
         probability: that it comes so if the hold holds.
         aim: where the object should stand at the end.
         defaults: values that the sentence left open.
         notes: how it was chosen.
     """
 
-    steps: tuple[HandStep, ...]
-    prediction: HandlingPrediction = _NOTHING
+    steps: tuple[Action, ...]
     probability: float = 1.0
     aim: Aim | None = None
     defaults: tuple[DefaultUsed, ...] = ()
@@ -296,7 +293,7 @@ def each_with_each(ways: Sequence[Hold], drafts: Sequence[Draft]) -> list[Way]:
     return [(ways[i], drafts[j]) for i, j in sorted(places, key=sum)]
 
 
-def first_way(task: Task, action: Action, ways: Sequence[Way], considered: int) -> HandlingPlan:
+def first_way(task: Task, action: PlanTask, ways: Sequence[Way], considered: int) -> Plan:
     """The first plan that hand and arm can carry out.
 
     Args:
@@ -309,7 +306,7 @@ def first_way(task: Task, action: Action, ways: Sequence[Way], considered: int) 
         NoPlanError: there is none.
     """
     answers: list[ReachAnswer] = []
-    unlikely: HandlingPlan | None = None
+    unlikely: Plan | None = None
     for hold, draft in ways:
         made = _plan(task, action, hold, draft)
         made = made.model_copy(update={"considered": considered, "satisfying": len(ways)})
@@ -326,22 +323,22 @@ def first_way(task: Task, action: Action, ways: Sequence[Way], considered: int) 
     raise refusals.no_reach(task, answers)
 
 
-def _plan(task: Task, action: Action, hold: Hold | None, draft: Draft) -> HandlingPlan:
-    held = task.state.held is not None
-    sure = 1.0 if hold is None else hold.probability
-    prediction = draft.prediction.model_copy(update={"holds": None if hold is None else sure})
-    return HandlingPlan(
-        action=action,
+def _plan(task: Task, action: PlanTask, hold: Hold | None, draft: Draft) -> Plan:
+    actions, sure = draft.steps, 1.0
+    if hold is not None:
+        sure, held = hold.probability, task.state.held is not None
+        sureness = {"held": held, "prediction": GraspPrediction(holds=sure)}
+        actions = (GraspAction.model_validate({**dict(hold.grasp), **sureness}), *actions)
+    return Plan(
         object=task.target.name,
-        grasp=None if hold is None else hold.grasp,
-        held=held,
-        steps=draft.steps,
-        prediction=prediction,
+        task=action,
+        actions=actions,
+        committed=len(actions),
         # Whatever hangs together, it is at least so likely.
         probability=max(draft.probability + sure - 1.0, 0.0),
         aim=draft.aim,
         speed=task.how.speed,
-        clear_of=task.how.clear_of,
+        limits=Limits(clear_of=task.how.clear_of),
         defaults=draft.defaults + task.how.defaults,
         notes=draft.notes,
     )

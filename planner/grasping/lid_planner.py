@@ -32,24 +32,27 @@ from planner.grasping.grasp_selection import (
 )
 from planner.refusals import lid_refusals as lidrefusals
 from planner.types.actions import (
+    Aim,
     Carry,
     FlipOver,
-    HandlingPlan,
-    HandlingPrediction,
+    FlipPrediction,
     LiftUp,
+    PullPrediction,
     PutOn,
     SetDown,
     TurnCap,
+    TurnPrediction,
 )
-from planner.types.plan import Aim, DefaultUsed, Reached
+from planner.types.plan import DefaultUsed, Plan, Reached
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from planner.grasping.grasp_selection import Hold
     from planner.problem.planning_problem import Task
-    from planner.types.actions import Action, HandStep
+    from planner.types.actions import Action
     from planner.types.defaults import Defaults
+    from planner.types.plan import PlanTask
     from planner.types.world_state import SeenObject
 
 _ASIDE = 6  # places beside it that are looked at for its lid
@@ -59,7 +62,7 @@ _ROOM = 0.05  # between a lid and what stands near it, for the fingers that let 
 _AXES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 
 
-def open_lid(task: Task) -> HandlingPlan | Reached:
+def open_lid(task: Task) -> Plan | Reached:
     """Flips, lifts or screws the lid open.
 
     Raises:
@@ -78,7 +81,7 @@ def open_lid(task: Task) -> HandlingPlan | Reached:
     raise lidrefusals.no_lid(task)
 
 
-def close_lid(task: Task) -> HandlingPlan | Reached:
+def close_lid(task: Task) -> Plan | Reached:
     """Flips the lid back, or puts it on.
 
     Raises:
@@ -123,7 +126,7 @@ def _whole_turn(cap: ScrewCap) -> float:
 # -- flip lids ----------------------------------------------------------------------------------
 
 
-def _flipped(task: Task, lid: FlipLid, action: Action, end: float) -> HandlingPlan:
+def _flipped(task: Task, lid: FlipLid, action: PlanTask, end: float) -> Plan:
     target, d = task.target, task.defaults
     start = target.lid or 0.0
     arc = flip(target.model, lid, start=start, end=end, fixed=target.fixed)
@@ -139,11 +142,11 @@ def _flipped(task: Task, lid: FlipLid, action: Action, end: float) -> HandlingPl
         speed=task.how.lid_speed,
         force_limit=_force_limit(task, arc),
         heading=math.remainder(target.pose.yaw + lid.tab_heading, math.tau),
+        prediction=_arc_prediction(arc, end),
     )
     used = DefaultUsed(name="lid_open", value=end, unit="rad", reason="no angle said")
     draft = Draft(
         (step,),
-        _arc_prediction(arc, end),
         arc.probability,
         defaults=(used,) if action == "open" else (),
     )
@@ -158,10 +161,10 @@ def _force_limit(task: Task, arc: FlipArc) -> float:
     return min((1.0 + task.defaults.force_reserve) * needed, most, task.how.most_force)
 
 
-def _arc_prediction(arc: FlipArc, end: float) -> HandlingPrediction:
+def _arc_prediction(arc: FlipArc, end: float) -> FlipPrediction:
     near = arc.nearest
     slide, topple = (float(force[near]) for force in (arc.slide, arc.topple))
-    return HandlingPrediction(
+    return FlipPrediction(
         lid_force=arc.largest_force,
         nearest_angle=float(arc.angles[near]),
         nearest_force=float(arc.force[near]),
@@ -174,41 +177,43 @@ def _arc_prediction(arc: FlipArc, end: float) -> HandlingPrediction:
 # -- lids that come off -------------------------------------------------------------------------
 
 
-def _pulled_off(task: Task, lid: LiftOffLid) -> HandlingPlan:
+def _pulled_off(task: Task, lid: LiftOffLid) -> Plan:
     found = lift_off(task.target.model, lid, fixed=task.target.fixed)
     _require_still(task, found)
     load = Load(found.needed, lid.retention_sd)
-    prediction = HandlingPrediction(lid_force=found.needed, lifting_force=_finite(found.held))
-    return _taken_off(task, lid, _lid_holds(task, lid, load), (),
-                      prediction, found.probability)  # fmt: skip
+    pull = PullPrediction(lid_force=found.needed, lifting_force=_finite(found.held))
+    return _taken_off(task, lid, _lid_holds(task, lid, load), found.probability, pull=pull)
 
 
-def _screwed_off(task: Task, cap: ScrewCap) -> HandlingPlan:
+def _screwed_off(task: Task, cap: ScrewCap) -> Plan:
     found = unscrew(task.target.model, cap, fixed=task.target.fixed)
     _require_still(task, found)
     rest = math.tau * cap.turns - (task.target.lid or 0.0)
-    turn = _turn(task, cap, rest)
-    return _taken_off(task, cap, _cap_holds(task, cap), (turn,), _torques(found),
-                      found.probability)  # fmt: skip
+    turn = _turn(task, cap, rest, found)
+    return _taken_off(task, cap, _cap_holds(task, cap), found.probability, turn)
 
 
 def _taken_off(
-    task: Task, lid: LiftOffLid | ScrewCap, ways: list[Hold], before: tuple[HandStep, ...],
-    prediction: HandlingPrediction, probability: float,
-) -> HandlingPlan:  # fmt: skip
+    task: Task,
+    lid: LiftOffLid | ScrewCap,
+    ways: list[Hold],
+    probability: float,
+    *before: Action,
+    pull: PullPrediction | None = None,
+) -> Plan:
     """A lid that is loose, lifted off and put aside."""
     drafts = []
     for spot, tallest in free_lid_places(task, lid.radius, _ASIDE):
         # Its lower side is as high as the object, and passes over what stands on the way.
         up = max(tallest - task.target.model.top, 0.0) + task.defaults.carry_clearance
-        steps = (*before, LiftUp(height=up, hold=0.0), Carry(to=spot), SetDown())
-        drafts.append(Draft(steps, prediction, probability))
+        steps = (*before, LiftUp(height=up, hold=0.0, prediction=pull), Carry(to=spot), SetDown())
+        drafts.append(Draft(steps, probability))
     if not drafts:
         raise lidrefusals.no_room_aside(task, lid.radius)
     return first_way(task, "open", each_with_each(ways, drafts), len(ways) * len(drafts))
 
 
-def _put_on(task: Task, lid: LiftOffLid) -> HandlingPlan:
+def _put_on(task: Task, lid: LiftOffLid) -> Plan:
     """A lid that lies aside put on its rim."""
     target, d = task.target, task.defaults
     x, y, _ = (target.pose.R_WB @ [*lid_middle(target), 0.0] + target.pose.p_WB).tolist()
@@ -223,7 +228,7 @@ def _put_on(task: Task, lid: LiftOffLid) -> HandlingPlan:
     return first_way(task, "close", [(way, draft) for way in ways], len(ways))
 
 
-def _screwed_on(task: Task, cap: ScrewCap, seen: float) -> HandlingPlan:
+def _screwed_on(task: Task, cap: ScrewCap, seen: float) -> Plan:
     """A cap that is turned back.
 
     Raises:
@@ -233,9 +238,9 @@ def _screwed_on(task: Task, cap: ScrewCap, seen: float) -> HandlingPlan:
         raise lidrefusals.thread(task)
     found = unscrew(task.target.model, cap, fixed=task.target.fixed)
     _require_still(task, found)
-    turn = _turn(task, cap, -seen)
+    turn = _turn(task, cap, -seen, found)
     ways = _cap_holds(task, cap)
-    draft = Draft((turn,), _torques(found), found.probability)
+    draft = Draft((turn,), found.probability)
     return first_way(task, "close", [(way, draft) for way in ways], len(ways))
 
 
@@ -259,13 +264,10 @@ def _lid_holds(task: Task, lid: LiftOffLid | ScrewCap, load: Load) -> list[Hold]
     return holds(task, [Bearing(each, load) for each in of_lid(task.target, lid, task.hand)])
 
 
-def _turn(task: Task, cap: ScrewCap, angle: float) -> TurnCap:
+def _turn(task: Task, cap: ScrewCap, angle: float, found: Loosening) -> TurnCap:
     limit = (1.0 + task.defaults.force_reserve) * cap.friction_torque
-    return TurnCap(angle=angle, torque_limit=limit)
-
-
-def _torques(found: Loosening) -> HandlingPrediction:
-    return HandlingPrediction(lid_torque=found.needed, turning_torque=_finite(found.held))
+    prediction = TurnPrediction(lid_torque=found.needed, turning_torque=_finite(found.held))
+    return TurnCap(angle=angle, torque_limit=limit, prediction=prediction)
 
 
 def _finite(value: float) -> float | None:

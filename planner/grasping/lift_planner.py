@@ -32,13 +32,13 @@ from planner.problem.goal_poses import aimed, here
 from planner.problem.place_regions import moved
 from planner.refusals import grasp_refusals as refusals
 from planner.refusals.push_refusals import NoPlanError
-from planner.types.actions import Carry, HandlingPlan, HandStep, LiftUp, SetDown
-from planner.types.plan import Aim, DefaultUsed
+from planner.types.actions import Action, Aim, Carry, LiftUp, SetDown
+from planner.types.plan import DefaultUsed, Plan
 
 if TYPE_CHECKING:
     from planner.problem.goal_poses import Aimed
     from planner.problem.planning_problem import Task
-    from planner.types.actions import Action
+    from planner.types.plan import PlanTask
     from planner.types.world_state import SeenObject
 
 TO_THE_SIDE = math.cos(math.radians(50.0))
@@ -48,7 +48,7 @@ _CLOSER = 0.5  # share of a wanted gap that must be left where something is put
 _AXES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 
 
-def lift(task: Task, goal: g.Lift) -> HandlingPlan:
+def lift(task: Task, goal: g.Lift) -> Plan:
     """Straight up, from the table or from where it is held.
 
     Raises:
@@ -60,7 +60,7 @@ def lift(task: Task, goal: g.Lift) -> HandlingPlan:
     return _made(task, "lift", sorted(body_holds(task), key=partial(_turned, task)), [draft])
 
 
-def set_down(task: Task) -> HandlingPlan:
+def set_down(task: Task) -> Plan:
     """Down where it is held.
 
     Raises:
@@ -73,7 +73,7 @@ def set_down(task: Task) -> HandlingPlan:
     return _made(task, "place", held_already(task), [draft])
 
 
-def place(task: Task, frame: g.Frame) -> HandlingPlan:
+def place(task: Task, frame: g.Frame) -> Plan:
     """To a place: up, over and down.
 
     Raises:
@@ -94,7 +94,7 @@ def place(task: Task, frame: g.Frame) -> HandlingPlan:
     return _made(task, "place", ways, drafts)
 
 
-def _made(task: Task, action: Action, ways: list[Hold], drafts: list[Draft]) -> HandlingPlan:
+def _made(task: Task, action: PlanTask, ways: list[Hold], drafts: list[Draft]) -> Plan:
     return first_way(task, action, each_with_each(ways, drafts), len(ways) * len(drafts))
 
 
@@ -141,7 +141,7 @@ def over(task: Task, to: Aim) -> float:
     return task.defaults.carry_clearance + max(tops, default=0.0)
 
 
-def raised(task: Task, height: float) -> tuple[HandStep, ...]:
+def raised(task: Task, height: float) -> tuple[Action, ...]:
     """The steps that bring it to a height, if it is not so high already."""
     now = 0.0 if task.state.held is None else task.state.held.height
     return (LiftUp(height=height - now, hold=0.0),) if height > now else ()

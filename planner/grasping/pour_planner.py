@@ -26,15 +26,8 @@ from planner.grasping.lift_planner import TO_THE_SIDE, over, raised, require_lif
 from planner.grasping.pour_amounts import Amount, Hollow, amount
 from planner.refusals import grasp_refusals as refusals
 from planner.refusals import pour_refusals as pourrefusals
-from planner.types.actions import (
-    Carry,
-    HandlingPlan,
-    HandlingPrediction,
-    HandStep,
-    PourOut,
-    SetDown,
-)
-from planner.types.plan import Aim, DefaultUsed, Reached
+from planner.types.actions import Action, Aim, Carry, PourOut, PourPrediction, SetDown
+from planner.types.plan import DefaultUsed, Plan, Reached
 
 if TYPE_CHECKING:
     from grammar.frames import command as g
@@ -73,7 +66,7 @@ class Motion:
     probability: float
 
 
-def pour_out(task: Task, goal: g.Pour) -> HandlingPlan | Reached:
+def pour_out(task: Task, goal: g.Pour) -> Plan | Reached:
     """Lifts a container, pours from it and sets it down again.
 
     Raises:
@@ -106,7 +99,7 @@ class _Pouring:
         slower = task.how.speed / task.defaults.carry_speed
         self._rate = task.defaults.pour_rate * min(slower, 1.0)
 
-    def best(self) -> HandlingPlan:
+    def best(self) -> Plan:
         """The first way that hand and arm can go.
 
         Raises:
@@ -215,14 +208,14 @@ class _Pouring:
             rate=self._rate,
             wait=motion.wait + d.pour_wait,
             volume=None if self._wanted.all else self._wanted.volume,
+            prediction=self._prediction(motion.poured),
         )
-        steps: tuple[HandStep, ...] = (*raised(task, up), out)
+        steps: tuple[Action, ...] = (*raised(task, up), out)
         if turn:
             turned, back = (Aim(x=pose.x, y=pose.y, yaw=pose.yaw + by) for by in (turn, 0.0))
             steps = (*raised(task, up), Carry(to=turned), out, Carry(to=back))
         return Draft(
             steps if held else (*steps, SetDown()),
-            self._prediction(motion.poured),
             motion.probability,
             aim=None if held else Aim(x=pose.x, y=pose.y, yaw=pose.yaw),
             defaults=(*self._wanted.defaults, *self._used()),
@@ -241,10 +234,10 @@ class _Pouring:
             return ()
         return (DefaultUsed(name="pour_rate", value=rate, unit="rad/s", reason="no rate said"),)
 
-    def _prediction(self, poured: Poured) -> HandlingPrediction:
+    def _prediction(self, poured: Poured) -> PourPrediction:
         mean = {name: float(value) for name, value in poured.mean().items()}
         filled = self._into.container.contents + mean["received"]
-        return HandlingPrediction(**mean, level_after=filled / self._into.vessel.capacity)
+        return PourPrediction(**mean, level_after=filled / self._into.vessel.capacity)
 
 
 def _key(lean: float) -> int:

@@ -12,12 +12,12 @@ from planner.geometry.directions import FACE_OF_PUSH, HEADINGS
 from planner.problem.contact_heights import bands
 from planner.problem.tilt_goals import almost_tips, spill_tilt
 from planner.refusals.push_refusals import NoPlanError, unsupported
-from planner.types.plan import Refusal
+from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
     from planner.problem.push_problem import Asked
+    from planner.types.actions import Aim
     from planner.types.defaults import Defaults
-    from planner.types.plan import Aim
     from planner.types.world_state import SeenObject, WorldState
 
 

@@ -18,7 +18,9 @@ from planner.geometry.footprints import footprint, free_travel, travel_to_edge
 from planner.problem.displacement_goals import asked_distance, asked_heading
 from planner.problem.place_regions import Beside, Between, region, share_of_way
 from planner.refusals.push_refusals import NoPlanError, unsupported
-from planner.types.plan import Aim, DefaultUsed, Refusal, StopEvent
+from planner.types.actions import Aim, StopEvent
+from planner.types.plan import DefaultUsed
+from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
     from planner.types.defaults import Defaults

@@ -17,7 +17,8 @@ from planner.problem import constraint_limits as restrictions
 from planner.problem.constraint_limits import require_right
 from planner.problem.contact_heights import bands
 from planner.refusals.push_refusals import NoPlanError, unsupported
-from planner.types.plan import DefaultUsed, Refusal
+from planner.types.plan import DefaultUsed
+from planner.types.refusal import Refusal
 
 
 @dataclass(frozen=True)

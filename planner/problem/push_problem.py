@@ -18,7 +18,8 @@ from planner.problem.constraint_limits import Setting, restricted
 from planner.problem.goal_poses import aimed
 from planner.problem.tilt_goals import meant
 from planner.refusals.push_refusals import unsupported
-from planner.types.plan import Aim, DefaultUsed, FaceName, Limits, StopEvent
+from planner.types.actions import Aim, FaceName, Limits, StopEvent
+from planner.types.plan import DefaultUsed
 
 if TYPE_CHECKING:
     from planner.types.defaults import Defaults

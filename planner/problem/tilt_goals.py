@@ -14,15 +14,16 @@ import numpy as np
 
 from objectmodels.mechanics.tilt_limits import largest_return, return_probability
 from planner.geometry.footprints import footprint, free_travel
-from planner.types.plan import Limits, Refusal
+from planner.types.actions import Limits
+from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from grammar.frames.command import Tilt
     from objectmodels import ObjectModel
+    from planner.types.actions import Prediction, Push
     from planner.types.defaults import Defaults
-    from planner.types.plan import Prediction, Push
     from planner.types.world_state import SeenObject, WorldState
 
 CLEARANCE = 0.01

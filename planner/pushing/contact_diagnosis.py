@@ -15,7 +15,7 @@ import numpy as np
 
 from objectmodels.geometry.base_shapes import Disc
 from planner.pushing.contact_sampling import EDGE, as_held
-from planner.types.plan import Refusal, RefusalReason
+from planner.types.refusal import Refusal, RefusalReason
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -26,7 +26,8 @@ from planner.pushing.outcome_prediction import confirmed, margins, needed_force,
 from planner.pushing.touchable_sides import Side, direction, hindered, touchable
 from planner.refusals import push_refusals as refusals
 from planner.refusals.push_refusals import NoPlanError
-from planner.types.plan import Move, Push, Refusal, Vector3
+from planner.types.actions import Push, PushAction, Vector3
+from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
     from objectmodels.geometry.side_faces import Face
@@ -54,7 +55,7 @@ class Found:
         notes: plain sentences on how it was chosen.
     """
 
-    move: Move
+    move: PushAction
     displacement: Vector3 | None
     event: tuple[object, ...]
     considered: int
@@ -207,16 +208,13 @@ def _move(
     target: SeenObject,
     reach: Reach,
     defaults: Defaults,
-) -> Move:
+) -> PushAction:
     predicted = prediction(contacts, k, asked, target, reach)
     if asked.tilt is not None:
         inward = -np.array(contacts.side.face.normal)
         predicted = tilts.returning(predicted, target.model, inward, asked.tilt, defaults)
-    return Move(
-        push=push,
-        prediction=predicted,
-        margins=margins(contacts, k, asked, target, push, defaults),
-    )
+    safe = margins(contacts, k, asked, target, push, defaults)
+    return PushAction.model_validate({**dict(push), "prediction": predicted, "margins": safe})
 
 
 def _in_time(asked: Asked, target: SeenObject, defaults: Defaults) -> Asked:

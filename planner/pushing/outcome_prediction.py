@@ -14,7 +14,7 @@ import numpy as np
 
 from objectmodels.geometry.base_shapes import Disc
 from objectmodels.mechanics.worst_cases import circle, contact_forces
-from planner.types.plan import Margins, Prediction, Vector3
+from planner.types.actions import Margins, Prediction, Vector3
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from objectmodels import ObjectModel, Thresholds
     from planner.problem.push_problem import Asked
     from planner.pushing.contact_sampling import Contacts
+    from planner.types.actions import Push
     from planner.types.defaults import Defaults
-    from planner.types.plan import Push
     from planner.types.robot import Reach
     from planner.types.world_state import SeenObject
 

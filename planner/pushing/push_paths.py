@@ -26,7 +26,7 @@ from planner.problem.place_regions import moved
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from planner.types.plan import Aim
+    from planner.types.actions import Aim
     from planner.types.world_state import SeenObject, WorldState
 
 OBLIQUE = math.radians(17.5)

@@ -33,7 +33,9 @@ from planner.pushing.push_paths import (
 )
 from planner.pushing.turn_planner import Swing
 from planner.refusals import push_refusals as refusals
-from planner.types.plan import Aim, Push, Reached, Refusal
+from planner.types.actions import Aim, Push
+from planner.types.plan import Reached
+from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -19,7 +19,9 @@ from planner.problem.goal_poses import here
 from planner.pushing.push_sequence import Journey
 from planner.pushing.topple_planner import Fall
 from planner.refusals import push_refusals as refusals
-from planner.types.plan import Aim, Plan, Push, Reached, Refusal
+from planner.types.actions import Aim, Limits, Push
+from planner.types.plan import Plan, PlanTask, Reached
+from planner.types.refusal import Refusal
 from planner.types.robot import GivenUpError, Patient
 
 if TYPE_CHECKING:
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
     from planner.types.defaults import Defaults
     from planner.types.world_state import SeenObject, WorldState
 
+_TASKS: dict[str, PlanTask] = {"toppled": "topple", "tilted": "tilt"}  # by the last push's end
 _SHORT = (0.0, 0.5, 1.0)  # of the room that the tolerance of the distance leaves
 _ASIDE = (0.0, 0.5, -0.5, 1.0, -1.0)  # of that of the direction, to the left of the way
 _LEAST = 3.0  # of tolerances; of shorter ways a bound ("at least") keeps less than one to spare
@@ -146,7 +149,7 @@ class Attempt:
     @property
     def _foreseen(self) -> tuple[Push, ...]:
         """Pushes that the plan before had meant to come now."""
-        return () if self.before is None else tuple(move.push for move in self.before.later)
+        return () if self.before is None else self.before.pushes[1:]
 
     def _fall(self) -> Fall:
         return Fall(self.asked, self.target, self.state, self.reach, self.defaults, self._foreseen)
@@ -175,7 +178,7 @@ class Attempt:
         asked, target = self.asked, self.target
         if asked.limits.duration is not None and len(found) > 1:
             return refusals.several_pushes(asked, target, len(found))
-        first, *later = (each.move for each in found)
+        first, *later = pushes = [each.move for each in found]
         # At least so likely, however the outcomes hang together; those of equal pushes are equal.
         doubts: dict[tuple[object, ...], float] = {}
         for each in found:
@@ -185,20 +188,26 @@ class Attempt:
         if probability < self.defaults.probability:
             return refusals.unlikely(target, len(found), probability, self.defaults)
         # What must be done in time is pushed faster than by default.
-        quick = any(move.push.speed != asked.speed for move in (first, *later))
+        quick = any(push.speed != asked.speed for push in pushes)
         return Plan(
-            push=first.push,
-            prediction=first.prediction,
-            margins=first.margins,
-            displacement=found[0].displacement,
+            object=target.name,
+            task=_TASKS.get(pushes[-1].ends_on, "push"),
+            actions=(first.model_copy(update={"displacement": found[0].displacement}), *later),
+            committed=1,
+            limits=_shared([push.limits for push in pushes]),
             aim=aim,
-            later=tuple(later),
             probability=probability,
             defaults=tuple(d for d in asked.defaults if d.name != "speed" or not quick),
             considered=sum(each.considered for each in found),
             satisfying=sum(each.satisfying for each in found),
             notes=tuple(_notes(found)),
         )
+
+
+def _shared(limits: list[Limits]) -> Limits:
+    """What all pushes of a plan keep."""
+    common = set(limits[0]).intersection(*limits[1:])
+    return Limits(**dict(common))
 
 
 def _notes(found: list[Found]) -> Iterator[str]:

@@ -17,7 +17,9 @@ from planner.pushing.push_paths import Leg, displaced, headings, obliqueness, st
 from planner.pushing.push_sequence import Journey, clearances
 from planner.pushing.touchable_sides import straightest
 from planner.refusals import push_refusals as refusals
-from planner.types.plan import Aim, Push, Reached, Refusal
+from planner.types.actions import Aim, Push
+from planner.types.plan import Reached
+from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

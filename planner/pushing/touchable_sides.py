@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from objectmodels.geometry.side_faces import Face
     from planner.problem.push_problem import Asked
     from planner.types.defaults import Defaults
-    from planner.types.plan import Refusal
+    from planner.types.refusal import Refusal
     from planner.types.world_state import SeenObject, WorldState
 
 UNCLEAR_FACE = math.radians(40.0)

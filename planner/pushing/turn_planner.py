@@ -38,7 +38,7 @@ from planner.pushing.touchable_sides import Side
 if TYPE_CHECKING:
     from objectmodels.geometry.side_faces import Face
     from objectmodels.mechanics.turning_push import TurningPush
-    from planner.types.plan import Aim, Push
+    from planner.types.actions import Aim, Push
     from planner.types.world_state import PlanarPose, SeenObject, WorldState
 
 MOST = math.radians(52.0)

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from planner.refusals.push_refusals import NoPlanError, unsupported
-from planner.types.plan import Refusal
+from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from planner.grasping.grasp_sampling import Candidate
     from planner.problem.grasp_limits import Manner
     from planner.problem.planning_problem import Task
-    from planner.types.actions import HandlingPlan
-    from planner.types.plan import RefusalReason
+    from planner.types.plan import Plan
+    from planner.types.refusal import RefusalReason
     from planner.types.robot import HandReach, ReachAnswer
     from planner.types.world_state import SeenObject
 
@@ -163,7 +163,7 @@ def may_slip(
     )
 
 
-def unlikely(task: Task, made: HandlingPlan) -> NoPlanError:
+def unlikely(task: Task, made: Plan) -> NoPlanError:
     """Each part of a plan is likely enough, but not all of them together."""
     asked = task.defaults.probability
     return refused(

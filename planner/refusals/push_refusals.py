@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from planner.geometry.directions import phrase
-from planner.types.plan import Refusal
+from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
     from planner.problem.push_problem import Asked

@@ -1,7 +1,8 @@
-"""A plan for the whole hand: how an object is held, and what is done with it, step after step.
+"""Actions of a plan: a push, a grasp, and each step of a hand that holds something.
 
-All of it is a value that `nlcontrol plan --json` prints; names are a public contract, numbers in
-SI units. Directions and points are in W, except `p_BG`, which is in the object's B.
+All of them are values that `nlcontrol plan --json` prints; names are a public contract, numbers in
+SI units. `kind` says which action it is, `prediction` what the models say it will do. Directions
+and points are in W, except `p_BC` and `p_BG`, which are in the object's B.
 
 The hand holds things between its thumb and its three other fingers. `closing_W` is horizontal and
 goes from the fingers' side of the object to the thumb's; `approach_W` is the direction in which the
@@ -12,11 +13,169 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import BaseModel, ConfigDict, Field
 
-from planner.types.plan import Aim, DefaultUsed, Value, Vector3
+Vector3 = tuple[float, float, float]
+FaceName = Literal["front", "back", "left", "right"]
+Outcome = Literal["none", "slide", "topple", "slide+topple"]
+StopEvent = Literal[
+    "moves",  # the object has begun to move
+    "touching",  # it has met the object that `Push.meets` names
+]
 
 _UPRIGHT, _LEVEL = 0.95, 0.05  # of an approach, how much it goes down
+
+
+class Value(BaseModel):
+    """Base of what planning results are made of."""
+
+    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class Aim(Value):
+    """Where an object should stand at the end, in W.
+
+    Attributes:
+        x, y: position of B's origin [m].
+        yaw: heading of B's x axis [rad]; None if it does not matter.
+    """
+
+    x: float
+    y: float
+    yaw: float | None = None
+
+
+class Limits(Value):
+    """What stops a push before a constraint of the sentence breaks.
+
+    Attributes:
+        tilt: largest tilt of the object [rad]; None if only its staying on the base matters.
+        turn: largest turn of the object from where it stood at first [rad]; None for no limit.
+        duration: longest time from the touch to the end [s]; None for no limit.
+        clear_of: other objects and the distance that is kept from each of them [m].
+    """
+
+    tilt: float | None = None
+    turn: float | None = None
+    duration: float | None = None
+    clear_of: tuple[tuple[str, float], ...] = ()
+
+
+# -- pushes -------------------------------------------------------------------------------------
+
+
+class Push(Value):
+    """One push, as the executor's contract needs it.
+
+    Attributes:
+        object: name of the pushed object in the scene.
+        face: side face that is touched, named by where it looks now (front looks at the robot).
+        p_BC: contact point in B [m]; with two fingers the midpoint between the fingertips.
+        normal_W: outward unit normal of the touched face in W.
+        direction_W: unit direction in which the fingertips move, in W (horizontal).
+        force_limit: largest force along the direction, all fingers together [N].
+        speed: largest speed of the fingertips [m/s].
+        stroke: travel of the fingertips after touching [m].
+        fingers: how many fingertips push.
+        spread: distance between the two outer fingertips along the face [m]; 0 for one finger.
+        ends_on: `stroke` (come to rest there), `toppled` (push until the object falls by itself),
+            `turned` (push off the middle until it has turned by `turn`) or `tilted` (tilt it by
+            `tilt`, hold it a moment, let it back onto its base); where it is not `stroke`, the
+            stroke is the most that may be travelled.
+        turn: angle by which the object turns during the push [rad], counter-clockwise. With
+            `stroke` it is small: the fingers end square to the face as it should then look.
+        tilt: angle of a push that ends on `tilted` [rad].
+        until: event that ends the push earlier; None if there is none.
+        meets: name of the object that is to be touched, if that is the event.
+        limits: what stops it.
+    """
+
+    kind: Literal["push"] = "push"
+    object: str
+    face: FaceName
+    p_BC: Vector3
+    normal_W: Vector3
+    direction_W: Vector3
+    force_limit: float
+    speed: float
+    stroke: float
+    fingers: Literal[1, 2]
+    spread: float
+    ends_on: Literal["stroke", "toppled", "turned", "tilted"]
+    turn: float = 0.0
+    tilt: float = 0.0
+    until: StopEvent | None = None
+    meets: str | None = None
+    limits: Limits = Limits()
+
+
+class Prediction(Value):
+    """What the object model says the push will do, over everything the finger may transmit.
+
+    Attributes:
+        outcome: class at the onset of motion.
+        onset: force at which the object starts to move, nominal [N].
+        slide_force: force at which it would slide, nominal [N]; None if it never slides.
+        topple_force: force at which it would topple, nominal [N]; None if it never topples.
+        critical_height: contact height that separates sliding from toppling for this face and
+            direction, nominal parameters, force along the direction [m]; None if it never
+            topples.
+        critical_height_worst: the same for the worst force direction in the friction cone and
+            the parameters at the stated number of standard deviations [m]; None if it never
+            topples.
+        probability: probability of the outcome under the model's uncertainty, the worst force
+            direction taken.
+        stay_on_base_angle: angle of no return [rad].
+        tier: what the forces come from.
+        friction: which coefficient at the table decided.
+    """
+
+    outcome: Outcome
+    onset: float
+    slide_force: float | None
+    topple_force: float | None
+    critical_height: float | None
+    critical_height_worst: float | None
+    probability: float
+    stay_on_base_angle: float
+    tier: Literal["closed form", "exact"]
+    friction: Literal["static", "kinetic"]
+
+
+class Margins(Value):
+    """How far the push is from the nearest forbidden outcome, in the worst case considered.
+
+    Attributes:
+        force: distance in force between the wanted and the nearest forbidden threshold [N].
+        height: distance of the contact height from the critical height [m].
+        lateral: distance of the contact from the nearest edge of its face [m].
+        sigmas: the number of standard deviations that the worst case takes.
+        force_limit: force limit less the largest force that the motion needs [N].
+    """
+
+    force: float
+    height: float
+    lateral: float
+    sigmas: float
+    force_limit: float
+
+
+class PushAction(Push):
+    """A push with what the object model says of it.
+
+    Attributes:
+        prediction: what it will do.
+        margins: how safe that is.
+        displacement: of the object in W, as predicted [m]; None for a topple, a tilt or a push that
+            is foreseen after others.
+    """
+
+    prediction: Prediction
+    margins: Margins
+    displacement: Vector3 | None = None
+
+
+# -- hands --------------------------------------------------------------------------------------
 
 
 class Grasp(Value):
@@ -52,17 +211,55 @@ class Grasp(Value):
         return "from its side" if down < _LEVEL else "askew from above"
 
 
+class GraspPrediction(Value):
+    """What is known of a grasp.
+
+    Attributes:
+        holds: probability that it holds through all steps.
+    """
+
+    holds: float
+
+
+class GraspAction(Grasp):
+    """A grasp that comes before other steps.
+
+    Attributes:
+        held: whether the hand holds it so already.
+        prediction: whether it will hold.
+    """
+
+    kind: Literal["grasp"] = "grasp"
+    held: bool = False
+    prediction: GraspPrediction
+
+
+class PullPrediction(Value):
+    """A lid that is pulled off.
+
+    Attributes:
+        lid_force: that pulls it off [N].
+        lifting_force: at which the standing object would come up with it [N]; None if it never
+            does.
+    """
+
+    lid_force: float
+    lifting_force: float | None
+
+
 class LiftUp(Value):
     """Straight up with what is held.
 
     Attributes:
         height: how far [m].
         hold: how long it is then held still [s].
+        prediction: what pulls a lid off on the way; None if nothing is pulled off.
     """
 
     kind: Literal["lift_up"] = "lift_up"
     height: float
     hold: float = 1.0
+    prediction: PullPrediction | None = None
 
 
 class Carry(Value):
@@ -76,6 +273,22 @@ class Carry(Value):
     to: Aim
 
 
+class PourPrediction(Value):
+    """What becomes of contents that are poured.
+
+    Attributes:
+        poured, received, spilled: volumes that run out, reach the other object, and do not [m³].
+        left: volume that stays in it [m³].
+        level_after: share of the other object's volume that is filled afterwards.
+    """
+
+    poured: float
+    received: float
+    spilled: float
+    left: float
+    level_after: float
+
+
 class PourOut(Value):
     """Tilts what is held over another object until enough has run out, and back upright.
 
@@ -87,6 +300,7 @@ class PourOut(Value):
         rate: of tilting while it pours [rad/s].
         wait: at the largest tilt, until nothing runs out any more [s].
         volume: that is to run out [m³]; None for everything.
+        prediction: what becomes of the contents.
     """
 
     kind: Literal["pour_out"] = "pour_out"
@@ -97,12 +311,33 @@ class PourOut(Value):
     rate: float
     wait: float
     volume: float | None = None
+    prediction: PourPrediction
 
 
 class SetDown(Value):
     """Straight down until it stands, then lets go and draws back the way the hand came."""
 
     kind: Literal["set_down"] = "set_down"
+
+
+class FlipPrediction(Value):
+    """A flip lid on its arc, and the object that stands under it.
+
+    Attributes:
+        lid_force: largest force at the fingertip over the arc [N].
+        nearest_angle: of the lid where the standing object comes nearest to giving way [rad].
+        nearest_force: at the fingertip there [N].
+        slide_force, topple_force: at which the standing object would give way there [N]; None if
+            it never does.
+        lid_angle: at the end [rad].
+    """
+
+    lid_force: float
+    nearest_angle: float
+    nearest_force: float
+    slide_force: float | None
+    topple_force: float | None
+    lid_angle: float
 
 
 class FlipOver(Value):
@@ -113,6 +348,7 @@ class FlipOver(Value):
         speed: of the fingertip [m/s].
         force_limit: felt force at which it stops [N].
         heading: direction from hinge to tab, in W [rad].
+        prediction: what the lid takes, and what the standing object bears.
     """
 
     kind: Literal["flip_over"] = "flip_over"
@@ -121,6 +357,19 @@ class FlipOver(Value):
     speed: float
     force_limit: float
     heading: float
+    prediction: FlipPrediction
+
+
+class TurnPrediction(Value):
+    """A cap that is turned.
+
+    Attributes:
+        lid_torque: that turns it [N·m].
+        turning_torque: at which the standing object would turn along [N·m]; None if it never does.
+    """
+
+    lid_torque: float
+    turning_torque: float | None
 
 
 class TurnCap(Value):
@@ -129,11 +378,13 @@ class TurnCap(Value):
     Attributes:
         angle: altogether, counter-clockwise [rad].
         torque_limit: at which it stops [N·m].
+        prediction: what the cap takes, and what the standing object bears.
     """
 
     kind: Literal["turn_cap"] = "turn_cap"
     angle: float
     torque_limit: float
+    prediction: TurnPrediction
 
 
 class PutOn(Value):
@@ -149,82 +400,7 @@ class PutOn(Value):
     press: float
 
 
-HandStep = Annotated[
-    LiftUp | Carry | PourOut | SetDown | FlipOver | TurnCap | PutOn, Field(discriminator="kind")
+Action = Annotated[
+    PushAction | GraspAction | LiftUp | Carry | PourOut | SetDown | FlipOver | TurnCap | PutOn,
+    Field(discriminator="kind"),
 ]
-
-
-class HandlingPrediction(Value):
-    """What the models say will happen; what an action has nothing to do with is None.
-
-    Attributes:
-        holds: probability that the grasp holds.
-        poured, received, spilled: volumes that run out, reach the other object, and do not [m³].
-        left: volume that stays in it [m³].
-        level_after: share of the other object's volume that is filled afterwards.
-        lid_force: largest force at the fingertip, or that pulls the lid off, over the way [N].
-        nearest_angle: of the lid where the standing object comes nearest to giving way [rad].
-        nearest_force: at the fingertip there [N].
-        slide_force, topple_force: at which the standing object would give way there [N].
-        lifting_force: at which it would come up with a lid that is pulled off [N].
-        lid_torque: that turns the cap [N·m].
-        turning_torque: at which the standing object would turn along [N·m].
-        lid_angle: of a flip lid at the end [rad].
-    """
-
-    holds: float | None = None
-    poured: float | None = None
-    received: float | None = None
-    spilled: float | None = None
-    left: float | None = None
-    level_after: float | None = None
-    lid_force: float | None = None
-    nearest_angle: float | None = None
-    nearest_force: float | None = None
-    slide_force: float | None = None
-    topple_force: float | None = None
-    lifting_force: float | None = None
-    lid_torque: float | None = None
-    turning_torque: float | None = None
-    lid_angle: float | None = None
-
-
-Action = Literal["lift", "place", "pour", "open", "close"]
-
-
-class HandlingPlan(Value):
-    """A grasp, if anything is held, and steps whose predicted outcome satisfies the frame.
-
-    Attributes:
-        action: what the steps amount to.
-        object: name of what is handled.
-        grasp: how it is held; None if nothing is.
-        held: whether the hand holds it so already.
-        steps: one after the other.
-        prediction: what will come of it.
-        speed: largest speed of the hand while it holds something [m/s].
-        clear_of: other objects and the distance that is kept from each of them [m].
-        probability: least probability that it ends as predicted.
-        aim: where the object should stand at the end; None if it does not matter or stays up.
-        defaults: values that the sentence left open.
-        considered: how many grasps or ways were evaluated.
-        satisfying: how many of them satisfied the frame.
-        notes: plain sentences on how the plan was chosen.
-    """
-
-    status: Literal["planned"] = "planned"
-    kind: Literal["handling"] = "handling"
-    action: Action
-    object: str
-    grasp: Grasp | None
-    held: bool = False
-    steps: tuple[HandStep, ...]
-    prediction: HandlingPrediction
-    speed: float
-    clear_of: tuple[tuple[str, float], ...] = ()
-    probability: float = 1.0
-    aim: Aim | None = None
-    defaults: tuple[DefaultUsed, ...] = ()
-    considered: int = 0
-    satisfying: int = 0
-    notes: tuple[str, ...] = ()

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from planner.types.actions import HandlingPlan
-    from planner.types.plan import Push
+    from planner.types.actions import Push
+    from planner.types.plan import Plan
     from planner.types.world_state import WorldState
 
 
@@ -116,7 +116,7 @@ class HandReach(Protocol):
         """How it closes about a knob or a cap of that width [m]; None if it does not."""
         ...
 
-    def handles(self, plan: HandlingPlan, state: WorldState) -> ReachAnswer:
+    def handles(self, plan: Plan, state: WorldState) -> ReachAnswer:
         """Whether arm and hand can carry out a plan, all of its way free."""
         ...
 

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from planner.types.actions import HandStep, LiftUp, PourOut, SetDown
+from planner.types.actions import Action, LiftUp, PourOut, SetDown
 from planner.types.world_state import Held
 from sim.control.grasping.hand_motion import ACCELERATES, HandMotion
 from sim.control.grasping.held_object_sensing import HandSense
@@ -88,7 +88,7 @@ class HandTrip:
             EarlyEndError: a guard stopped it, or nothing was held.
         """
         approach, *steps, retreat = self._way.legs
-        if self._plan.held:
+        if self._grasp.held:
             self._take_up()
         else:
             self._reach_for(approach[0])
@@ -109,7 +109,7 @@ class HandTrip:
         handled = self._handled
         return HandSense(self._recorder, self._way.mount, handled.name, p_BG, handled.state)
 
-    def _make(self, step: HandStep, legs: tuple[HeldSegment, ...]) -> None:
+    def _make(self, step: Action, legs: tuple[HeldSegment, ...]) -> None:
         """Makes one step."""
         if isinstance(step, PourOut):
             self._pour(step, legs)
@@ -126,10 +126,10 @@ class HandTrip:
         self._motion.squeeze, self._motion.bears = 0.0, False
         self._recorder.phase = "retreat"
         self._motion.back_to(self._grasped, stop=self._holds)
-        if self._plan.held and self._sense.holds(self._grasp.squeeze):
+        if self._grasp.held and self._sense.holds(self._grasp.squeeze):
             self._keep()
             return
-        if self._holds and not self._plan.held:
+        if self._holds and not self._grasp.held:
             self._motion.let_go()
         self._motion.back_to(0)
         self._motion.come_home((self._motion.came[0],))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.types.actions import HandlingPlan
+from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from sim.collision.collision_scene import SPARE
 from sim.control.grasping.flip_control import flip_over
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def handle(
-    plan: HandlingPlan,
+    plan: Plan,
     world: DrakeWorld,
     models: Mapping[str, ObjectModel],
     reach: ArmHandReach,

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from objectmodels.models.object_parts import LiftOffLid
-from planner.types.actions import HandStep, LiftUp, PutOn, SetDown, TurnCap
+from planner.types.actions import Action, LiftUp, PutOn, SetDown, TurnCap
 from sim.control.grasping.lid_sensing import LidSense
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.trace_recorder import Recorder
@@ -50,7 +50,7 @@ class LidTrip(HandTrip):
         self._feels = LidSense(self._recorder, self._way, self._handled)
         return self._feels
 
-    def _make(self, step: HandStep, legs: tuple[HeldSegment, ...]) -> None:
+    def _make(self, step: Action, legs: tuple[HeldSegment, ...]) -> None:
         if isinstance(step, TurnCap):
             self._turn(step, legs)
         elif isinstance(step, PutOn):

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.types.actions import HandlingPlan
 from planner.types.plan import Plan
 from sim.control.pushing.force_control import Errand, PlannedControl
 from sim.control.pushing.guarded_touch import EarlyEndError
@@ -44,7 +43,7 @@ SETTLE = {"stroke": 0.5, "toppled": 1.5}
 
 
 def execute(
-    plan: Plan | HandlingPlan,
+    plan: Plan,
     world: DrakeWorld,
     models: Mapping[str, ObjectModel],
     *,
@@ -64,7 +63,7 @@ def execute(
         What happened, also if it ended early.
     """
     tell, reach = progress or silent, reach or ArmHandReach(world.scene.cell)
-    if isinstance(plan, HandlingPlan):
+    if not plan.pushes:
         return handle(plan, world, models, reach, tell)
     trip = Trip(plan.push, world, models, reach, tell)
     try:

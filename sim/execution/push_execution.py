@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.types.plan import Push
+from planner.types.actions import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import WorldState
 from sim.collision.collision_scene import SPARE

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from objectmodels.identification import Trial
 from planner.touch_experiments import Experiment, Kind, experiments
-from planner.types.plan import FaceName
+from planner.types.actions import FaceName
 from planner.types.world_state import WorldState
 from sim.exploration.probe_control import probe
 from sim.exploration.touch_recording import Recording

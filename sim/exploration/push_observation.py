@@ -19,7 +19,7 @@ from objectmodels.identification import Moved, Trial, detect_onset
 from objectmodels.identification.onset_detection import LEAST_SAMPLES
 
 if TYPE_CHECKING:
-    from planner.types.plan import Push
+    from planner.types.actions import Push
     from planner.types.world_state import SeenObject
     from sim.rotations import Array
     from sim.traces.trace import Trace

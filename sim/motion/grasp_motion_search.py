@@ -17,7 +17,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.types.actions import HandlingPlan, PourOut
+from planner.types.actions import PourOut
+from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import WorldState
 from sim.arms.lwr import lwr_kinematics as arm
@@ -116,7 +117,8 @@ class GraspMotionSearch:
         self._plan = plan
         self._held = handled.held
         self._owner = handled.owner
-        already = state.held if plan.held else None
+        self._is_held = handled.grasp.held
+        already = state.held if self._is_held else None
         self._at = np.array(already.arm) if already is not None and already.arm else None
         self._legs = held_segments(handled, off)
         R_BG, p_BG = grasp_frame(handled.grasp, self._held.pose.R_WB)
@@ -124,7 +126,7 @@ class GraspMotionSearch:
         self._closed, self._open = grip.posture(), grip.posture(grip.opening)
         self._spare = spare
         self._scenery = self._around_it(CollisionScene.of(state, plan.object, spare), handled)
-        self._kept = dict(plan.clear_of)
+        self._kept = dict(plan.limits.clear_of)
         flat = [leg for some in self._legs for leg in some]
         self._free = np.concatenate([np.full(len(leg.sampled()), leg.free) for leg in flat])
         self._last = np.concatenate(
@@ -287,7 +289,7 @@ class GraspMotionSearch:
         back: tuple[Array, ...] | None = ()
         if self._at is not None:
             there = self._swing(way)
-        elif not self._plan.held:
+        elif not self._is_held:
             there = self._transit(way, q[0], self._p_WB[0], self._R_WB[0], self._scenery.pushed)
         if there is not None and self._last.any():
             back = self._transit(way, q[-1], self._p_WB[-1], self._R_WB[-1], self._stood)
@@ -347,7 +349,7 @@ class GraspMotionSearch:
 def best_grasp_motion(
     mount: Mount,
     home: Array,
-    plan: HandlingPlan,
+    plan: Plan,
     grip: GraspPosture,
     state: WorldState,
     spare: float = 0.0,

@@ -16,7 +16,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.types.plan import Push
+from planner.types.actions import Push
 from sim.arms.lwr import lwr_kinematics as arm
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.hands.four_finger.pushing_postures import LARGEST_SKEW, PostureSet

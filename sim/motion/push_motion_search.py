@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.types.plan import Push
+from planner.types.actions import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import WorldState
 from sim.arms.lwr import lwr_kinematics as arm

@@ -15,8 +15,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.types.actions import FlipOver, HandlingPlan
-from planner.types.plan import Push
+from planner.types.actions import FlipOver, Push
+from planner.types.plan import Plan
 from planner.types.robot import Grip, ReachAnswer
 from planner.types.world_state import WorldState
 from sim.cell.cell_description import CellDescription
@@ -92,7 +92,7 @@ class ArmHandReach:
         found = pinch(width)
         return None if found is None else found.grip
 
-    def handles(self, plan: HandlingPlan, state: WorldState) -> ReachAnswer:
+    def handles(self, plan: Plan, state: WorldState) -> ReachAnswer:
         """Whether arm and hand can carry out a plan, all of its way free."""
         if plan.grasp is None:
             return self._flips(plan, state)
@@ -102,7 +102,7 @@ class ArmHandReach:
         numbers = {"strength": found.grip.grip.strongest}
         return ReachAnswer(ok=True, margin=found.room, numbers=numbers)
 
-    def _flips(self, plan: HandlingPlan, state: WorldState) -> ReachAnswer:
+    def _flips(self, plan: Plan, state: WorldState) -> ReachAnswer:
         """Whether a fingertip can carry out a plan in which nothing is held."""
         (step,) = plan.steps
         assert isinstance(step, FlipOver), "an empty hand only flips lids"
@@ -116,7 +116,7 @@ class ArmHandReach:
         return FlipMotionSearch(self.mount, self.home, step, name, state).best()
 
     def grasp_motion(
-        self, plan: HandlingPlan, state: WorldState, spare: float = 0.0
+        self, plan: Plan, state: WorldState, spare: float = 0.0
     ) -> GraspMotion | ReachAnswer:
         """The best way of arm and hand through a plan, or why there is none.
 

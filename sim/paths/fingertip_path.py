@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from planner.types.plan import Push
+from planner.types.actions import Push
 from planner.types.world_state import SeenObject
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.rotations import Array, rot_z

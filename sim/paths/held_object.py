@@ -14,7 +14,8 @@ import numpy as np
 
 from objectmodels.containers import lid_geometry as lids
 from objectmodels.models.object_parts import ScrewCap
-from planner.types.actions import Grasp, HandlingPlan
+from planner.types.actions import Grasp, GraspAction
+from planner.types.plan import Plan
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.collision.collision_scene import Obstacle
 
@@ -40,8 +41,8 @@ class HeldObject:
     """
 
     asked: Grasp
-    plan: HandlingPlan
-    grasp: Grasp
+    plan: Plan
+    grasp: GraspAction
     state: WorldState
     held: SeenObject
     height: float
@@ -51,10 +52,10 @@ class HeldObject:
     opened: float = 0.0
 
     @classmethod
-    def of(cls, plan: HandlingPlan, state: WorldState) -> HeldObject:
+    def of(cls, plan: Plan, state: WorldState) -> HeldObject:
         """What a plan with a grasp is about."""
         assert plan.grasp is not None, "something is held"
-        already = state.held if plan.held else None
+        already = state.held if plan.grasp.held else None
         target = state.objects[plan.object]
         if plan.grasp.part == "body":
             height = 0.0 if already is None else already.height
@@ -64,7 +65,7 @@ class HeldObject:
         held, height = _lying(target, pitch)
         x, y, z = plan.grasp.p_BG
         grasp = plan.grasp.model_copy(update={"p_BG": (x, y, z - seat)})
-        changed = plan.model_copy(update={"object": held.name, "grasp": grasp})
+        changed = plan.model_copy(update={"object": held.name, "actions": (grasp, *plan.steps)})
         # Without its lid the object is no higher than its rim.
         bare = {target.name: replace(target, lid=None), held.name: held}
         known = replace(state, objects={**state.objects, **bare})

@@ -10,21 +10,13 @@ Frames: W is the world, B the held object, G the middle of the grasp.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from planner.types.actions import (
-    Carry,
-    Grasp,
-    HandStep,
-    LiftUp,
-    PourOut,
-    PutOn,
-    SetDown,
-    TurnCap,
-)
+from planner.types.actions import Action, Carry, Grasp, LiftUp, PourOut, PutOn, SetDown, TurnCap
 from planner.types.world_state import SeenObject
 from sim.paths.held_object import THREAD, HeldObject
 from sim.rotations import Array, axis_rotation, wrap
@@ -141,10 +133,11 @@ def held_segments(handled: HeldObject, off: Array) -> tuple[tuple[HeldSegment, .
     plan, held = handled.plan, handled.held
     R_WB, p_WB = held.pose.R_WB, held.pose.p_WB + np.array([0.0, 0.0, handled.height])
     there = _straight("approach", R_WB, p_WB + off, p_WB, REACH_SPEED, free=True)
-    made: list[tuple[HeldSegment, ...]] = [() if plan.held else (there,)]
+    made: list[tuple[HeldSegment, ...]] = [() if handled.grasp.held else (there,)]
+    fastest = math.inf if plan.speed is None else plan.speed
     for step in plan.steps:
         legs = _step(step, handled, R_WB, p_WB)
-        made.append(tuple(replace(leg, speed=min(leg.speed, plan.speed)) for leg in legs))
+        made.append(tuple(replace(leg, speed=min(leg.speed, fastest)) for leg in legs))
         if made[-1]:
             R_WB, p_WB = made[-1][-1].ends
     if not isinstance(plan.steps[-1], _LETS_GO):
@@ -155,7 +148,7 @@ def held_segments(handled: HeldObject, off: Array) -> tuple[tuple[HeldSegment, .
     return (*made, (back,))
 
 
-def _step(step: HandStep, handled: HeldObject, R_WB: Array, p_WB: Array) -> Iterator[HeldSegment]:
+def _step(step: Action, handled: HeldObject, R_WB: Array, p_WB: Array) -> Iterator[HeldSegment]:
     """The legs of a step that begins somewhere."""
     if isinstance(step, LiftUp):
         up = np.array([0.0, 0.0, step.height])

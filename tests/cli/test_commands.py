@@ -142,7 +142,7 @@ def test_plan_answers_with_a_valid_result(capsys: pytest.CaptureFixture[str]) ->
     result = Result.model_validate(document)
     assert (result.ok, result.status, result.seed) == (True, "planned", 3)
     assert isinstance(result.plan, Plan)
-    assert result.plan.prediction.outcome == "slide"
+    assert result.plan.push.prediction.outcome == "slide"
     assert result.frames[0].object is not None
     assert result.frames[0].object.id == "ice tea box"
     assert result.execution is None

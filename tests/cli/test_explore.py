@@ -89,7 +89,7 @@ def test_one_repetition_found_told_kept_and_used(
     )
     assert status == 0
     force = kept.mass * kept.friction * 9.81
-    assert said["plan"]["prediction"]["slide_force"] == pytest.approx(force, rel=0.02)
+    assert said["plan"]["actions"][0]["prediction"]["slide_force"] == pytest.approx(force, rel=0.02)
 
 
 @pytest.mark.slow

@@ -121,7 +121,7 @@ def test_a_sentence_about_its_object_is_planned(site: Path, tmp_path: Path) -> N
     told = nlcontrol(site, "plan", sentence, "--scene", str(scene), "--json")
     document = json.loads(told.stdout)
     assert (told.returncode, document["status"]) == (0, "planned"), told.stderr
-    assert document["plan"]["prediction"]["outcome"] == "slide"
+    assert document["plan"]["actions"][0]["prediction"]["outcome"] == "slide"
 
 
 @pytest.mark.slow

@@ -15,7 +15,8 @@ from nlcontrol import Controller
 from nlcontrol.cli import run
 from nlcontrol.cli.say_command import plan as plan_command
 from planner.types.defaults import DEFAULTS
-from planner.types.plan import Plan, RefusalReason
+from planner.types.plan import Plan
+from planner.types.refusal import RefusalReason
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "goals.md").read_text(encoding="utf-8")
 PLAIN = " ".join(GUIDE.split())
@@ -64,7 +65,7 @@ def test_each_event_and_limit_stops_a_push(kitchen: Controller, words: str) -> N
     assert isinstance(made, Plan)
     assert isinstance(usual, Plan)
     # An event ends the last push of a way that takes several.
-    push = (made.push, *(move.push for move in made.later))[-1]
+    push = made.pushes[-1]
     newtons = re.search(r"(\d+) N", words) or re.search(r"(\d+) newtons", words)
     if newtons:
         assert push.force_limit <= float(newtons[1])

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from objectmodels import ObjectModel, Registry
-from planner.types.plan import Limits, Margins, Plan, Prediction, Push
+from planner.types.actions import Limits, Prediction, Push
+from planner.types.plan import Plan
 from sim import DrakeWorld, Trace, execute, load_scene
 from sim.truth.scene_file import Pose, Scene
+from tests.plans import changed_push, push_plan
 
 GRAVITY = 9.81
 CLEAR = Limits(clear_of=(("coffee box", 0.02),))
@@ -64,23 +66,19 @@ def _plan(asked: Asked, scene: Scene) -> Plan:
             "ends_on": asked.ends_on,
         }
     )
-    return Plan(
-        push=push,
-        prediction=Prediction(
-            outcome="slide" if asked.ends_on == "stroke" else "topple",
-            onset=onset,
-            slide_force=onset,
-            topple_force=None,
-            critical_height=None,
-            critical_height_worst=None,
-            probability=1.0,
-            stay_on_base_angle=model.angle_of_no_return(-normal),
-            tier="exact",
-            friction="static",
-        ),
-        margins=Margins(force=1.0, height=0.0, lateral=0.0, sigmas=0.0, force_limit=1.0),
-        displacement=None,
+    prediction = Prediction(
+        outcome="slide" if asked.ends_on == "stroke" else "topple",
+        onset=onset,
+        slide_force=onset,
+        topple_force=None,
+        critical_height=None,
+        critical_height_worst=None,
+        probability=1.0,
+        stay_on_base_angle=model.angle_of_no_return(-normal),
+        tier="exact",
+        friction="static",
     )
+    return push_plan(push, prediction)
 
 
 def _carried_out(asked: Asked, *, seed: int = 0, scene: Scene | None = None) -> Trace:
@@ -159,7 +157,7 @@ def test_nothing_to_touch() -> None:
     far = _plan(Asked("ice tea box", "front", 0.03), scene)
     # The contact is believed 8 cm before the face that is there.
     x, y, z = far.push.p_BC
-    moved = far.model_copy(update={"push": far.push.model_copy(update={"p_BC": (x - 0.08, y, z)})})
+    moved = changed_push(far, p_BC=(x - 0.08, y, z))
     trace = execute(moved, DrakeWorld(scene), _models(scene))
     assert trace.end == "no_touch"
     assert np.linalg.norm(trace.displacement("ice tea box")) < 1e-4
@@ -183,10 +181,6 @@ def test_only_the_pushing_fingertips_touch_the_object() -> None:
     assert touching == {f"{finger}_tip" for finger in trace.tips}
 
 
-def _changed(plan: Plan, **changes: Any) -> Plan:
-    return plan.model_copy(update={"push": plan.push.model_copy(update=changes)})
-
-
 def _errors(trace: Trace, asked: Asked) -> tuple[float, float, float]:
     """Along and across the push [mm], and the turn [°]."""
     along = trace.displacement(asked.name) @ trace.direction
@@ -199,7 +193,7 @@ def _errors(trace: Trace, asked: Asked) -> tuple[float, float, float]:
 @pytest.mark.parametrize("turn", [-5.0, 4.0])
 def test_a_straight_push_squares_the_object_to_the_fingers(turn: float) -> None:
     scene, asked = load_scene("kitchen"), Asked("ice tea box", "front", 0.03, stroke=0.05)
-    plan = _changed(_plan(asked, scene), turn=np.radians(turn))
+    plan = changed_push(_plan(asked, scene), turn=np.radians(turn))
     trace = execute(plan, DrakeWorld(scene), _models(scene))
     along, across, turned = _errors(trace, asked)
     assert trace.end == "stroke"
@@ -236,7 +230,7 @@ def test_a_push_meets_another_object_or_stays_clear_of_it(changes: dict[str, Any
     ]
     scene = scene.model_copy(update={"objects": tuple(objects)})
     asked = Asked("ice tea box", "front", 0.03, stroke=0.12)
-    trace = execute(_changed(_plan(asked, scene), **changes), DrakeWorld(scene), _models(scene))
+    trace = execute(changed_push(_plan(asked, scene), **changes), DrakeWorld(scene), _models(scene))
     come = 1e3 * trace.displacement("ice tea box")[0]
     met = 1e3 * trace.displacement("coffee box")[0]
     if "until" in changes:
@@ -255,7 +249,7 @@ def test_the_felt_force_stays_below_a_limit_that_just_suffices() -> None:
     scene, asked = load_scene("kitchen"), Asked("ice tea box", "front", 0.03, stroke=0.06)
     plan = _plan(asked, scene)
     needed = 3.75  # 0.345 of 1.06 kg, and what the fingers press down
-    limited = _changed(plan, force_limit=1.35 * needed)
+    limited = changed_push(plan, force_limit=1.35 * needed)
     trace = execute(limited, DrakeWorld(scene), _models(scene))
     assert trace.end == "stroke"
     pushing = trace.phase == "push"

@@ -9,8 +9,10 @@ import grammar
 from grammar.frames.command import Frame
 from nlcontrol import Controller
 from planner import plan
-from planner.types.plan import Limits, Plan
+from planner.types.actions import Limits
+from planner.types.plan import Plan
 from sim import DrakeWorld, Trace, execute, load_scene
+from tests.plans import changed_push
 
 
 def _frame(text: str, name: str) -> Frame:
@@ -26,9 +28,8 @@ def _planned(controller: Controller, text: str, name: str) -> Plan:
 
 
 def _carried_out(controller: Controller, made: Plan, **push: object) -> Trace:
-    changed = made.model_copy(update={"push": made.push.model_copy(update=push)})
     world = DrakeWorld(load_scene("kitchen"), seed=controller.seed)
-    return execute(changed, world, controller.models, reach=controller.reach)
+    return execute(changed_push(made, **push), world, controller.models, reach=controller.reach)
 
 
 def _tilts(trace: Trace) -> np.ndarray:

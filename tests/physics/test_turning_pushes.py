@@ -9,11 +9,13 @@ import pytest
 
 from objectmodels import Registry
 from objectmodels.mechanics.turning_push import TurningPush, best_turn
-from planner.types.plan import Limits, Margins, Plan, Prediction, Push
+from planner.types.actions import Limits, Prediction, Push
+from planner.types.plan import Plan
 from sim import ArmHandReach, DrakeWorld, Trace, execute, load_scene
 from sim.execution.push_execution import JOINT_SPEED, Trip, silent
 from sim.rotations import Array, rot_z
 from sim.truth.scene_file import Scene
+from tests.plans import changed_push, push_plan
 
 HEIGHT = 0.03
 
@@ -42,23 +44,19 @@ def _plan(name: str, scene: Scene, face: int, angle: float, stroke: float | None
         ends_on="turned",
         turn=angle,
     )
-    return Plan(
-        push=push,
-        prediction=Prediction(
-            outcome="slide",
-            onset=onset,
-            slide_force=onset,
-            topple_force=None,
-            critical_height=None,
-            critical_height_worst=None,
-            probability=1.0,
-            stay_on_base_angle=model.angle_of_no_return(-np.array(best.normal)),
-            tier="closed form",
-            friction="static",
-        ),
-        margins=Margins(force=1.0, height=0.0, lateral=0.0, sigmas=0.0, force_limit=1.0),
-        displacement=None,
+    prediction = Prediction(
+        outcome="slide",
+        onset=onset,
+        slide_force=onset,
+        topple_force=None,
+        critical_height=None,
+        critical_height_worst=None,
+        probability=1.0,
+        stay_on_base_angle=model.angle_of_no_return(-np.array(best.normal)),
+        tier="closed form",
+        friction="static",
     )
+    return push_plan(push, prediction)
 
 
 def _vector(v: Array) -> tuple[float, float, float]:
@@ -131,8 +129,7 @@ def test_a_turn_ends_with_its_stroke() -> None:
 def test_a_limit_stops_a_turn() -> None:
     alone = _alone(load_scene("kitchen"), "ice tea box")
     plan = _plan("ice tea box", alone, 2, 0.6)
-    short = plan.push.model_copy(update={"limits": Limits(duration=1.5)})
-    trace = _carried_out(plan.model_copy(update={"push": short}), alone)
+    trace = _carried_out(changed_push(plan, limits=Limits(duration=1.5)), alone)
     assert trace.end == "guard"
     assert "1.5 s" in trace.detail
     assert 0.0 < np.degrees(trace.yaw("ice tea box")[-1]) < 25.0
@@ -143,8 +140,7 @@ def test_a_plan_may_be_of_a_look_that_saw_it_turned_a_little() -> None:
     plan = _plan("ice tea box", alone, 2, turn)
     # Much more than the noise of two looks, 0.26°.
     askew = _vector(rot_z(np.radians(2.0)) @ np.array(plan.push.normal_W))
-    before = plan.push.model_copy(update={"normal_W": askew})
-    trace = _carried_out(plan.model_copy(update={"push": before}), alone)
+    trace = _carried_out(changed_push(plan, normal_W=askew), alone)
     assert trace.end == "turned", trace.detail
 
 

@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 from objectmodels import BoxModel
 from planner import plan
 from planner.types.defaults import DEFAULTS
-from planner.types.plan import Plan, Refusal
+from planner.types.plan import Plan
+from planner.types.refusal import Refusal
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import TABLE, RuledReach, frame_of
 
@@ -76,7 +77,7 @@ def test_the_outcome_holds_for_forces_and_parameters_within_the_margins(
     across = np.cross([0.0, 0.0, 1.0], inward)
     held = any("stiffness" in note for note in made.notes)
     for _ in range(40):
-        k = made.margins.sigmas
+        k = made.push.margins.sigmas
         shift = rng.uniform(-k, k, 5)
         drawn = box.model_copy(
             update={
@@ -93,7 +94,7 @@ def test_the_outcome_holds_for_forces_and_parameters_within_the_margins(
         if push.fingers == 2:
             p = p - (p - np.array(drawn.com)) @ across * across
         t = drawn.thresholds(p[None], (force / np.linalg.norm(force))[None])
-        assert t.outcome[0] == made.prediction.outcome, (share, angle, made.margins)
+        assert t.outcome[0] == made.push.prediction.outcome, (share, angle, made.push.margins)
 
 
 @settings(max_examples=40, deadline=None)
@@ -108,13 +109,13 @@ def test_the_contact_lies_on_its_face_and_numbers_are_sane(
     half = np.array([box.size[0] / 2, box.size[1] / 2])
     # On one of the side faces, and both fingertips on it too.
     assert np.min(np.abs(np.abs(push.p_BC[:2]) - half)) < 1e-9
-    assert made.margins.lateral >= -1e-9
+    assert made.push.margins.lateral >= -1e-9
     assert RuledReach.lowest_height - 1e-9 <= push.p_BC[2] <= box.size[2] - 0.010 + 1e-9
     assert np.linalg.norm(push.direction_W) == pytest.approx(1.0)
     # The push goes into the face, at no more than the largest obliqueness.
     assert -np.dot(push.direction_W, push.normal_W) > math.cos(math.radians(17.6))
-    assert push.force_limit >= made.prediction.onset
-    assert 0.0 <= made.prediction.probability <= 1.0
+    assert push.force_limit >= made.push.prediction.onset
+    assert 0.0 <= made.push.prediction.probability <= 1.0
     assert made.satisfying <= made.considered
 
 
@@ -126,7 +127,7 @@ def test_left_and_right_are_mirror_images(box: BoxModel, distance: int) -> None:
     right = _planned(f"push the box to the right {distance} cm", centred, 0.0)
     # Whether a probability is enough is only as sure as the probability itself.
     for made in (left, right):
-        assume(made is None or made.prediction.probability > DEFAULTS.probability + _AVERAGED)
+        assume(made is None or made.push.prediction.probability > DEFAULTS.probability + _AVERAGED)
     assert (left is None) == (right is None)
     if left is None or right is None:
         return

@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.types.actions import FlipOver, HandlingPlan
+from planner.types.actions import FlipOver
+from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import SeenObject
 from sim.control.grasping.lidview import LidView
@@ -290,7 +291,7 @@ class FlipTrip:
 
 
 def flip_over(
-    plan: HandlingPlan,
+    plan: Plan,
     world: DrakeWorld,
     models: Mapping[str, ObjectModel],
     reach: ArmHandReach,

@@ -17,7 +17,7 @@ import numpy as np
 
 from objectmodels.geometry.base_shapes import Disc
 from planner.geometry.footprints import footprint, gap
-from planner.types.plan import Push
+from planner.types.actions import Push
 from planner.types.world_state import SeenObject, WorldState
 from sim.cell.cell_description import Vision
 from sim.control.pushing.push_guards import MOVED

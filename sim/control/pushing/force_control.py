@@ -84,7 +84,7 @@ class PlannedControl(TouchControl, ABC):
         self.plan = plan = errand.plan
         super().__init__(
             plan.push,
-            plan.prediction.onset,
+            plan.push.prediction.onset,
             errand.recorder,
             errand.stance,
             errand.way,

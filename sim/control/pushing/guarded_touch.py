@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from planner.types.plan import Push
+from planner.types.actions import Push
 from sim.control.trace_recorder import Recorder
 from sim.motion.arm_configuration import ArmConfiguration
 from sim.paths.fingertip_path import STANDOFF, FingertipPath

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.types.plan import Plan, Push
+from planner.types.actions import Push
+from planner.types.plan import Plan
 from sim.control.pushing.tilt_estimator import TiltView
 from sim.traces.trace import EndReason
 
@@ -50,7 +51,7 @@ class Guards:
 
     def __init__(self, plan: Plan, period: float) -> None:
         self._push = plan.push
-        self._prediction = plan.prediction
+        self._prediction = plan.push.prediction
         self._period = period
         self._before = 0.0
         self.speed = 0.0
@@ -140,7 +141,7 @@ class TiltGuards(Guards):
 
     def __init__(self, plan: Plan, period: float) -> None:
         super().__init__(plan, period)
-        safe = _SAFE_SHARE * plan.prediction.stay_on_base_angle
+        safe = _SAFE_SHARE * plan.push.prediction.stay_on_base_angle
         self._farthest = min(safe, plan.push.limits.tilt or np.inf)
         self._longest = min(self._longest, plan.push.limits.duration or np.inf)
 

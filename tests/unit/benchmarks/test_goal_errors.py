@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from benchmarks.goals.final import final
 from grammar.frames import command as g
 from grammar.parser import parser_for
-from planner.types.plan import Aim, Margins, Plan, Prediction, Push
+from planner.types.actions import Aim, Push
 from sim.traces.trace import Trace
+from tests.plans import push_plan
 
 BOX = "ice tea box"
 PUSH = Push(
@@ -21,17 +22,7 @@ PUSH = Push(
     direction_W=(1.0, 0.0, 0.0), force_limit=5.0, speed=0.05, stroke=0.1, fingers=1, spread=0.0,
     ends_on="stroke",
 )  # fmt: skip
-PLAN = Plan(
-    push=PUSH,
-    prediction=Prediction(
-        outcome="slide", onset=3.0, slide_force=3.0, topple_force=None, critical_height=None,
-        critical_height_worst=None, probability=0.99, stay_on_base_angle=0.4, tier="closed form",
-        friction="static",
-    ),
-    margins=Margins(force=1.0, height=0.02, lateral=0.02, sigmas=2.0, force_limit=5.0),
-    displacement=None,
-    aim=Aim(x=0.6, y=0.1, yaw=0.5),
-)  # fmt: skip
+PLAN = push_plan(PUSH, aim=Aim(x=0.6, y=0.1, yaw=0.5))
 
 
 def trace(*, x: float = 0.0, y: float = 0.0, yaw: float = 0.0, tilts: float = 0.0) -> Trace:

@@ -114,7 +114,7 @@ def goes(make_trace: TraceMaker) -> Callable[..., Happens]:
 
     def make(share: float = 1.0, end: EndReason | None = None, **values: Any) -> Happens:
         def happens(plan: Plan) -> Trace:
-            x, y, _ = plan.displacement or (0.0, 0.0, 0.0)
+            x, y, _ = plan.push.displacement or (0.0, 0.0, 0.0)
             push = plan.push
             turned = share * push.turn
             ended: EndReason = "turned" if push.ends_on == "turned" else "stroke"

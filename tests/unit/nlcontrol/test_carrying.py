@@ -72,7 +72,9 @@ def test_pushes_that_fall_short_are_followed_by_others(
     stage = Stage(monkeypatch, controller, goes(share=0.4))
     result = controller.say(SENTENCE)
     assert (result.ok, result.status) == (True, "done")
-    left = [math.hypot(*plan.displacement[:2]) for plan in stage.executed if plan.displacement]
+    left = [
+        math.hypot(*plan.push.displacement[:2]) for plan in stage.executed if plan.push.displacement
+    ]
     # Every push leaves 0.6 of the way, until that is below 2 mm.
     assert left == pytest.approx([0.1 * 0.6**k for k in range(len(left))], abs=EXACT)
     assert left[-1] > DEFAULTS.aim_position > 0.6 * left[-1]
@@ -90,7 +92,7 @@ def test_what_went_too_far_is_pushed_back(
     result = controller.say(SENTENCE)
     first, second = stage.executed
     assert (first.push.face, second.push.face) == ("front", "back")
-    assert second.displacement == pytest.approx((-0.02, 0.0, 0.0), abs=EXACT)
+    assert second.push.displacement == pytest.approx((-0.02, 0.0, 0.0), abs=EXACT)
     assert stage.moved == pytest.approx((0.1, 0.0), abs=EXACT)
     assert result.status == "done"
 
@@ -210,7 +212,7 @@ def test_planned_anew_after_a_contradiction(
     assert result.plan == first
     assert result.planned == 1  # one frame, however many plans it took
     # It was pushed as hard as the first plan allows; the second one allows more.
-    assert second.prediction.onset > first.prediction.onset
+    assert second.push.prediction.onset > first.push.prediction.onset
     assert second.push.force_limit > first.push.force_limit
     assert controller.models[BOX].friction > believed
     (step,) = result.steps
@@ -234,8 +236,8 @@ def test_the_rest_of_the_way_is_planned(
     stage = Stage(monkeypatch, controller, tilted(goes(share=0.4, force=15.0)), goes())
     result = controller.say(SENTENCE)
     first, second = stage.executed
-    assert first.displacement == pytest.approx((0.1, 0.0, 0.0))
-    assert second.displacement == pytest.approx((0.06, 0.0, 0.0), abs=EXACT)
+    assert first.push.displacement == pytest.approx((0.1, 0.0, 0.0))
+    assert second.push.displacement == pytest.approx((0.06, 0.0, 0.0), abs=EXACT)
     assert second.aim == first.aim
     assert second.push.stroke == pytest.approx(first.push.stroke - 0.04, abs=0.002)
     # Judged is the whole way, over both pushes.

@@ -17,7 +17,8 @@ from nlcontrol.checks.constraint_checks import CONSTRAINTS
 from nlcontrol.errors import ControlError
 from nlcontrol.results.result import Result
 from objectmodels import Registry
-from planner.types.plan import Plan, Refusal
+from planner.types.plan import Plan
+from planner.types.refusal import Refusal
 from tests.unit.nlcontrol.pushes import BOX, FORWARDS, Happens, Stage, TraceMaker, shown
 
 SENTENCE = "push the ice tea box away without toppling it"

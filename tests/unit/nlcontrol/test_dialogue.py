@@ -186,10 +186,10 @@ def test_why_this_push(conversation: Conversation, question: str) -> None:
     assert result.answer is not None
     planned = conversation.say(AWAY, plan_only=True).plan
     assert isinstance(planned, Plan)
-    height = planned.prediction.critical_height
+    height = planned.push.prediction.critical_height
     assert height is not None
     assert f"topple only when pushed above {1e3 * height:.0f} mm" in result.answer.text
-    assert planned.margins.height == pytest.approx(result.answer.numbers["margin_height"])
+    assert planned.push.margins.height == pytest.approx(result.answer.numbers["margin_height"])
     assert f"{1e3 * planned.push.p_BC[2]:.0f} mm above the table" in result.answer.text
     assert Result.model_validate_json(result.to_json()) == result
 

@@ -10,7 +10,7 @@ from grammar import ParseError
 from nlcontrol import errors
 from nlcontrol.errors import ControlError, ErrorInfo, error, known_error, refusal_error, translated
 from objectmodels import ModelError
-from planner.types.plan import Refusal, RefusalReason
+from planner.types.refusal import Refusal, RefusalReason
 from sim import SceneError
 
 

@@ -13,15 +13,17 @@ from objectmodels import ObjectModel
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.types.actions import (
     FlipOver,
+    FlipPrediction,
     Grasp,
-    HandlingPlan,
-    HandlingPrediction,
     LiftUp,
     PourOut,
+    PourPrediction,
+    PullPrediction,
     SetDown,
 )
 from planner.types.defaults import DEFAULTS
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
+from tests.plans import hand_plan
 from tests.unit.nlcontrol.hands import hand_trace
 
 ML = 1e-6
@@ -29,21 +31,18 @@ GRASP = Grasp(
     p_BG=(0.0, 0.0, 0.08), closing_W=(0.0, 1.0, 0.0), approach_W=(1.0, 0.0, 0.0),
     width=0.06, squeeze=4.0, needed=3.0, strongest=12.0,
 )  # fmt: skip
-LIFT = HandlingPlan(
-    action="lift", object="ice tea", grasp=GRASP, steps=(LiftUp(height=0.1),),
-    prediction=HandlingPrediction(holds=0.99), speed=0.1,
-)  # fmt: skip
-POUR = HandlingPlan(
-    action="pour", object="ice tea", grasp=GRASP,
-    steps=(
-        LiftUp(height=0.1),
-        PourOut(into="mug", heading=0.0, lip_W=(0.5, 0.0, 0.2), angle=2.0, rate=0.3, wait=1.0),
-        SetDown(),
+LIFT = hand_plan("ice tea", GRASP, LiftUp(height=0.1))
+POUR = hand_plan(
+    "ice tea", GRASP,
+    LiftUp(height=0.1),
+    PourOut(
+        into="mug", heading=0.0, lip_W=(0.5, 0.0, 0.2), angle=2.0, rate=0.3, wait=1.0,
+        prediction=PourPrediction(
+            poured=190 * ML, received=180 * ML, spilled=10 * ML, left=10 * ML, level_after=0.5
+        ),
     ),
-    prediction=HandlingPrediction(
-        holds=0.99, poured=190 * ML, received=180 * ML, spilled=10 * ML, left=10 * ML
-    ),
-    speed=0.1,
+    SetDown(),
+    task="pour",
 )  # fmt: skip
 
 
@@ -79,7 +78,8 @@ def test_what_hung_on_the_fingers_is_believed(carton: ObjectModel, mass: float) 
 
 def test_the_weight_of_a_lid_says_nothing_of_its_object(carton: ObjectModel) -> None:
     trace = hand_trace("ice tea", up=0.1, weighs=0.5)
-    lid = LIFT.model_copy(update={"grasp": GRASP.model_copy(update={"part": "lid"})})
+    by_lid = GRASP.model_copy(update={"part": "lid"})
+    lid = hand_plan("ice tea", by_lid, *LIFT.steps)
     assert weighed(LIFT, carton, trace) is not None
     assert weighed(lid, carton, trace) is None
 
@@ -152,7 +152,7 @@ def test_what_was_opened_is_closed_and_what_was_poured_stays(kitchen: Controller
 
 def test_a_lid_is_compared_with_its_object_where_both_forces_act() -> None:
     """What the lid takes most is told by itself: it may be more than the object bears elsewhere."""
-    prediction = HandlingPrediction(
+    prediction = FlipPrediction(
         lid_force=0.7,
         nearest_angle=0.0,
         nearest_force=0.2,
@@ -160,17 +160,16 @@ def test_a_lid_is_compared_with_its_object_where_both_forces_act() -> None:
         topple_force=0.4,
         lid_angle=1.5,
     )
-    flip = FlipOver(start=0.0, end=1.5, speed=0.5, force_limit=0.8, heading=0.0)
-    made = LIFT.model_copy(
-        update={"action": "open", "grasp": None, "steps": (flip,), "prediction": prediction}
+    flip = FlipOver(
+        start=0.0, end=1.5, speed=0.5, force_limit=0.8, heading=0.0, prediction=prediction
     )
-    assert reasons(made) == [
+    assert reasons(hand_plan("ice tea", None, flip, task="open")) == [
         "the lid takes up to 0.7 N",
         "at 0.0°, where the ice tea comes nearest to giving way, it takes 0.2 N, and the ice tea "
         "slides from 0.9 N on and topples from 0.4 N on",
     ]
-    pulled = HandlingPrediction(lid_force=0.7, lifting_force=2.0)
-    assert reasons(made.model_copy(update={"prediction": pulled})) == [
+    pull = LiftUp(height=0.1, prediction=PullPrediction(lid_force=0.7, lifting_force=2.0))
+    assert reasons(hand_plan("ice tea", None, pull, task="open")) == [
         "the lid takes up to 0.7 N",
         "the ice tea is lifted from 2.0 N on",
     ]

@@ -26,7 +26,8 @@ from nlcontrol.questions.push_prediction import predict_push
 from nlcontrol.references.face_names import face_of
 from nlcontrol.results.result import Result
 from objectmodels import BoxModel
-from planner.types.plan import Plan, Refusal
+from planner.types.plan import Plan
+from planner.types.refusal import Refusal
 
 MASS, MASS_SD, MU, MU_SD, HALF, COM_SD = 0.9952, 0.0375, 0.378, 0.0689, 0.045, 0.003
 WEIGHT = MASS * 9.81
@@ -259,7 +260,7 @@ def test_what_is_possible_is_what_the_planner_plans(kitchen: Controller) -> None
     made = kitchen.plan(frame.model_copy(update={"query": None}))
     assert isinstance(made, Plan)
     found = kitchen.answer(frame)
-    assert (found.yes, found.probability) == (True, made.prediction.probability)
+    assert (found.yes, found.probability) == (True, made.push.prediction.probability)
     assert found.numbers["force"] == made.push.force_limit
     height = f"{1e3 * made.push.p_BC[2]:.0f} mm above the table"
     assert found.text.startswith(f"Yes: two fingers on its front face, {height}")

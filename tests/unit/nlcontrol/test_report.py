@@ -14,17 +14,10 @@ from nlcontrol.questions.answer import Answer
 from nlcontrol.reports.result_report import check_line, plan_lines, report
 from nlcontrol.results.result import Execution, Result, Step
 from nlcontrol.text_format import error_lines, quantity, words
-from planner.types.plan import (
-    Aim,
-    DefaultUsed,
-    Limits,
-    Margins,
-    Move,
-    Plan,
-    Prediction,
-    Push,
-    RefusalReason,
-)
+from planner.types.actions import Aim, Limits, Margins, Prediction, Push
+from planner.types.plan import DefaultUsed, Plan
+from planner.types.refusal import RefusalReason
+from tests.plans import changed_push, push_plan
 
 SENTENCE = "push the ice tea box away without toppling it"
 
@@ -35,16 +28,13 @@ def _plan(**prediction: Any) -> Plan:
         "critical_height": 0.119, "critical_height_worst": 0.087, "probability": 0.9999,
         "stay_on_base_angle": 0.37, "tier": "exact", "friction": "static",
     }  # fmt: skip
-    return Plan(
-        push=Push(
+    push = Push(
             object="ice tea box", face="front", p_BC=(-0.045, 0.0, 0.031), normal_W=(-1, 0, 0),
             direction_W=(1, 0, 0), force_limit=6.0, speed=0.05, stroke=0.1, fingers=2,
             spread=0.054, ends_on="stroke",
-        ),
-        prediction=Prediction(**(predicted | prediction)),
-        margins=Margins(force=4.3, height=0.056, lateral=0.018, sigmas=2.0, force_limit=1.2),
-        displacement=(0.1, 0.0, 0.0),
-    )  # fmt: skip
+        )  # fmt: skip
+    margins = Margins(force=4.3, height=0.056, lateral=0.018, sigmas=2.0, force_limit=1.2)
+    return push_plan(push, Prediction(**(predicted | prediction)), margins)
 
 
 @pytest.mark.parametrize(
@@ -89,12 +79,7 @@ def test_a_box_that_never_topples() -> None:
 
 
 def _pushed(**changes: Any) -> str:
-    made = _plan()
-    return "\n".join(plan_lines(made.model_copy(update={"push": _push(made, **changes)})))
-
-
-def _push(made: Plan, **changes: Any) -> Push:
-    return made.push.model_copy(update=changes)
+    return "\n".join(plan_lines(changed_push(_plan(), **changes)))
 
 
 @pytest.mark.parametrize(
@@ -135,13 +120,11 @@ def test_what_is_predicted_of_each_kind_of_push(end: str, verb: str) -> None:
 
 def test_pushes_that_are_foreseen_and_where_they_lead() -> None:
     first = _plan()
-    later = Move(
-        push=_push(first, face="left", direction_W=(0, -1, 0), stroke=0.05),
-        prediction=first.prediction,
-        margins=first.margins,
-    )
+    later = changed_push(first, face="left", direction_W=(0, -1, 0), stroke=0.05).push
     aim = Aim(x=0.55, y=-0.05, yaw=math.pi / 2)
-    made = first.model_copy(update={"later": (later, later), "aim": aim, "probability": 0.962})
+    made = first.model_copy(
+        update={"actions": (first.push, later, later), "aim": aim, "probability": 0.962}
+    )
     lines = list(plan_lines(made))
     assert sum("Then, as foreseen: push the ice tea box" in line for line in lines) == 2
     assert any(line.startswith("  3. ") and "left face" in line for line in lines)

@@ -13,7 +13,9 @@ import grammar
 from grammar.frames.command import Frame, ObjectRef
 from objectmodels import Registry
 from planner import plan
-from planner.types.plan import Plan, Push, Refusal
+from planner.types.actions import Push
+from planner.types.plan import Plan
+from planner.types.refusal import Refusal
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, TableState, WorldState
 

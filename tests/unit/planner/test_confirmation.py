@@ -14,7 +14,8 @@ from planner.pushing.contact_sampling import rated
 from planner.pushing.outcome_prediction import confirmed
 from planner.pushing.touchable_sides import Side
 from planner.types.defaults import DEFAULTS
-from planner.types.plan import Plan, Refusal
+from planner.types.plan import Plan
+from planner.types.refusal import Refusal
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of
 
@@ -62,7 +63,7 @@ def test_a_plan_takes_no_contact_that_is_not_confirmed() -> None:
     if isinstance(made, Plan):
         assert made.push.fingers == 1
         assert made.push.p_BC[2] not in refused
-        assert made.prediction.tier == "exact"
+        assert made.push.prediction.tier == "exact"
     else:
         assert isinstance(made, Refusal)
         assert made.reason in ("impossible", "too_uncertain")

@@ -9,7 +9,8 @@ from objectmodels import BoxModel
 from planner import plan
 from planner.pushing.contact_diagnosis import Touch, experiment, outcome_probability
 from planner.types.defaults import DEFAULTS
-from planner.types.plan import Plan, Refusal
+from planner.types.plan import Plan
+from planner.types.refusal import Refusal
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from planner import plan
-from planner.types.plan import Refusal
+from planner.types.refusal import Refusal
 from planner.types.world_state import PlanarPose, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, planned, refused, world
 
@@ -21,15 +21,15 @@ def _askew(degrees: float) -> WorldState:
 
 def test_what_stands_askew_is_turned_first(reach: RuledReach) -> None:
     made = planned("topple the ice tea box away", _askew(35.0), reach)
-    assert [made.push.ends_on, made.later[-1].push.ends_on] == ["turned", "toppled"]
-    assert made.later[-1].push.direction_W == pytest.approx((1.0, 0.0, 0.0), abs=EXACT)
+    assert [made.push.ends_on, made.pushes[-1].ends_on] == ["turned", "toppled"]
+    assert made.pushes[-1].direction_W == pytest.approx((1.0, 0.0, 0.0), abs=EXACT)
 
 
 def test_where_it_may_not_be_turned_it_falls_askew_to_the_side_that_is_asked(
     reach: RuledReach,
 ) -> None:
     made = planned("topple the ice tea box away at the top", _askew(38.0), reach)
-    assert made.later == ()
+    assert len(made.pushes) == 1
     heading = math.atan2(made.push.direction_W[1], made.push.direction_W[0])
     assert heading == pytest.approx(math.radians(38.0), abs=EXACT)
     # As likely to one side as to the other.
@@ -42,7 +42,7 @@ def test_it_falls_askew_where_the_hand_does_not_turn_it() -> None:
     only_falls = RuledReach(lambda push: push.ends_on == "toppled")
     made = planned("topple the ice tea box away", _askew(35.0), only_falls)
     assert made.push.ends_on == "toppled"
-    assert made.later == ()
+    assert len(made.pushes) == 1
 
 
 def _crowded() -> WorldState:
@@ -52,12 +52,12 @@ def _crowded() -> WorldState:
 
 def test_without_room_it_is_brought_elsewhere_and_falls_there(reach: RuledReach) -> None:
     made = planned("topple the ice tea box away", _crowded(), reach)
-    first, (then,) = made.push, made.later
-    assert (first.ends_on, then.push.ends_on) == ("stroke", "toppled")
+    first, (then,) = made.push, made.pushes[1:]
+    assert (first.ends_on, then.ends_on) == ("stroke", "toppled")
     assert abs(first.direction_W[1]) == pytest.approx(1.0, abs=EXACT)
     # Past the coffee box, 100 mm wide, with half its own width of 90 mm and room to spare.
     assert first.stroke > 0.05 + 0.045
-    assert then.push.direction_W == pytest.approx((1.0, 0.0, 0.0), abs=EXACT)
+    assert then.direction_W == pytest.approx((1.0, 0.0, 0.0), abs=EXACT)
     assert "would fall on the coffee box" in made.notes[0]
 
 
@@ -129,4 +129,4 @@ def test_what_is_foreseen_must_be_reached_as_usual() -> None:
     assert isinstance(plan(frame_of(frame), state, nothing), Refusal)
     either = RuledReach(lambda push: push.face == "right", last=lambda _: True)
     made = planned(frame, state, either)
-    assert [made.push.face, made.later[0].push.face] == ["front", "right"]
+    assert [made.push.face, made.pushes[1].face] == ["front", "right"]

@@ -10,8 +10,9 @@ import pytest
 
 from planner import plan
 from planner.geometry.footprints import footprint, gap
+from planner.types.actions import Aim, Push
 from planner.types.defaults import DEFAULTS
-from planner.types.plan import Aim, Move, Plan, Push, Reached
+from planner.types.plan import Plan, Reached
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, planned, refused, world
 
@@ -20,14 +21,9 @@ RING = [(0.1, 0.0), (-0.1, 0.0), (0.1, 0.1), (-0.1, 0.1), (0.1, -0.1), (-0.1, -0
 LENGTHS = 1e-9  # sums of a few floats [m]
 
 
-def moves(made: Plan) -> list[Move]:
-    first = Move(push=made.push, prediction=made.prediction, margins=made.margins)
-    return [first, *made.later]
-
-
 def end(made: Plan, start: SeenObject) -> np.ndarray:
     """Where straight pushes take an object."""
-    ways = [move.push.stroke * np.array(move.push.direction_W) for move in moves(made)]
+    ways = [push.stroke * np.array(push.direction_W) for push in made.pushes]
     return np.asarray(start.pose.p_WB + np.sum(ways, axis=0))
 
 
@@ -42,7 +38,7 @@ def test_two_directions_take_two_pushes() -> None:
     state = alone()
     made = planned("push the ice tea box 14 cm away and to the left", state)
     assert made.aim is not None
-    assert [move.push.face for move in moves(made)] in (["front", "right"], ["right", "front"])
+    assert [push.face for push in made.pushes] in (["front", "right"], ["right", "front"])
     goal = np.array([0.5, 0.0, 0.0]) + 0.14 / math.sqrt(2) * np.array([1.0, 1.0, 0.0])
     assert end(made, state.objects["ice tea box"]) == pytest.approx(goal, abs=LENGTHS)
     assert (made.aim.x, made.aim.y) == pytest.approx(tuple(goal[:2]), abs=LENGTHS)
@@ -53,9 +49,9 @@ def test_a_box_that_stands_askew_goes_along_its_faces() -> None:
     made = planned("push the ice tea box away", state)
     seen = state.objects["ice tea box"]
     assert end(made, seen) == pytest.approx([0.6, 0.0, 0.0], abs=LENGTHS)
-    for move in moves(made):
-        inward = -seen.pose.R_WB.T @ np.array(move.push.normal_W)
-        assert inward @ seen.pose.R_WB.T @ np.array(move.push.direction_W) == pytest.approx(1.0)
+    for push in made.pushes:
+        inward = -seen.pose.R_WB.T @ np.array(push.normal_W)
+        assert inward @ seen.pose.R_WB.T @ np.array(push.direction_W) == pytest.approx(1.0)
 
 
 def test_a_pull_is_a_push_from_behind() -> None:
@@ -66,7 +62,7 @@ def test_a_pull_is_a_push_from_behind() -> None:
 
 def test_a_pull_comes_nearer_if_nothing_else_is_said() -> None:
     made = planned("pull the ice tea box", alone())
-    assert made.displacement == pytest.approx((-DEFAULTS.distance, 0.0, 0.0))
+    assert made.push.displacement == pytest.approx((-DEFAULTS.distance, 0.0, 0.0))
     (used,) = (default for default in made.defaults if default.name == "direction")
     assert (used.value, used.reason) == (math.pi, "no direction said: toward")
 
@@ -74,19 +70,19 @@ def test_a_pull_comes_nearer_if_nothing_else_is_said() -> None:
 def test_a_round_thing_goes_straight_anywhere() -> None:
     state = world(soup_can=PlanarPose(0.5, 0.0, 0.3))
     made = planned("push the soup can 14 cm away and to the left", state)
-    assert made.later == ()
+    assert len(made.pushes) == 1
     assert made.push.direction_W == pytest.approx((math.sqrt(0.5), math.sqrt(0.5), 0.0))
 
 
 def test_it_goes_around_what_stands_in_the_way() -> None:
     state = world(ice_tea_box=PlanarPose(0.45, 0.0), mug=PlanarPose(0.60, 0.0))
     made = planned("push the ice tea box 30 cm away", state)
-    assert len(moves(made)) == 3
+    assert len(made.pushes) == 3
     here = state.objects["ice tea box"]
     assert end(made, here) == pytest.approx([0.75, 0.0, 0.0], abs=LENGTHS)
-    for move in moves(made):
+    for push in made.pushes:
         for share in np.linspace(0.0, 1.0, 11):
-            way = share * move.push.stroke * np.array(move.push.direction_W)
+            way = share * push.stroke * np.array(push.direction_W)
             x, y, _ = (here.pose.p_WB + way).tolist()
             on_it = replace(here, pose=PlanarPose(x, y))
             apart = gap(footprint(on_it), footprint(state.objects["mug"]))
@@ -97,36 +93,36 @@ def test_it_goes_around_what_stands_in_the_way() -> None:
 def test_a_round_thing_is_led_around_by_one_side_step() -> None:
     state = world(soup_can=PlanarPose(0.45, 0.0), mug=PlanarPose(0.60, -0.06))
     made = planned("push the soup can 30 cm away", state)
-    aside, ahead = moves(made)
+    aside, ahead = made.pushes
     # From there it is straight ahead, so that the next plan needs no other side step.
-    assert aside.push.stroke < 0.1
-    assert ahead.push.stroke > 0.28
+    assert aside.stroke < 0.1
+    assert ahead.stroke > 0.28
 
 
 def test_fragile_things_are_given_a_wide_berth() -> None:
     # 40 mm between the box's side and the mug's.
     state = world(ice_tea_box=PlanarPose(0.45, 0.0), mug=PlanarPose(0.65, 0.109))
-    assert planned("push the ice tea box 30 cm away", state).later == ()
+    assert len(planned("push the ice tea box 30 cm away", state).pushes) == 1
     mug = replace(state.objects["mug"], fragile=True)
     careful = replace(state, objects={**state.objects, "mug": mug})
     close = world(ice_tea_box=PlanarPose(0.45, 0.0), mug=PlanarPose(0.65, 0.105))
     mug = replace(close.objects["mug"], fragile=True)
     close = replace(close, objects={**close.objects, "mug": mug})
-    assert planned("push the ice tea box 30 cm away", close).later
-    assert planned("push the ice tea box 10 cm away", careful).later == ()
+    assert planned("push the ice tea box 30 cm away", close).pushes[1:]
+    assert len(planned("push the ice tea box 10 cm away", careful).pushes) == 1
 
 
 def test_without_touching_keeps_the_distance_that_is_said() -> None:
     state = world(ice_tea_box=PlanarPose(0.45, 0.0), mug=PlanarPose(0.65, 0.12))
     near = planned("push the ice tea box 30 cm away without touching the mug", state)
     assert near.push.limits.clear_of == (("mug", DEFAULTS.clearance),)
-    assert near.later == ()
+    assert len(near.pushes) == 1
 
 
 def test_the_hand_decides_between_two_orders() -> None:
     left_first = RuledReach(lambda push: push.face == "right" or push.p_BC[1] != 0.0)
     made = planned("push the ice tea box 14 cm away and to the left", alone(), left_first)
-    assert moves(made)[0].push.face == "right" or made.push.face == "front"
+    assert made.pushes[0].face == "right" or made.push.face == "front"
     never = RuledReach(lambda push: push.face != "front")
     refusal = refused("push the ice tea box 10 cm away", alone(), never)
     assert refusal.reason == "out_of_reach"
@@ -134,9 +130,9 @@ def test_the_hand_decides_between_two_orders() -> None:
 
 def test_without_time_for_a_second_push_two_fingers_push_steeply() -> None:
     text = "push the ice tea box 10 cm heading 24 degrees"
-    assert len(moves(planned(text, alone()))) == 2
+    assert len(planned(text, alone()).pushes) == 2
     made = planned(f"{text} within 8 s", alone())
-    assert (made.later, made.push.fingers) == ((), 2)
+    assert (len(made.pushes), made.push.fingers) == (1, 2)
     heading = math.atan2(made.push.direction_W[1], made.push.direction_W[0])
     assert heading == pytest.approx(math.radians(24.0))
     # Its friction of 0.693 ± 0.069 lets fingertips slip at 29° in the worst case.
@@ -157,7 +153,7 @@ def test_a_steep_push_keeps_the_aim_of_the_plan_before() -> None:
     frame = frame_of("push the ice tea box 10 cm heading 24 degrees")
     before = plan(frame, alone(), RuledReach(steep))
     assert isinstance(before, Plan)
-    assert not before.later
+    assert len(before.pushes) == 1
     assert before.push.stroke == pytest.approx(0.10)
     start = alone().objects["ice tea box"].pose
     half = replace(
@@ -240,8 +236,8 @@ def test_it_is_not_turned_into_what_it_is_to_meet() -> None:
     made = plan(frame_of(text), state, RuledReach(), before=before)
     assert isinstance(made, Plan)
     assert made.push.ends_on == "turned"
-    assert made.displacement is not None
-    x, y, _ = (state.objects["ice tea box"].pose.p_WB + made.displacement).tolist()
+    assert made.push.displacement is not None
+    x, y, _ = (state.objects["ice tea box"].pose.p_WB + made.push.displacement).tolist()
     there = replace(state.objects["ice tea box"], pose=PlanarPose(x, y, made.push.turn))
     # Seven tenths of the gap are kept.
     assert gap(footprint(there), footprint(state.objects["mug"])) > 0.0069
@@ -250,15 +246,15 @@ def test_it_is_not_turned_into_what_it_is_to_meet() -> None:
 def test_it_meets_what_it_is_to_meet_with_its_last_push_only() -> None:
     state = world(ice_tea_box=PlanarPose(0.45, 0.0, math.radians(30.0)), mug=PlanarPose(0.6, 0.03))
     made = planned("push the ice tea box away until it touches the mug", state)
-    *first, last = moves(made)
+    *first, last = made.pushes
     assert first
     here = state.objects["ice tea box"]
-    for move in first:
-        x, y, _ = (here.pose.p_WB + move.push.stroke * np.array(move.push.direction_W)).tolist()
+    for push in first:
+        x, y, _ = (here.pose.p_WB + push.stroke * np.array(push.direction_W)).tolist()
         here = replace(here, pose=replace(here.pose, x=x, y=y))
         assert gap(footprint(here), footprint(state.objects["mug"])) > DEFAULTS.clearance - 1e-6
-        assert move.push.until is None
-    assert last.push.until == "touching"
+        assert push.until is None
+    assert last.until == "touching"
 
 
 # -- turns ------------------------------------------------------------------------------------
@@ -270,7 +266,7 @@ def test_until_it_moves_is_one_push_however_it_stands() -> None:
     # Turned by more than the fingers stick at, it is pushed square to the face that is nearest.
     askew = planned("push the ice tea box away until it moves", alone(degrees=30.0))
     for made in (straight, askew):
-        assert made.later == ()
+        assert len(made.pushes) == 1
         assert made.push.until == "moves"
     inward = -np.array(askew.push.normal_W)
     assert inward @ np.array(askew.push.direction_W) == pytest.approx(1.0)
@@ -280,7 +276,7 @@ def test_until_it_moves_is_one_push_however_it_stands() -> None:
 def test_a_turn_is_parted_so_that_displacements_cancel() -> None:
     state = alone()
     made = planned("turn the ice tea box by 90 degrees to the left", state)
-    outer, middle, last = (move.push for move in moves(made)[:3])
+    outer, middle, last = made.pushes[:3]
     assert {push.ends_on for push in (outer, middle, last)} == {"turned"}
     assert outer.turn == pytest.approx(last.turn)
     assert middle.turn > outer.turn > 0.0
@@ -291,23 +287,23 @@ def test_a_turn_is_parted_so_that_displacements_cancel() -> None:
     here = state.objects["ice tea box"].pose
     assert (made.aim.x, made.aim.y) == (here.x, here.y)
     # Each by itself displaces the object by more than all of them together.
-    assert made.displacement is not None
-    assert math.hypot(*made.displacement[:2]) > DEFAULTS.aim_drift
+    assert made.push.displacement is not None
+    assert math.hypot(*made.push.displacement[:2]) > DEFAULTS.aim_drift
 
 
 def test_half_turns_keep_their_sense() -> None:
     left = planned("turn the ice tea box 180 degrees to the left", alone())
     right = planned("turn the ice tea box 180 degrees clockwise", alone())
-    assert all(move.push.turn > 0.0 for move in moves(left) if move.push.ends_on == "turned")
-    assert all(move.push.turn < 0.0 for move in moves(right) if move.push.ends_on == "turned")
+    assert all(push.turn > 0.0 for push in left.pushes if push.ends_on == "turned")
+    assert all(push.turn < 0.0 for push in right.pushes if push.ends_on == "turned")
 
 
 def test_a_turn_without_room_is_made_near_by() -> None:
     state = world(cereal_box=PlanarPose(0.5, 0.0), mug=PlanarPose(0.59, 0.0))
     made = planned("turn the cereal box a quarter turn to the left", state)
-    first, *others = moves(made)
-    assert first.push.ends_on == "stroke"
-    assert [move.push.ends_on for move in others[:2]] == ["turned", "turned"]
+    first, *others = made.pushes
+    assert first.ends_on == "stroke"
+    assert [push.ends_on for push in others[:2]] == ["turned", "turned"]
     # Nothing is left beside it where it would have to stay.
     ring = {f"mug {i}": PlanarPose(0.5 + x, y) for i, (x, y) in enumerate(RING)}
     plain = state.objects["mug"].model
@@ -331,17 +327,17 @@ def test_a_turn_goes_on_as_it_was_begun() -> None:
     frame = frame_of("turn the ice tea box by 90 degrees to the left")
     start = alone()
     before = planned("turn the ice tea box by 90 degrees to the left", start)
-    first, second = moves(before)[:2]
-    assert before.displacement is not None
+    first, second = before.pushes[:2]
+    assert before.push.displacement is not None
     # It has turned 2° less than it should, and the plan's other sides would do as well.
-    x, y, _ = (start.objects["ice tea box"].pose.p_WB + before.displacement).tolist()
-    turned = first.push.turn - math.radians(2.0)
+    x, y, _ = (start.objects["ice tea box"].pose.p_WB + before.push.displacement).tolist()
+    turned = first.turn - math.radians(2.0)
     here = world(ice_tea_box=PlanarPose(x, y, turned))
     made = plan(frame, here, RuledReach(), before=before)
     assert isinstance(made, Plan)
-    assert made.push.p_BC == pytest.approx(second.push.p_BC)
+    assert made.push.p_BC == pytest.approx(second.p_BC)
     left = math.radians(90.0) - turned
-    rest = [move.push.turn for move in moves(before)[1:]]
+    rest = [push.turn for push in before.pushes[1:]]
     assert made.push.turn == pytest.approx(rest[0] * left / sum(rest))
     assert made.aim == before.aim
 
@@ -374,9 +370,9 @@ def test_what_is_missed_is_corrected_towards_the_same_aim() -> None:
     made = plan(frame, alone(degrees=2.0), RuledReach(), before=towards(aim))
     assert isinstance(made, Plan)
     assert made.aim == aim
-    assert moves(made)[0].push.direction_W[0] < -0.9
+    assert made.pushes[0].direction_W[0] < -0.9
     # The fingers square it up on the way.
-    assert moves(made)[0].push.turn == pytest.approx(math.radians(-2.0))
+    assert made.pushes[0].turn == pytest.approx(math.radians(-2.0))
 
 
 # -- taps -------------------------------------------------------------------------------------
@@ -387,4 +383,4 @@ def test_a_tap_touches_a_side_and_ends_as_it_gives_way(words: str, face: str) ->
     made = planned(f"tap the ice tea box {words}", alone())
     assert (made.push.face, made.push.until) == (face, "moves")
     assert made.push.stroke == pytest.approx(DEFAULTS.tap)
-    assert made.later == ()
+    assert len(made.pushes) == 1

@@ -10,7 +10,8 @@ import pytest
 
 from planner import plan
 from planner.types.defaults import DEFAULTS
-from planner.types.plan import Plan, Reached, Refusal
+from planner.types.plan import Plan, Reached
+from planner.types.refusal import Refusal
 from planner.types.world_state import PlanarPose, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, planned, refused, world
 
@@ -44,13 +45,13 @@ def test_without_toppling_takes_the_contact_farthest_from_it(
 ) -> None:
     made = planned("push the ice tea box away without toppling it", kitchen, reach)
     assert made.push.p_BC[2] == pytest.approx(reach.lowest_height)
-    assert made.prediction.outcome == "slide"
+    assert made.push.prediction.outcome == "slide"
     # Golden height b/μ of the ice tea box.
-    assert made.prediction.critical_height == pytest.approx(0.119, abs=5e-4)
-    assert made.margins.height > 0.0
-    assert made.margins.force > 0.0
-    assert made.margins.force_limit > 0.0
-    assert 0.95 <= made.prediction.probability <= 1.0
+    assert made.push.prediction.critical_height == pytest.approx(0.119, abs=5e-4)
+    assert made.push.margins.height > 0.0
+    assert made.push.margins.force > 0.0
+    assert made.push.margins.force_limit > 0.0
+    assert 0.95 <= made.push.prediction.probability <= 1.0
     assert {used.name for used in made.defaults} == {"distance", "speed"}
 
 
@@ -142,7 +143,7 @@ def test_what_two_fingers_pushed_is_not_turned_back_by_one(reach: RuledReach) ->
 def test_distances(text: str, distance: float, kitchen: WorldState, reach: RuledReach) -> None:
     made = planned(text, kitchen, reach)
     assert made.push.stroke == pytest.approx(distance)
-    assert made.displacement == pytest.approx((distance, 0.0, 0.0), abs=LENGTHS)
+    assert made.push.displacement == pytest.approx((distance, 0.0, 0.0), abs=LENGTHS)
 
 
 def test_bounds_are_kept_with_the_tolerance_to_spare(
@@ -190,12 +191,12 @@ def test_at_the_bottom_is_a_third(kitchen: WorldState, reach: RuledReach) -> Non
 def test_toppling(name: str, kitchen: WorldState, reach: RuledReach) -> None:
     made = planned(f"topple the {name}", kitchen, reach)
     target = kitchen.objects[name]
-    assert made.prediction.outcome == "topple"
-    assert made.prediction.probability >= DEFAULTS.probability
-    assert made.prediction.critical_height is not None
-    assert made.push.p_BC[2] > made.prediction.critical_height
+    assert made.push.prediction.outcome == "topple"
+    assert made.push.prediction.probability >= DEFAULTS.probability
+    assert made.push.prediction.critical_height is not None
+    assert made.push.p_BC[2] > made.push.prediction.critical_height
     assert made.push.ends_on == "toppled"
-    assert made.displacement is None
+    assert made.push.displacement is None
     inward = -np.array(made.push.normal_W)
     angle = target.model.angle_of_no_return(target.pose.R_WB.T @ inward)
     # The stroke leads past the angle of no return.

@@ -9,7 +9,8 @@ import pytest
 
 from planner import plan
 from planner.types.defaults import DEFAULTS
-from planner.types.plan import Plan, Refusal
+from planner.types.plan import Plan
+from planner.types.refusal import Refusal
 from planner.types.world_state import PlanarPose, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, planned, refused, world
 
@@ -33,7 +34,7 @@ def test_a_tilt_to_each_side(
     assert (push.ends_on, push.face, push.until) == ("tilted", face, None)
     assert push.tilt == pytest.approx(math.radians(8.0))
     assert push.direction_W == pytest.approx((*direction, 0.0), abs=LENGTHS)
-    assert (made.prediction.outcome, made.displacement) == ("topple", None)
+    assert (made.push.prediction.outcome, made.push.displacement) == ("topple", None)
     # High enough that it tilts before it slides: golden height b/μ of 119 mm.
     assert push.p_BC[2] > 0.119
     # The stroke covers the tilt with its tolerance: h sin θ at least, for a finger that sticks.

@@ -10,7 +10,7 @@ import pytest
 from objectmodels import Registry
 from objectmodels.identification import Trial
 from planner.touch_experiments import Experiment, Kind, expected
-from planner.types.plan import FaceName
+from planner.types.actions import FaceName
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import ArmHandReach, load_scene
 from sim.exploration.exploration_run import OPPOSITE, SPIRAL, Explorer, Touched

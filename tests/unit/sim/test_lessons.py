@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from objectmodels import BoxModel
-from planner.types.plan import Push
+from planner.types.actions import Push
 from planner.types.world_state import PlanarPose, SeenObject
 from sim.exploration.push_observation import EVEN, FORCE_SD, shown
 from sim.traces.trace import EndReason, Trace

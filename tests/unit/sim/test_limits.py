@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from objectmodels import Registry
-from planner.types.plan import Limits, Push
+from planner.types.actions import Limits, Push
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.cell.cell_description import Vision
 from sim.control.pushing.clause_guards import End, LimitGuards

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from objectmodels import Registry
-from planner.types.plan import Push
+from planner.types.actions import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import ArmHandReach, load_scene

@@ -10,7 +10,7 @@ import pytest
 
 from objectmodels import BoxModel, Registry
 from planner.geometry.directions import face_name
-from planner.types.plan import Push
+from planner.types.actions import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import ArmHandReach, load_scene

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from nlcontrol import Controller
 from objectmodels import Registry
-from planner.types.plan import Push
+from planner.types.actions import Push
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
 from sim.collision.collision_scene import (

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from objectmodels import Registry
-from planner.types.plan import Push
+from planner.types.actions import Push
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS

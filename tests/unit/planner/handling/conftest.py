@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from planner import plan
-from planner.types.actions import HandlingPlan
-from planner.types.plan import Refusal
+from planner.types.plan import Plan
+from planner.types.refusal import Refusal
 from planner.types.robot import Grip, ReachAnswer
 from planner.types.world_state import PlanarPose, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, world
@@ -23,13 +23,13 @@ CONTACTS = np.array([[0.0, 0.0], [0.0, 0.027], [0.0, 0.0], [0.0, -0.027]])
 class RuledHand:
     """The planner's port to the hand, answering by a rule."""
 
-    rule: Callable[[HandlingPlan], bool] = lambda _: True
+    rule: Callable[[Plan], bool] = lambda _: True
     narrowest: float = 0.008
     widest: float = 0.100
     lowest_level: float = 0.0
     strongest: float = 11.0
     blocker: str | None = None
-    asked: list[HandlingPlan] = field(default_factory=list)
+    asked: list[Plan] = field(default_factory=list)
 
     def grip(self, width: float) -> Grip | None:
         shares = np.array([1.0, 1 / 3, 1 / 3, 1 / 3])
@@ -38,7 +38,7 @@ class RuledHand:
     def pinch(self, width: float) -> Grip | None:
         return Grip(np.zeros((2, 2)), np.ones(2), self.strongest, (0.09, 0.06), 0.014)
 
-    def handles(self, plan: HandlingPlan, state: WorldState) -> ReachAnswer:
+    def handles(self, plan: Plan, state: WorldState) -> ReachAnswer:
         self.asked.append(plan)
         if self.rule(plan):
             return ReachAnswer(ok=True, margin=0.5)
@@ -46,10 +46,10 @@ class RuledHand:
         return ReachAnswer(ok=False, reason=reason, message="too far", blocker=self.blocker)
 
 
-def planned(text: str, state: WorldState, hand: RuledHand) -> HandlingPlan:
+def planned(text: str, state: WorldState, hand: RuledHand) -> Plan:
     """The plan of a sentence that takes a hand."""
     made = plan(frame_of(text), state, RuledReach(), hand=hand)
-    assert isinstance(made, HandlingPlan), made
+    assert isinstance(made, Plan), made
     return made
 
 

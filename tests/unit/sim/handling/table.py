@@ -8,10 +8,12 @@ from objectmodels.models.box import BoxModel
 from objectmodels.models.cylinder import CylinderModel
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.object_parts import Container, Opening
-from planner.types.actions import Grasp, HandlingPlan, HandlingPrediction, HandStep
+from planner.types.actions import Action, Grasp
+from planner.types.plan import Plan
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject, load_scene
+from tests.plans import hand_plan
 
 CARTON = BoxModel(
     name="carton",
@@ -84,14 +86,6 @@ def grasp(*, height: float = 0.08, squeeze: float = 8.0, width: float = 0.06) ->
     )
 
 
-def plan(*steps: HandStep, held: bool = False, of: Grasp | None = None) -> HandlingPlan:
+def plan(*steps: Action, held: bool = False, of: Grasp | None = None) -> Plan:
     """Some steps with the carton."""
-    return HandlingPlan(
-        action="lift",
-        object="carton",
-        grasp=of or grasp(),
-        held=held,
-        steps=steps,
-        prediction=HandlingPrediction(),
-        speed=0.2,
-    )
+    return hand_plan("carton", of or grasp(), *steps, held=held, speed=0.2)

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from objectmodels import Registry
 from objectmodels.containers.lid_geometry import THICKNESS
-from planner.types.actions import FlipOver, HandlingPlan, HandlingPrediction
+from planner.types.actions import FlipOver
+from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.arms.lwr.lwr_kinematics import LIMITS
@@ -27,6 +28,7 @@ from sim.traces.trace import Trace
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject, load_scene
 from sim.worlds.drake.drake_world import DrakeWorld
+from tests.plans import EASY_FLIP, hand_plan
 
 OPEN = math.radians(100.0)
 CUP = "ice tea cup"
@@ -41,16 +43,11 @@ def _state(x: float, y: float, yaw: float, *others: SeenObject, opened: float = 
     return WorldState({CUP: cup} | {each.name: each for each in others})
 
 
-def _plan(start: float, end: float, *, heading: float = 0.0, limit: float = 1.5) -> HandlingPlan:
-    step = FlipOver(start=start, end=end, speed=0.05, force_limit=limit, heading=heading)
-    return HandlingPlan(
-        action="open" if end > start else "close",
-        object=CUP,
-        grasp=None,
-        steps=(step,),
-        prediction=HandlingPrediction(),
-        speed=0.1,
+def _plan(start: float, end: float, *, heading: float = 0.0, limit: float = 1.5) -> Plan:
+    step = FlipOver(
+        start=start, end=end, speed=0.05, force_limit=limit, heading=heading, prediction=EASY_FLIP
     )
+    return hand_plan(CUP, None, step, task="open" if end > start else "close")
 
 
 @given(st.floats(0.0, 1.9), st.booleans())
@@ -180,7 +177,7 @@ def _scene(*, yaw_deg: float, mass: float = 0.3, snap: float = 0.03) -> Scene:
     return load_scene("kitchen").model_copy(update={"objects": (cup,)})
 
 
-def _done(plan: HandlingPlan, world: DrakeWorld) -> Trace:
+def _done(plan: Plan, world: DrakeWorld) -> Trace:
     return execute(plan, world, {CUP: Registry.built_in().get(CUP)})
 
 

@@ -6,29 +6,36 @@ import numpy as np
 import pytest
 
 from objectmodels.models.box import BoxModel
-from planner.types.actions import Carry, Grasp, HandlingPlan, LiftUp, PourOut, SetDown
-from planner.types.plan import Aim
+from planner.types.actions import Aim, Carry, Grasp, LiftUp, PourOut, SetDown
+from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
 from sim.arms.lwr import lwr_kinematics as arm
 from sim.motion.grasp_motion_search import GraspMotion
 from sim.motion.robot_reach import ArmHandReach
+from tests.plans import NOTHING_POURED
 from tests.unit.sim.handling.table import CARTON, grasp, plan, scene, state
 
 REACH = ArmHandReach(scene().cell)
 LIFT, DOWN = LiftUp(height=0.12), SetDown()
 POUR = PourOut(
-    into="mug", heading=np.pi / 2.0, lip_W=(0.75, 0.238, 0.112), angle=2.2, rate=0.35, wait=1.0
+    into="mug",
+    heading=np.pi / 2.0,
+    lip_W=(0.75, 0.238, 0.112),
+    angle=2.2,
+    rate=0.35,
+    wait=1.0,
+    prediction=NOTHING_POURED,
 )
 
 
-def _way(made: HandlingPlan, seen: WorldState) -> GraspMotion:
+def _way(made: Plan, seen: WorldState) -> GraspMotion:
     way = REACH.grasp_motion(made, seen)
     assert isinstance(way, GraspMotion), way
     return way
 
 
-def _refused(made: HandlingPlan, seen: WorldState) -> ReachAnswer:
+def _refused(made: Plan, seen: WorldState) -> ReachAnswer:
     answer = REACH.handles(made, seen)
     assert not answer.ok
     return answer

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from objectmodels.models.cylinder import CylinderModel
-from planner.types.actions import Carry, HandlingPlan, LiftUp, SetDown
-from planner.types.plan import Aim
+from planner.types.actions import Aim, Carry, LiftUp, SetDown
+from planner.types.plan import Plan
 from sim import execute
 from sim.traces.trace import Trace
 from sim.truth.scene_file import Scene
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow
 WEIGHT = 0.34 * 9.81
 
 
-def _run(made: HandlingPlan, where: Scene | None = None) -> tuple[Trace, DrakeWorld, list[str]]:
+def _run(made: Plan, where: Scene | None = None) -> tuple[Trace, DrakeWorld, list[str]]:
     world, told = DrakeWorld(where or scene(), seed=1), []
     trace = execute(made, world, MODELS, progress=lambda _phase, _time, text: told.append(text))
     return trace, world, told

@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from planner.types.actions import Carry, LiftUp, PourOut, SetDown
-from planner.types.plan import Aim
+from planner.types.actions import Aim, Carry, LiftUp, PourOut, SetDown
 from sim.paths.held_object import HeldObject
 from sim.paths.held_object_path import (
     HeldSegment,
@@ -18,11 +17,18 @@ from sim.paths.held_object_path import (
     withdrawals,
 )
 from sim.rotations import axis_rotation
+from tests.plans import NOTHING_POURED
 from tests.unit.sim.handling.table import grasp, plan, state
 
 LIFT, DOWN = LiftUp(height=0.12), SetDown()
 POUR = PourOut(
-    into="mug", heading=np.pi / 2.0, lip_W=(0.75, 0.24, 0.11), angle=2.0, rate=0.35, wait=1.0
+    into="mug",
+    heading=np.pi / 2.0,
+    lip_W=(0.75, 0.24, 0.11),
+    angle=2.0,
+    rate=0.35,
+    wait=1.0,
+    prediction=NOTHING_POURED,
 )
 CARTON = state().objects["carton"]
 OFF = np.array([-0.07, 0.0, 0.0])

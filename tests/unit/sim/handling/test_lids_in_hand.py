@@ -9,18 +9,8 @@ import pytest
 
 from objectmodels import Registry
 from objectmodels.models.object_parts import LiftOffLid, ScrewCap
-from planner.types.actions import (
-    Carry,
-    Grasp,
-    HandlingPlan,
-    HandlingPrediction,
-    HandStep,
-    LiftUp,
-    PutOn,
-    SetDown,
-    TurnCap,
-)
-from planner.types.plan import Aim
+from planner.types.actions import Action, Aim, Carry, Grasp, LiftUp, PutOn, SetDown, TurnCap
+from planner.types.plan import Plan
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.hands.four_finger.grasp_postures import pinch
 from sim.hands.four_finger.hand_kinematics import finger_points
@@ -28,10 +18,11 @@ from sim.motion.robot_reach import ArmHandReach
 from sim.paths.held_object import HeldObject
 from sim.paths.held_object_path import held_segments
 from sim.truth.scene_file import load_scene
+from tests.plans import EASY_TURN, hand_plan
 
 JAR, BOTTLE = "jar", "water bottle"
 AT = {JAR: (0.25, -0.32), BOTTLE: (0.80, 0.40)}
-TURN = TurnCap(angle=math.tau, torque_limit=0.1)
+TURN = TurnCap(angle=math.tau, torque_limit=0.1, prediction=EASY_TURN)
 
 
 def _state(name: str, lid_at: tuple[float, float, float] | None = None) -> WorldState:
@@ -41,7 +32,7 @@ def _state(name: str, lid_at: tuple[float, float, float] | None = None) -> World
     return WorldState({name: seen})
 
 
-def _plan(name: str, *steps: HandStep, yaw: float = 0.0) -> HandlingPlan:
+def _plan(name: str, *steps: Action, yaw: float = 0.0) -> Plan:
     model = Registry.built_in().get(name)
     lid = model.lid
     assert isinstance(lid, LiftOffLid | ScrewCap)
@@ -59,17 +50,10 @@ def _plan(name: str, *steps: HandStep, yaw: float = 0.0) -> HandlingPlan:
         needed=3.0,
         strongest=10.0,
     )
-    return HandlingPlan(
-        action="open",
-        object=name,
-        grasp=grasp,
-        steps=steps,
-        prediction=HandlingPrediction(),
-        speed=0.12,
-    )
+    return hand_plan(name, grasp, *steps, speed=0.12, task="open")
 
 
-def _aside(name: str) -> tuple[HandStep, ...]:
+def _aside(name: str) -> tuple[Action, ...]:
     x, y = AT[name]
     to = Aim(x=x, y=y + (0.13 if y < 0.0 else -0.13))
     return LiftUp(height=0.04, hold=0.0), Carry(to=to), SetDown()
