@@ -32,7 +32,8 @@ import numpy as np
 
 from benchmarks.record import Kept, carried_out
 from nlcontrol import Controller
-from nlcontrol.learning.exploration_session import CENTRE_OF_MASS, ExplorationReport, explore
+from nlcontrol.learning.exploration_session import CENTRE_OF_MASS, explore
+from nlcontrol.learning.learning_reports import ExplorationReport
 from nlcontrol.learning.push_lessons import taken
 from nlcontrol.reports.exploration_report import with_truth
 from objectmodels import ObjectModel

@@ -30,8 +30,8 @@ from pydantic import Field
 from benchmarks.goals.worlds import as_believed
 from benchmarks.record import Kept, carried_out
 from nlcontrol import Controller, Registry
-from nlcontrol.checks import PLANNED_ENDS, Check
 from nlcontrol.checks.trace_measures import tilt_at_end
+from nlcontrol.checks.verdicts import PLANNED_ENDS, Check
 from nlcontrol.learning.grasp_lessons import refilled
 from objectmodels import ObjectModel
 from objectmodels.models.object_parts import Lid, LiftOffLid

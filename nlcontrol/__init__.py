@@ -21,7 +21,7 @@ refuse_shadowed()
 
 if TYPE_CHECKING:
     from grammar import Command, Frame, ParseError, parse
-    from nlcontrol.checks import Check
+    from nlcontrol.checks.verdicts import Check
     from nlcontrol.errors import ControlError, ErrorInfo
     from nlcontrol.results.result import Result
     from nlcontrol.session.controller import Controller
@@ -42,7 +42,7 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "BoxModel": "objectmodels",
-    "Check": "nlcontrol.checks",
+    "Check": "nlcontrol.checks.verdicts",
     "Command": "grammar",
     "ControlError": "nlcontrol.errors",
     "Controller": "nlcontrol.session.controller",

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import importlib
 from typing import TYPE_CHECKING
 
 import nlcontrol_former_names  # noqa: F401 – serves former names
+from objectmodels.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from objectmodels.errors import ModelError
@@ -62,11 +62,4 @@ _HOMES = {
     "suggest": "objectmodels.name_suggestions",
 }
 
-
-def __getattr__(name: str) -> object:
-    """Load a public name on first use, so that what needs one room loads no other."""
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value: object = getattr(importlib.import_module(_HOMES[name]), name)
-    globals()[name] = value
-    return value
+__getattr__ = lazy_names(__name__, _HOMES)

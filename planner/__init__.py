@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import importlib
 from typing import TYPE_CHECKING
 
 import nlcontrol_former_names  # noqa: F401 – serves former names
+from objectmodels.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from planner.planning import plan
@@ -24,11 +24,4 @@ _HOMES = {
     "plan": "planner.planning",
 }
 
-
-def __getattr__(name: str) -> object:
-    """Load a public name on first use, so that what needs one room loads no other."""
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value: object = getattr(importlib.import_module(_HOMES[name]), name)
-    globals()[name] = value
-    return value
+__getattr__ = lazy_names(__name__, _HOMES)

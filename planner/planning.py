@@ -16,7 +16,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, overload
 
 from grammar.frames import command as g
-from planner.grasping.grasp_planning import handle, is_handled
+from planner.problem.hand_goals import is_handled
 from planner.problem.place_regions import region
 from planner.problem.push_problem import read
 from planner.pushing.strategies import Attempt, persistently
@@ -80,6 +80,8 @@ def plan(
     """
     if hand is None or before is not None or not is_handled(frame):
         return _pushes(frame, state, reach, defaults, before)
+    from planner.grasping.grasp_planning import handle  # pushes do without it
+
     if not isinstance(frame.goal, g.Place):
         return handle(frame, state, hand, defaults)
     # What is nearly there is moved least by a push.

@@ -5,10 +5,10 @@ Drake is imported when a world is built, not with this package.
 
 from __future__ import annotations
 
-import importlib
 from typing import TYPE_CHECKING
 
 import nlcontrol_former_names  # noqa: F401 – serves former names
+from objectmodels.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from sim.errors import PictureError, SceneError, SimError
@@ -55,11 +55,4 @@ _HOMES = {
     "watch": "sim.execution.plan_execution",
 }
 
-
-def __getattr__(name: str) -> object:
-    """Load a public name on first use, so that what needs one room loads no other."""
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value: object = getattr(importlib.import_module(_HOMES[name]), name)
-    globals()[name] = value
-    return value
+__getattr__ = lazy_names(__name__, _HOMES)

@@ -22,7 +22,7 @@ from benchmarks.goals.worlds import Job, believed
 from benchmarks.record import Kept
 from grammar.frames.command import Frame
 from nlcontrol import Controller
-from nlcontrol.checks import Check
+from nlcontrol.checks.verdicts import Check
 from planner.types.plan import Plan
 
 if TYPE_CHECKING:

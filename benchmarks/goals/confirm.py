@@ -35,7 +35,7 @@ from benchmarks.goals.sentences import said
 from benchmarks.goals.worlds import Generator, Job, as_believed, believed
 from benchmarks.record import Kept, carried_out
 from benchmarks.strokes import Array, heading_of, upright
-from nlcontrol.checks import require_checkable
+from nlcontrol.checks.frame_checks import require_checkable
 from nlcontrol.errors import ControlError
 from objectmodels import ObjectModel
 from planner.types.world_state import WorldState

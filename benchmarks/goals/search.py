@@ -30,7 +30,8 @@ from benchmarks.strokes import (
     upright,
 )
 from grammar.frames import command as g
-from nlcontrol.checks import Check, check
+from nlcontrol.checks.frame_checks import check
+from nlcontrol.checks.verdicts import Check
 from nlcontrol.references.reference_resolution import mentioned
 from objectmodels import ObjectModel
 from planner.geometry.directions import HEADINGS, bisector

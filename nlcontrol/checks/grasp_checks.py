@@ -14,8 +14,8 @@ import numpy as np
 from grammar.frames import command as g
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.verdicts import Check, Clause, Relation, compare, named
+from objectmodels.containers.lid_geometry import is_off
 from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
-from planner.grasping.lid_planner import is_off
 
 if TYPE_CHECKING:
     from nlcontrol.checks.evidence import Evidence

@@ -14,6 +14,12 @@ if TYPE_CHECKING:
 Relation = Literal["about", "at_most", "at_least", "is"]
 Unit = Literal["m", "rad", "N", "m/s", "s", "m³", ""]
 
+PLANNED_ENDS = frozenset({"stroke", "turned", "returned", "event", "reached", "toppled", "handled"})
+"""Ends of a push, or of what a hand did, that are as they were meant."""
+
+HAND_ENDS = frozenset({"no_grasp", "slipped", "missed", "nudged"})
+"""Ends of what a whole hand did that are not as they were meant."""
+
 
 class Clause(Protocol):
     """A goal or a constraint: a kind, and the words it comes from."""

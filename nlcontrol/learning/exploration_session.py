@@ -18,17 +18,15 @@ from dataclasses import dataclass, replace
 from datetime import date
 from typing import TYPE_CHECKING
 
-from pydantic import BaseModel, ConfigDict
-
 from nlcontrol.errors import ControlError, ErrorInfo, error
-from nlcontrol.learning.log_fitting import FittedParameter, correlations, fitted_parameter
+from nlcontrol.learning.learning_reports import ExplorationReport, TouchMade
+from nlcontrol.learning.log_fitting import correlations, fitted_parameter
 from nlcontrol.learning.push_lessons import SPREAD, taken
 from objectmodels.errors import ModelError
 from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification.belief_update import guess as guessed
 from objectmodels.identification.closed_form_estimates import (
     Estimates,
-    Statistics,
     estimates,
     table,
 )
@@ -65,66 +63,6 @@ _BELIEVING = "what was believed before counts as measured, since the touches are
 
 Told = Callable[["Touched", "ObjectModel"], None]
 """Told of each touch, and of what is believed after it."""
-
-
-class TouchMade(BaseModel):
-    """One touch in a few words.
-
-    Attributes:
-        experiment: what was tried.
-        outcome: what came of it.
-        as_meant: whether it showed what it was to show.
-        force: at which something moved [N]; null if nothing did.
-    """
-
-    model_config = ConfigDict(defer_build=True, frozen=True)
-
-    experiment: str
-    outcome: str
-    as_meant: bool
-    force: float | None
-
-
-class ExplorationReport(BaseModel):
-    """What an exploration found; SI units.
-
-    Attributes:
-        object: name in the scene.
-        scene, seed: of the world.
-        touches: one after another.
-        repeated: each parameter over the repetitions.
-        parameters: each parameter by the joint fit of all trials.
-        correlations: of those found, from 0.3 on.
-        friction_spread: relative standard deviation of the friction from slide to slide.
-        rms: root mean square of the relative errors of the predicted forces.
-        support: how the base carries the object, the one that predicts best.
-        given_up: experiments that were tried in vain, with the reason.
-        dropped: trials left out of the fit, each with the reason.
-        notes: what else a reader should know.
-        truth: how the object really is, if an observer was asked.
-        saved: file of the fitted model, if it was kept; `instead_of` whose place it takes.
-    """
-
-    model_config = ConfigDict(defer_build=True, frozen=True)
-
-    ok: bool = True
-    object: str
-    scene: str
-    seed: int
-    touches: tuple[TouchMade, ...]
-    repeated: dict[str, Statistics]
-    parameters: dict[str, FittedParameter]
-    correlations: tuple[tuple[str, str, float], ...]
-    friction_spread: float
-    rms: float
-    support: str | tuple[tuple[float, ...], ...]
-    given_up: tuple[str, ...]
-    dropped: dict[str, str]
-    notes: tuple[str, ...]
-    truth: dict[str, float] | None = None
-    saved: str | None = None
-    instead_of: str | None = None
-    files: dict[str, str] = {}
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nlcontrol.checks import trace_measures as measures
-from nlcontrol.learning.push_lessons import Change, Lesson
+from nlcontrol.learning.learning_reports import Change, Lesson
 from objectmodels.containers.contents_update import holding, reweighed
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.types.actions import LiftUp, PourOut

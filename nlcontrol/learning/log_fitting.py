@@ -13,8 +13,7 @@ from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 
-from pydantic import BaseModel, ConfigDict
-
+from nlcontrol.learning.learning_reports import FitReport, FittedParameter
 from objectmodels import ModelError, ObjectModel, Provenance
 from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification.identifiability import UNKNOWN
@@ -48,71 +47,6 @@ NAMES = {
     "com_z": "centre of mass, z",
 }
 """Parameters as people call them."""
-
-
-class FittedParameter(BaseModel):
-    """A parameter that was found; SI units.
-
-    Attributes:
-        value: what was found.
-        sd: its standard deviation.
-        percent: that in percent of the value; null for the horizontal centre of mass.
-        low, high: where it lies with a probability of 95 %.
-        believed, believed_sd: what was believed before.
-    """
-
-    model_config = ConfigDict(defer_build=True, frozen=True)
-
-    value: float
-    sd: float
-    percent: float | None
-    low: float
-    high: float
-    believed: float
-    believed_sd: float
-
-
-class FitReport(BaseModel):
-    """What a fit of data files found; SI units.
-
-    Attributes:
-        object: name of the model.
-        files: the data files.
-        trials: number of those used, by what moved.
-        assumed: number of trials whose force came without a standard deviation.
-        parameters: those found, by name.
-        correlations: of those found, from 0.3 on.
-        unidentified: what the data do not tell, kept as believed, each with the experiment that
-            would find it; empty if parameters were asked for.
-        dropped: trials left out, each with the reason.
-        rms: root mean square of the relative errors of the predicted forces.
-        friction_spread: relative standard deviation of the friction from slide to slide.
-        noise: factor by which the stated standard deviations were too small.
-        support: how the base carries the object, the one that predicts best.
-        notes: what else a reader should know.
-        saved, output: files written, if any.
-        instead_of: where the model comes from whose place the saved one takes, if it takes one.
-    """
-
-    model_config = ConfigDict(defer_build=True, frozen=True)
-
-    ok: bool = True
-    object: str
-    files: tuple[str, ...]
-    trials: dict[str, int]
-    assumed: int
-    parameters: dict[str, FittedParameter]
-    correlations: tuple[tuple[str, str, float], ...]
-    unidentified: dict[str, str]
-    dropped: dict[str, str]
-    rms: float
-    friction_spread: float
-    noise: float
-    support: str | tuple[tuple[float, ...], ...]
-    notes: tuple[str, ...]
-    saved: str | None = None
-    output: str | None = None
-    instead_of: str | None = None
 
 
 @dataclass(frozen=True)

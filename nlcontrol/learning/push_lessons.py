@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
 
-from nlcontrol.text_format import known
+from nlcontrol.learning.learning_reports import Change, Lesson
 from objectmodels.errors import ModelError
 from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.mechanics.turning_push import learned_radius
@@ -39,86 +38,6 @@ SHOWS_RADIUS = math.radians(8.0)
 RADIUS_SD = 0.15
 """Relative standard deviation of a friction radius that one turn shows: the finger rolls, the load
 shifts."""
-
-_METRES = {
-    "friction_radius": "friction radius",
-    "com_x": "centre of mass, x",
-    "com_y": "centre of mass, y",
-    "com_z": "centre of mass, z",
-}  # told in millimetres
-_MOVED, _SURER = 0.3, 0.8  # a change is told from this on: in standard deviations, and their ratio
-
-
-class Change(BaseModel):
-    """One parameter before and after.
-
-    Attributes:
-        parameter: its name.
-        before, before_sd: what was believed, and its standard deviation [SI].
-        after, after_sd: what is believed now.
-    """
-
-    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
-
-    parameter: str
-    before: float
-    before_sd: float
-    after: float
-    after_sd: float
-
-    @property
-    def matters(self) -> bool:
-        """Whether it is worth telling: another value, or one that is known better."""
-        moved = abs(self.after - self.before) > _MOVED * self.before_sd
-        return moved or self.after_sd < _SURER * self.before_sd
-
-    @property
-    def text(self) -> str:
-        """In words."""
-        figures = ((self.before, self.before_sd), (self.after, self.after_sd))
-        if self.parameter in _METRES:
-            before, after = (f"{1e3 * x + 0.0:.1f} ± {1e3 * sd:.1f}" for x, sd in figures)
-            return f"{_METRES[self.parameter]} {before} → {after} mm"
-        before, after = (known(x, sd) for x, sd in figures)
-        unit = " kg" if self.parameter == "mass" else ""
-        return f"{self.parameter.replace('_', ' ')} {before} → {after}{unit}"
-
-
-class Lesson(BaseModel):
-    """What one push taught, or what hung on the fingers.
-
-    Attributes:
-        object: its name in the scene.
-        moved: what gave way; `none` if nothing did; `lift` if it was lifted.
-        force: felt then [N].
-        surprise: how far that was from what was predicted, in standard deviations.
-        contradicts: whether the push was stopped because it went otherwise than predicted.
-        why: in words, if so.
-        changes: of what is believed.
-    """
-
-    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
-
-    object: str
-    moved: Literal["slide", "topple", "slip", "lift", "none"]
-    force: float
-    surprise: float
-    contradicts: bool
-    why: str | None
-    changes: tuple[Change, ...]
-
-    @property
-    def text(self) -> str:
-        """In a sentence."""
-        if self.moved == "lift":
-            now = "; ".join(change.text for change in self.changes)
-            return f"The {self.object} hung on the fingers with {self.force:.2f} N: {now}"
-        moved = {"slide": "slid", "topple": "tilted", "slip": "let the finger slip"}
-        what = moved.get(self.moved, "stood still")
-        begun = f"{self.why}: the {self.object}" if self.why else f"The {self.object}"
-        told = [change.text for change in self.changes if change.matters]
-        rest = "; ".join(told) or "as believed"
-        return f"{begun} {what} at {self.force:.2f} N: {rest}"
 
 
 def learned(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectModel, Lesson] | None:

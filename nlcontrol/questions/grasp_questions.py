@@ -23,8 +23,8 @@ from nlcontrol.questions.where_to_push import most_favourable
 from nlcontrol.text_format import quantity
 from planner import plan
 from planner.geometry.directions import HEADINGS, phrase
-from planner.grasping.grasp_planning import is_handled
 from planner.grasping.lid_planner import is_open
+from planner.problem.hand_goals import is_handled
 from planner.problem.tilt_goals import meant
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal

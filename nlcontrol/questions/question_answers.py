@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from grammar.frames import command as g
-from nlcontrol.checks import require_checkable
+from nlcontrol.checks.frame_checks import require_checkable
 from nlcontrol.errors import ControlError, error
 from nlcontrol.questions.answer import DOES, Answer, Considered, affordance_lines, chance, newtons
 from nlcontrol.questions.asked_push import EVENTS, Inquiry, inquiry, target_of

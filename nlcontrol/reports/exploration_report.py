@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nlcontrol.learning.exploration_session import CENTRE_OF_MASS, ExplorationReport
+from nlcontrol.learning.exploration_session import CENTRE_OF_MASS
+from nlcontrol.learning.learning_reports import ExplorationReport
 from nlcontrol.learning.log_fitting import NAMES, UNITS
 
 if TYPE_CHECKING:

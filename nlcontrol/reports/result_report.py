@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator
 
 from nlcontrol import grasp_plan_text as handwords
-from nlcontrol.checks import Check
+from nlcontrol.checks.verdicts import Check
 from nlcontrol.outcome_maps import outcome_map_table as maps
 from nlcontrol.questions.answer import Answer
 from nlcontrol.references.object_names import listed

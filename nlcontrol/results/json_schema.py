@@ -8,9 +8,7 @@ from pydantic.json_schema import models_json_schema
 
 from grammar.frames.command import Command
 from nlcontrol.errors import ErrorInfo
-from nlcontrol.learning.exploration_session import ExplorationReport
-from nlcontrol.learning.log_fitting import FitReport
-from nlcontrol.learning.push_lessons import Lesson
+from nlcontrol.learning.learning_reports import ExplorationReport, FitReport, Lesson
 from nlcontrol.questions.push_prediction import PushPrediction
 from nlcontrol.results.result import Result
 from planner.types.default_settings import settings

@@ -10,11 +10,10 @@ from pydantic import BaseModel, ConfigDict, Field, InstanceOf
 from pydantic.json_schema import SkipJsonSchema
 
 from grammar.frames.command import Frame
-from nlcontrol.checks import Check
 from nlcontrol.checks import trace_measures as measures
+from nlcontrol.checks.verdicts import Check
 from nlcontrol.errors import OK, ErrorInfo
-from nlcontrol.learning.exploration_session import ExplorationReport
-from nlcontrol.learning.push_lessons import Lesson
+from nlcontrol.learning.learning_reports import ExplorationReport, Lesson
 from nlcontrol.questions.answer import Answer
 from planner.explanation.push_explanation import Basis
 from planner.explanation.rows import Row

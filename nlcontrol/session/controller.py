@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from grammar.frames.command import Command, Frame
-from nlcontrol.checks import Check, check, require_checkable
 from nlcontrol.errors import ControlError, error, translated
 from nlcontrol.references.object_names import Candidate
 from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve
@@ -29,6 +28,7 @@ from sim.truth.scene_file import Scene, SceneObject, load_scene
 
 if TYPE_CHECKING:
     from grammar.parser import Parser
+    from nlcontrol.checks.verdicts import Check
     from nlcontrol.questions.answer import Answer
     from planner.affordances import Affordance
     from planner.types.defaults import Defaults
@@ -240,6 +240,7 @@ class Controller:
         Raises:
             ControlError: `uncheckable` if a clause could not be checked afterwards.
         """
+        from nlcontrol.checks.frame_checks import require_checkable
         from planner import plan
 
         state = self.look() if state is None else state
@@ -278,6 +279,8 @@ class Controller:
 
     def check(self, frame: Frame, trace: Trace) -> tuple[Check, ...]:
         """A verdict for each clause of a frame."""
+        from nlcontrol.checks.frame_checks import check
+
         return check(frame, trace, self.models, self.table, defaults=self.defaults)
 
     def say(

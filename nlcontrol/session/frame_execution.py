@@ -21,10 +21,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from grammar.frames import command as g
-from nlcontrol.checks import not_held
 from nlcontrol.errors import NOT_UNDERSTOOD, ControlError, ErrorInfo, refusal_error
-from nlcontrol.learning.grasp_lessons import TRIED_AGAIN, believed_after, weighed
-from nlcontrol.learning.push_lessons import learned
 from nlcontrol.results.result import Result, ResultStatus, Step, summary, with_
 from planner.explanation.push_explanation import Basis
 from planner.geometry.directions import angle_between
@@ -217,8 +214,7 @@ class _Carrying:
         trace = self.controller.execute(made, self.progress)
         self.traces.append(trace)
         if not made.pushes:
-            self._learn_by_hand(made, trace)
-            return trace.end not in TRIED_AGAIN
+            return self._learn_by_hand(made, trace)
         self._learn(made, state, trace)
         if trace.end in FAILURES:
             self.reach.failed(made.push, trace.detail)
@@ -239,6 +235,8 @@ class _Carrying:
 
     def _learn(self, made: Plan, state: WorldState, trace: Trace) -> None:
         """What a push taught; the controller believes it from now on."""
+        from nlcontrol.learning.push_lessons import learned  # planning alone teaches nothing
+
         name = made.push.object
         found = learned(made, state.objects[name], trace)
         if found is None:
@@ -249,8 +247,10 @@ class _Carrying:
         if lesson.contradicts and self.progress is not None:
             self.progress("learn", float(trace.time[-1]), lesson.text)
 
-    def _learn_by_hand(self, made: Plan, trace: Trace) -> None:
-        """What lifting taught of a weight, and where the contents are now."""
+    def _learn_by_hand(self, made: Plan, trace: Trace) -> bool:
+        """What lifting taught of a weight, and where the contents are; whether all was done."""
+        from nlcontrol.learning.grasp_lessons import TRIED_AGAIN, believed_after, weighed
+
         models = self.controller.models
         found = weighed(made, models[made.object], trace)
         if found is not None:
@@ -258,6 +258,7 @@ class _Carrying:
             self.controller.models[made.object] = model
             self._note(lessons=(*self.step.lessons, lesson))
         models |= believed_after(made, models, trace)
+        return trace.end not in TRIED_AGAIN
 
     def _traced(self, result: Result) -> Result:
         """The result with everything that happened for this frame."""
@@ -273,6 +274,8 @@ class _Carrying:
         result = with_(result, checks=result.checks + checks)
         missed = tuple(c for c in checks if not c.ok)
         if missed:
+            from nlcontrol.checks.frame_checks import not_held
+
             return _ended(result, self.step, "failed", not_held(missed, trace, self.step.stuck))
         return _ended(result, self.step, "done")
 

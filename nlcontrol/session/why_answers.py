@@ -7,13 +7,13 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from nlcontrol import grasp_plan_text as handwords
-from nlcontrol.checks import HAND_ENDS, PLANNED_ENDS
+from nlcontrol.checks.verdicts import HAND_ENDS, PLANNED_ENDS
 from nlcontrol.questions.answer import Answer
 from nlcontrol.text_format import quantity
 from planner.geometry.directions import phrase
 
 if TYPE_CHECKING:
-    from nlcontrol.checks import Check
+    from nlcontrol.checks.verdicts import Check
     from nlcontrol.results.result import Result
     from planner.types.actions import PushAction
     from planner.types.plan import Plan

@@ -9,6 +9,7 @@ Frame: B, at the centre of the base, z up.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,7 @@ from numpy.typing import ArrayLike
 from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon
 from objectmodels.models.cylinder import CylinderModel
 from objectmodels.models.object_model import ObjectModel
-from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid
+from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap
 
 THICKNESS = 0.003
 """Of a flip lid and its tab [m]."""
@@ -117,6 +118,12 @@ def rise(model: ObjectModel, opened: float) -> float:
         reach = hinge(model.lid, rim(model), model.top).reach + model.lid.tab
         up = reach * float(np.sin(np.clip(opened, 0.0, 0.5 * np.pi)))
     return height(model.lid) + up
+
+
+def is_off(lid: LiftOffLid | ScrewCap, opened: float) -> bool:
+    """Whether a lid is off, by how far it is seen to be open [m], or turned [rad]."""
+    # A camera sees the whole turn of a cap a little wrongly.
+    return opened > (lid.travel if isinstance(lid, LiftOffLid) else 0.97 * math.tau * lid.turns)
 
 
 def called(name: str) -> str:

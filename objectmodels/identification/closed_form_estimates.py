@@ -29,6 +29,7 @@ from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification.measurement_model import Balance, tilt_arms
 from objectmodels.identification.parameter_coordinates import COM_X, MASS
+from objectmodels.identification.parameter_statistics import Statistics
 from objectmodels.identification.trial import Trial
 from objectmodels.mechanics.push_thresholds import GRAVITY, yaw_arm
 from objectmodels.models.object_model import ObjectModel
@@ -70,27 +71,6 @@ class Estimates:
         """The value of a parameter of `UNCERTAIN`."""
         found: float | None = getattr(self, name)
         return found
-
-
-@dataclass(frozen=True)
-class Statistics:
-    """A line of the paper's Table I.
-
-    Attributes:
-        mean: over the repetitions.
-        sd: standard deviation of one repetition; None of a single one.
-        percent: the same in per cent of the mean.
-        least: smallest value.
-        most: largest value.
-        n: number of repetitions with a value.
-    """
-
-    mean: float
-    sd: float | None
-    percent: float | None
-    least: float
-    most: float
-    n: int
 
 
 def table(estimates: Iterable[Estimates]) -> dict[str, Statistics]:

@@ -9,6 +9,7 @@ from planner.grasping.lid_planner import close_lid, open_lid
 from planner.grasping.lift_planner import lift, place, set_down
 from planner.grasping.pour_planner import pour_out
 from planner.problem.grasp_limits import Setting, manner
+from planner.problem.hand_goals import HAND_GOALS
 from planner.problem.planning_problem import Task
 from planner.refusals import grasp_refusals as refusals
 from planner.refusals import push_refusals as pushing
@@ -20,21 +21,6 @@ if TYPE_CHECKING:
     from planner.types.refusal import Refusal
     from planner.types.robot import HandReach
     from planner.types.world_state import SeenObject, WorldState
-
-_DOING = {
-    "lift": "lifting",
-    "set_down": "putting down",
-    "place": "lifting",
-    "pour": "pouring from",
-    "open": "opening",
-    "close": "closing",
-}
-"""What a goal that takes a whole hand does to its object."""
-
-
-def is_handled(frame: g.Frame) -> bool:
-    """Whether a frame asks for a whole hand; what is to be placed may also be pushed there."""
-    return frame.goal.kind in _DOING and (frame.goal.kind != "place" or frame.action == "place")
 
 
 def handle(
@@ -50,7 +36,7 @@ def handle(
     """
     try:
         target = _target(frame, state)
-        doing = _DOING[frame.goal.kind]
+        doing = HAND_GOALS[frame.goal.kind]
         how = manner(frame, Setting(target, state, defaults, doing))
         task = Task(target, state, hand, how, defaults, doing)
         return _done(frame, task)

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from objectmodels.containers.lid_forces import FlipArc, Loosening, flip, lift_off, unscrew
+from objectmodels.containers.lid_geometry import is_off
 from objectmodels.geometry.base_shapes import Array, Disc
 from objectmodels.geometry.support_points import hull
 from objectmodels.mechanics.push_thresholds import GRAVITY
@@ -111,16 +112,6 @@ def is_open(seen: SeenObject, defaults: Defaults) -> bool:
         case FlipLid():
             return angle >= defaults.lid_opened
     return is_off(lid, angle)
-
-
-def is_off(lid: LiftOffLid | ScrewCap, seen: float) -> bool:
-    """Whether a lid is off, by how far it is seen to be open."""
-    return seen > (lid.travel if isinstance(lid, LiftOffLid) else _whole_turn(lid))
-
-
-def _whole_turn(cap: ScrewCap) -> float:
-    """Angle by which a cap turns until it is off [rad]; a camera sees it a little wrongly."""
-    return 0.97 * math.tau * cap.turns
 
 
 # -- flip lids ----------------------------------------------------------------------------------

@@ -10,7 +10,8 @@ import pytest
 
 from grammar.frames import command as g
 from nlcontrol import Controller
-from nlcontrol.checks import Check, not_held, require_checkable
+from nlcontrol.checks.frame_checks import not_held, require_checkable
+from nlcontrol.checks.verdicts import Check
 from planner.types.defaults import DEFAULTS
 from sim.traces.trace import ContactEvent, Trace
 from tests.unit.nlcontrol.hands import hand_trace, over_time

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller
+from nlcontrol.learning.learning_reports import Change, Lesson
 from nlcontrol.learning.push_lessons import (
     CONTRADICTIONS,
     RADIUS_SD,
-    Change,
-    Lesson,
     changes,
     learned,
     taken,

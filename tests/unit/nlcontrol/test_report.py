@@ -8,7 +8,7 @@ from typing import Any, get_args
 import pytest
 
 from grammar.frames import command as g
-from nlcontrol.checks import Check
+from nlcontrol.checks.verdicts import Check
 from nlcontrol.errors import CODES, NO_PLAN, ErrorInfo
 from nlcontrol.questions.answer import Answer
 from nlcontrol.reports.result_report import check_line, plan_lines, report

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 from grammar.frames import command as g
-from nlcontrol import checks as clause_checks
-from nlcontrol.checks import Check
+from nlcontrol.checks import frame_checks as clause_checks
+from nlcontrol.checks.verdicts import Check
 from objectmodels import BoxModel, CylinderModel
 from planner.types.world_state import TableState
 from sim.traces.trace import Trace

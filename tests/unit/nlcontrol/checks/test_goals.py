@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from grammar.frames import command as g
-from nlcontrol import checks as clause_checks
+from nlcontrol.checks import frame_checks as clause_checks
 from objectmodels import BoxModel
 from planner.types.defaults import DEFAULTS
 from tests.unit.nlcontrol.checks.conftest import (

@@ -8,7 +8,7 @@ from typing import Any, get_args
 import pytest
 
 from grammar.frames import command as g
-from nlcontrol.checks import not_held, require_checkable
+from nlcontrol.checks.frame_checks import not_held, require_checkable
 from nlcontrol.errors import ControlError
 from objectmodels import BoxModel
 from tests.unit.nlcontrol.checks.conftest import (

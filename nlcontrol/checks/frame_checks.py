@@ -1,0 +1,115 @@
+"""Did it happen as it was said? One check per clause, from the frame and the trace alone.
+
+The checker knows nothing of the plan. Besides frame and trace it takes the believed shapes of the
+objects where a clause is about them (the upper third of a height, a gap between surfaces), the
+extent of the table, and the table of defaults for what a clause means when the sentence says no
+more. What a place or a displacement means it shares with the planner
+(`planner.problem.place_regions`, `planner.problem.displacement_goals`): a word has one meaning.
+
+A clause without a check is an error, raised before anything is executed: no sentence is called
+satisfied because a part of it was skipped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from grammar.frames import command as g
+from nlcontrol.checks.bystander_checks import others
+from nlcontrol.checks.constraint_checks import CONSTRAINTS
+from nlcontrol.checks.evidence import Evidence
+from nlcontrol.checks.goal_checks import GOALS
+from nlcontrol.checks.verdicts import HAND_ENDS, PLANNED_ENDS, Check, named
+from nlcontrol.errors import error
+from planner.types.defaults import DEFAULTS, Defaults
+
+if TYPE_CHECKING:
+    from nlcontrol.errors import ErrorInfo
+    from objectmodels import ObjectModel
+    from planner.types.world_state import TableState
+    from sim.traces.trace import Trace
+
+_OF_PUSHES = frozenset(
+    {"contact", "effector", "hard", "fast", "force", "min_force", "speed", "min_speed", "duration"}
+)
+"""Constraints on pushes, which say nothing where no push is needed."""
+
+
+def check(
+    frame: g.Frame,
+    trace: Trace,
+    models: Mapping[str, ObjectModel],
+    table: TableState,
+    *,
+    defaults: Defaults = DEFAULTS,
+) -> tuple[Check, ...]:
+    """Checks every clause of a frame, and that nothing else was touched.
+
+    Args:
+        frame: what was asked, its objects resolved.
+        trace: what happened.
+        models: the believed models of the objects by name, for their shapes; that of the frame's
+            object and of those that it speaks of must be there.
+        table: extent of the table top.
+        defaults: what a clause means when the sentence does not say more.
+
+    Raises:
+        ControlError: `uncheckable` if a clause has no check.
+    """
+    require_checkable(frame)
+    e = Evidence.of(frame, trace, models, table, defaults)
+    checks = list(GOALS[frame.goal.kind](frame.goal, e))
+    for clause in frame.constraints:
+        if trace.end == "reached" and clause.kind in _OF_PUSHES:
+            checks.append(named(clause, "push", "none needed", "none needed"))
+        else:
+            checks += CONSTRAINTS[clause.kind](clause, e)
+    return (*checks, *others(e))
+
+
+def not_held(missed: Sequence[Check], trace: Trace, stuck: str | None = None) -> ErrorInfo:
+    """The error of an execution in which some checks failed.
+
+    Args:
+        missed: checks that do not hold.
+        trace: what happened.
+        stuck: why no further push was made, if that is the matter.
+    """
+    told = {"others": "touching nothing else"}
+    clauses = ", ".join(
+        dict.fromkeys(told.get(c.clause, c.clause.replace("_", " ")) for c in missed)
+    )
+    message = f"executed, but this did not hold: {clauses}"
+    if trace.end not in PLANNED_ENDS:
+        what = "the hand stopped" if trace.end in HAND_ENDS else "the push ended early"
+        message += f" ({what}: {trace.detail})"
+    if stuck is not None:
+        message += f" (nothing more was done: {stuck})"
+    spans = missed[0].spans
+    return error("clause_not_held", message, span=spans[0] if spans else None).info
+
+
+def require_checkable(frame: g.Frame) -> None:
+    """Refuses a frame with a clause that could not be checked afterwards.
+
+    Raises:
+        ControlError: `uncheckable`, with the words of the clause.
+    """
+    goal = frame.goal
+    if goal.kind not in GOALS:
+        raise _uncheckable(goal.kind, goal.spans)
+    if isinstance(goal, g.Place) and goal.relation == "on":
+        raise _uncheckable("place on an object", goal.spans)
+    for clause in frame.constraints:
+        if clause.kind not in CONSTRAINTS:
+            raise _uncheckable(clause.kind, clause.spans)
+
+
+def _uncheckable(what: str, spans: g.Spans) -> Exception:
+    return error(
+        "uncheckable",
+        f"this version cannot check '{what.replace('_', ' ')}' after the execution, "
+        "so it does not execute it",
+        span=(spans[0][0], spans[-1][1]) if spans else None,
+    )
