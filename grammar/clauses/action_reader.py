@@ -7,7 +7,7 @@ from typing import Any, cast
 
 from grammar.clauses.clause_errors import unexpected
 from grammar.clauses.clause_parts import Clause
-from grammar.clauses.consistency import require_consistent
+from grammar.clauses.consistency import is_still, require_consistent
 from grammar.clauses.constraint_builder import constraints_of, require_same
 from grammar.clauses.goal_builder import intended
 from grammar.clauses.object_descriptions import parted_of
@@ -92,7 +92,7 @@ class ActionReader:
             constraints, event, asked = _without_stops(constraints)
         goal = self._goal(verb, name, result, rest, thing, spans[0])
         goal, thing = self._of_a_part(goal, thing)
-        if verb.action == "push" and _still(constraints) and not _says_more(goal):
+        if verb.action == "push" and is_still(constraints) and not _says_more(goal):
             goal = g.NoGoal()  # a push need not move what it pushes
         frame = g.Frame(
             action=cast(g.Action, verb.action),
@@ -253,11 +253,6 @@ def _stopping(parts: Parts) -> Parts:
     stop = g.Until(event=event, object=place.reference[0], spans=(place.span,))
     until = ConstraintPart(place.span, stop, ends.subject)
     return [until if part is place else part for part in parts if part is not ends]
-
-
-def _still(constraints: Sequence[g.Constraint]) -> bool:
-    """Whether the object is to stay where it is."""
-    return {"no_slide", "no_tilt", "no_turn"} <= {c.kind for c in constraints}
 
 
 def _says_more(goal: g.Goal) -> bool:

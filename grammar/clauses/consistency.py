@@ -1,4 +1,4 @@
-"""What a clause says against itself, found before anything is planned; both places are told."""
+"""Contradictions within one clause, found before anything is planned, with both their places."""
 
 from __future__ import annotations
 
@@ -7,32 +7,9 @@ from typing import Any, cast
 
 from grammar.errors import ParseError
 from grammar.frames import command as g
+from grammar.frames.conflicts import EXCLUSIVE, FORBIDS, FORBIDS_BELOW, FORBIDS_EVENT, ORDERED
+from grammar.frames.constraints import STILL
 from grammar.words.normalisation import Normalised
-
-_FORBIDDING = {
-    "topple": ("no_topple", "no_tilt", "max_tilt"),
-    "tilt": ("no_tilt",),
-    "rotate": ("no_turn",),
-    "lift": ("no_lift",),
-    "pour": ("no_tilt",),
-    "displace": ("no_slide",),
-    "place": ("no_slide",),
-}
-"""Constraints that forbid a goal."""
-
-_EXCLUSIVE = (
-    ("gentle", "hard"), ("slow", "fast"), ("effector", "effector"), ("force", "force"),
-    ("speed", "speed"), ("duration", "duration"), ("until", "until"),
-)  # fmt: skip
-_ORDERED = (
-    ("force", "max_force"), ("min_force", "force"), ("min_force", "max_force"),
-    ("speed", "max_speed"), ("min_speed", "speed"), ("min_speed", "max_speed"),
-    ("duration", "max_duration"),
-)  # fmt: skip
-"""The value of the first is at most that of the second."""
-
-_FALLS = {"tips": ("no_topple", "no_tilt"), "about_to_tip": ("no_tilt",)}
-
 
 Places = tuple[g.Spans, g.Spans]
 
@@ -79,40 +56,45 @@ def _contradictions(frame: g.Frame) -> Iterator[Places]:
 
 
 def _forbids(clause: g.Constraint, frame: g.Frame) -> bool:
-    """Whether a constraint forbids what the goal asks."""
+    """Check for a constraint that forbids what the goal asks."""
     goal = frame.goal
-    if clause.kind in _FORBIDDING.get(goal.kind, ()):
-        slides = frame.action in ("push", "pull", "slide") or _still(frame)
+    if clause.kind in FORBIDS.get(goal.kind, ()):
+        slides = frame.action in ("push", "pull", "slide") or is_still(frame.constraints)
         return slides or goal.kind not in ("displace", "place")
-    match clause, goal:
-        case g.MaxTilt(), g.Tilt(angle=float(angle)):
-            return angle > clause.value and goal.bound != "at_most"
-        case g.MaxTurn(), g.Rotate(angle=float(angle)):
-            return angle > clause.value and goal.bound != "at_most"
-        case g.MaxDistance(), g.Displace(distance=float(distance)):
-            return distance > clause.value and goal.bound != "at_most"
-        case g.NoTouch(object=g.ObjectRef() as other), _ if frame.object is not None:
-            itself = other.text.casefold() == frame.object.text.casefold()
-            itself = itself or (other.pronoun and not _others(frame))
-            return itself or _brings_to(goal, other)
-    return False
+    if isinstance(clause, g.NoTouch):
+        return _keeps_off_goal(clause, frame)
+    field, limit = FORBIDS_BELOW.get(goal.kind, ("", ""))
+    if clause.kind != limit or cast(Any, goal).bound == "at_most":
+        return False
+    value = getattr(goal, field)
+    return isinstance(value, float) and value > cast(Any, clause).value
+
+
+def _keeps_off_goal(clause: g.NoTouch, frame: g.Frame) -> bool:
+    """Check for an object that must not be touched, but is moved itself or is moved to."""
+    other = clause.object
+    if other is None or frame.object is None:
+        return False
+    itself = other.text.casefold() == frame.object.text.casefold()
+    itself = itself or (other.pronoun and not _names_another(frame))
+    return itself or _brings_to(frame.goal, other)
 
 
 def _asks(clause: g.Constraint, frame: g.Frame) -> g.Spans:
     """The words that ask for what a constraint forbids: the goal's, or the verb if it says it."""
     goal = frame.goal
-    limited = isinstance(clause, g.MaxTilt | g.MaxTurn) and not isinstance(goal, g.Topple)
-    by_goal = limited or isinstance(goal, g.Displace | g.Place)
+    _, limit = FORBIDS_BELOW.get(goal.kind, ("", ""))
+    by_goal = clause.kind == limit or isinstance(goal, g.Displace | g.Place)
     return (goal.spans if by_goal else frame.spans) or frame.spans + goal.spans
 
 
-def _still(frame: g.Frame) -> bool:
-    """Whether the object is not to move at all."""
-    return {"no_slide", "no_tilt", "no_turn"} <= {c.kind for c in frame.constraints}
+def is_still(constraints: Sequence[g.Constraint]) -> bool:
+    """Check for constraints that keep the object where it is."""
+    return set(STILL) <= {constraint.kind for constraint in constraints}
 
 
-def _others(frame: g.Frame) -> bool:
-    """Whether the goal names another object, which "it" may stand for."""
+def _names_another(frame: g.Frame) -> bool:
+    """Check for a goal that names another object, for which "it" may stand."""
     goal = frame.goal
     if isinstance(goal, g.Place):
         return isinstance(goal.reference, tuple)
@@ -129,12 +111,12 @@ def _brings_to(goal: g.Goal, other: g.ObjectRef) -> bool:
 
 
 def _exclude(first: g.Constraint, second: g.Constraint) -> bool:
-    if (first.kind, second.kind) in _EXCLUSIVE:
+    if (first.kind, second.kind) in EXCLUSIVE:
         return True
-    if (first.kind, second.kind) in _ORDERED:
+    if (first.kind, second.kind) in ORDERED:
         return bool(cast(Any, first).value > cast(Any, second).value)
     if isinstance(first, g.Until):
-        if second.kind in _FALLS.get(first.event, ()):
+        if second.kind in FORBIDS_EVENT.get(first.event, ()):
             return True
         if isinstance(second, g.NoTouch) and first.event == "touching":
             return first.object is not None and second.object == first.object.model_copy(
@@ -144,7 +126,7 @@ def _exclude(first: g.Constraint, second: g.Constraint) -> bool:
 
 
 def _no_such_height(contact: g.ContactRegion) -> bool:
-    """Whether a third of the face and a bound of the height leave nothing between them."""
+    """Check for a third of the face and a bound of the height with nothing between them."""
     height = contact.height
     if height is None or contact.region is None or height.bound == "exact":
         return False

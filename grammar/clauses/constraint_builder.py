@@ -7,20 +7,8 @@ from dataclasses import replace
 
 from grammar.clauses.consistency import once
 from grammar.errors import ParseError
-from grammar.frames.command import (
-    Constraint,
-    ContactRegion,
-    MaxDistance,
-    MaxTilt,
-    MaxTurn,
-    NoLift,
-    NoSlide,
-    NoSpill,
-    NoTilt,
-    NoTopple,
-    NoTouch,
-    NoTurn,
-)
+from grammar.frames.command import Constraint, ContactRegion, MaxDistance, NoTouch
+from grammar.frames.constraints import CONSTRAINTS, STILL, new_constraint
 from grammar.phrases.phrase_parts import (
     AnglePart,
     AvoidPart,
@@ -34,20 +22,8 @@ from grammar.phrases.phrase_parts import (
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 
-_Avoided = type[NoTopple | NoTilt | NoTurn | NoSlide | NoLift | NoSpill]
-AVOIDED: dict[str, tuple[_Avoided, ...]] = {
-    "no_topple": (NoTopple,),
-    "no_tilt": (NoTilt,),
-    "no_turn": (NoTurn,),
-    "no_slide": (NoSlide,),
-    "no_lift": (NoLift,),
-    "no_spill": (NoSpill,),
-    "no_move": (NoSlide, NoTilt, NoTurn),
-}
-
-
-_LISTED = ("no_touch", "max_tilt", "max_turn", "max_distance")
-"""Constraints that further things to avoid may follow."""
+_NO_MOVE = "no_move"
+"""Word of the lexicon for the kinds that together keep an object where it is."""
 
 
 def constraints_of(
@@ -104,13 +80,19 @@ def _require_opened(
 ) -> None:
     """A further thing to avoid needs a first one before it."""
     listed = isinstance(previous, AvoidPart | FurtherNoTouchPart) or (
-        isinstance(previous, ConstraintPart) and previous.constraint.kind in _LISTED
+        isinstance(previous, ConstraintPart) and _may_be_continued(previous.constraint)
     )
     if not getattr(part, "further", True) or listed:
         return
     written = sentence.written(part.span)
     message = f'"{written}" needs "without" before it'
     raise ParseError("unexpected_words", message, part.span, (f"without {written}",))
+
+
+def _may_be_continued(constraint: Constraint) -> bool:
+    """Check for a constraint that further things to avoid may follow."""
+    limits = {kind.words.limit for kind in CONSTRAINTS.values()}
+    return isinstance(constraint, NoTouch) or constraint.kind in limits
 
 
 def _with_particles(parts: Sequence[Part], lexicon: Lexicon) -> list[Part]:
@@ -167,14 +149,14 @@ def _with_bounds(parts: Sequence[Part]) -> list[Part]:
 def _limit(avoid: AvoidPart, part: Part) -> ConstraintPart | None:
     if not isinstance(part, AnglePart | LengthPart) or part.bound != "at_least":
         return None
+    avoided = CONSTRAINTS.get(STILL[0] if avoid.kind == _NO_MOVE else avoid.kind)
+    limit = avoided.words.limit if avoided else ""
+    unit = "rad" if isinstance(part, AnglePart) else "m"
+    if not limit or CONSTRAINTS[limit].words.unit != unit or not isinstance(part.value, float):
+        return None
     span = avoid.span[0], part.span[1]
-    value = part.value
-    if isinstance(part, AnglePart) and avoid.kind in ("no_topple", "no_tilt", "no_turn"):
-        kind: type[MaxTilt | MaxTurn] = MaxTurn if avoid.kind == "no_turn" else MaxTilt
-        return ConstraintPart(span, kind(value=part.value, spans=(span,)), avoid.thing)
-    if isinstance(value, float) and avoid.kind in ("no_slide", "no_move"):
-        return ConstraintPart(span, MaxDistance(value=value, spans=(span,)), avoid.thing)
-    return None
+    constraint = new_constraint(limit, value=part.value, spans=(span,))
+    return ConstraintPart(span, constraint, avoid.thing)
 
 
 def _avoided(part: AvoidPart, thing: ThingPart, sentence: Normalised) -> list[Constraint]:
@@ -189,7 +171,8 @@ def _avoided(part: AvoidPart, thing: ThingPart, sentence: Normalised) -> list[Co
         # What is not touched is not knocked over.
         return [NoTouch(object=part.thing.ref, spans=(part.span,))]
     require_same(part.thing, thing, part, sentence)
-    return [kind(spans=(part.span,)) for kind in AVOIDED[part.kind]]
+    kinds = STILL if part.kind == _NO_MOVE else (part.kind,)
+    return [new_constraint(kind, spans=(part.span,)) for kind in kinds]
 
 
 def _one_contact(constraints: Sequence[Constraint], sentence: Normalised) -> list[Constraint]:

@@ -12,6 +12,7 @@ from typing import Any, cast
 from grammar.clauses.clause_parts import Clause
 from grammar.errors import ParseError
 from grammar.frames import command as g
+from grammar.frames.goals import GOALS
 from grammar.phrases.phrase_parts import (
     AmountPart,
     AwayFromPart,
@@ -266,7 +267,7 @@ def fill_goal(clause: Clause) -> g.Pour:
 
 # --- which goal --------------------------------------------------------------------------------
 
-GOALS: dict[str, Callable[[Clause], g.Goal]] = {
+GOAL_BUILDERS: dict[str, Callable[[Clause], g.Goal]] = {
     "displace": _displace,
     "contact": _contact,
     "place": _place,
@@ -284,14 +285,8 @@ GOALS: dict[str, Callable[[Clause], g.Goal]] = {
     "parameters": _parameters,
 }
 
-_OUTCOMES = {
-    "moves": "displace",
-    "slides": "displace",
-    "tips": "topple",
-    "tilts": "tilt",
-    "turns": "rotate",
-    "ends_up": "displace",
-}
+_OUTCOMES = {event: kind for kind, goal in GOALS.items() for event in goal.words.outcomes}
+"""Event that is wanted → goal."""
 
 
 def intended(verb: Verb, result: ResultPart | None, clause: Clause) -> Callable[[Clause], g.Goal]:
@@ -301,11 +296,11 @@ def intended(verb: Verb, result: ResultPart | None, clause: Clause) -> Callable[
         ParseError: `does_not_apply` if the verb cannot have that outcome.
     """
     if result is None:
-        return GOALS[verb.goal]
+        return GOAL_BUILDERS[verb.goal]
     goal = _OUTCOMES.get(result.event)
     allowed = verb.goal in ("displace", "contact") or goal == verb.goal
     if goal is None or not allowed:
         raise clause.refused(
             result, "is no outcome of this", "so that it moves", "so that it falls"
         )
-    return GOALS[goal]
+    return GOAL_BUILDERS[goal]

@@ -1,183 +1,244 @@
-"""What must hold on the way to a goal: one class for each kind of constraint."""
+"""Constraints: what must hold on the way to a goal, one class with its words for each kind.
+
+A new kind stands in its class here, in `grammar.frames.conflicts` and in the lexicon; `planner` and
+`nlcontrol.checks` hold a row for it each.
+"""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Literal, cast, get_args
 
 from pydantic import Field
 
-from grammar.frames.vocabulary import ContactHeight, FaceName, ObjectRef, Part, Positive, Spans
+from grammar.frames.vocabulary import (
+    ContactHeight,
+    FaceName,
+    ObjectRef,
+    Part,
+    Positive,
+    Spans,
+    Unit,
+)
 
 
-class NoTopple(Part):
+@dataclass(frozen=True)
+class Words:
+    """The words by which a kind of constraint is said.
+
+    Attributes:
+        terminal: terminal of the lexicon that says the kind.
+        phrase: phrase that says the kind with its value, which stands for `{}`.
+        unit: SI unit of the value; "" if the kind has none.
+        event: event of the lexicon that the kind forbids: "so that it does not tip".
+        limit: kind that is meant if "more than" and a quantity follow: "without tilting it more
+            than 5 degrees".
+    """
+
+    terminal: str = ""
+    phrase: str = ""
+    unit: Unit = ""
+    event: str = ""
+    limit: str = ""
+
+
+class BaseConstraint(Part):
+    """A constraint; its class holds the words of its kind."""
+
+    words: ClassVar[Words]
+
+
+class NoTopple(BaseConstraint):
     """The object comes to rest on its base."""
 
+    words: ClassVar[Words] = Words("AVOIDING", event="tips", limit="max_tilt")
     kind: Literal["no_topple"] = "no_topple"
     spans: Spans = ()
 
 
-class NoTilt(Part):
+class NoTilt(BaseConstraint):
     """The object's base stays on the table."""
 
+    words: ClassVar[Words] = Words("AVOIDING", event="tilts", limit="max_tilt")
     kind: Literal["no_tilt"] = "no_tilt"
     spans: Spans = ()
 
 
-class NoTurn(Part):
+class NoTurn(BaseConstraint):
     """The object does not turn about the vertical."""
 
+    words: ClassVar[Words] = Words("AVOIDING", event="turns", limit="max_turn")
     kind: Literal["no_turn"] = "no_turn"
     spans: Spans = ()
 
 
-class NoSlide(Part):
+class NoSlide(BaseConstraint):
     """The object does not slide."""
 
+    words: ClassVar[Words] = Words("AVOIDING", event="slides", limit="max_distance")
     kind: Literal["no_slide"] = "no_slide"
     spans: Spans = ()
 
 
-class NoLift(Part):
+class NoLift(BaseConstraint):
     """The object stays on the table."""
 
+    words: ClassVar[Words] = Words("AVOIDING")
     kind: Literal["no_lift"] = "no_lift"
     spans: Spans = ()
 
 
-class NoSpill(Part):
+class NoSpill(BaseConstraint):
     """Nothing leaves the object."""
 
+    words: ClassVar[Words] = Words("AVOIDING")
     kind: Literal["no_spill"] = "no_spill"
     spans: Spans = ()
 
 
-class MaxTilt(Part):
+class MaxTilt(BaseConstraint):
     """The object tilts by `value` at most [rad]."""
 
+    words: ClassVar[Words] = Words(phrase="without tilting it more than {}", unit="rad")
     kind: Literal["max_tilt"] = "max_tilt"
     value: Positive
     spans: Spans = ()
 
 
-class MaxTurn(Part):
+class MaxTurn(BaseConstraint):
     """The object turns about the vertical by `value` at most [rad]."""
 
+    words: ClassVar[Words] = Words(phrase="without turning it more than {}", unit="rad")
     kind: Literal["max_turn"] = "max_turn"
     value: Positive
     spans: Spans = ()
 
 
-class NoTouch(Part):
+class NoTouch(BaseConstraint):
     """The moved object keeps off another one, by `clearance` [m] if given; None: off everything."""
 
+    words: ClassVar[Words] = Words("TOUCHING")
     kind: Literal["no_touch"] = "no_touch"
     object: ObjectRef | None
     clearance: Annotated[float, Field(ge=0.0)] | None = None
     spans: Spans = ()
 
 
-class MaxForce(Part):
+class MaxForce(BaseConstraint):
     """The force on the object stays below `value` [N]."""
 
+    words: ClassVar[Words] = Words(phrase="with at most {}", unit="N")
     kind: Literal["max_force"] = "max_force"
     value: Positive
     spans: Spans = ()
 
 
-class MinForce(Part):
+class MinForce(BaseConstraint):
     """The force on the object reaches `value` [N]."""
 
+    words: ClassVar[Words] = Words(phrase="with at least {}", unit="N")
     kind: Literal["min_force"] = "min_force"
     value: Positive
     spans: Spans = ()
 
 
-class Force(Part):
+class Force(BaseConstraint):
     """The object is pushed with `value` [N]."""
 
+    words: ClassVar[Words] = Words(phrase="with {}", unit="N")
     kind: Literal["force"] = "force"
     value: Positive
     spans: Spans = ()
 
 
-class MaxSpeed(Part):
+class MaxSpeed(BaseConstraint):
     """The object moves no faster than `value` [m/s]."""
 
+    words: ClassVar[Words] = Words(phrase="at most {}", unit="m/s")
     kind: Literal["max_speed"] = "max_speed"
     value: Positive
     spans: Spans = ()
 
 
-class MinSpeed(Part):
+class MinSpeed(BaseConstraint):
     """The object moves at least at `value` [m/s]."""
 
+    words: ClassVar[Words] = Words(phrase="at least {}", unit="m/s")
     kind: Literal["min_speed"] = "min_speed"
     value: Positive
     spans: Spans = ()
 
 
-class Speed(Part):
+class Speed(BaseConstraint):
     """The object moves at `value` [m/s]."""
 
+    words: ClassVar[Words] = Words(phrase="at {}", unit="m/s")
     kind: Literal["speed"] = "speed"
     value: Positive
     spans: Spans = ()
 
 
-class MaxDuration(Part):
+class MaxDuration(BaseConstraint):
     """It is done within `value` [s]."""
 
+    words: ClassVar[Words] = Words(phrase="in at most {}", unit="s")
     kind: Literal["max_duration"] = "max_duration"
     value: Positive
     spans: Spans = ()
 
 
-class Duration(Part):
+class Duration(BaseConstraint):
     """It takes `value` [s]."""
 
+    words: ClassVar[Words] = Words(phrase="for {}", unit="s")
     kind: Literal["duration"] = "duration"
     value: Positive
     spans: Spans = ()
 
 
-class MaxDistance(Part):
+class MaxDistance(BaseConstraint):
     """The object moves no farther than `value` [m]."""
 
+    words: ClassVar[Words] = Words(phrase="without moving it more than {}", unit="m")
     kind: Literal["max_distance"] = "max_distance"
     value: Positive
     spans: Spans = ()
 
 
-class Gentle(Part):
+class Gentle(BaseConstraint):
     """Little force and a low speed."""
 
+    words: ClassVar[Words] = Words("MANNER")
     kind: Literal["gentle"] = "gentle"
     spans: Spans = ()
 
 
-class Hard(Part):
+class Hard(BaseConstraint):
     """Much force."""
 
+    words: ClassVar[Words] = Words("MANNER")
     kind: Literal["hard"] = "hard"
     spans: Spans = ()
 
 
-class Slow(Part):
+class Slow(BaseConstraint):
     """A low speed."""
 
+    words: ClassVar[Words] = Words("MANNER")
     kind: Literal["slow"] = "slow"
     spans: Spans = ()
 
 
-class Fast(Part):
+class Fast(BaseConstraint):
     """A high speed."""
 
+    words: ClassVar[Words] = Words("MANNER")
     kind: Literal["fast"] = "fast"
     spans: Spans = ()
 
 
-class ContactRegion(Part):
-    """Where the object is touched.
+class ContactRegion(BaseConstraint):
+    """Place where the object is touched.
 
     Attributes:
         face: by where it looks now; `front` looks at the robot.
@@ -185,6 +246,7 @@ class ContactRegion(Part):
         height: height of the contact.
     """
 
+    words: ClassVar[Words] = Words("REGION")
     kind: Literal["contact"] = "contact"
     face: FaceName | None = None
     region: Literal["top", "middle", "bottom"] | None = None
@@ -192,9 +254,10 @@ class ContactRegion(Part):
     spans: Spans = ()
 
 
-class Effector(Part):
-    """What touches the object: how many of which tool, on which side of the robot."""
+class Effector(BaseConstraint):
+    """Tool that touches the object: how many of it, on which side of the robot."""
 
+    words: ClassVar[Words] = Words("TOOL")
     kind: Literal["effector"] = "effector"
     tool: Literal["finger", "hand", "arm"]
     count: int | None = Field(default=None, ge=1)
@@ -202,9 +265,10 @@ class Effector(Part):
     spans: Spans = ()
 
 
-class Until(Part):
-    """When to stop."""
+class Until(BaseConstraint):
+    """Event at which to stop."""
 
+    words: ClassVar[Words] = Words("UNTIL")
     kind: Literal["until"] = "until"
     event: Literal["touching", "in_line", "next_to", "edge", "about_to_tip", "tips", "moves"]
     object: ObjectRef | None = None
@@ -218,3 +282,24 @@ Constraint = Annotated[
     | Gentle | Hard | Slow | Fast | ContactRegion | Effector | Until,
     Field(discriminator="kind"),
 ]  # fmt: skip
+
+CONSTRAINTS: dict[str, type[BaseConstraint]] = {
+    kind.model_fields["kind"].default: kind for kind in get_args(get_args(Constraint)[0])
+}
+"""The class of each kind of constraint."""
+
+STILL = ("no_slide", "no_tilt", "no_turn")
+"""Kinds that together keep an object where it is."""
+
+
+def new_constraint(kind: str, **fields: Any) -> Constraint:
+    """Make a constraint of a kind.
+
+    Args:
+        kind: of the constraint.
+        fields: its fields.
+
+    Raises:
+        KeyError: no constraint is of this kind.
+    """
+    return cast("Constraint", CONSTRAINTS[kind](**fields))

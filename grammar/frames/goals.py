@@ -1,8 +1,10 @@
-"""What should become of an object: one class for each kind of goal."""
+"""Goals: outcomes for an object, one class with its words for each kind."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Literal, get_args
 
 from pydantic import Field, field_validator
 
@@ -23,7 +25,28 @@ from grammar.frames.vocabulary import (
 )
 
 
-class Displace(Part):
+@dataclass(frozen=True)
+class GoalWords:
+    """The words by which a kind of goal is said.
+
+    Attributes:
+        verbs: action of the frame → verb that asks for this goal.
+        particle: word behind the object that belongs to the verb.
+        outcomes: events of the lexicon that name this goal: "so that it tips".
+    """
+
+    verbs: Mapping[str, str]
+    particle: str = ""
+    outcomes: tuple[str, ...] = ()
+
+
+class BaseGoal(Part):
+    """A goal; its class holds the words of its kind."""
+
+    words: ClassVar[GoalWords]
+
+
+class Displace(BaseGoal):
     """Move the object over the table.
 
     Attributes:
@@ -37,6 +60,10 @@ class Displace(Part):
         amount: `little` or `lot`, if the sentence says no more.
     """
 
+    words: ClassVar[GoalWords] = GoalWords(
+        verbs={"push": "push", "pull": "pull", "move": "move", "slide": "slide"},
+        outcomes=("moves", "slides", "ends_up"),
+    )
     kind: Literal["displace"] = "displace"
     direction: Direction | tuple[Direction, Direction] | None = None
     heading: float | None = None
@@ -60,7 +87,7 @@ class Displace(Part):
         return value
 
 
-class Place(Part):
+class Place(BaseGoal):
     """Bring the object to a place.
 
     Attributes:
@@ -70,6 +97,9 @@ class Place(Part):
         fraction: share of the way to the place ("halfway to the left edge").
     """
 
+    words: ClassVar[GoalWords] = GoalWords(
+        verbs={"place": "put", "push": "push", "pull": "pull", "move": "move", "slide": "slide"}
+    )
     kind: Literal["place"] = "place"
     relation: Relation
     reference: tuple[ObjectRef, ...] | Point | TableRegion
@@ -78,7 +108,7 @@ class Place(Part):
     spans: Spans = ()
 
 
-class Rotate(Part):
+class Rotate(BaseGoal):
     """Turn the object about the vertical.
 
     Attributes:
@@ -88,6 +118,7 @@ class Rotate(Part):
         amount: `little` or `lot`, if the sentence says no more.
     """
 
+    words: ClassVar[GoalWords] = GoalWords(verbs={"turn": "turn"}, outcomes=("turns",))
     kind: Literal["rotate"] = "rotate"
     angle: Positive | None = None
     sense: Sense | None = None
@@ -96,9 +127,10 @@ class Rotate(Part):
     spans: Spans = ()
 
 
-class Tilt(Part):
+class Tilt(BaseGoal):
     """Tilt the object about an edge of its base by `angle` [rad], towards `direction`."""
 
+    words: ClassVar[GoalWords] = GoalWords(verbs={"tilt": "tilt"}, outcomes=("tilts",))
     kind: Literal["tilt"] = "tilt"
     angle: Positive | None = None
     direction: Direction | None = None
@@ -107,24 +139,27 @@ class Tilt(Part):
     spans: Spans = ()
 
 
-class Topple(Part):
+class Topple(BaseGoal):
     """Make the object fall over."""
 
+    words: ClassVar[GoalWords] = GoalWords(verbs={"topple": "topple"}, outcomes=("tips",))
     kind: Literal["topple"] = "topple"
     direction: Direction | None = None
     spans: Spans = ()
 
 
-class Upright(Part):
+class Upright(BaseGoal):
     """Stand the object on its base again."""
 
+    words: ClassVar[GoalWords] = GoalWords(verbs={"place": "stand"}, particle="upright")
     kind: Literal["upright"] = "upright"
     spans: Spans = ()
 
 
-class Lift(Part):
+class Lift(BaseGoal):
     """Lift the object by `height` [m], or measured in objects."""
 
+    words: ClassVar[GoalWords] = GoalWords(verbs={"lift": "lift"})
     kind: Literal["lift"] = "lift"
     height: Positive | RelativeLength | None = None
     bound: Bound = "exact"
@@ -132,30 +167,33 @@ class Lift(Part):
     spans: Spans = ()
 
 
-class SetDown(Part):
+class SetDown(BaseGoal):
     """Put what is held down where it is."""
 
+    words: ClassVar[GoalWords] = GoalWords(verbs={"place": "set"}, particle="down")
     kind: Literal["set_down"] = "set_down"
     spans: Spans = ()
 
 
-class Open(Part):
+class Open(BaseGoal):
     """Open the object, or a named part of it."""
 
+    words: ClassVar[GoalWords] = GoalWords(verbs={"open": "open"})
     kind: Literal["open"] = "open"
     part: str | None = None
     spans: Spans = ()
 
 
-class Close(Part):
+class Close(BaseGoal):
     """Close the object, or a named part of it."""
 
+    words: ClassVar[GoalWords] = GoalWords(verbs={"close": "close"})
     kind: Literal["close"] = "close"
     part: str | None = None
     spans: Spans = ()
 
 
-class Pour(Part):
+class Pour(BaseGoal):
     """Pour what the object holds into another one; everything if no amount is said.
 
     Attributes:
@@ -166,6 +204,7 @@ class Pour(Part):
         fill: share of the volume of `into` up to which that is to be filled.
     """
 
+    words: ClassVar[GoalWords] = GoalWords(verbs={"pour": "pour"})
     kind: Literal["pour"] = "pour"
     into: ObjectRef | None = None
     amount: Amount | None = None
@@ -175,14 +214,15 @@ class Pour(Part):
     spans: Spans = ()
 
 
-class HandOver(Part):
+class HandOver(BaseGoal):
     """Give the object to the person who speaks."""
 
+    words: ClassVar[GoalWords] = GoalWords(verbs={"hand_over": "hand"}, particle="over")
     kind: Literal["hand_over"] = "hand_over"
     spans: Spans = ()
 
 
-class Parameters(Part):
+class Parameters(BaseGoal):
     """Find out parameters of the object's model (mass, friction, …).
 
     Attributes:
@@ -190,15 +230,17 @@ class Parameters(Part):
         method: how: by lifting it, or by pushing and tilting it; None if not said.
     """
 
+    words: ClassVar[GoalWords] = GoalWords(verbs={"explore": "explore"})
     kind: Literal["parameters"] = "parameters"
     which: tuple[str, ...] = ()
     method: Method | None = None
     spans: Spans = ()
 
 
-class NoGoal(Part):
+class NoGoal(BaseGoal):
     """Nothing is to become of the object."""
 
+    words: ClassVar[GoalWords] = GoalWords(verbs={"push": "press", "pull": "pull"})
     kind: Literal["none"] = "none"
     spans: Spans = ()
 
@@ -208,3 +250,8 @@ Goal = Annotated[
     | HandOver | Parameters | NoGoal,
     Field(discriminator="kind"),
 ]  # fmt: skip
+
+GOALS: dict[str, type[BaseGoal]] = {
+    kind.model_fields["kind"].default: kind for kind in get_args(get_args(Goal)[0])
+}
+"""The class of each kind of goal."""

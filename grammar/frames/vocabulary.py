@@ -1,4 +1,4 @@
-"""What goals and constraints are made of: names, quantities, and the objects that are spoken of.
+"""Names, quantities and objects, of which goals and constraints are made.
 
 Directions are the robot's, which stands at the table's −x edge of W and looks along +x: `away` is
 +x, `toward` −x, `left` +y, `right` −y. Everything is in SI units and radians.
@@ -48,6 +48,8 @@ Quality = Literal[
     "big", "small", "tall", "short", "wide", "narrow", "heavy", "light",
     "left", "right", "middle", "near", "far", "other", "same",
 ]  # fmt: skip
+
+Unit = Literal["", "m", "rad", "N", "m/s", "s"]
 
 Positive = Annotated[float, Field(gt=0.0)]
 

@@ -10,6 +10,7 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from decimal import Decimal
+from typing import Any, cast
 
 from grammar.frames import command as g
 from grammar.words.lexicon import Lexicon
@@ -19,17 +20,6 @@ Choice = Callable[[Sequence[str]], str]
 
 _WAYS = {0.25: "0.25", 0.5: "0.5", 0.75: "0.75", 1 / 3: "1/3", 2 / 3: "2/3", 1.0: "1"}
 _COUNTS = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
-_AVOIDED = frozenset({"no_topple", "no_tilt", "no_turn", "no_slide", "no_lift", "no_spill"})
-_MEASURED: dict[str, tuple[str, str, str]] = {
-    "force": ("with ", "", " N"),
-    "min_force": ("with ", "at least ", " N"),
-    "max_force": ("with ", "at most ", " N"),
-    "speed": ("at ", "", " m/s"),
-    "min_speed": ("", "at least ", " m/s"),
-    "max_speed": ("", "at most ", " m/s"),
-    "duration": ("for ", "", " s"),
-    "max_duration": ("in ", "at most ", " s"),
-}
 _I = re.compile(r"\bi\b")
 _TIMES = {0.25: "a quarter of ", 1 / 3: "a third of ", 0.5: "half ", 2 / 3: "two thirds of ",
           0.75: "three quarters of ", 1.0: "", 2.0: "twice "}  # fmt: skip
@@ -263,7 +253,7 @@ class Phrasing:
 
     def manner(self, constraint: g.Constraint) -> str | None:
         """Gently, hard, slowly, quickly; None for anything else."""
-        said = isinstance(constraint, g.Gentle | g.Hard | g.Slow | g.Fast)
+        said = constraint.words.terminal == "MANNER"
         return self.say("MANNER", constraint.kind) if said else None
 
     def constraints(self, constraints: Sequence[g.Constraint], *, directed: bool) -> list[str]:
@@ -271,7 +261,7 @@ class Phrasing:
         words: list[str] = []
         listed = False
         for constraint in constraints:
-            avoided = constraint.kind in _AVOIDED
+            avoided = constraint.words.terminal == "AVOIDING"
             if isinstance(constraint, g.ContactRegion):
                 words.append(self._contact(constraint, directed=directed))
             elif avoided:
@@ -286,11 +276,6 @@ class Phrasing:
         if manner := self.manner(constraint):
             return manner
         match constraint:
-            case g.MaxDistance():
-                return f"without moving it more than {self.length(constraint.value)}"
-            case g.MaxTilt() | g.MaxTurn():
-                doing = "tilting" if isinstance(constraint, g.MaxTilt) else "turning"
-                return f"without {doing} it more than {self.angle(constraint.value)}"
             case g.NoTouch():
                 return self._no_touch(constraint)
             case g.Effector():
@@ -298,8 +283,13 @@ class Phrasing:
             case g.Until():
                 return self._until(constraint)
             case _:
-                before, bound, unit = _MEASURED[constraint.kind]
-                return f"{before}{bound}{_plain(getattr(constraint, 'value'))}{unit}"  # noqa: B009
+                words, value = constraint.words, cast(Any, constraint).value
+                return words.phrase.format(self._value(value, words.unit))
+
+    def _value(self, value: float, unit: str) -> str:
+        if unit == "m":
+            return self.length(value)
+        return self.angle(value) if unit == "rad" else f"{_plain(value)} {unit}"
 
     def _no_touch(self, clause: g.NoTouch) -> str:
         if clause.clearance is not None and clause.object is not None:

@@ -11,23 +11,6 @@ from grammar.frames import command as g
 from grammar.paraphrasing.clause_wording import Choice, Phrasing, no_words
 from grammar.words.lexicon import Lexicon, default_lexicon
 
-_VERBS = {
-    ("push", "displace"): "push",
-    ("push", "none"): "press",
-    ("move", "displace"): "move",
-    ("turn", "rotate"): "turn",
-    ("place", "place"): "put",
-    ("place", "upright"): "stand",
-    ("place", "set_down"): "set",
-    ("hand_over", "hand_over"): "hand",
-    ("explore", "parameters"): "explore",
-    **{(verb, "displace"): verb for verb in ("pull", "slide")},
-    ("pull", "none"): "pull",
-    **{(verb, "place"): verb for verb in ("push", "pull", "move", "slide")},
-    **{(verb, verb): verb for verb in ("topple", "tilt", "lift", "open", "close", "pour")},
-}
-_PARTICLES = {"stand": "upright", "set": "down", "hand": "over"}
-_RESULTS = {"topple": "tips", "tilt": "tilts", "rotate": "turns"}
 _LIMITS = ("no_topple", "no_tilt", "no_turn", "no_slide")
 """Constraints with which "how hard" asks for the most, not for the least."""
 
@@ -89,8 +72,8 @@ class _Speaker:
             words.append(manner)
             constraints.pop(0)
         words += [verb, name or self._of_a_part(frame)]
-        if verb in _PARTICLES:
-            words.append(_PARTICLES[verb])
+        if goal.words.particle:
+            words.append(goal.words.particle)
         words += [*result, *self._p.goal(goal), *([more] if more else [])]
         words += self._constraints(goal, constraints)
         return " ".join(words)
@@ -102,12 +85,12 @@ class _Speaker:
             # Only what is called "the …" has a "lid of the …".
             named = self._p.name(frame.object).startswith("the ")
             moved = "take" if isinstance(goal, g.Open) else "put"
-            return _VERBS[action, goal.kind] if named else moved, []
-        if (action, goal.kind) in _VERBS:
-            return _VERBS[action, goal.kind], []
-        if (action, "displace") in _VERBS and goal.kind in _RESULTS:
-            event = self._p.say("EVENT", _RESULTS[goal.kind])
-            return _VERBS[action, "displace"], [f"so that it {event}"]
+            return goal.words.verbs[action] if named else moved, []
+        if action in goal.words.verbs:
+            return goal.words.verbs[action], []
+        if action in g.Displace.words.verbs and goal.words.outcomes:
+            event = self._p.say("EVENT", goal.words.outcomes[0])
+            return g.Displace.words.verbs[action], [f"so that it {event}"]
         raise no_words(f"action {action}, goal {goal.kind}")
 
     def _of_a_part(self, frame: g.Frame) -> str:

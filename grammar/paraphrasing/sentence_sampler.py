@@ -14,6 +14,8 @@ from typing import Any, NamedTuple, TypeVar
 
 from grammar.clauses.consistency import contradiction
 from grammar.frames import command as g
+from grammar.frames.constraints import CONSTRAINTS, new_constraint
+from grammar.frames.vocabulary import Unit
 from grammar.paraphrasing.command_wording import paraphrase
 from grammar.words.lexicon import Lexicon, default_lexicon
 
@@ -100,9 +102,6 @@ class Sampler:
 
     def _length(self) -> float:
         return self._rng.randint(1, 300) / self._pick((1000, 100))
-
-    def _force(self) -> float:
-        return self._rng.randint(1, 200) / 10
 
     def _angle(self) -> float:
         return math.radians(self._rng.randint(1, 360))
@@ -232,32 +231,33 @@ class Sampler:
     # --- constraints --------------------------------------------------------------------------
 
     def _constraints(self) -> tuple[g.Constraint, ...]:
-        draws = list(self._restrictions().values())
-        self._rng.shuffle(draws)
-        return tuple(draw() for draw in draws[: self._pick((0, 0, 1, 1, 2, 3))])
+        count = self._pick((0, 0, 1, 1, 2, 3))
+        return tuple(self._constraint(kind) for kind in self._rng.sample([*CONSTRAINTS], count))
 
-    def _restrictions(self) -> dict[str, Callable[[], Any]]:
-        """One way to draw each kind of constraint."""
-        manner = self._pick((g.Gentle, g.Hard)), self._pick((g.Slow, g.Fast))
-        force = self._pick((g.Force, g.MinForce, g.MaxForce))
-        speed = self._pick((g.Speed, g.MinSpeed, g.MaxSpeed))
-        avoided = self._pick((g.NoTopple, g.NoTilt, g.NoTurn, g.NoLift, g.NoSpill))
-        limit = self._pick((g.MaxTilt, g.MaxTurn))
-        lasting = self._pick((g.Duration, g.MaxDuration))
-        return {
-            "gentle": manner[0],
-            "slow": manner[1],
-            "force": lambda: force(value=self._force()),
-            "speed": lambda: speed(value=self._rng.randint(1, 50) / 100),
-            "duration": lambda: lasting(value=float(self._rng.randint(1, 20))),
-            "avoided": avoided,
-            "limit": lambda: limit(value=self._angle()),
-            "distance": lambda: g.MaxDistance(value=self._length()),
-            "no_touch": self._no_touch,
-            "contact": self._contact,
-            "effector": self._effector,
-            "until": self._until,
-        }
+    def _constraint(self, kind: str) -> g.Constraint:
+        unit = CONSTRAINTS[kind].words.unit
+        match kind:
+            case "no_touch":
+                return self._no_touch()
+            case "contact":
+                return self._contact()
+            case "effector":
+                return self._effector()
+            case "until":
+                return self._until()
+        return new_constraint(kind, **({"value": self._value(unit)} if unit else {}))
+
+    def _value(self, unit: Unit) -> float:
+        match unit:
+            case "rad":
+                return self._angle()
+            case "N":
+                return self._rng.randint(1, 200) / 10
+            case "m/s":
+                return self._rng.randint(1, 50) / 100
+            case "s":
+                return float(self._rng.randint(1, 20))
+        return self._length()
 
     def _no_touch(self) -> g.NoTouch:
         if self._rng.random() < 0.2:

@@ -6,20 +6,14 @@ from typing import Any, Literal, cast
 
 from grammar.errors import ParseError
 from grammar.frames import command as g
+from grammar.frames.constraints import new_constraint
 from grammar.phrases import token_reader as q
-from grammar.phrases.outcome_phrases import MANNERS, Phrases
+from grammar.phrases.outcome_phrases import Phrases
 from grammar.phrases.phrase_parts import ConstraintPart, DirectionPart, Part, RemarkPart
 
-_FORCES: dict[str, type[g.Force | g.MinForce | g.MaxForce]] = {
-    "exact": g.Force,
-    "at_least": g.MinForce,
-    "at_most": g.MaxForce,
-}
-_SPEEDS: dict[str, type[g.Speed | g.MinSpeed | g.MaxSpeed]] = {
-    "exact": g.Speed,
-    "at_least": g.MinSpeed,
-    "at_most": g.MaxSpeed,
-}
+_BOUNDED = {"exact": "", "at_least": "min_", "at_most": "max_"}
+"""Bound of a quantity → what its constraint's kind begins with."""
+
 _BEFORE_FACE: dict[str, g.Direction] = {
     "front": "away",
     "back": "toward",
@@ -39,12 +33,13 @@ class Manners(Phrases):
     def manner(self, children: Children) -> ConstraintPart:
         """Gently."""
         span = self._w.span(children)
-        return ConstraintPart(span, MANNERS[self._w.value(children, "MANNER")](spans=(span,)))
+        kind = self._w.value(children, "MANNER")
+        return ConstraintPart(span, new_constraint(kind, spans=(span,)))
 
     def compared(self, children: Children) -> list[Part]:
         """More gently: as the last time, but so."""
         span = self._w.span(children)
-        manner = MANNERS[self._w.value(children, "COMPARED")](spans=(span,))
+        manner = new_constraint(self._w.value(children, "COMPARED"), spans=(span,))
         return [RemarkPart(span, "more"), ConstraintPart(span, manner)]
 
     def force(self, children: Children) -> ConstraintPart:
@@ -53,7 +48,8 @@ class Manners(Phrases):
         range_ = f"a force is more than 0 and at most {q.MAX_FORCE_N:g} N"
         newtons = self._w.in_unit(children, "FORCE_UNIT")[0]
         value = self._w.possible(children, newtons, q.MAX_FORCE_N, range_)
-        return ConstraintPart(span, _FORCES[self._w.bound(children)](value=value, spans=(span,)))
+        kind = f"{_BOUNDED[self._w.bound(children)]}force"
+        return ConstraintPart(span, new_constraint(kind, value=value, spans=(span,)))
 
     def speed(self, children: Children) -> ConstraintPart:
         """At 2 cm/s."""
@@ -61,7 +57,8 @@ class Manners(Phrases):
         range_ = f"a speed is more than 0 and at most {q.MAX_SPEED:g} m/s"
         speed = self._w.in_unit(children, "SPEED_UNIT")[0]
         value = self._w.possible(children, speed, q.MAX_SPEED, range_)
-        return ConstraintPart(span, _SPEEDS[self._w.bound(children)](value=value, spans=(span,)))
+        kind = f"{_BOUNDED[self._w.bound(children)]}speed"
+        return ConstraintPart(span, new_constraint(kind, value=value, spans=(span,)))
 
     def duration(self, children: Children) -> ConstraintPart:
         """In under four seconds; for three seconds."""

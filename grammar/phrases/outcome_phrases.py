@@ -8,6 +8,7 @@ from lark import Token
 
 from grammar.errors import ParseError
 from grammar.frames import command as g
+from grammar.frames.constraints import CONSTRAINTS, new_constraint
 from grammar.phrases.phrase_parts import (
     AskPart,
     AvoidPart,
@@ -26,13 +27,6 @@ from grammar.phrases.phrase_parts import (
 )
 from grammar.phrases.token_reader import TokenReader
 
-MANNERS: dict[str, type[g.Gentle | g.Hard | g.Slow | g.Fast]] = {
-    "gentle": g.Gentle,
-    "hard": g.Hard,
-    "slow": g.Slow,
-    "fast": g.Fast,
-}
-
 _STOPS = {"moves": "moves", "slides": "moves", "tips": "tips", "about_to_tip": "about_to_tip",
           "tilts": "about_to_tip"}  # fmt: skip
 """Events at which a push may be stopped."""
@@ -41,9 +35,10 @@ _PURPOSES = {"moves": "moves", "slides": "slides", "tips": "tips", "about_to_tip
              "tilts": "tilts", "turns": "turns", "stays_upright": "stays_upright"}  # fmt: skip
 """Events that a question may ask about."""
 
-_FORBIDDEN = {"moves": "no_move", "slides": "no_slide", "tips": "no_topple", "tilts": "no_tilt",
-              "turns": "no_turn"}  # fmt: skip
-"""Events that may be avoided."""
+_FORBIDDEN = {"moves": "no_move"} | {
+    kind.words.event: name for name, kind in CONSTRAINTS.items() if kind.words.event
+}
+"""Event that may be avoided → constraint that forbids it."""
 
 Children = list[Any]
 
@@ -94,8 +89,8 @@ class Outcomes(Phrases):
         first = children[0]
         if isinstance(first, Token) and first.type == "SO_MANNER":
             span = self._w.span([first])
-            manner = MANNERS[self._w.value([first], "SO_MANNER")]
-            return [ConstraintPart(span, manner(spans=(span,))), *parts]
+            manner = new_constraint(self._w.value([first], "SO_MANNER"), spans=(span,))
+            return [ConstraintPart(span, manner), *parts]
         return parts
 
     def further(self, children: Children) -> AvoidPart:

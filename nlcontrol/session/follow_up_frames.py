@@ -13,6 +13,7 @@ from typing import Any, TypeVar, cast
 from pydantic import BaseModel
 
 from grammar.frames import command as g
+from grammar.frames.conflicts import FORBIDS, FORBIDS_BELOW, HOW_FAR, SAME_MATTER
 
 Part = TypeVar("Part", bound=BaseModel)
 Rename = Callable[[g.ObjectRef], g.ObjectRef]
@@ -20,27 +21,6 @@ Rename = Callable[[g.ObjectRef], g.ObjectRef]
 _WHERE = ("direction", "heading", "toward", "away_from")
 _FAR = ("distance", "angle", "height", "bound", "fraction", "amount")
 _TURNS = {"left": "ccw", "right": "cw"}
-
-_RIVALS = (
-    {"gentle", "hard"},
-    {"force", "min_force", "max_force", "hard"},
-    {"speed", "min_speed", "max_speed", "slow", "fast"},
-    {"duration", "max_duration"},
-)
-"""Constraints of one matter: a new one takes the place of those said before."""
-
-_ENDS = {"max_distance", "until"}
-"""Constraints that say how far, so a new distance takes their place."""
-
-_AGAINST: dict[str, set[str]] = {
-    "topple": {"no_topple", "no_tilt", "max_tilt"},
-    "tilt": {"no_tilt", "max_tilt"},
-    "rotate": {"no_turn", "max_turn"},
-    "lift": {"no_lift"},
-    "displace": {"no_slide"},
-    "place": {"no_slide"},
-}
-"""Constraints that a new goal of another kind cannot keep."""
 
 
 def repeated(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ...]:
@@ -72,7 +52,7 @@ def continued(before: g.Frame, said: g.Frame, heading: float | None) -> g.Frame:
     goal = last.goal
     if isinstance(goal, g.Place) and heading is not None:
         goal = g.Displace(heading=heading)
-    kept = tuple(c for c in last.constraints if c.kind not in _ENDS)
+    kept = tuple(c for c in last.constraints if c.kind not in HOW_FAR)
     last = last.model_copy(update={"goal": _without(goal, _FAR), "constraints": kept})
     return overlaid(last, said)
 
@@ -166,11 +146,11 @@ def overlaid(last: g.Frame, said: g.Frame) -> g.Frame:
     goal = _goal(last.goal, said)
     fresh = set(_said(said.goal))
     new = {c.kind for c in said.constraints if c.kind != "no_touch"}
-    dropped = new.union(*(matter for matter in _RIVALS if matter & new))
+    dropped = new.union(*(matter for matter in SAME_MATTER if matter & new))
     if fresh & set(_FAR):
-        dropped |= _ENDS
+        dropped |= HOW_FAR
     if goal.kind != last.goal.kind:
-        dropped |= _AGAINST.get(goal.kind, set())
+        dropped |= _dropped_by(goal)
     kept = [c for c in last.constraints if c.kind not in dropped]
     if fresh & set(_WHERE):
         kept = [c for c in map(_without_face, kept) if c is not None]
@@ -184,6 +164,12 @@ def overlaid(last: g.Frame, said: g.Frame) -> g.Frame:
             "spans": said.spans,
         }
     )
+
+
+def _dropped_by(goal: g.Goal) -> frozenset[str]:
+    """Constraints that a new goal of another kind cannot keep, those of the distance left out."""
+    _, limit = FORBIDS_BELOW.get(goal.kind, ("", ""))
+    return FORBIDS.get(goal.kind, frozenset()) | {limit} - HOW_FAR
 
 
 def _without_face(clause: g.Constraint) -> g.Constraint | None:

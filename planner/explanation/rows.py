@@ -116,12 +116,9 @@ def quoted(text: str, spans: g.Spans) -> str:
 
 _UNITS = {
     "distance": "m", "clearance": "m", "height": "m", "x": "m", "y": "m", "angle": "rad",
-    "heading": "rad", "max_distance": "m", "max_tilt": "rad", "max_turn": "rad",
-    "max_force": "N", "min_force": "N", "force": "N", "max_speed": "m/s", "min_speed": "m/s",
-    "speed": "m/s", "max_duration": "s", "duration": "s",
-    "volume": "m³",
+    "heading": "rad", "volume": "m³",
 }  # fmt: skip
-"""Units of fields, and of the `value` of a constraint by its kind."""
+"""Units of fields; the class of a constraint knows that of its `value`."""
 
 
 def read(part: Any) -> str:
@@ -131,8 +128,10 @@ def read(part: Any) -> str:
         value = getattr(part, key)
         if key in ("kind", "spans") or value == info.get_default():
             continue
-        name = part.kind if key == "value" else key
-        told += f", {_field(value, name)}" if key == "value" else f", {key} {_field(value, name)}"
+        if key == "value":
+            told += f", {shown(value, part.words.unit)}"
+        else:
+            told += f", {key} {_field(value, key)}"
     return str(told)
 
 
