@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from objectmodels.errors import ModelError
+from objectmodels.geometry.planar_vectors import cross, dot
 
 Array = NDArray[np.float64]
 
@@ -123,10 +124,10 @@ class Polygon:
             raise ModelError("bad_value", "a base needs three or more corners [x, y]")
         v = without_collinear(v)
         ahead = np.roll(v, -1, axis=0) - v
-        if len(v) >= 3 and _cross(ahead, np.roll(ahead, -1, axis=0)).sum() < 0.0:
+        if len(v) >= 3 and cross(ahead, np.roll(ahead, -1, axis=0)).sum() < 0.0:
             v = v[::-1]
             ahead = np.roll(v, -1, axis=0) - v
-        turns = _cross(ahead, np.roll(ahead, -1, axis=0))
+        turns = cross(ahead, np.roll(ahead, -1, axis=0))
         angle = np.arctan2(turns, np.sum(ahead * np.roll(ahead, -1, axis=0), axis=1)).sum()
         if len(v) < 3 or not (turns > 0.0).all() or abs(angle - 2.0 * np.pi) > 1e-6:
             raise ModelError("bad_value", "the base is not a convex polygon, its corners in order")
@@ -153,13 +154,13 @@ class Polygon:
     def centroid(self) -> Array:
         """Centre of its area, shape (2,) [m]."""
         v, ahead = self.vertices, np.roll(self.vertices, -1, axis=0)
-        area = _cross(v, ahead)
+        area = cross(v, ahead)
         return np.asarray(((v + ahead) * area[:, None]).sum(axis=0) / (3.0 * area.sum()))
 
     @cached_property
     def area(self) -> float:
         """Its area [m²]."""
-        return float(0.5 * _cross(self.vertices, np.roll(self.vertices, -1, axis=0)).sum())
+        return float(0.5 * cross(self.vertices, np.roll(self.vertices, -1, axis=0)).sum())
 
     @cached_property
     def uniform_radius(self) -> float:
@@ -193,16 +194,16 @@ class Polygon:
         """
         forces = []
         for n, d in zip(self.normals, self.offsets, strict=True):
-            holding = weight * (d - np.abs(n) @ np.broadcast_to(shift, 2)) - _dot(n, m)
-            forces.append(_first(np.maximum(holding, 0.0), _dot(n, e) + w * d))
+            holding = weight * (d - np.abs(n) @ np.broadcast_to(shift, 2)) - dot(n, m)
+            forces.append(_first(np.maximum(holding, 0.0), dot(n, e) + w * d))
         return np.stack(np.broadcast_arrays(*forces))
 
     def topple(self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0) -> Array:
         """See `Base`."""
         least: Array | None = None
         for n, d in zip(self.normals, self.offsets, strict=True):
-            holding = weight * (d - np.abs(n) @ np.broadcast_to(shift, 2)) - _dot(n, m)
-            force = _first(np.maximum(holding, 0.0), _dot(n, e) + w * d)
+            holding = weight * (d - np.abs(n) @ np.broadcast_to(shift, 2)) - dot(n, m)
+            force = _first(np.maximum(holding, 0.0), dot(n, e) + w * d)
             least = force if least is None else np.minimum(least, force, out=least)
         assert least is not None
         return least
@@ -222,8 +223,8 @@ class Polygon:
         """See `Base`."""
         least: Array | None = None
         for n, d in zip(self.normals, self.offsets, strict=True):
-            room = d * load - np.abs(n) @ np.broadcast_to(shift, 2) - _dot(n, m + e)
-            height = _first(room, _dot(n, rise))
+            room = d * load - np.abs(n) @ np.broadcast_to(shift, 2) - dot(n, m + e)
+            height = _first(room, dot(n, rise))
             least = height if least is None else np.minimum(least, height)
         assert least is not None
         return least
@@ -235,7 +236,7 @@ class Polygon:
         triangles = np.stack((centre, v, np.roll(v, -1, axis=0)), axis=1)
         for _ in range(3 if len(v) <= 4 else 2):
             triangles = _quartered(triangles)
-        area = np.repeat(_cross(*(triangles[:, 1:] - triangles[:, :1]).transpose(1, 0, 2)), 3)
+        area = np.repeat(cross(*(triangles[:, 1:] - triangles[:, :1]).transpose(1, 0, 2)), 3)
         points = triangles.reshape(-1, 2)
         cell = 1e-9 * self.size  # corners that triangles share differ by rounding
         _, first, which = np.unique(
@@ -317,16 +318,7 @@ def without_collinear(vertices: Array) -> Array:
     before = vertices - np.roll(vertices, 1, axis=0)
     after = np.roll(vertices, -1, axis=0) - vertices
     lengths = np.hypot(*before.T) * np.hypot(*after.T)
-    return np.asarray(vertices[np.abs(_cross(before, after)) > _FLAT * lengths])
-
-
-def _cross(a: Array, b: Array) -> Array:
-    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
-
-
-def _dot(n: Array, v: Array) -> Array:
-    """n·v for one n and v of shape (..., 2); much faster than a product with a stride."""
-    return np.asarray(n[0] * v[..., 0] + n[1] * v[..., 1])
+    return np.asarray(vertices[np.abs(cross(before, after)) > _FLAT * lengths])
 
 
 def _first(holding: Array, growing: Array) -> Array:
@@ -337,19 +329,15 @@ def _first(holding: Array, growing: Array) -> Array:
 
 def _leaves_circle(m: Array, e: Array, room: Array | float, shrink: Array) -> Array:
     """Smallest s ≥ 0 at which |m + s·e| reaches room − s·shrink, a quadratic equation."""
-    a = _dot2(e, e) - shrink * shrink
-    b = _dot2(m, e) + room * shrink
-    c = np.minimum(_dot2(m, m) - np.square(np.maximum(room, 0.0)), 0.0)
+    a = dot(e, e) - shrink * shrink
+    b = dot(m, e) + room * shrink
+    c = np.minimum(dot(m, m) - np.square(np.maximum(room, 0.0)), 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         # c ≤ 0 at s = 0. With a > 0 one root is positive; else the first, if both are.
         root = np.sqrt(b * b - a * c)
         s = np.where(b > 0.0, -c / (b + root), (root - b) / a)
         s = np.where((a <= 0.0) & (b <= 0.0), np.inf, s)
     return np.where(np.isnan(s), np.inf, s)
-
-
-def _dot2(a: Array, b: Array) -> Array:
-    return np.asarray(a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1])
 
 
 def _quartered(triangles: Array) -> Array:

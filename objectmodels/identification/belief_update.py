@@ -21,14 +21,13 @@ import numpy as np
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.mechanical import UNCERTAIN
-from objectmodels.identification.least_squares import require_possible
+from objectmodels.identification.least_squares import damped_step, require_possible
 from objectmodels.identification.measurement_model import Balance, Linear
 from objectmodels.identification.parameter_coordinates import (
     FRICTION,
     LOGARITHMIC,
     coordinates,
     units,
-    values_at,
     with_belief,
     with_values,
 )
@@ -40,8 +39,6 @@ SURPRISING = 3.0
 
 _STEPS, _WHOLE = 30, 8  # and after how many they are halved
 _SETTLED = 1e-4  # step in standard deviations
-_LONGEST = 0.7  # step in a logarithm, a factor of two; along the base as a share of its size
-_HALVINGS = 12
 
 
 @dataclass(frozen=True)
@@ -129,7 +126,8 @@ def update(
         if (np.abs(step) <= _SETTLED * np.sqrt(np.diag(P))).all():
             break
         # Far from what was believed steps may swing to and fro; shorter ones settle.
-        at = _moved(balance, at, step * 0.5 ** (number // _WHOLE), spread)
+        shorter = step * 0.5 ** (number // _WHOLE)
+        at = damped_step(balance, at, shorter, lambda values: _linear(balance, values, spread))
     keep = np.eye(len(x)) - gain @ H
     P = keep @ P @ keep.T + gain @ np.diag(at.sd**2) @ gain.T
     P[FRICTION, FRICTION] += spread**2
@@ -172,22 +170,3 @@ def _linear(balance: Balance, values: Array, spread: float) -> Linear:
     sd = np.where(turns, at.sd, at.sd / np.abs(balance.observed))
     sd = np.hypot(sd, np.where(balance.slides, spread * jacobian[:, FRICTION], 0.0))
     return Linear(values, predicted, jacobian, sd)
-
-
-def _moved(balance: Balance, at: Linear, step: Array, spread: float) -> Linear:
-    """Predictions after a step, shortened until there are any."""
-    longest = np.where(LOGARITHMIC, _LONGEST, 0.3 * balance.model.base.size)
-    share = 1.0 / max(1.0, float((np.abs(step) / longest).max()))
-    for _ in range(_HALVINGS):
-        values = values_at(coordinates(at.values) + share * step)
-        values = np.where(step == 0.0, at.values, values)
-        try:
-            with_values(balance.model, values)
-        except ModelError:
-            share *= 0.5
-            continue
-        moved = _linear(balance, values, spread)
-        if np.isfinite(moved.predicted).all():
-            return moved
-        share *= 0.5
-    raise ModelError("no_fit", f"the trials lead to a {balance.model.name} that would not stand")

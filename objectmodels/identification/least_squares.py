@@ -13,6 +13,7 @@ S = −(JᵀWJ)⁻¹ JᵀW J_kept, so their covariance enters that of the result
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,6 +38,7 @@ _INNER = 50
 _SETTLED = 1e-3  # change of the variances, relative, and steps in standard deviations
 _LONGEST = 0.7  # step in a logarithm, a factor of two; along the base as a share of its size
 _HALVINGS = 12
+_HINTS = ("check where the contacts were, and the object's size",)
 _ROOTS = 40
 
 
@@ -111,7 +113,9 @@ def solve(
         sd = np.sqrt(np.diag(state.own))
         if (np.abs(step) <= _SETTLED * sd).all():
             return _solution(balance, now, free, rows, belief, information, state)
-        now = _moved(balance, now, free, rows, step)
+        change = np.zeros(len(free))
+        change[free] = step
+        now = damped_step(balance, now, change, balance.linear, rows=rows, hints=_HINTS)
     raise ModelError(
         "no_fit",
         "the trials contradict each other so much that no parameters explain them",
@@ -204,27 +208,45 @@ def _spread(left: Array, sd: Array, per_friction: Array, freedom: float) -> floa
     return float(np.sqrt(square))
 
 
-def _moved(balance: Balance, at: Linear, free: Mask, rows: Mask, step: Array) -> Linear:
-    """Predictions after a step, shortened until there are any."""
-    longest = np.where(LOGARITHMIC, _LONGEST, 0.3 * balance.model.base.size)[free]
+def damped_step(
+    balance: Balance,
+    at: Linear,
+    step: Array,
+    linear: Callable[[Array], Linear],
+    *,
+    rows: Mask | bool = True,
+    hints: tuple[str, ...] = (),
+) -> Linear:
+    """Predictions after a step, shortened until there are any.
+
+    Args:
+        balance: the trials and their model.
+        at: predictions before.
+        step: change of the coordinates, shape (7,); parameters where it is zero stay.
+        linear: predictions near some values.
+        rows: which of them must be finite.
+        hints: at a remedy, for the error.
+
+    Raises:
+        ModelError: `no_fit` if the object would not stand.
+    """
+    longest = np.where(LOGARITHMIC, _LONGEST, 0.3 * balance.model.base.size)
     share = 1.0 / max(1.0, float((np.abs(step) / longest).max()))
     for _ in range(_HALVINGS):
-        x = coordinates(at.values)
-        x[free] += share * step
-        values = np.where(free, values_at(x), at.values)
+        values = values_at(coordinates(at.values) + share * step)
+        values = np.where(step == 0.0, at.values, values)
+        share *= 0.5
         try:
             with_values(balance.model, values)
-            moved = balance.linear(values)
+            after = linear(values)
         except ModelError:
-            share *= 0.5
             continue
-        if np.isfinite(moved.predicted[rows]).all():
-            return moved
-        share *= 0.5
+        if np.isfinite(after.predicted)[rows].all():
+            return after
     raise ModelError(
         "no_fit",
         f"the trials lead to a {balance.model.name} that would not stand",
-        suggestions=("check where the contacts were, and the object's size",),
+        suggestions=hints,
     )
 
 

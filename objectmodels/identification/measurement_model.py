@@ -32,6 +32,7 @@ from numpy.typing import NDArray
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array, Base, Disc
+from objectmodels.geometry.planar_vectors import dot
 from objectmodels.identification.exact_slides import exact_slides
 from objectmodels.identification.parameter_coordinates import (
     COM_X,
@@ -300,7 +301,7 @@ def topple(base: Base, n: Array, p: Array, u: Array, tilt: Array, values: Array)
     if isinstance(base, Disc):
         n = _rim(base, n, p, u, c)
     lever, d = tilt_arms(base, n, p, u, tilt)
-    holding = (d - _dot(n, c)) * np.cos(tilt) - c[..., 2] * np.sin(tilt)
+    holding = (d - dot(n, c)) * np.cos(tilt) - c[..., 2] * np.sin(tilt)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(lever > 0.0, weight * holding / lever, np.inf)
 
@@ -316,9 +317,9 @@ def tilt_arms(base: Base, n: Array, p: Array, u: Array, tilt: Array) -> tuple[Ar
         tilt: angles, shape (n,) [rad].
     """
     d = base.extent(n)
-    xi, cos, sin = _dot(n, p) - d, np.cos(tilt), np.sin(tilt)
+    xi, cos, sin = dot(n, p) - d, np.cos(tilt), np.sin(tilt)
     x, h = xi * cos + p[:, 2] * sin, p[:, 2] * cos - xi * sin
-    return _dot(n, u) * h - u[:, 2] * x, d
+    return dot(n, u) * h - u[:, 2] * x, d
 
 
 def _rim(base: Disc, n: Array, p: Array, u: Array, c: Array) -> Array:
@@ -334,7 +335,3 @@ def _edges(model: ObjectModel, t: Touches) -> Array:
     normals = model.thresholds(t.p, t.u).tipping_normal
     facing = [model.base.facing(u[:2] / max(np.hypot(*u[:2]), 1e-300)) for u in t.u]
     return np.where(np.isfinite(normals), normals, facing)
-
-
-def _dot(n: Array, v: Array) -> Array:
-    return np.asarray(n[..., 0] * v[..., 0] + n[..., 1] * v[..., 1])

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.planar_vectors import cross, left_of, rotate
 
 if TYPE_CHECKING:
     from objectmodels.geometry.mechanical import Mechanical
@@ -144,7 +145,7 @@ class _Pushes:
     def rates(self, pose: Array, slipped: Array) -> tuple[Array, Array, NDArray[np.intp]]:
         """Rates of pose (n, 3) and slip (n, k) per travel, and the modes (n,)."""
         # In B: fingers travel along d turned back, contacts have moved along the face.
-        d = _turned(self.d, -pose[:, 2])
+        d = rotate(self.d, -pose[:, 2])
         at, half, curvature = self.face.T
         here = self.carried(curvature * slipped[:, 0])
         flat = (curvature == 0.0)[:, None, None]
@@ -158,8 +159,8 @@ class _Pushes:
         lost = (np.abs(at + slipped[:, 0]) > half) & (curvature == 0.0)
         v[lost], w[lost], slips[lost], mode[lost] = 0.0, 0.0, 0.0, 3
         # Velocity of B's origin, from that of the centre of mass.
-        origin = v - w[:, None] * _left(self.c)
-        rate = np.column_stack((_turned(origin, pose[:, 2]), w))
+        origin = v - w[:, None] * left_of(self.c)
+        rate = np.column_stack((rotate(origin, pose[:, 2]), w))
         return rate, slips, mode
 
     def carried(self, angle: Array) -> _Pushes:
@@ -170,10 +171,10 @@ class _Pushes:
             self.p[:, 0]
             + self.inward / np.where(self.face[:, 2] > 0.0, self.face[:, 2], 1.0)[:, None]
         )
-        moved = centre + _turned(self.p[:, 0] - centre, angle)
+        moved = centre + rotate(self.p[:, 0] - centre, angle)
         turned = self.picked(np.arange(len(angle)))
-        turned.p, turned.inward = moved[:, None, :], _turned(self.inward, angle)
-        turned.tangent = _turned(self.tangent, angle)
+        turned.p, turned.inward = moved[:, None, :], rotate(self.inward, angle)
+        turned.tangent = rotate(self.tangent, angle)
         return turned
 
     def _one(self, r: Array, d: Array) -> tuple[Array, Array, Array, NDArray[np.intp]]:
@@ -192,15 +193,15 @@ class _Pushes:
         return force, self._turning(r, force), np.where(slips, slip, 0.0), slips.astype(np.intp)
 
     def _turning(self, r: Array, force: Array) -> Array:
-        return np.asarray((r[:, 0] * force[:, 1] - r[:, 1] * force[:, 0]) / self.radius**2)
+        return cross(r, force) / self.radius**2
 
     def _moved(self, r: Array, force: Array) -> Array:
         """Velocity of the contact under a force at it: v + ω ẑ × r."""
-        return np.asarray(force + self._turning(r, force)[:, None] * _left(r))
+        return np.asarray(force + self._turning(r, force)[:, None] * left_of(r))
 
     def _sticking(self, r: Array, d: Array) -> Array:
         """The force under which the contact moves as the finger does: M F = d, M = I + l lᵀ/c̄²."""
-        left = _left(r) / self.radius
+        left = left_of(r) / self.radius
         share = np.sum(left * d, axis=1) / (1.0 + np.sum(left * left, axis=1))
         return np.asarray(d - share[:, None] * left)
 
@@ -241,13 +242,3 @@ class _Pushes:
         some.face = self.face[i]
         some.tangent = self.tangent[i]
         return some
-
-
-def _left(r: Array) -> Array:
-    """ẑ × r."""
-    return np.stack((-r[..., 1], r[..., 0]), axis=-1)
-
-
-def _turned(v: Array, angle: Array) -> Array:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.column_stack((c * v[:, 0] - s * v[:, 1], s * v[:, 0] + c * v[:, 1]))

@@ -19,6 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array, Base
+from objectmodels.geometry.planar_vectors import cross
 
 GRAVITY = 9.81
 """Standard acceleration of free fall used throughout [m/s²]."""
@@ -55,8 +56,7 @@ def topple_threshold(
 
 def yaw_arm(p: Array, u: Array, c: Array) -> Array:
     """Arm [(p − c) × u]_z of the force about the vertical through the centre of mass [m]."""
-    r = p - c
-    return np.asarray(r[..., 0] * u[..., 1] - r[..., 1] * u[..., 0])
+    return cross(p - c, u)
 
 
 def slide_threshold(

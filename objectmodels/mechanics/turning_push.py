@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from objectmodels.errors import ModelError
 from objectmodels.geometry.array_checks import pairs, require_normals
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.planar_vectors import cross, left_of, rotate
 from objectmodels.geometry.support_points import friction_radius
 
 if TYPE_CHECKING:
@@ -143,10 +144,10 @@ def turning(
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         travel = np.where(turns, phi / rate, np.inf)
         arm = (
-            _left(force) / np.where(turns, rate, np.nan)[:, None]
+            left_of(force) / np.where(turns, rate, np.nan)[:, None]
         )  # of the pivot from the centre of mass
     pivot = np.array(model.com[:2]) + contact.in_B(arm)
-    moved = np.where(turns[:, None], pivot - _turned(pivot, phi), np.nan)
+    moved = np.where(turns[:, None], pivot - rotate(pivot, phi), np.nan)
     pose = np.column_stack((moved, np.where(turns, phi, np.nan)))
     slant = np.arctan2(force[:, 1], force[:, 0])
     return Turning(pose, travel, pivot, slant, turns, sticks)
@@ -195,7 +196,7 @@ def best_turn(
     predicted = turning(model, p, n, np.arctan2(d[:, 1], d[:, 0]), angle, sigmas=sigmas)
     if not predicted.works.any():
         return None
-    lever = np.abs(_cross(contacts.r, force)) / np.linalg.norm(force, axis=1)
+    lever = np.abs(cross(contacts.r, force)) / np.linalg.norm(force, axis=1)
     best = int(np.argmax(np.where(predicted.works, lever, -1.0)))
     slowest = contacts.moved(d, widest)[1][best]
     direction = contacts.in_B(d)[best]
@@ -234,11 +235,11 @@ def learned_radius(
         raise ModelError("bad_value", "nothing is learned from a push that did not turn the object")
     # p − R p is the displacement.
     d, moved = np.asarray(direction, float)[:2], np.array([x, y])
-    pivot = 0.5 * (moved + _left(moved) / np.tan(0.5 * angle))
+    pivot = 0.5 * (moved + left_of(moved) / np.tan(0.5 * angle))
     r = np.asarray(point, float)[:2] - np.array(model.com[:2])
     # With arm ρ = 1 / ω: from ω = (ẑ × r) · d / (c̄² + r²).
-    arm = float(_left(d) @ (pivot - np.array(model.com[:2]) - r))
-    squared = arm * float(_left(r) @ d) - float(r @ r)
+    arm = float(left_of(d) @ (pivot - np.array(model.com[:2]) - r))
+    squared = arm * float(left_of(r) @ d) - float(r @ r)
     least, most = _radius(model, -np.inf), _radius(model, np.inf)
     return float(np.sqrt(np.clip(squared, least**2, most**2)))
 
@@ -255,7 +256,7 @@ class _Contacts:
         require_normals(n)
         self._model = model
         level = -n[:, :2] / np.hypot(n[:, 0], n[:, 1])[:, None]
-        self._axes = np.stack((level, _left(level)), axis=-1)  # columns, shape (n, 2, 2)
+        self._axes = np.stack((level, left_of(level)), axis=-1)  # columns, shape (n, 2, 2)
         self.r = np.einsum("nij,ni->nj", self._axes, p[:, :2] - np.array(model.com[:2]))
 
     def in_B(self, vectors: Array) -> Array:
@@ -264,15 +265,15 @@ class _Contacts:
 
     def motion(self, force: Array, radius: float) -> Array:
         """Velocity of the contacts under forces at them, F + ω ẑ × r, shape (n, 2)."""
-        rate = _cross(self.r, force) / radius**2
-        return np.asarray(force + rate[:, None] * _left(self.r))
+        rate = cross(self.r, force) / radius**2
+        return np.asarray(force + rate[:, None] * left_of(self.r))
 
     def moved(self, d: Array, radius: float) -> tuple[Array, Array]:
         """Forces under which the contacts move with velocities d, and the rates of turning."""
-        left = _left(self.r) / radius
+        left = left_of(self.r) / radius
         share = np.sum(left * d, axis=1) / (1.0 + np.sum(left * left, axis=1))
         force = d - share[:, None] * left
-        return force, _cross(self.r, force) / radius**2
+        return force, cross(self.r, force) / radius**2
 
     def sticks(self, force: Array, sigmas: float) -> NDArray[np.bool_]:
         """Whether forces lie inside the friction cone of the finger."""
@@ -289,20 +290,6 @@ def _radius(model: Mechanical, sigmas: float) -> float:
     most = max(believed, friction_radius("corners", model.footprint))
     least = _SMALLEST_RADIUS * believed
     return float(np.clip(believed + sigmas * model.friction_radius_sd, least, most))
-
-
-def _cross(a: Array, b: Array) -> Array:
-    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
-
-
-def _left(v: Array) -> Array:
-    """ẑ × v."""
-    return np.stack((-v[..., 1], v[..., 0]), axis=-1)
-
-
-def _turned(v: Array, angle: Array) -> Array:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.column_stack((c * v[:, 0] - s * v[:, 1], s * v[:, 0] + c * v[:, 1]))
 
 
 def _vector(v: Array) -> Vector3:

@@ -12,7 +12,6 @@ docs/models.md). Everything else follows from those and from the parameters.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Self
 
@@ -34,7 +33,7 @@ from objectmodels.mechanics.push_outcomes import (
     closed_form_thresholds,
     size_and_direction,
 )
-from objectmodels.mechanics.push_thresholds import GRAVITY, push_moment
+from objectmodels.mechanics.push_thresholds import push_moment
 from objectmodels.models.parameters import RADIUS_SHARE_SD, Parameters
 from objectmodels.models.resting_faces import Resting, lying
 from objectmodels.models.vessel import Vessel
@@ -181,24 +180,6 @@ class ObjectModel(Parameters, ABC):
         _ = self.vessel  # which refuses what does not fit
         return self
 
-    def __eq__(self, other: object) -> bool:
-        """Equal beliefs of one kind; what was computed from them does not count."""
-        return isinstance(other, type(self)) and self._beliefs == other._beliefs
-
-    def __hash__(self) -> int:
-        return hash((type(self), self._beliefs))
-
-    @property
-    def _beliefs(self) -> tuple[object, ...]:
-        return tuple(getattr(self, name) for name in type(self).model_fields)
-
-    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """A copy with changed fields, unchecked; nothing computed before is kept."""
-        copied = super().model_copy(update=update, deep=deep)
-        for name in set(copied.__dict__) - set(type(self).model_fields):
-            del copied.__dict__[name]
-        return copied
-
     @cached_property
     def base(self) -> Base:
         """What it would topple over: its footprint, or the hull of the points it stands on."""
@@ -216,27 +197,6 @@ class ObjectModel(Parameters, ABC):
         if self.container is None:
             return None
         return Vessel.inside(self.section, self.top, self.container)
-
-    @property
-    def weight(self) -> float:
-        """G = m g [N]."""
-        return self.mass * GRAVITY
-
-    def coefficient(self, friction: Friction) -> float:
-        """The friction coefficient at the table, of one kind or the other.
-
-        Raises:
-            ModelError: `unknown_parameter` if it is not known.
-        """
-        if friction == "static":
-            return self.friction
-        if self.friction_kinetic is None:
-            raise ModelError(
-                "unknown_parameter",
-                f"the kinetic friction of the {self.name} is not known",
-                suggestions=("use the static one",),
-            )
-        return self.friction_kinetic
 
     # -- predictions ---------------------------------------------------------------------------
 

@@ -6,7 +6,8 @@ units; they are the aliases of the fields here.
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import (
@@ -22,8 +23,9 @@ from pydantic import (
 from objectmodels.errors import ModelError
 from objectmodels.geometry.array_checks import as_tuple, as_tuples
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.geometry.mechanical import UNCERTAIN, Friction
 from objectmodels.geometry.support_points import Support
+from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_parts import Container, Graspable, Lid
 
 RADIUS_SHARE_SD = 0.45
@@ -145,6 +147,45 @@ class Parameters(BaseModel):
             i, j = UNCERTAIN.index(a), UNCERTAIN.index(b)
             matrix[i, j] = matrix[j, i] = value
         return matrix
+
+    def __eq__(self, other: object) -> bool:
+        """Equal beliefs of one kind; what was computed from them does not count."""
+        return isinstance(other, type(self)) and self._beliefs == other._beliefs
+
+    def __hash__(self) -> int:
+        return hash((type(self), self._beliefs))
+
+    @property
+    def _beliefs(self) -> tuple[object, ...]:
+        return tuple(getattr(self, name) for name in type(self).model_fields)
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """A copy with changed fields, unchecked; nothing computed before is kept."""
+        copied = super().model_copy(update=update, deep=deep)
+        for name in set(copied.__dict__) - set(type(self).model_fields):
+            del copied.__dict__[name]
+        return copied
+
+    @property
+    def weight(self) -> float:
+        """G = m g [N]."""
+        return self.mass * GRAVITY
+
+    def coefficient(self, friction: Friction) -> float:
+        """The friction coefficient at the table, of one kind or the other.
+
+        Raises:
+            ModelError: `unknown_parameter` if it is not known.
+        """
+        if friction == "static":
+            return self.friction
+        if self.friction_kinetic is None:
+            raise ModelError(
+                "unknown_parameter",
+                f"the kinetic friction of the {self.name} is not known",
+                suggestions=("use the static one",),
+            )
+        return self.friction_kinetic
 
     @property
     def means(self) -> Array:

@@ -11,6 +11,7 @@ from pydantic import Field, PositiveFloat, model_validator
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Polygon
+from objectmodels.geometry.planar_vectors import cross
 from objectmodels.geometry.side_faces import Face, sides
 from objectmodels.models.convex_hull import HullModel
 from objectmodels.models.object_model import ObjectModel
@@ -85,7 +86,7 @@ def _second_moments(polygon: Polygon) -> tuple[float, float]:
     """Mean squares of x and y over the area, about its centroid [m²]."""
     v = polygon.vertices - polygon.centroid
     w = np.roll(v, -1, axis=0)
-    area = v[:, 0] * w[:, 1] - v[:, 1] * w[:, 0]
+    area = cross(v, w)
     second = (area[:, None] * (v * v + v * w + w * w)).sum(axis=0) / (6.0 * area.sum())
     x2, y2 = second.tolist()
     return x2, y2

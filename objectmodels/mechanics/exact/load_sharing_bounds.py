@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array, Disc
+from objectmodels.geometry.planar_vectors import cross
 from objectmodels.mechanics.exact.exact_thresholds import axes
 from objectmodels.mechanics.friction_limit import friction_limit
 from objectmodels.mechanics.push_thresholds import force_at, push_moment, ratio_at
@@ -174,7 +175,7 @@ def _triangles(points: Array) -> NDArray[np.intp]:
     """Indices of all triples of points that are not on a line, shape (m, 3)."""
     threes = np.array(list(combinations(range(len(points)), 3)))
     a, b, c = (points[threes[:, k]] for k in range(3))
-    area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    area = cross(b - a, c - a)
     return np.asarray(threes[np.abs(area) > _THIN * np.ptp(points, axis=0).max() ** 2])
 
 
