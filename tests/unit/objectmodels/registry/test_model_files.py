@@ -114,6 +114,7 @@ def test_values_that_are_plain_in_yaml_1_2_are_read_so(tmp_path: Path) -> None:
         ("a: [1, 2\n", "bad_yaml", ["line"]),
         ("a: !!python/object:os.system {}\n", "bad_yaml", ["python/object"]),
         ("[" * 20_000, "bad_yaml", []),
+        ("[" * 900_000, "bad_yaml", []),
     ],
 )
 def test_broken_files_are_explained(tmp_path: Path, text: str, code: str, words: list[str]) -> None:
