@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
-from nlcontrol import cli
-from nlcontrol.cli import console_output as output
 from nlcontrol.cli import run
+from nlcontrol.cli.command_line import INTERRUPTED
+from nlcontrol.cli.console import console_output as output
 from nlcontrol.results.result import Result
 from planner.types.plan import Plan
 
@@ -244,7 +244,7 @@ def test_control_c_is_no_defect(
         raise KeyboardInterrupt
 
     monkeypatch.setattr("nlcontrol.session.controller.Controller.plan", interrupted)
-    assert run(["plan", SENTENCE]) == cli.INTERRUPTED
+    assert run(["plan", SENTENCE]) == INTERRUPTED
     assert "interrupted" in capsys.readouterr().err
 
 
@@ -286,7 +286,7 @@ def test_doctor_fails_if_an_essential_is_missing(
     def broken() -> str:
         raise RuntimeError("no models")
 
-    monkeypatch.setattr("nlcontrol.cli.doctor_command._registry", broken)
+    monkeypatch.setattr("nlcontrol.cli.commands.doctor_command._use_registry", broken)
     status, document = _json(capsys, "doctor")
     assert status == 1
     assert not document["ok"]
@@ -351,14 +351,14 @@ def test_a_failed_write_leaves_the_older_file(tmp_path: Path) -> None:
     path.write_text("older")
 
     def fail_halfway() -> None:
-        with output.written_whole(path) as temporary:
+        with output.replace_file(path) as temporary:
             temporary.write_text("half")
             raise RuntimeError
 
     with pytest.raises(RuntimeError):
         fail_halfway()
     assert path.read_text() == "older"
-    with output.written_whole(path) as temporary:
+    with output.replace_file(path) as temporary:
         temporary.write_text("newer")
     assert path.read_text() == "newer"
     assert [p.name for p in tmp_path.iterdir()] == ["run.html"]

@@ -22,9 +22,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nlcontrol import Conversation
-from nlcontrol.cli import prompt_lines as lines
-from nlcontrol.cli.console_output import Narrator
-from nlcontrol.cli.shell_command import Interruptible, command
+from nlcontrol.cli.commands.shell_command import Interruptible, command
+from nlcontrol.cli.console import prompt_lines as lines
+from nlcontrol.cli.console.console_output import Narrator
 from nlcontrol.results.result import Result as Answer
 
 NAMES = ("ice tea box", "cereal box", "coffee box")

@@ -14,7 +14,7 @@ import pytest
 
 import grammar
 from grammar.frames import command as g
-from nlcontrol.cli.explore_command import command
+from nlcontrol.cli.commands.explore_command import command
 from nlcontrol.learning.log_fitting import NAMES
 from nlcontrol.reports.exploration_report import _COLUMNS
 from objectmodels.identification.belief_update import SURPRISING

@@ -13,7 +13,7 @@ import pytest
 
 from nlcontrol import Controller
 from nlcontrol.cli import run
-from nlcontrol.cli.say_command import plan as plan_command
+from nlcontrol.cli.commands.say_command import plan as plan_command
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.refusal import RefusalReason

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import click
 
-from nlcontrol.cli.console_output import print_json
-from nlcontrol.cli.world_options import Settings, scene_option, set_option
+from nlcontrol.cli.console.console_output import json_option, print_json
+from nlcontrol.cli.console.world_options import Settings, scene_option, set_option
 from nlcontrol.errors import OK
 
 
 @click.command("defaults")
 @scene_option
 @set_option
-@click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
+@json_option
 def command(scene: str, settings: Settings, as_json: bool) -> int:
     """List every default with its value: what --set takes, and `defaults` in a scene file."""
     from dataclasses import asdict

@@ -13,7 +13,7 @@ from pathlib import Path
 import click
 
 from nlcontrol._shadowing import misplaced
-from nlcontrol.cli.console_output import print_json
+from nlcontrol.cli.console.console_output import json_option, print_json
 from nlcontrol.errors import INTERNAL, OK
 
 _EGL_VENDORS = (Path("/usr/share/glvnd/egl_vendor.d"), Path("/etc/glvnd/egl_vendor.d"))
@@ -39,10 +39,10 @@ class Finding:
 
 
 @click.command("doctor")
-@click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
+@json_option
 def command(as_json: bool) -> int:
     """Check that everything a run needs is there."""
-    findings = list(examine())
+    findings = list(examine_all())
     ok = all(f.ok for f in findings if f.essential)
     if as_json:
         print_json({"ok": ok, "findings": [asdict(f) for f in findings]})
@@ -56,7 +56,7 @@ def command(as_json: bool) -> int:
     return OK if ok else INTERNAL
 
 
-def examine() -> Iterator[Finding]:
+def examine_all() -> Iterator[Finding]:
     """Looks at everything, in the order in which a run needs it."""
     version = ".".join(map(str, sys.version_info[:3]))
     yield Finding(
@@ -66,21 +66,21 @@ def examine() -> Iterator[Finding]:
     yield Finding(
         "packages", not wrong, True, "; ".join(wrong) or "all five beside each other", "rename it"
     )
-    yield _drake()
-    yield _attempt("object models", _registry)
-    yield _own_models()
-    yield _attempt("scenes", _scenes)
-    yield _attempt("grammar", _grammar)
-    yield _egl()
+    yield _examine_drake()
+    yield _examine_by_use("object models", _use_registry)
+    yield _examine_own_models()
+    yield _examine_by_use("scenes", _use_scenes)
+    yield _examine_by_use("grammar", _use_grammar)
+    yield _examine_egl()
 
 
-def _drake() -> Finding:
+def _examine_drake() -> Finding:
     found = importlib.util.find_spec("pydrake") is not None
     version = importlib.metadata.version("drake") if found else "not installed"
     return Finding("Drake", found, True, version, "pip install 'drake>=1.51'")
 
 
-def _attempt(name: str, what: Callable[[], str]) -> Finding:
+def _examine_by_use(name: str, what: Callable[[], str]) -> Finding:
     """A finding from code that may fail in any way: reporting that is what this is for."""
     try:
         return Finding(name, True, True, what())
@@ -90,7 +90,7 @@ def _attempt(name: str, what: Callable[[], str]) -> Finding:
         )
 
 
-def _registry() -> str:
+def _use_registry() -> str:
     from objectmodels import Registry
 
     registry = Registry.built_in()
@@ -99,7 +99,7 @@ def _registry() -> str:
     return ", ".join(registry.names())
 
 
-def _own_models() -> Finding:
+def _examine_own_models() -> Finding:
     """Models of plug-ins and of the user; a broken one stops no run."""
     from objectmodels import Registry
     from objectmodels.registry.model_registry import user_folder
@@ -116,7 +116,7 @@ def _own_models() -> Finding:
     )
 
 
-def _scenes() -> str:
+def _use_scenes() -> str:
     from nlcontrol.session.controller import Controller
     from sim.truth.scene_file import built_in_scenes
 
@@ -126,16 +126,16 @@ def _scenes() -> str:
     return ", ".join(names)
 
 
-def _grammar() -> str:
+def _use_grammar() -> str:
     import grammar
 
     return grammar.parse("push the ice tea box away without toppling it").paraphrase
 
 
-def _egl() -> Finding:
+def _examine_egl() -> Finding:
     """Pictures are drawn without a display, by Mesa's software renderer through EGL."""
     present = {
-        "libegl1": _loads("libEGL.so.1"),
+        "libegl1": _can_load("libEGL.so.1"),
         "libegl-mesa0": any(next(folder.glob("*mesa*"), None) for folder in _EGL_VENDORS),
         "libgl1-mesa-dri": any(Path("/usr/lib").glob("*/dri/*swrast_dri.so")),
     }
@@ -149,7 +149,7 @@ def _egl() -> Finding:
     )
 
 
-def _loads(library: str) -> bool:
+def _can_load(library: str) -> bool:
     try:
         ctypes.CDLL(library)
     except OSError:

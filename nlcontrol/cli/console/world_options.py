@@ -55,7 +55,7 @@ def world_options(command: Command) -> Command:
     return command
 
 
-def controller_of(scene: str, seed: int, settings: Settings) -> Controller:
+def open_controller(scene: str, seed: int, settings: Settings) -> Controller:
     """The controller that the options ask for.
 
     Args:

@@ -26,7 +26,7 @@ def history_file() -> Path:
     return folder / "nlcontrol" / "history"
 
 
-def prompted(
+def prompt_lines(
     prompt: str, names: Sequence[str], beginnings: Sequence[str]
 ) -> Generator[str, None, None]:
     """The lines that are typed, until control-D.
@@ -39,7 +39,7 @@ def prompted(
     try:
         import readline
     except ImportError:  # Windows: lines without completion and history
-        yield from _typed(prompt)
+        yield from _typed_lines(prompt)
         return
 
     def complete(text: str, state: int) -> str | None:
@@ -57,7 +57,7 @@ def prompted(
         readline.add_history(line)
     typed: list[str] = []
     try:
-        for line in _typed(prompt):
+        for line in _typed_lines(prompt):
             if line.strip() and [line] != typed[-1:]:
                 readline.add_history(line)
                 typed.append(line)
@@ -67,7 +67,7 @@ def prompted(
             write_history(typed)
 
 
-def _typed(prompt: str) -> Generator[str, None, None]:
+def _typed_lines(prompt: str) -> Generator[str, None, None]:
     while True:
         try:
             yield input(prompt)
@@ -94,13 +94,13 @@ def completions(line: str, text: str, names: Sequence[str], beginnings: Sequence
         # The library replaces the last word alone, and adds no space.
         found = [word[len(before.lstrip()) :] + " " for word in found]
     for name in names:
-        said = _said(name, line)
+        said = _length_at_end(name, line)
         if said and (text or said > 1):
             found.append(name[said - len(text) :] + " ")
     return sorted(set(found))
 
 
-def _said(name: str, line: str) -> int:
+def _length_at_end(name: str, line: str) -> int:
     """How many characters of a name a line ends with, begun at the start of a word."""
     for length in range(len(name), 0, -1):
         start = len(line) - length

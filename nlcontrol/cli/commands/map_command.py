@@ -9,16 +9,22 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from nlcontrol.cli.console_output import print_json, require_writable, written_whole
-from nlcontrol.cli.objects_command import registry_told
-from nlcontrol.cli.predict_command import (
+from nlcontrol.cli.console.console_output import (
+    FILE,
+    Progress,
+    json_option,
+    print_json,
+    replace_file,
+    require_writable,
+)
+from nlcontrol.cli.console.model_options import (
     Numbers,
     face_option,
-    json_option,
-    looked_up,
+    find_model_and_face,
     lying_option,
+    open_registry,
 )
-from nlcontrol.cli.world_options import scene_option, seed_option
+from nlcontrol.cli.console.world_options import scene_option, seed_option
 from nlcontrol.errors import OK
 
 if TYPE_CHECKING:
@@ -26,7 +32,6 @@ if TYPE_CHECKING:
     from objectmodels.mechanics.outcome_map import OutcomeMap
     from sim.face_experiment.face_contact import Way
 
-_File = click.Path(dir_okay=False, path_type=Path)
 _PICTURES = (".png", ".svg", ".pdf")
 
 
@@ -52,10 +57,10 @@ _PICTURES = (".png", ".svg", ".pdf")
     "--output",
     "outputs",
     multiple=True,
-    type=_File,
+    type=FILE,
     help="Write it as PNG, SVG, PDF, CSV or JSON, by the ending; may be repeated.",
 )
-@click.option("--model", "model_file", type=_File, help="A model file to predict with.")
+@click.option("--model", "model_file", type=FILE, help="A model file to predict with.")
 @click.option(
     "--experiment",
     is_flag=True,
@@ -74,7 +79,7 @@ _PICTURES = (".png", ".svg", ".pdf")
 @click.option("--workers", type=click.IntRange(1), help="Processes; one per processor by default.")
 @click.option(
     "--record",
-    type=_File,
+    type=FILE,
     help="Keep the experiment's results here and go on from them; beside the output by default.",
 )
 @lying_option
@@ -106,8 +111,8 @@ def command(
 
     With --experiment they are carried out as well, on the object as it really is in the scene.
     """
-    _require_fitting(ctx, experiment)
-    _require_good(outputs)
+    _require_fitting_options(ctx, experiment)
+    _require_good_endings(outputs)
     wanted: dict[str, Any] = {
         "direction": direction,
         "spacing": 1e-3 * spacing,
@@ -118,16 +123,16 @@ def command(
         record = record or (outputs[0].with_suffix(".touches.jsonl") if outputs else None)
         require_writable(record)
         ways: tuple[Way, ...] = ("force", "robot") if by == "both" else (by,)
-        found = _compared(name, face, model_file, wanted, scene, ways, seed, workers, record)
-        return _told_comparison(found, outputs, shaded=shade, as_json=as_json)
+        found = _run_experiments(name, face, model_file, wanted, scene, ways, seed, workers, record)
+        return _answer_comparison(found, outputs, shaded=shade, as_json=as_json)
     from objectmodels.mechanics.outcome_map import outcome_map
 
-    model, side = looked_up(name, face, lying_on, model_file)
+    model, side = find_model_and_face(name, face, lying_on, model_file)
     chart = outcome_map(model, side, turning=not straight, **wanted)
-    return _told_map(chart, face, outputs, solid=solid, shaded=shade, as_json=as_json)
+    return _answer_map(chart, face, outputs, solid=solid, shaded=shade, as_json=as_json)
 
 
-def _require_fitting(ctx: click.Context, experiment: bool) -> None:
+def _require_fitting_options(ctx: click.Context, experiment: bool) -> None:
     """Refuses options that say nothing, with the experiment or without it."""
     apart = ("straight", "solid", "lying_on")
     belong = ("by", "scene", "seed", "workers", "record")
@@ -142,14 +147,14 @@ def _require_fitting(ctx: click.Context, experiment: bool) -> None:
             raise click.UsageError(f"{param.opts[0]} belongs to --experiment")
 
 
-def _require_good(outputs: tuple[Path, ...]) -> None:
+def _require_good_endings(outputs: tuple[Path, ...]) -> None:
     for output in outputs:
         require_writable(output)
         if output.suffix not in (*_PICTURES, ".csv", ".json"):
             raise click.UsageError(f"{output}: the ending must be .png, .svg, .pdf, .csv or .json")
 
 
-def _told_map(
+def _answer_map(
     chart: OutcomeMap, face: str, outputs: tuple[Path, ...], *,
     solid: bool, shaded: bool, as_json: bool,
 ) -> int:  # fmt: skip
@@ -163,12 +168,12 @@ def _told_map(
     def tabulate(path: Path) -> None:
         maps.save_table(chart, face, path)
 
-    return _told(
+    return _write_and_print(
         maps.document(chart, face), maps.text(chart, face), outputs, draw, tabulate, as_json
     )
 
 
-def _told_comparison(
+def _answer_comparison(
     found: tuple[Comparison, ...], outputs: tuple[Path, ...], *, shaded: bool, as_json: bool
 ) -> int:
     from nlcontrol.outcome_maps import map_comparison as comparison
@@ -181,12 +186,12 @@ def _told_comparison(
     def tabulate(path: Path) -> None:
         comparison.save_table(found, path)
 
-    return _told(
+    return _write_and_print(
         comparison.document(found), comparison.text(found), outputs, draw, tabulate, as_json
     )
 
 
-def _told(
+def _write_and_print(
     document: dict[str, Any],
     lines: list[str],
     outputs: tuple[Path, ...],
@@ -196,7 +201,7 @@ def _told(
 ) -> int:
     """Writes the files and prints the answer."""
     for output in outputs:
-        with written_whole(output) as path:
+        with replace_file(output) as path:
             if output.suffix in _PICTURES:
                 draw(path)
             elif output.suffix == ".csv":
@@ -212,7 +217,7 @@ def _told(
     return OK
 
 
-def _compared(
+def _run_experiments(
     name: str,
     face: str,
     model_file: Path | None,
@@ -224,7 +229,6 @@ def _compared(
     record: Path | None,
 ) -> tuple[Comparison, ...]:
     """The experiment each way, carried out as far as it was not yet, and the prediction."""
-    from nlcontrol.cli.progress import Progress
     from nlcontrol.outcome_maps.experiment_record import Record
     from nlcontrol.outcome_maps.experiment_runner import FaceExperiment, standing
     from nlcontrol.outcome_maps.map_comparison import Comparison, contacts_of
@@ -233,7 +237,7 @@ def _compared(
     from objectmodels.mechanics.outcome_map import outcome_map
     from objectmodels.registry.model_files import load_model
 
-    controller = Controller(scene, registry=registry_told(), seed=seed)
+    controller = Controller(scene, registry=open_registry(), seed=seed)
     item = standing(controller, name)
     model = controller.models[item.name]
     if model_file is not None:

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from nlcontrol.cli.console_output import Narrator
-from nlcontrol.cli.prompt_lines import prompted
-from nlcontrol.cli.world_options import Settings, controller_of, world_options
+from nlcontrol.cli.console.console_output import Narrator, print_skipped_with_words
+from nlcontrol.cli.console.prompt_lines import prompt_lines
+from nlcontrol.cli.console.world_options import Settings, open_controller, world_options
 from nlcontrol.errors import OK, described
 
 if TYPE_CHECKING:
@@ -40,24 +40,24 @@ def command(as_json: bool, scene: str, seed: int, settings: Settings, plan_only:
     """Do one sentence after another: "push it away", "again", "undo that", "why?"."""
     from nlcontrol.session.conversation import Conversation
 
-    controller = controller_of(scene, seed, settings)
-    from grammar.words.lexicon_plugins import installed
-
-    _, broken = installed()
-    for problem in (*controller.registry.problems, *broken):
-        click.echo(f"skipped: {problem}", err=True)
+    controller = open_controller(scene, seed, settings)
+    print_skipped_with_words(controller.registry.problems)
     conversation = Conversation(controller)
     if sys.stdin.isatty() and sys.stdout.isatty():
-        click.echo(f"On the table: {_objects(controller)}. “help” shows examples, “exit” leaves.")
-        with closing(prompted("nlcontrol> ", controller.scene.names, _beginnings())) as lines:
-            _converse(conversation, lines, as_json=as_json, plan_only=plan_only)
+        click.echo(
+            f"On the table: {_object_list(controller)}. “help” shows examples, “exit” leaves."
+        )
+        with closing(
+            prompt_lines("nlcontrol> ", controller.scene.names, _line_beginnings())
+        ) as lines:
+            _answer_lines(conversation, lines, as_json=as_json, plan_only=plan_only)
         return OK
     if isinstance(sys.stdin, io.TextIOWrapper):
         sys.stdin.reconfigure(errors="replace")  # bytes that are no text end no shell
-    return _converse(conversation, sys.stdin, as_json=as_json, plan_only=plan_only)
+    return _answer_lines(conversation, sys.stdin, as_json=as_json, plan_only=plan_only)
 
 
-def _converse(
+def _answer_lines(
     conversation: Conversation, lines: Iterable[str], *, as_json: bool, plan_only: bool
 ) -> int:
     """Answers line after line; returns the exit code of the last that failed."""
@@ -71,16 +71,16 @@ def _converse(
             break
         if word == "help":
             # Standard output carries nothing but documents if they were asked for.
-            click.echo(_help(conversation.controller), err=as_json)
+            click.echo(_help_text(conversation.controller), err=as_json)
             continue
-        result = _answer(conversation, text, plan_only)
+        result = _answer_line(conversation, text, plan_only)
         if result is not None:
-            _tell(result, as_json)
+            _print_answer(result, as_json)
             status = result.exit_status or status
     return status
 
 
-def _answer(conversation: Conversation, text: str, plan_only: bool) -> Result | None:
+def _answer_line(conversation: Conversation, text: str, plan_only: bool) -> Result | None:
     """What comes of one sentence, whatever goes wrong; None if it was interrupted."""
     try:
         with Narrator() as narrate, Interruptible(narrate) as progress:
@@ -93,14 +93,14 @@ def _answer(conversation: Conversation, text: str, plan_only: bool) -> Result | 
         return begun.model_copy(update={"error": described(raised)})
 
 
-def _tell(result: Result, as_json: bool) -> None:
+def _print_answer(result: Result, as_json: bool) -> None:
     if as_json:
         click.echo(result.model_dump_json())
         return
     click.echo(f"{result.report()}\n", err=result.paraphrase is None)
 
 
-def _help(controller: Controller) -> str:
+def _help_text(controller: Controller) -> str:
     name = controller.scene.names[0] if controller.scene.names else "box"
     examples = (
         f"push the {name} away without toppling it",
@@ -113,17 +113,17 @@ def _help(controller: Controller) -> str:
         (
             "Say what should become of an object, for example",
             *(f"  {example}" for example in examples),
-            f"On the table: {_objects(controller)}.",
+            f"On the table: {_object_list(controller)}.",
             "“exit”, “quit”, “bye” or control-D leave; control-C ends a sentence.",
         )
     )
 
 
-def _objects(controller: Controller) -> str:
+def _object_list(controller: Controller) -> str:
     return ", ".join(controller.scene.names) or "nothing"
 
 
-def _beginnings() -> tuple[str, ...]:
+def _line_beginnings() -> tuple[str, ...]:
     from grammar.words.lexicon_plugins import installed
 
     lexicon, _ = installed()
@@ -146,7 +146,7 @@ class Interruptible:
         self._moved = self._stopped = False
 
     def __enter__(self) -> Interruptible:
-        self._before = signal.signal(signal.SIGINT, self._interrupted)
+        self._before = signal.signal(signal.SIGINT, self._handle_interrupt)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -162,7 +162,7 @@ class Interruptible:
             self._stopped = False
             raise EarlyEndError("guard", "interrupted")
 
-    def _interrupted(self, number: int, frame: FrameType | None) -> None:
+    def _handle_interrupt(self, number: int, frame: FrameType | None) -> None:
         if not self._moved:
             raise KeyboardInterrupt
         self._stopped = True

@@ -8,17 +8,22 @@ from typing import TYPE_CHECKING
 
 import click
 
-from nlcontrol.cli.console_output import Narrator, print_json, require_writable, written_whole
-from nlcontrol.cli.fit_command import ParameterNames, keeping
-from nlcontrol.cli.world_options import Settings, controller_of, world_options
+from nlcontrol.cli.console.console_output import (
+    FILE,
+    Narrator,
+    json_option,
+    print_json,
+    replace_file,
+    require_writable,
+)
+from nlcontrol.cli.console.model_options import ParameterNames, keep_options
+from nlcontrol.cli.console.world_options import Settings, open_controller, world_options
 from nlcontrol.errors import OK
 
 if TYPE_CHECKING:
     from nlcontrol.learning.exploration_session import Told
     from objectmodels import ObjectModel
     from sim.exploration.exploration_run import Touched
-
-_File = click.Path(dir_okay=False, path_type=Path)
 
 
 @click.command("explore")
@@ -47,9 +52,9 @@ _File = click.Path(dir_okay=False, path_type=Path)
     help="Take what is believed of mass and friction as a guess that may be off by this factor.",
 )
 @world_options
-@click.option("--picture", type=_File, help="Draw the force curves (PNG, SVG or PDF).")
-@keeping
-@click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
+@click.option("--picture", type=FILE, help="Draw the force curves (PNG, SVG or PDF).")
+@keep_options
+@json_option
 def command(
     name: str,
     trials: int,
@@ -78,9 +83,9 @@ def command(
 
     if precision is not None and math.isnan(precision):
         raise click.UsageError("--precision: nan is no number")
-    _require_file(output, ".yaml", ".yml")
-    _require_file(picture, ".png", ".svg", ".pdf")
-    controller = controller_of(scene, seed, settings)
+    _require_file_ending(output, ".yaml", ".yml")
+    _require_file_ending(picture, ".png", ".svg", ".pdf")
+    controller = open_controller(scene, seed, settings)
     item = standing(controller, name)
     if saved_as is not None:
         believed = controller.models[item.name]
@@ -88,13 +93,13 @@ def command(
     with Narrator() as progress:
         found = explore(
             controller, item.name, parameters=parameters or UNCERTAIN, repetitions=trials,
-            precision=precision, guess=guess, progress=progress, told=_teller(progress),
+            precision=precision, guess=guess, progress=progress, told=_touch_reporter(progress),
         )  # fmt: skip
     files = {}
     if picture is not None:
         from nlcontrol.reports.force_curve_plot import save_curves
 
-        with written_whole(picture) as temporary:
+        with replace_file(picture) as temporary:
             save_curves(found.touches, item.name, temporary)
         files["picture"] = str(picture)
     model = found.model if not saved_as else renamed(found.model, saved_as)
@@ -113,14 +118,14 @@ def command(
     return OK
 
 
-def _require_file(path: Path | None, *endings: str) -> None:
+def _require_file_ending(path: Path | None, *endings: str) -> None:
     """Refuses a file that could not be written, before minutes are spent on its contents."""
     if path is not None and path.suffix.lower() not in endings:
         raise click.UsageError(f"{path}: the ending must be {' or '.join(endings)}")
     require_writable(path)
 
 
-def _teller(progress: Narrator) -> Told:
+def _touch_reporter(progress: Narrator) -> Told:
     """Tells each touch and what is believed after it, on standard error."""
 
     def told(touched: Touched, model: ObjectModel) -> None:

@@ -2,73 +2,22 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import click
 
-from nlcontrol.cli.console_output import print_json
-from nlcontrol.cli.objects_command import registry_told
-from nlcontrol.cli.world_options import Settings, controller_of, world_options
+from nlcontrol.cli.console.console_output import json_option, print_json
+from nlcontrol.cli.console.model_options import (
+    Numbers,
+    face_option,
+    find_model_and_face,
+    lying_option,
+)
+from nlcontrol.cli.console.world_options import Settings, open_controller, world_options
 from nlcontrol.errors import OK
 
 if TYPE_CHECKING:
-    from objectmodels import Face, ObjectModel
-
-json_option = click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
-face_option = click.option(
-    "--face",
-    default="front",
-    show_default=True,
-    help="The face that is touched, as the robot would call it.",
-)
-lying_option = click.option(
-    "--lying-on", default="bottom", help="The face that the object lies on, e.g. left for a box."
-)
-
-
-class Numbers(click.ParamType[tuple[float, ...]]):
-    """So many numbers with commas between them."""
-
-    name = "numbers"
-
-    def __init__(self, count: int) -> None:
-        self.count = count
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[float, ...]:
-        """Reads them."""
-        if isinstance(value, tuple):
-            return value
-        try:
-            numbers = tuple(float(part) for part in str(value).split(","))
-        except ValueError:
-            numbers = ()
-        if len(numbers) != self.count or not all(abs(x) <= 1e6 for x in numbers):
-            self.fail(f"{value!r} is not {self.count} numbers with commas between them", param, ctx)
-        return numbers
-
-
-def looked_up(
-    name: str, face: str, lying_on: str, file: Path | None = None
-) -> tuple[ObjectModel, Face]:
-    """The model of an object, lying on a face of it, and another face.
-
-    Args:
-        name: of the object.
-        face: how the one is called.
-        lying_on: how the other is called.
-        file: with a model to take instead of the registry's.
-    """
-    from nlcontrol.references.face_names import face_of
-    from objectmodels.registry.model_files import load_model
-
-    registry = registry_told()
-    model = load_model(file, registry.kinds) if file else registry.called(name)
-    if lying_on != "bottom":
-        model = model.standing(lying_on)
-    return model, face_of(model, face)
+    pass
 
 
 @click.command()
@@ -110,7 +59,7 @@ def predict(
     """
     from nlcontrol.questions.push_prediction import predict_push
 
-    model, side = looked_up(name, face, lying_on)
+    model, side = find_model_and_face(name, face, lying_on)
     found = predict_push(
         model,
         face,
@@ -141,7 +90,7 @@ def affordances(name: str, scene: str, seed: int, settings: Settings, as_json: b
 
     from nlcontrol.questions.answer import affordance_lines
 
-    found = controller_of(scene, seed, settings).affordances(name)
+    found = open_controller(scene, seed, settings).affordances(name)
     if as_json:
         print_json({"object": name, "scene": scene, "affordances": [asdict(a) for a in found]})
         return OK

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from nlcontrol.cli.console_output import (
+from nlcontrol.cli.console.console_output import (
+    FILE,
     Narrator,
+    json_option,
     print_error,
     print_json,
+    print_skipped_with_words,
+    replace_file,
     require_writable,
-    written_whole,
 )
-from nlcontrol.cli.world_options import Settings, controller_of, world_options
+from nlcontrol.cli.console.world_options import Settings, open_controller, world_options
 from nlcontrol.errors import OK, known_error
 
 if TYPE_CHECKING:
@@ -23,20 +26,18 @@ if TYPE_CHECKING:
     from nlcontrol.session.controller import Controller
 
 Command = TypeVar("Command", bound=Callable[..., Any])
-File = click.Path(dir_okay=False, path_type=Path)
 
-_json = click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
 _explain = click.option("--explain", is_flag=True, help="Show which words became which parameters.")
 _picture = click.option(
     "--picture",
-    type=File,
+    type=FILE,
     help="Write a picture of the run; with --explain, of the explanation; of a question about "
     "places, of the outcome map (PNG, SVG or PDF).",
 )
 
 
 def _sentence_options(command: Command) -> Command:
-    for option in (_picture, _explain, world_options, _json):
+    for option in (_picture, _explain, world_options, json_option):
         command = option(command)
     return click.argument("sentence")(command)
 
@@ -44,7 +45,7 @@ def _sentence_options(command: Command) -> Command:
 @click.command()
 @_sentence_options
 @click.option("--plan-only", is_flag=True, help="Stop before anything is executed.")
-@click.option("--replay", type=File, help="Write a replay of the run, one HTML file.")
+@click.option("--replay", type=FILE, help="Write a replay of the run, one HTML file.")
 def say(
     sentence: str,
     as_json: bool,
@@ -61,8 +62,8 @@ def say(
         raise click.UsageError("--replay needs a run; leave out --plan-only")
     require_writable(replay)
     require_writable(picture)
-    controller = controller_of(scene, seed, settings)
-    return _answer(controller, sentence, as_json, explain, picture, plan_only, replay)
+    controller = open_controller(scene, seed, settings)
+    return _answer_sentence(controller, sentence, as_json, explain, picture, plan_only, replay)
 
 
 @click.command()
@@ -78,20 +79,20 @@ def plan(
 ) -> int:
     """Plan what SENTENCE says: where and how hard to push, and what that will do."""
     require_writable(picture)
-    controller = controller_of(scene, seed, settings)
-    return _answer(controller, sentence, as_json, explain, picture, True, None)
+    controller = open_controller(scene, seed, settings)
+    return _answer_sentence(controller, sentence, as_json, explain, picture, True, None)
 
 
 @click.command()
 @click.argument("sentence")
-@_json
+@json_option
 def parse(sentence: str, as_json: bool) -> int:
     """Read SENTENCE: what was understood, as frames."""
     import grammar
     from nlcontrol.text_format import encodable
 
     text = encodable(sentence)
-    _tell_problems(())
+    print_skipped_with_words()
     try:
         command = grammar.parse(text)
     except grammar.ParseError as raised:
@@ -119,7 +120,7 @@ def parse(sentence: str, as_json: bool) -> int:
     "--seed", default=0, show_default=True, type=click.IntRange(0), help="Of the random words."
 )
 @click.option("--noun", "nouns", multiple=True, help="A name to speak of; may be repeated.")
-@_json
+@json_option
 def sample(count: int, seed: int, nouns: tuple[str, ...], as_json: bool) -> int:
     """Make up random sentences of the language, each with the frames that it means."""
     from itertools import islice
@@ -128,7 +129,7 @@ def sample(count: int, seed: int, nouns: tuple[str, ...], as_json: bool) -> int:
     from grammar.words.lexicon_plugins import installed
 
     lexicon, _ = installed()
-    _tell_problems(())
+    print_skipped_with_words()
     made = list(islice(samples(seed, lexicon=lexicon, nouns=nouns or NOUNS), count))
     if as_json:
         said = [[frame.model_dump(mode="json") for frame in one.frames] for one in made]
@@ -139,16 +140,7 @@ def sample(count: int, seed: int, nouns: tuple[str, ...], as_json: bool) -> int:
     return OK
 
 
-def _tell_problems(problems: Iterable[object]) -> None:
-    """Tells on standard error which plug-ins and model files were skipped."""
-    from grammar.words.lexicon_plugins import installed
-
-    _, words = installed()
-    for problem in (*problems, *words):
-        click.echo(f"skipped: {problem}", err=True)
-
-
-def _answer(
+def _answer_sentence(
     controller: Controller,
     sentence: str,
     as_json: bool,
@@ -157,7 +149,7 @@ def _answer(
     plan_only: bool,
     replay: Path | None,
 ) -> int:
-    _tell_problems(controller.registry.problems)
+    print_skipped_with_words(controller.registry.problems)
     with Narrator() as narrate:
         result = controller.say(sentence, plan_only=plan_only, progress=narrate)
     files = _write_files(controller, result, explain=explain, picture=picture, replay=replay)
@@ -167,11 +159,11 @@ def _answer(
     if as_json:
         print_json(result.model_dump(mode="json"))
         return result.exit_status
-    _print(result, files, explain=explain)
+    _print_result(result, files, explain=explain)
     return result.exit_status
 
 
-def _print(result: Result, files: dict[str, str], *, explain: bool) -> None:
+def _print_result(result: Result, files: dict[str, str], *, explain: bool) -> None:
     from nlcontrol.reports.result_report import report
     from nlcontrol.text_format import error_lines
 
@@ -202,25 +194,25 @@ def _write_files(
     if replay and result.trace:
         from sim import save_replay
 
-        with written_whole(replay) as temporary:
+        with replace_file(replay) as temporary:
             save_replay(result.trace, controller.scene, temporary)
         files["replay"] = str(replay)
     if picture and explain and result.frames:
         from nlcontrol.reports.explanation_drawing import save_explanation
 
-        with written_whole(picture) as temporary:
+        with replace_file(picture) as temporary:
             save_explanation(result, temporary)
         files["picture"] = str(picture)
     elif picture and result.trace:
         from sim import save_picture
 
-        with written_whole(picture) as temporary:
+        with replace_file(picture) as temporary:
             save_picture(result.trace, controller.scene, temporary)
         files["picture"] = str(picture)
     elif picture and result.answer and result.answer.chart and result.answer.map:
         from nlcontrol.outcome_maps.outcome_map_drawing import save_map
 
-        with written_whole(picture) as temporary:
+        with replace_file(picture) as temporary:
             save_map(result.answer.map, result.answer.chart.face, temporary)
         files["picture"] = str(picture)
     elif picture and result.plan:

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from nlcontrol.cli.console_output import print_json
+from nlcontrol.cli.console.console_output import FILE, json_option, print_json
+from nlcontrol.cli.console.model_options import open_registry
 from nlcontrol.errors import CODES, OK, error
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel, Registry
-
-_json = click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
-_File = click.Path(dir_okay=False, path_type=Path)
 
 
 @click.group("objects")
@@ -23,57 +21,47 @@ def group() -> None:
     """The object models that the robot knows."""
 
 
-def registry_told() -> Registry:
-    """The default registry; what it had to skip is told on standard error."""
-    from objectmodels import Registry
-
-    registry = Registry.default()
-    for problem in registry.problems:
-        click.echo(f"skipped: {problem}", err=True)
-    return registry
-
-
 @group.command("list")
-@_json
-def list_(as_json: bool) -> int:
+@json_option
+def list_models(as_json: bool) -> int:
     """List the models of the registry and where they come from."""
-    registry = registry_told()
+    registry = open_registry()
     if as_json:
-        print_json([{**m.model_dump(mode="json"), **_origin(registry, m.name)} for m in registry])
+        print_json([_document(registry, model) for model in registry])
         return OK
     for model in registry:
         size = " × ".join(f"{1e3 * side:.0f}" for side in model.extents)
         click.echo(
             f"{model.name:16} {size + ' mm':20} {model.mass:.3f} kg  μ {model.friction:.3f}  "
-            f"{_from(registry, model.name)}"
+            f"{_origin_text(registry, model.name)}"
         )
     return OK
 
 
-@group.command()
+@group.command("show")
 @click.argument("name")
-@_json
-def show(name: str, as_json: bool) -> int:
+@json_option
+def show_model(name: str, as_json: bool) -> int:
     """Show what is believed about the object NAME, and where the figures come from."""
-    registry = registry_told()
+    registry = open_registry()
     model = registry.called(name)
     if as_json:
-        print_json({**model.model_dump(mode="json"), **_origin(registry, model.name)})
+        print_json(_document(registry, model))
         return OK
-    for line in _lines(model, _from(registry, model.name)):
+    for line in _model_lines(model, _origin_text(registry, model.name)):
         click.echo(line)
     return OK
 
 
-@group.command()
-@click.argument("files", nargs=-1, required=True, type=_File)
-@_json
-def validate(files: tuple[Path, ...], as_json: bool) -> int:
+@group.command("validate")
+@click.argument("files", nargs=-1, required=True, type=FILE)
+@json_option
+def validate_files(files: tuple[Path, ...], as_json: bool) -> int:
     """Check model FILES without adding them."""
     from objectmodels import ModelError
     from objectmodels.registry.model_files import load_model
 
-    registry = registry_told()
+    registry = open_registry()
     verdicts = []
     for file in files:
         try:
@@ -92,19 +80,19 @@ def validate(files: tuple[Path, ...], as_json: bool) -> int:
     return OK if ok else CODES["bad_model_file"].exit
 
 
-@group.command()
-@click.argument("file", type=_File)
-@_json
-def add(file: Path, as_json: bool) -> int:
+@group.command("add")
+@click.argument("file", type=FILE)
+@json_option
+def add_model(file: Path, as_json: bool) -> int:
     """Add the model FILE to your own models."""
     from objectmodels.registry.model_files import load_model
 
-    registry = registry_told()
-    return _kept(registry, load_model(file, registry.kinds), as_json)
+    registry = open_registry()
+    return _keep_model(registry, load_model(file, registry.kinds), as_json)
 
 
 @group.command("import")
-@click.argument("mesh", type=_File)
+@click.argument("mesh", type=FILE)
 @click.option("--name", required=True, help="What the object is to be called.")
 @click.option("--mass", type=float, help="Its mass [kg].")
 @click.option("--density", type=float, help="Its mean density [kg/m³], instead of the mass.")
@@ -124,9 +112,9 @@ def add(file: Path, as_json: bool) -> int:
     type=click.Choice(["+x", "-x", "+y", "-y", "+z", "-z"]),
     help="Direction in the mesh that is upwards.",
 )
-@click.option("--output", type=_File, help="Write the model file here instead.")
-@_json
-def import_(
+@click.option("--output", type=FILE, help="Write the model file here instead.")
+@json_option
+def import_mesh_file(
     mesh: Path,
     name: str,
     mass: float | None,
@@ -160,21 +148,21 @@ def import_(
         unit=unit,
         up=up,
     )
-    registry = registry_told()
+    registry = open_registry()
     if output is None:
-        return _kept(registry, model, as_json)
+        return _keep_model(registry, model, as_json)
     save_model(model, output)
-    return _told(model, output, as_json)
+    return _print_written(model, output, as_json)
 
 
-@group.command()
+@group.command("remove")
 @click.argument("name")
-@_json
-def remove(name: str, as_json: bool) -> int:
+@json_option
+def remove_model(name: str, as_json: bool) -> int:
     """Remove the object NAME from your own models."""
     from objectmodels.registry.model_registry import user_folder
 
-    registry = registry_told()
+    registry = open_registry()
     model = registry.called(name)
     place = Path(registry.place(model.name))
     if place.parent != user_folder():
@@ -188,7 +176,7 @@ def remove(name: str, as_json: bool) -> int:
     return OK
 
 
-def _kept(registry: Registry, model: ObjectModel, as_json: bool) -> int:
+def _keep_model(registry: Registry, model: ObjectModel, as_json: bool) -> int:
     """Writes a model into the user's folder, unless its names are taken."""
     from objectmodels.registry.model_files import save_model
     from objectmodels.registry.model_registry import user_file
@@ -196,34 +184,35 @@ def _kept(registry: Registry, model: ObjectModel, as_json: bool) -> int:
     path = user_file(model.name)
     registry.add(model, place=str(path))  # refuses a name that is taken
     save_model(model, path)
-    return _told(model, path, as_json)
+    return _print_written(model, path, as_json)
 
 
-def _origin(registry: Registry, name: str) -> dict[str, str | None]:
-    """Where a model comes from, and whose place it took."""
-    return {"place": registry.place(name), "instead_of": registry.replaced(name)}
+def _document(registry: Registry, model: ObjectModel) -> dict[str, Any]:
+    """A model with where it comes from and whose place it took, for JSON."""
+    origin = {"place": registry.place(model.name), "instead_of": registry.replaced(model.name)}
+    return {**model.model_dump(mode="json"), **origin}
 
 
-def _from(registry: Registry, name: str) -> str:
+def _origin_text(registry: Registry, name: str) -> str:
     replaced = registry.replaced(name)
     return registry.place(name) + (f", instead of: {replaced}" if replaced else "")
 
 
-def _told(model: ObjectModel, path: Path, as_json: bool) -> int:
+def _print_written(model: ObjectModel, path: Path, as_json: bool) -> int:
     if as_json:
         print_json({"ok": True, "name": model.name, "file": str(path)})
         return OK
     click.echo(f"wrote {path}")
-    for line in _lines(model, str(path)):
+    for line in _model_lines(model, str(path)):
         click.echo(line)
     return OK
 
 
-def _lines(model: ObjectModel, place: str) -> list[str]:
+def _model_lines(model: ObjectModel, place: str) -> list[str]:
     from objectmodels.registry.model_files import kind_of
 
     rows = [
-        ("kind", f"{kind_of(model)}, stands on {_base(model)}"),
+        ("kind", f"{kind_of(model)}, stands on {_base_text(model)}"),
         ("size", " × ".join(f"{1e3 * side:.0f}" for side in model.extents) + " mm"),
         ("mass", f"{model.mass:.4f} ± {model.mass_sd:.4f} kg"),
         ("friction, table", f"{model.friction:.4f} ± {model.friction_sd:.4f}"),
@@ -251,7 +240,7 @@ def _lines(model: ObjectModel, place: str) -> list[str]:
     return [model.name, *(f"  {key:24} {value}" for key, value in rows)]
 
 
-def _base(model: ObjectModel) -> str:
+def _base_text(model: ObjectModel) -> str:
     if not isinstance(model.support, str):
         return f"{len(model.support)} points"
     how = {"uniform": "evenly pressed", "corners": "on its corners"}[model.support]

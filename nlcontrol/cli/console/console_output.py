@@ -7,18 +7,40 @@ import json
 import os
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from nlcontrol.errors import ErrorInfo, error
 
+if TYPE_CHECKING:
+    from types import TracebackType
+
+FILE = click.Path(dir_okay=False, path_type=Path)
+"""The type of an option that names a file."""
+
+json_option = click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
+
 
 def print_json(document: Any) -> None:
     """Prints the one JSON document of a command."""
     click.echo(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def print_skipped(problems: Iterable[object]) -> None:
+    """Print on standard error which plug-ins and model files were skipped."""
+    for problem in problems:
+        click.echo(f"skipped: {problem}", err=True)
+
+
+def print_skipped_with_words(problems: Iterable[object] = ()) -> None:
+    """Print the same, and besides which plug-ins of the lexicon were skipped."""
+    from grammar.words.lexicon_plugins import installed
+
+    _, words = installed()
+    print_skipped((*problems, *words))
 
 
 def print_error(info: ErrorInfo, *, as_json: bool, text: str | None = None) -> None:
@@ -49,7 +71,7 @@ def require_writable(path: Path | None) -> None:
 
 
 @contextlib.contextmanager
-def written_whole(path: Path) -> Iterator[Path]:
+def replace_file(path: Path) -> Iterator[Path]:
     """A temporary file beside `path` that takes its place when all went well.
 
     So nobody ever reads half a file, and a failure leaves an older one as it was.
@@ -105,3 +127,50 @@ class Narrator:
             self._status.console.print(text, highlight=False, markup=False)
         else:
             click.echo(text, err=True)
+
+
+class Progress:
+    """A bar on a terminal, elsewhere one plain line for each tenth.
+
+    Args:
+        what: is done, in the plural.
+    """
+
+    def __init__(self, what: str) -> None:
+        self._what = what
+        self._bar: Any = None
+        self._tenths = 0
+
+    def __enter__(self) -> Progress:
+        if sys.stderr.isatty():
+            from rich.console import Console
+            from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+            from rich.progress import Progress as Bar
+
+            columns = (
+                TextColumn("{task.description}"),
+                BarColumn(),
+                MofNCompleteColumn(),
+                TimeRemainingColumn(),
+            )
+            self._bar = Bar(*columns, console=Console(stderr=True))
+            self._task = self._bar.add_task(self._what, total=None)
+            self._bar.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        raised: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+
+    def __call__(self, done: int, total: int) -> None:
+        """Takes one report: how many of how many are done."""
+        if self._bar is not None:
+            self._bar.update(self._task, completed=done, total=total)
+        elif 10 * done // total > self._tenths:
+            self._tenths = 10 * done // total
+            click.echo(f"{done} of {total} {self._what}", err=True)

@@ -2,71 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 import click
 
-from nlcontrol.cli.console_output import print_json, require_writable
-from nlcontrol.cli.objects_command import registry_told
+from nlcontrol.cli.console.console_output import FILE, json_option, print_json, require_writable
+from nlcontrol.cli.console.model_options import ParameterNames, keep_options, open_registry
 from nlcontrol.errors import OK
 from nlcontrol.learning.model_store import kept, renamed
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel, Registry
 
-Function = TypeVar("Function", bound=Callable[..., Any])
-
-_File = click.Path(dir_okay=False, path_type=Path)
-
-
-class ParameterNames(click.ParamType[tuple[str, ...]]):
-    """Names of parameters with commas between them."""
-
-    name = "names"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[str, ...]:
-        """Reads them; `centre_of_mass` stands for its three coordinates."""
-        from objectmodels.geometry.mechanical import UNCERTAIN
-        from objectmodels.name_suggestions import suggest
-
-        if isinstance(value, tuple):
-            return value
-        names: list[str] = []
-        for word in str(value).replace(" ", "").split(","):
-            if word == "centre_of_mass":
-                names += ["com_x", "com_y", "com_z"]
-            elif word in UNCERTAIN:
-                names.append(word)
-            else:
-                known = (*UNCERTAIN, "centre_of_mass")
-                near = [f"did you mean {name!r}?" for name in suggest(word, known)[:1]]
-                hint = near[0] if near else f"known: {', '.join(known)}"
-                self.fail(f"{word!r} is no parameter; {hint}", param, ctx)
-        return tuple(dict.fromkeys(names))
-
-
-def keeping(function: Function) -> Function:
-    """Options that keep a fitted model: `--save` and `--output`."""
-    output = click.option("--output", type=_File, help="Write the fitted model to a file (.yaml).")
-    save = click.option(
-        "--save",
-        "saved_as",
-        is_flag=False,
-        flag_value="",
-        metavar="[NAME]",
-        help="Keep the fitted model among your own, under its name or another: the robot goes by "
-        "it.",
-    )
-    return save(output(function))
-
 
 @click.command("fit")
 @click.argument("name", metavar="OBJECT")
-@click.argument("files", metavar="DATA.csv...", nargs=-1, required=True, type=_File)
+@click.argument("files", metavar="DATA.csv...", nargs=-1, required=True, type=FILE)
 @click.option(
     "--parameters",
     type=ParameterNames(),
@@ -74,8 +26,8 @@ def keeping(function: Function) -> Function:
     help="What to find: mass, friction, finger_friction, friction_radius, centre_of_mass (or "
     "com_x, com_y, com_z). By default all that the data tell.",
 )
-@keeping
-@click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
+@keep_options
+@json_option
 def command(
     name: str,
     files: tuple[Path, ...],
@@ -93,14 +45,14 @@ def command(
     from objectmodels.registry.model_files import save_model
 
     _require_sensible(files, saved_as, output)
-    registry = registry_told()
-    found = fit_files(_model(registry, name), files, parameters)
+    registry = open_registry()
+    found = fit_files(_find_model(registry, name), files, parameters)
     model = found.model if not saved_as else renamed(found.model, saved_as)
     # Both are written only now that nothing can fail any more but the writing itself.
     path, instead = (None, None) if saved_as is None else kept(registry, model)
     if output is not None:
         save_model(model, output)
-    written = {"saved": _told(path), "output": _told(output), "instead_of": instead}
+    written = {"saved": _path_text(path), "output": _path_text(output), "instead_of": instead}
     report = found.report.model_copy(update=written)
     if as_json:
         print_json(report.model_dump(mode="json"))
@@ -122,7 +74,7 @@ def _require_sensible(files: tuple[Path, ...], saved_as: str | None, output: Pat
     require_writable(output)
 
 
-def _model(registry: Registry, name: str) -> ObjectModel:
+def _find_model(registry: Registry, name: str) -> ObjectModel:
     """The model of a name, or of a model file."""
     from objectmodels.registry.model_files import load_model
 
@@ -131,5 +83,5 @@ def _model(registry: Registry, name: str) -> ObjectModel:
     return registry.called(name)
 
 
-def _told(path: Path | None) -> str | None:
+def _path_text(path: Path | None) -> str | None:
     return None if path is None else str(path)

@@ -1,0 +1,119 @@
+"""The command line: `nlcontrol say "…"` and its siblings.
+
+Standard output carries the answer (with `--json` exactly one JSON document, errors included),
+standard error the progress and, without `--json`, the errors. Exit codes stand in
+`nlcontrol.errors`. A command is loaded when it is called, and what it needs when it runs: `parse`
+and `plan` never load the simulator.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import io
+import os
+import sys
+from collections.abc import Sequence
+
+import click
+
+from nlcontrol import __version__
+from nlcontrol.cli.console.console_output import print_error
+from nlcontrol.errors import INTERNAL, OK, USAGE, ErrorInfo, described
+
+INTERRUPTED = 130  # what shells expect after control-C
+
+
+_EXIT_CODES = (
+    "Exit codes: 0 done and every clause held, 1 internal failure, 2 usage, 3 not understood, "
+    "4 no plan (refused with its numbers) or a capability that this robot lacks, "
+    "5 executed, but a clause did not hold."
+)
+
+
+_COMMANDS = {
+    "affordances": "predict_command:affordances",
+    "defaults": "defaults_command:command",
+    "doctor": "doctor_command:command",
+    "explore": "explore_command:command",
+    "fit": "fit_command:command",
+    "map": "map_command:command",
+    "objects": "objects_command:group",
+    "parse": "say_command:parse",
+    "plan": "say_command:plan",
+    "predict": "predict_command:predict",
+    "sample": "say_command:sample",
+    "say": "say_command:say",
+    "schema": "schema_command:command",
+    "shell": "shell_command:command",
+}
+"""Where each command stands in `nlcontrol.cli.commands`."""
+
+
+class _Commands(click.Group):
+    """A group that loads a command when it is called; `--help` loads them all."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(_COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in _COMMANDS:
+            return None
+        module, _, name = _COMMANDS[cmd_name].partition(":")
+        found = getattr(importlib.import_module(f"nlcontrol.cli.commands.{module}"), name)
+        assert isinstance(found, click.Command)
+        return found
+
+
+@click.group(
+    cls=_Commands,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog=_EXIT_CODES,
+)
+@click.version_option(__version__, prog_name="nlcontrol")
+def cli() -> None:
+    """Say what should become of an object; it is predicted, carried out and checked."""
+
+
+def main(args: Sequence[str] | None = None) -> None:
+    """Run the command line and end the process with its exit code."""
+    sys.exit(run(sys.argv[1:] if args is None else args))
+
+
+def run(args: Sequence[str]) -> int:
+    """Run one command and return its exit code; no exception gets through."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            # A terminal that lacks a sign gets a substitute rather than an error.
+            stream.reconfigure(errors="replace")
+    as_json = "--json" in args
+    try:
+        status = cli.main(args=list(args), prog_name="nlcontrol", standalone_mode=False)
+        return status if isinstance(status, int) else OK
+    except click.UsageError as raised:
+        return _print_usage_error(raised, as_json)
+    except click.Abort:
+        click.echo("interrupted", err=True)
+        return INTERRUPTED
+    except BrokenPipeError:
+        # The reader has gone, and Python would complain once more when it flushes at the end.
+        with contextlib.suppress(OSError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return INTERNAL
+    except Exception as raised:
+        return _print_failure(raised, as_json)
+
+
+def _print_usage_error(raised: click.UsageError, as_json: bool) -> int:
+    if not as_json:
+        raised.show()
+        return USAGE
+    print_error(ErrorInfo(code="usage", message=raised.format_message()), as_json=True)
+    return USAGE
+
+
+def _print_failure(raised: Exception, as_json: bool) -> int:
+    """The last resort: a known error, or a defect with the place where it arose."""
+    info = described(raised)
+    print_error(info, as_json=as_json)
+    return info.status.exit

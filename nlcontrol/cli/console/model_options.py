@@ -1,0 +1,122 @@
+"""Options of the commands about object models, and the registry with what it had to skip."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from nlcontrol.cli.console.console_output import FILE, print_skipped
+
+if TYPE_CHECKING:
+    from objectmodels import Face, ObjectModel, Registry
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+face_option = click.option(
+    "--face",
+    default="front",
+    show_default=True,
+    help="The face that is touched, as the robot would call it.",
+)
+lying_option = click.option(
+    "--lying-on", default="bottom", help="The face that the object lies on, e.g. left for a box."
+)
+
+
+class Numbers(click.ParamType[tuple[float, ...]]):
+    """So many numbers with commas between them."""
+
+    name = "numbers"
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, ...]:
+        """Read the numbers."""
+        if isinstance(value, tuple):
+            return value
+        try:
+            numbers = tuple(float(part) for part in str(value).split(","))
+        except ValueError:
+            numbers = ()
+        if len(numbers) != self.count or not all(abs(x) <= 1e6 for x in numbers):
+            self.fail(f"{value!r} is not {self.count} numbers with commas between them", param, ctx)
+        return numbers
+
+
+class ParameterNames(click.ParamType[tuple[str, ...]]):
+    """Names of parameters with commas between them."""
+
+    name = "names"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, ...]:
+        """Read the names; `centre_of_mass` stands for its three coordinates."""
+        from objectmodels.geometry.mechanical import UNCERTAIN
+        from objectmodels.name_suggestions import suggest
+
+        if isinstance(value, tuple):
+            return value
+        names: list[str] = []
+        for word in str(value).replace(" ", "").split(","):
+            if word == "centre_of_mass":
+                names += ["com_x", "com_y", "com_z"]
+            elif word in UNCERTAIN:
+                names.append(word)
+            else:
+                known = (*UNCERTAIN, "centre_of_mass")
+                near = [f"did you mean {name!r}?" for name in suggest(word, known)[:1]]
+                hint = near[0] if near else f"known: {', '.join(known)}"
+                self.fail(f"{word!r} is no parameter; {hint}", param, ctx)
+        return tuple(dict.fromkeys(names))
+
+
+def keep_options(function: Function) -> Function:
+    """Add the options that keep a fitted model: `--save` and `--output`."""
+    output = click.option("--output", type=FILE, help="Write the fitted model to a file (.yaml).")
+    save = click.option(
+        "--save",
+        "saved_as",
+        is_flag=False,
+        flag_value="",
+        metavar="[NAME]",
+        help="Keep the fitted model among your own, under its name or another: the robot goes by "
+        "it.",
+    )
+    return save(output(function))
+
+
+def open_registry() -> Registry:
+    """The default registry; what it had to skip is printed on standard error."""
+    from objectmodels import Registry
+
+    registry = Registry.default()
+    print_skipped(registry.problems)
+    return registry
+
+
+def find_model_and_face(
+    name: str, face: str, lying_on: str, file: Path | None = None
+) -> tuple[ObjectModel, Face]:
+    """The model of an object, lying on a face of it, and another face.
+
+    Args:
+        name: of the object.
+        face: how the one is called.
+        lying_on: how the other is called.
+        file: with a model to take instead of the registry's.
+    """
+    from nlcontrol.references.face_names import face_of
+    from objectmodels.registry.model_files import load_model
+
+    registry = open_registry()
+    model = load_model(file, registry.kinds) if file else registry.called(name)
+    if lying_on != "bottom":
+        model = model.standing(lying_on)
+    return model, face_of(model, face)
