@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from nlcontrol.cli import run
 from objectmodels import Registry
+from tests.sizes import examples
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TRIALS, SERIES = str(EXAMPLES / "ice_tea_trials.csv"), str(EXAMPLES / "ice_tea_series.csv")
@@ -77,6 +78,7 @@ def test_only_what_was_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
     assert found["unidentified"] == {}
 
 
+@pytest.mark.slow
 def test_what_is_kept_may_be_what_is_wrong(capsys: pytest.CaptureFixture[str]) -> None:
     # The friction radius that is believed is half of the true one, and may not be found.
     names = "mass,friction,centre_of_mass"
@@ -232,7 +234,9 @@ _ROW = st.one_of(
 
 
 @settings(
-    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=examples(60),
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 @given(rows=st.lists(_ROW, min_size=1, max_size=8))
 def test_garbage_ends_in_an_error_that_is_known(

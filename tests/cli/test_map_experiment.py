@@ -41,6 +41,7 @@ def answer(capsys: pytest.CaptureFixture[str], *args: str) -> tuple[int, Any, st
     return status, json.loads(printed.out), printed.err
 
 
+@pytest.mark.slow
 def test_the_progress_is_told_on_standard_error(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
@@ -130,6 +131,7 @@ FEW = ["map", "coffee box", "--experiment", "--spacing", "85", "--workers", "2"]
 """Three rows of three."""
 
 
+@pytest.mark.slow
 def test_what_no_finger_does_is_told(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     oblique = ["--direction", "1,0,0.5", "--output", str(tmp_path / "face.png")]
     assert run([*FEW, "--by", "robot", *oblique]) == 0

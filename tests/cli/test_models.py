@@ -265,8 +265,8 @@ def test_import_a_mesh_and_predict_it(
     status, found = answer(capsys, "objects", "show", "preserve")
     assert found["kind"] == "hull"
     assert max(v[2] for v in found["vertices"]) == pytest.approx(0.09, abs=1e-6)
-    status, document = answer(capsys, "affordances", "jam jar")
-    assert any(a["can"] for a in document["affordances"])
+    status, document = answer(capsys, "predict", "jam jar", "--at", "0,0.02")
+    assert (status, document["outcome"]) == (0, "slide")
     elsewhere = tmp_path / "other.yaml"
     density = ["--name", "other", "--density", "900", "--unit", "mm", "--output", str(elsewhere)]
     assert run(["objects", "import", str(mesh), *density]) == 0
@@ -274,6 +274,18 @@ def test_import_a_mesh_and_predict_it(
     # π R² h ρ; sixty sides have 0.2 % less area.
     mass = float(re.findall(r"mass_kg: ([\d.]+)", elsewhere.read_text(encoding="utf-8"))[0])
     assert mass == pytest.approx(900 * math.pi * 0.04**2 * 0.09, rel=0.003)
+
+
+@pytest.mark.slow
+def test_what_can_be_done_with_an_imported_mesh(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, objects_folder: Path
+) -> None:
+    mesh = tmp_path / "jar.stl"
+    trimesh.creation.cylinder(radius=40, height=90, sections=60).export(mesh)
+    options = ["--name", "jam jar", "--mass", "0.4", "--unit", "mm"]
+    assert answer(capsys, "objects", "import", str(mesh), *options)[0] == 0
+    _, document = answer(capsys, "affordances", "jam jar")
+    assert any(a["can"] for a in document["affordances"])
 
 
 def test_what_has_no_side_for_a_finger_is_told(

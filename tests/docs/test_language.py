@@ -136,7 +136,14 @@ RUNS = [
 (CONVERSATION,) = (told(block)[1:] for block in blocks("console") if "$ nlcontrol shell" in block)
 
 
-@pytest.mark.parametrize(("command", "shown"), RUNS, ids=[command for command, _ in RUNS])
+@pytest.mark.parametrize(
+    ("command", "shown"),
+    [
+        pytest.param(command, shown, marks=pytest.mark.slow if "what can you" in command else ())
+        for command, shown in RUNS
+    ],
+    ids=[command for command, _ in RUNS],
+)
 def test_the_guide_shows_what_is_printed(
     capsys: pytest.CaptureFixture[str], command: str, shown: str
 ) -> None:

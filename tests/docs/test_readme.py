@@ -62,6 +62,7 @@ def test_examples_of_the_command_line(
     assert capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_the_examples_of_the_guide_to_predictions(capsys: pytest.CaptureFixture[str]) -> None:
     text = (ROOT / "docs" / "predictions.md").read_text(encoding="utf-8")
     (commands,) = re.findall(r"^```console\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)

@@ -69,6 +69,7 @@ def test_it_reaches_the_angle_and_stands_again(
     assert np.abs(np.diff(_tilts(trace)[pushing])).max() < 0.1, "nothing fell or jumped"
 
 
+@pytest.mark.slow
 def test_what_leans_too_far_is_let_back_at_once(kitchen: Controller) -> None:
     made = _planned(kitchen, "tilt the ice tea box by 10 degrees", "ice tea box")
     trace = _carried_out(kitchen, made, limits=Limits(tilt=np.radians(5.0)))

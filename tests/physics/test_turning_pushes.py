@@ -135,6 +135,7 @@ def test_a_limit_stops_a_turn() -> None:
     assert 0.0 < np.degrees(trace.yaw("ice tea box")[-1]) < 25.0
 
 
+@pytest.mark.slow
 def test_a_plan_may_be_of_a_look_that_saw_it_turned_a_little() -> None:
     alone, turn = _alone(load_scene("kitchen"), "ice tea box"), np.radians(-5.0)
     plan = _plan("ice tea box", alone, 2, turn)

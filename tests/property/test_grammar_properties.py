@@ -16,6 +16,7 @@ from grammar.frames.command import Displace, ObjectRef, Place, Span
 from grammar.paraphrasing.sentence_sampler import Sampler
 from grammar.words.lexicon import NAME_TERMINALS, default_lexicon
 from grammar.words.normalisation import normalise
+from tests.sizes import examples
 
 LEXICON = default_lexicon()
 
@@ -52,7 +53,9 @@ NAMES = st.one_of(
 # Drawn randomness shrinks to simple frames, but favours few of them; seeds spread over all.
 SEEDS = st.integers(0, 2**32)
 SAMPLERS = st.one_of(st.randoms(use_true_random=False), SEEDS.map(Random)).map(Sampler)
-SAMPLED = settings(max_examples=250, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+SAMPLED = settings(
+    max_examples=examples(250), deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
 
 
 def meaning(frames: Sequence[Frame]) -> list[Any]:
@@ -171,7 +174,7 @@ def test_any_distance_is_read_back_to_the_last_digit(distance: float, bound: Any
     assert again.goal.model_copy(update={"spans": ()}) == goal
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=examples(400), deadline=None)
 @given(st.text(max_size=60))
 @example("push the box " + "9" * 400 + " m")
 @example("push the box 1e99999999999999999999 m")
@@ -201,7 +204,7 @@ KINDS: dict[str, Sequence[str]] = {
 PHRASES = st.sampled_from(sorted(KINDS)).flatmap(lambda kind: st.sampled_from(KINDS[kind]))
 
 
-@settings(max_examples=2000, deadline=None)
+@settings(max_examples=examples(2000), deadline=None)
 @given(OPENINGS, st.lists(PHRASES, max_size=6))
 @example("will it topple if you push it", ["the box"])
 @example("will it topple if you push it", ["again"])
@@ -210,7 +213,7 @@ def test_no_phrase_is_silently_dropped(opening: str, phrases: list[str]) -> None
     assert command is None or not dropped(command)
 
 
-@settings(max_examples=1000, deadline=None)
+@settings(max_examples=examples(1000), deadline=None)
 @given(SEEDS, st.integers(0, 9), PHRASES)
 def test_no_word_of_a_damaged_sentence_is_silently_dropped(
     seed: int, damage: int, phrase: str

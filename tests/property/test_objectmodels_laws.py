@@ -17,6 +17,7 @@ from objectmodels.mechanics.push_thresholds import (
     topple_threshold,
     yaw_arm,
 )
+from tests.sizes import examples
 
 PUSHES = 20
 
@@ -170,7 +171,9 @@ def test_a_single_push_tips_before_it_lifts(box: ObjectModel, seed: int) -> None
     assert (t.onset[pulls] * u[pulls, 2] <= box.weight * (1 + 1e-12)).all()
 
 
-@settings(max_examples=40, deadline=None)  # the exact tier on even pressure takes its time
+@settings(
+    max_examples=examples(40), deadline=None
+)  # the exact tier on even pressure takes its time
 @given(prisms(), seeds, st.floats(-np.pi, np.pi))
 def test_any_turn_of_the_frame_changes_nothing(prism: PrismModel, seed: int, angle: float) -> None:
     p, u = pushes(prism, seed)
@@ -194,7 +197,7 @@ def test_a_round_object_may_be_turned(can: CylinderModel, seed: int, angle: floa
     same(can.thresholds(p, u), turned.thresholds(p @ R.T, u @ R.T))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(st.one_of(boxes(), prisms()), seeds, st.floats(1.1, 3.0))
 def test_the_exact_tier_obeys_the_same_laws(box: ObjectModel, seed: int, factor: float) -> None:
     assume(box.support == "corners")
@@ -237,7 +240,7 @@ def test_critical_friction_decides_the_class(box: ObjectModel, seed: int) -> Non
     np.testing.assert_array_equal(slides, (box.friction < limit)[clear])
 
 
-@settings(max_examples=30)
+@settings(max_examples=examples(30))
 @given(boxes(), seeds, st.floats(0.1, 1.0))
 def test_cone_extremes_hold_for_any_direction_in_the_cone(
     box: BoxModel, seed: int, finger: float

@@ -30,6 +30,7 @@ def _pushed(asked: Asked, height: float) -> Found:
     return Found((stroke,), (before,), 2)
 
 
+@pytest.mark.slow
 def test_what_works_for_some_of_what_is_believed_is_told_from_what_works_for_all() -> None:
     asked = _asked("push the ice tea box 10 cm")
     # Believed friction tips it above 119 mm; by what is doubted of it, anywhere above 33 mm.

@@ -123,6 +123,7 @@ def test_nothing_is_pushed_that_is_there_already(controller: Controller) -> None
 
 
 @pytest.mark.parametrize(("side", "sign"), [("left", 1.0), ("right", -1.0)])
+@pytest.mark.slow
 def test_half_a_turn_goes_on_where_headings_begin_anew(
     controller: Controller,
     goes: Callable[..., Happens],

@@ -113,6 +113,7 @@ def test_what_is_no_container_is_named(kitchen: Controller) -> None:
     assert raised.value.info.capability == "knowing what is in the cereal box"
 
 
+@pytest.mark.slow
 def test_affordances_of_a_hand(kitchen: Controller) -> None:
     found = {a.outcome: a for a in kitchen.affordances("ice tea") if not a.direction}
     assert found.keys() == {"lift", "pour"}

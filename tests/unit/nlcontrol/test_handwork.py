@@ -204,6 +204,7 @@ def test_weighed_in_the_hand_and_set_down() -> None:
     assert controller.held is None
 
 
+@pytest.mark.slow
 def test_what_was_lifted_stays_in_the_hand() -> None:
     """One lift takes a few seconds; what is held is known to the sentences that follow."""
     conversation = Conversation(Controller("kitchen", seed=1))

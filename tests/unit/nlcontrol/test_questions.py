@@ -465,7 +465,13 @@ def _read_as(monkeypatch: pytest.MonkeyPatch, *frames: g.Frame) -> None:
     )
 
 
-@pytest.mark.parametrize("query", sorted(set(get_args(g.Query)) - {"why"}))
+@pytest.mark.parametrize(
+    "query",
+    [
+        pytest.param(query, marks=pytest.mark.slow) if query == "affordances" else query
+        for query in sorted(set(get_args(g.Query)) - {"why"})
+    ],
+)
 def test_no_question_pushes(
     kitchen: Controller, monkeypatch: pytest.MonkeyPatch, query: str
 ) -> None:

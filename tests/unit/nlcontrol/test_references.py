@@ -18,6 +18,7 @@ from nlcontrol.references.object_names import Candidate
 from nlcontrol.references.reference_resolution import Context, resolve
 from objectmodels import BoxModel, Registry
 from planner.types.world_state import Colour, PlanarPose, SeenObject, WorldState
+from tests.sizes import examples
 
 RED, BLUE, GREEN = (0.8, 0.1, 0.1), (0.1, 0.2, 0.8), (0.1, 0.6, 0.2)
 
@@ -346,7 +347,9 @@ def _read(text: str, asked: g.ObjectRef) -> g.ObjectRef:
 @given(tables(), references())
 @example((_box("box a", 0.5, 0.2), _box("box b", 0.5, -0.2)), _ref("red one", "red"))
 # Few tables have objects that cannot be told apart, which is no reason to give up.
-@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
+@settings(
+    max_examples=examples(300), deadline=None, suppress_health_check=[HealthCheck.filter_too_much]
+)
 def test_what_an_ambiguity_offers_leads_to_each_object(
     table: tuple[SeenObject, ...], asked: g.ObjectRef
 ) -> None:

@@ -38,6 +38,7 @@ def test_where_it_may_not_be_turned_it_falls_askew_to_the_side_that_is_asked(
     assert "turned by 44° first" in refusal.message
 
 
+@pytest.mark.slow
 def test_it_falls_askew_where_the_hand_does_not_turn_it() -> None:
     only_falls = RuledReach(lambda push: push.ends_on == "toppled")
     made = planned("topple the ice tea box away", _askew(35.0), only_falls)
@@ -122,6 +123,7 @@ def test_what_was_tried_before_is_no_reason_to_look_thoroughly() -> None:
     assert refused("push the ice tea box away", state, reach).reason == "out_of_reach"
 
 
+@pytest.mark.slow
 def test_what_is_foreseen_must_be_reached_as_usual() -> None:
     # An aim askew of the faces takes two pushes, of which only the first may be looked at closely.
     frame, state = "push the ice tea box 20 cm away and to the left", _askew(0.0)

@@ -111,6 +111,7 @@ def test_only_a_displacement_has_places_near_by(text: str) -> None:
     st.sampled_from(["", "at least ", "at most "]),
     st.sampled_from(["away", "to the left", "away and to the right"]),
 )
+@pytest.mark.slow
 def test_places_near_by_are_within_the_tolerances(
     centimetres: int, yaw: float, bound: str, words: str
 ) -> None:

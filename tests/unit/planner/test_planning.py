@@ -161,6 +161,7 @@ def test_gently_is_slow(kitchen: WorldState, reach: RuledReach) -> None:
     assert "speed" not in {used.name for used in made.defaults}
 
 
+@pytest.mark.slow
 def test_a_force_that_suffices_is_kept(kitchen: WorldState, reach: RuledReach) -> None:
     assert (
         planned("push the ice tea box away with at most 5 N", kitchen, reach).push.force_limit == 5

@@ -15,6 +15,7 @@ from planner.geometry.footprints import footprint, gap
 from planner.problem.place_regions import Between, Region, moved, region, share_of_way, table_region
 from planner.types.defaults import DEFAULTS
 from planner.types.world_state import PlanarPose, WorldState
+from tests.sizes import examples
 from tests.unit.planner.conftest import world
 
 TEA = g.ObjectRef(text="tea", id="ice tea box")
@@ -91,7 +92,7 @@ def test_gap_between_squares_at_their_corners_and_sides() -> None:
 
 
 @pytest.mark.parametrize("relation", RELATIONS)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30), deadline=None)
 @given(yaw=angles, other=angles)
 def test_an_object_on_any_spot_is_there(relation: g.Relation, yaw: float, other: float) -> None:
     state = _three(yaw, other)

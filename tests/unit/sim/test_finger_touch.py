@@ -32,7 +32,9 @@ def with_mass(mass: float) -> Scene:
     return SCENE.model_copy(update={"objects": tuple(changed)})
 
 
-@pytest.mark.parametrize(("contact", "outcome"), [(LOW, "slide"), (HIGH, "topple")])
+@pytest.mark.parametrize(
+    ("contact", "outcome"), [(LOW, "slide"), pytest.param(HIGH, "topple", marks=pytest.mark.slow)]
+)
 def test_it_feels_what_an_applied_force_needs(contact: Contact, outcome: str) -> None:
     felt, applied = FINGER(SCENE, contact, seed=0), appliedforce.touch(SCENE, contact, seed=0)
     assert felt.outcome == applied.outcome == outcome
@@ -41,17 +43,20 @@ def test_it_feels_what_an_applied_force_needs(contact: Contact, outcome: str) ->
     assert felt.force == pytest.approx(applied.force, rel=0.03)
 
 
+@pytest.mark.slow
 def test_it_feels_what_is_true_and_not_what_is_believed() -> None:
     true = FINGER(with_mass(0.75), LOW, seed=0)
     assert true.force is not None
     assert true.force == pytest.approx(appliedforce.touch(with_mass(0.75), LOW).force, rel=0.03)
 
 
+@pytest.mark.slow
 def test_a_copy_elsewhere_finds_the_same() -> None:
     elsewhere = pickle.loads(pickle.dumps(FINGER))
     assert elsewhere(SCENE, LOW, seed=3) == FINGER(SCENE, LOW, seed=3)
 
 
+@pytest.mark.slow
 def test_what_does_not_move_under_the_finger_says_nothing() -> None:
     found = FINGER(with_mass(8.0), LOW, seed=0)
     assert (found.outcome, found.force) == (None, None)

@@ -138,6 +138,7 @@ def test_a_fallen_carton_spills_by_where_its_opening_lies(fallen: float) -> None
     assert moved.liquid.spilled == pytest.approx(FULL - moved.liquid.contents["carton"])
 
 
+@pytest.mark.slow
 def test_a_full_mug_runs_over() -> None:
     text = SCENE.replace("radius_m: 0.037}}", "radius_m: 0.037}, contents_l: 0.3}")
     moved = Moved(parse_scene(text.replace("mass_kg: 0.12", "mass_kg: 0.42")))

@@ -55,6 +55,7 @@ def touched(tried: Experiment, world: DrakeWorld, state: WorldState) -> Recordin
     return recording
 
 
+@pytest.mark.slow
 def test_a_slippery_object_slides_where_it_should_tilt() -> None:
     # At 22 cm a box of half the depth 4.5 cm tilts with μ > 0.2 alone.
     world = DrakeWorld(scene(friction_table=0.12), seed=0)
@@ -106,6 +107,7 @@ def test_what_is_too_heavy_does_not_move() -> None:
     assert trials(found) == ()
 
 
+@pytest.mark.slow
 def test_nothing_where_it_should_be() -> None:
     world = DrakeWorld(scene(), seed=0)
     state = seen(world, off=0.04)

@@ -111,6 +111,7 @@ def test_the_tab_of_a_box_lies_over_the_side_that_it_looks_to() -> None:
     st.floats(0.05, 0.6), st.floats(0.1, 0.8), st.floats(0.0, 0.05), st.floats(0.0, 0.1),
     st.floats(-180.0, 180.0),
 )  # fmt: skip
+@pytest.mark.slow
 def test_laws_of_a_cup(mass: float, mu: float, torque: float, snap: float, turn: float) -> None:
     lid = LID.model_copy(update={"friction_torque": torque, "snap_torque": snap})
     arc = opening.flip(cup(lid, mass=mass, friction=mu), lid)

@@ -99,9 +99,9 @@ def test_where_the_arm_does_not_reach_it_is_turned_first(known: WorldState) -> N
     [
         ({"volume": 1e-4}, 1e-4),
         ({"fraction": 0.5}, 1.5e-4),
-        ({"fill": 0.5}, 0.5 * MUG),
-        ({"amount": "little"}, DEFAULTS.pour_little),
-        ({"amount": "lot"}, DEFAULTS.pour_lot * 3e-4),
+        pytest.param({"fill": 0.5}, 0.5 * MUG, marks=pytest.mark.slow),
+        pytest.param({"amount": "little"}, DEFAULTS.pour_little, marks=pytest.mark.slow),
+        pytest.param({"amount": "lot"}, DEFAULTS.pour_lot * 3e-4, marks=pytest.mark.slow),
     ],
 )
 def test_parts_of_it(

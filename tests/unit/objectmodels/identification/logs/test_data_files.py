@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from objectmodels import BoxModel, ModelError, Registry
 from objectmodels.identification import Trial
 from objectmodels.identification.logs.touch_log import ANGLE_SD, COLUMNS, FORCE_SHARE, read_data
+from tests.sizes import examples
 
 EXAMPLES = Path(__file__).parents[5] / "examples"
 MODEL = Registry.built_in().get("ice tea box")
@@ -186,7 +187,7 @@ _CELL = st.one_of(
 )
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300), deadline=None)
 @given(
     header=st.one_of(
         st.just(HEADER),
