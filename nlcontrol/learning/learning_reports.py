@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field
 
+from nlcontrol.json_document import Document
 from nlcontrol.text_format import known
 from objectmodels.identification.parameter_statistics import Statistics
 
@@ -116,7 +117,7 @@ class FittedParameter(BaseModel):
     believed_sd: float
 
 
-class FitReport(BaseModel):
+class FitReport(Document):
     """What a fit of data files found; SI units.
 
     Attributes:
@@ -177,7 +178,7 @@ class TouchMade(BaseModel):
     force: float | None
 
 
-class ExplorationReport(BaseModel):
+class ExplorationReport(Document):
     """What an exploration found; SI units.
 
     Attributes:
@@ -216,4 +217,4 @@ class ExplorationReport(BaseModel):
     truth: dict[str, float] | None = None
     saved: str | None = None
     instead_of: str | None = None
-    files: dict[str, str] = {}
+    files: dict[str, str] = Field(default_factory=dict)

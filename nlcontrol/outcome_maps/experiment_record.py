@@ -1,6 +1,7 @@
 """What experiments found, kept in a file of JSON lines, so that a broken run can go on.
 
-The first line names the format, each further one a result with the key of all that determines it.
+The first line names the format and its version, each further one a result with the key of all that
+determines it.
 Results are added as they come. What a run that was killed left of its last line is ignored, and
 overwritten by the next result.
 """
@@ -16,17 +17,18 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from nlcontrol.errors import ControlError, error
+from nlcontrol.json_document import SCHEMA_VERSION, is_readable
 from sim.face_experiment.face_contact import Contact, Moved, TouchResult, Way
 
-FORMAT = "touches/1"
+FORMAT = "touches"
 
-_HEAD = json.dumps({"format": FORMAT}).encode() + b"\n"
+_HEAD = json.dumps({"format": FORMAT, "schema_version": SCHEMA_VERSION}).encode() + b"\n"
 
 
 class _Line(BaseModel):
     """A result as it stands in the file; what it is the result of is for people."""
 
-    model_config = ConfigDict(defer_build=True, extra="forbid", strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(defer_build=True, extra="ignore", strict=True, allow_inf_nan=False)
 
     key: str
     object: str
@@ -57,12 +59,7 @@ class Record:
         self.path = path
         content = _read(path)
         self._size = content.rfind(b"\n") + 1
-        if not content.startswith(_HEAD[: len(content)]):
-            raise error(
-                "bad_record",
-                f"{path} is not a record of touches: it does not begin with {_HEAD.decode()!r}",
-                suggestions=("give another file with --record",),
-            )
+        _require_head(content, path)
         self._known: dict[str, TouchResult] = {}
         for number, text in enumerate(content[: self._size].splitlines()[1:], start=2):
             line = _parsed(text, path, number)
@@ -110,6 +107,29 @@ def _read(path: Path) -> bytes:
         return b""
     except OSError as raised:
         raise error("bad_record", f"cannot read {path}: {raised.strerror}") from raised
+
+
+def _require_head(content: bytes, path: Path) -> None:
+    """Refuses a file of something else, or of another version."""
+    other = ("give another file with --record",)
+    version = _version(content.partition(b"\n")[0])
+    if version is not None and not is_readable(version):
+        message = f"{path} has version {version}, this program reads version {SCHEMA_VERSION}"
+        raise error("bad_record", message, suggestions=other)
+    if version is None and not _HEAD.startswith(content):
+        message = f"{path} is not a record of touches: it does not begin with {_HEAD.decode()!r}"
+        raise error("bad_record", message, suggestions=other)
+
+
+def _version(head: bytes) -> str | None:
+    """Version that the first line of a record names; None if it is no such line."""
+    try:
+        said = json.loads(head)
+    except ValueError:
+        return None
+    if not isinstance(said, dict) or str(said.get("format")).partition("/")[0] != FORMAT:
+        return None
+    return str(said.get("schema_version", "1"))
 
 
 def _parsed(text: bytes, path: Path, number: int) -> _Line:

@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from nlcontrol.errors import error
+from nlcontrol.json_document import Document
 from nlcontrol.questions.force_uncertainty import deviations
 from objectmodels import Face, ObjectModel
 from planner.geometry.directions import HEADINGS, heading_of
@@ -40,7 +41,7 @@ class AskedPush(BaseModel):
     yaw: float = 0.0
 
 
-class PushPrediction(BaseModel):
+class PushPrediction(Document):
     """What the object model says of one push; SI units.
 
     Attributes:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import json
+from typing import Any
 
 from pydantic.json_schema import models_json_schema
 
 from grammar.frames.command import Command
 from nlcontrol.errors import ErrorInfo
+from nlcontrol.json_document import SCHEMA_VERSION
 from nlcontrol.learning.learning_reports import ExplorationReport, FitReport, Lesson
 from nlcontrol.questions.push_prediction import PushPrediction
 from nlcontrol.results.result import Result
@@ -17,13 +18,15 @@ _ANSWERS = (Result, Command, PushPrediction, FitReport, ExplorationReport)
 _SCHEMA = "https://json-schema.org/draft/2020-12/schema"
 
 
-def schema() -> dict[str, object]:
+def schema() -> dict[str, Any]:
     """JSON schema of the answers.
 
     `Command` is what `parse` answers, `Result` what `plan` and `say` (its `answer` is that to a
     question, its steps carry a `Lesson` for what each push taught), `PushPrediction` what `predict`
-    does, `FitReport` what `fit` does, `ExplorationReport` what `explore` does. Numbers are in SI
-    units, angles in radians, spans are `[start, end)` in code points of the sentence as given.
+    does, `FitReport` what `fit` does, `ExplorationReport` what `explore` does, `Failure` what any
+    of them does where it got no further. Each document bears `schema_version` and `ok`; a later
+    minor version adds fields, a later major one renames or removes some. Numbers are in SI units,
+    angles in radians, spans are `[start, end)` in code points of the sentence as given.
     `Defaults` is what a scene file's `defaults` and `--set` take, in the units that its names bear.
     """
     _, definitions = models_json_schema(
@@ -31,15 +34,37 @@ def schema() -> dict[str, object]:
         title="nlcontrol",
         description=" ".join((schema.__doc__ or "").split()),
     )
-    definitions["$defs"]["Defaults"] = _defaults()
+    parts = definitions["$defs"]
+    parts["Defaults"] = _defaults()
+    error = {"text": {"type": "string"}, "error": {"$ref": "#/$defs/ErrorInfo"}}
+    parts["Failure"] = {"type": "object", "properties": error, "required": ["error"]}
+    answers = (*(model.__name__ for model in _ANSWERS), "Failure")
+    for name in answers:
+        parts[name] = _versioned(parts[name])
     return {
         "$schema": _SCHEMA,
         **definitions,
-        "anyOf": [{"$ref": f"#/$defs/{model.__name__}"} for model in _ANSWERS],
+        "anyOf": [{"$ref": f"#/$defs/{name}"} for name in answers],
     }
 
 
-def _defaults() -> dict[str, object]:
+def _versioned(answer: dict[str, Any]) -> dict[str, Any]:
+    """JSON schema of a document with what all of them bear."""
+    major = SCHEMA_VERSION.partition(".")[0]
+    every = {
+        "schema_version": {"type": "string", "pattern": rf"^{major}\.\d+$"},
+        "ok": {"type": "boolean"},
+    }
+    required = dict.fromkeys((*every, *answer.get("required", ())))
+    return {
+        **answer,
+        "properties": {**every, **answer["properties"], **every},
+        "required": list(required),
+        "additionalProperties": True,
+    }
+
+
+def _defaults() -> dict[str, Any]:
     """JSON schema of what words mean when a sentence says no more."""
     properties = {
         setting.name: {
@@ -52,8 +77,3 @@ def _defaults() -> dict[str, object]:
         for setting in settings()
     }
     return {"type": "object", "properties": properties, "additionalProperties": False}
-
-
-def schema_json() -> str:
-    """The schema as text."""
-    return json.dumps(schema(), indent=2, ensure_ascii=False)

@@ -13,6 +13,7 @@ from grammar.frames.command import Frame
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.verdicts import Check
 from nlcontrol.errors import OK, ErrorInfo
+from nlcontrol.json_document import Document, document_text
 from nlcontrol.learning.learning_reports import ExplorationReport, Lesson
 from nlcontrol.questions.answer import Answer
 from planner.explanation.push_explanation import Basis
@@ -103,7 +104,7 @@ class Step(BaseModel):
     basis: SkipJsonSchema[InstanceOf[Basis] | None] = Field(default=None, exclude=True, repr=False)
 
 
-class Result(BaseModel):
+class Result(Document):
     """Everything that one sentence led to; what is missing was not reached.
 
     Attributes:
@@ -152,7 +153,7 @@ class Result(BaseModel):
     scene: str
     seed: int
     explanation: tuple[Row, ...] | None = None
-    files: dict[str, str] = {}
+    files: dict[str, str] = Field(default_factory=dict)
     trace: SkipJsonSchema[InstanceOf[Trace] | None] = Field(default=None, exclude=True, repr=False)
 
     @property
@@ -165,9 +166,9 @@ class Result(BaseModel):
         """Status of the HTTP answer."""
         return self.error.status.http if self.error else 200
 
-    def to_json(self) -> str:
+    def to_json(self, indent: int | None = 2) -> str:
         """The result as one JSON document, in SI units; `nlcontrol schema` describes it."""
-        return self.model_dump_json(indent=2)
+        return document_text(self.model_dump(mode="json"), indent)
 
     def explained(self) -> tuple[Row, ...]:
         """The way of each word to frame and parameter; empty if nothing was understood."""

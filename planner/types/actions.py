@@ -193,6 +193,7 @@ class Grasp(Value):
         strongest: largest squeeze that the hand has there [N].
     """
 
+    kind: Literal["grasp"] = "grasp"
     part: Literal["body", "lid"] = "body"
     p_BG: Vector3
     closing_W: Vector3
@@ -229,7 +230,6 @@ class GraspAction(Grasp):
         prediction: whether it will hold.
     """
 
-    kind: Literal["grasp"] = "grasp"
     held: bool = False
     prediction: GraspPrediction
 

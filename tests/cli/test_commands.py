@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from pydantic import ValidationError
 
 from nlcontrol.cli import run
 from nlcontrol.cli.command_line import INTERRUPTED
 from nlcontrol.cli.console import console_output as output
+from nlcontrol.json_document import SCHEMA_VERSION
 from nlcontrol.results.result import Result
 from planner.types.plan import Plan
 
@@ -67,8 +69,8 @@ def _bare(value: Any) -> Any:
 
 def test_samples_mean_their_frames(capsys: pytest.CaptureFixture[str]) -> None:
     status, made = _json(capsys, "sample", "--seed", "1", "--count", "5")
-    assert (status, len(made)) == (0, 5)
-    for one in made:
+    assert (status, len(made["sentences"])) == (0, 5)
+    for one in made["sentences"]:
         status, document = _json(capsys, "parse", one["text"])
         assert status == 0
         assert _bare(document["frames"]) == _bare(one["frames"]), one["text"]
@@ -251,7 +253,7 @@ def test_control_c_is_no_defect(
 def test_objects_list_and_show(capsys: pytest.CaptureFixture[str]) -> None:
     status, models = _json(capsys, "objects", "list")
     assert status == 0
-    assert {"ice tea box", "cereal box", "coffee box"} <= {m["name"] for m in models}
+    assert {"ice tea box", "cereal box", "coffee box"} <= {m["name"] for m in models["objects"]}
     status, model = _json(capsys, "objects", "show", "ice tea box")
     assert status == 0
     assert model["name"] == "ice tea box"
@@ -290,6 +292,46 @@ def test_doctor_fails_if_an_essential_is_missing(
     status, document = _json(capsys, "doctor")
     assert status == 1
     assert not document["ok"]
+
+
+@pytest.mark.parametrize(
+    "args",
+    [
+        ("parse", "push the ice tea box away"),
+        ("parse", "frobnicate the ice tea box"),
+        ("plan", "push the ice tea box away"),
+        ("plan", "push the piano away"),
+        ("predict", "ice tea box", "--at", "0,0.05"),
+        ("map", "coffee box", "--spacing", "40"),
+        ("map", "piano"),
+        ("objects", "list"),
+        ("objects", "show", "ice tea box"),
+        ("objects", "show", "piano"),
+        ("defaults",),
+        ("sample", "--count", "2"),
+        ("schema",),
+        ("say",),
+    ],
+)
+def test_every_document_bears_a_version_and_whether_all_went_well(
+    capsys: pytest.CaptureFixture[str], args: tuple[str, ...]
+) -> None:
+    status = run(list(args) if args == ("schema",) else [*args, "--json"])
+    document = json.loads(capsys.readouterr().out)
+    assert list(document)[:2] == ["schema_version", "ok"]
+    assert document["schema_version"] == SCHEMA_VERSION
+    assert document["ok"] is (status == 0)
+    assert document["ok"] is not bool(document.get("error"))
+
+
+@pytest.mark.parametrize("version", ["1.0", "3.1"])
+def test_a_saved_result_of_another_major_version_is_refused_with_both(
+    capsys: pytest.CaptureFixture[str], version: str
+) -> None:
+    _, document = _json(capsys, "plan", "push the piano away")
+    assert Result.model_validate(document).schema_version == SCHEMA_VERSION
+    with pytest.raises(ValidationError, match=f"version {version}; .* version {SCHEMA_VERSION}"):
+        Result.model_validate(document | {"schema_version": version})
 
 
 def test_schema_is_one_document(capsys: pytest.CaptureFixture[str]) -> None:

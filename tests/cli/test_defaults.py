@@ -76,6 +76,8 @@ def test_what_is_no_assignment_is_a_usage_error(
 
 def test_the_list(capsys: pytest.CaptureFixture[str], scene: str) -> None:
     assert run(["defaults", "--scene", scene, "--set", "turn_deg=45", "--json"]) == 0
-    listed = {each["name"]: each["value"] for each in json.loads(capsys.readouterr().out)}
+    listed = {
+        each["name"]: each["value"] for each in json.loads(capsys.readouterr().out)["defaults"]
+    }
     assert (listed["distance_m"], listed["turn_deg"]) == (0.07, 45.0)
     assert listed["tilt_deg"] == 10.0

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import re
 from typing import Any, get_args
 
 from grammar.frames import command as g
-from nlcontrol.results.json_schema import schema, schema_json
+from nlcontrol.json_document import SCHEMA_VERSION
+from nlcontrol.results.json_schema import schema
 from planner.types.default_settings import settings
 
 
@@ -17,7 +19,9 @@ def _definition(name: str) -> dict[str, Any]:
 
 
 def test_the_answers_of_the_commands() -> None:
-    assert list(_definition("Command")["properties"]) == ["text", "frames", "paraphrase"]
+    assert list(_definition("Command")["properties"]) == [
+        "schema_version", "ok", "text", "frames", "paraphrase"
+    ]  # fmt: skip
     assert {
         "ok",
         "status",
@@ -57,8 +61,9 @@ def test_what_is_found_by_touching() -> None:
         _definition("FitReport")["properties"]
     )
     assert list(_definition("ExplorationReport")["properties"]) == [
-        "ok", "object", "scene", "seed", "touches", "repeated", "parameters", "correlations",
-        "friction_spread", "rms", "support", "given_up", "dropped", "notes", "truth", "saved",
+        "schema_version", "ok", "object", "scene", "seed", "touches", "repeated", "parameters",
+        "correlations", "friction_spread", "rms", "support", "given_up", "dropped", "notes",
+        "truth", "saved",
         "instead_of", "files",
     ]  # fmt: skip
     assert list(_definition("TouchMade")["properties"]) == [
@@ -89,8 +94,10 @@ def test_every_answer_is_one_of_them() -> None:
     answers: Any = schema()["anyOf"]
     assert {answer["$ref"] for answer in answers} == {
         f"#/$defs/{name}"
-        for name in ("Result", "Command", "PushPrediction", "FitReport", "ExplorationReport")
-    }
+        for name in (
+            "Result", "Command", "PushPrediction", "FitReport", "ExplorationReport", "Failure"
+        )
+    }  # fmt: skip
 
 
 def test_the_names_of_the_frames() -> None:
@@ -125,6 +132,29 @@ def test_what_can_be_set() -> None:
 
 
 def test_it_is_one_json_document_without_the_trace() -> None:
-    document = json.loads(schema_json())
+    document = json.loads(json.dumps(schema()))
     assert document["$schema"].startswith("https://json-schema.org/")
     assert "trace" not in document["$defs"]["Result"]["properties"]
+
+
+def test_every_answer_bears_a_version() -> None:
+    for answer in schema()["anyOf"]:
+        found = _definition(answer["$ref"].rpartition("/")[2])
+        assert list(found["properties"])[:2] == ["schema_version", "ok"]
+        assert {"schema_version", "ok"} <= set(found["required"])
+        assert re.fullmatch(found["properties"]["schema_version"]["pattern"], SCHEMA_VERSION)
+
+
+def test_a_plan_is_a_list_of_actions() -> None:
+    assert list(_definition("Plan")["properties"]) == [
+        "status", "object", "task", "actions", "committed", "limits", "speed", "aim",
+        "probability", "defaults", "considered", "satisfying", "notes",
+    ]  # fmt: skip
+    actions = _definition("Plan")["properties"]["actions"]["items"]["discriminator"]["mapping"]
+    assert set(actions) == {
+        "push", "grasp", "lift_up", "carry", "pour_out", "set_down", "flip_over", "turn_cap",
+        "put_on",
+    }  # fmt: skip
+    assert set(_definition("Plan")["properties"]["task"]["enum"]) == {
+        "push", "topple", "tilt", "lift", "place", "pour", "open", "close",
+    }  # fmt: skip

@@ -25,7 +25,7 @@ def command(scene: str, settings: Settings, as_json: bool) -> int:
     with translated():
         found = changed(load_scene(scene).defaults, dict(settings))
     if as_json:
-        print_json([asdict(setting) for setting in listed(found)])
+        print_json({"defaults": [asdict(setting) for setting in listed(found)]})
         return OK
     for line in table(found):
         click.echo(line)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -26,6 +25,7 @@ from nlcontrol.cli.console.model_options import (
 )
 from nlcontrol.cli.console.world_options import scene_option, seed_option
 from nlcontrol.errors import OK
+from nlcontrol.json_document import document_text
 
 if TYPE_CHECKING:
     from nlcontrol.outcome_maps.map_comparison import Comparison
@@ -207,7 +207,7 @@ def _write_and_print(
             elif output.suffix == ".csv":
                 tabulate(path)
             else:
-                text = json.dumps(document, indent=1, allow_nan=False)
+                text = document_text(document, indent=1)
                 path.write_text(text + "\n", encoding="utf-8")
     if as_json:
         print_json(document)

@@ -27,7 +27,7 @@ def list_models(as_json: bool) -> int:
     """List the models of the registry and where they come from."""
     registry = open_registry()
     if as_json:
-        print_json([_document(registry, model) for model in registry])
+        print_json({"objects": [_document(registry, model) for model in registry]})
         return OK
     for model in registry:
         size = " × ".join(f"{1e3 * side:.0f}" for side in model.extents)

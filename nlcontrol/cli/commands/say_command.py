@@ -133,7 +133,8 @@ def sample(count: int, seed: int, nouns: tuple[str, ...], as_json: bool) -> int:
     made = list(islice(samples(seed, lexicon=lexicon, nouns=nouns or NOUNS), count))
     if as_json:
         said = [[frame.model_dump(mode="json") for frame in one.frames] for one in made]
-        print_json([{"text": one.text, "frames": f} for one, f in zip(made, said, strict=True)])
+        rows = [{"text": one.text, "frames": f} for one, f in zip(made, said, strict=True)]
+        print_json({"sentences": rows})
         return OK
     for one in made:
         click.echo(one.text)

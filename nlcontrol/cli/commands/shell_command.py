@@ -95,7 +95,7 @@ def _answer_line(conversation: Conversation, text: str, plan_only: bool) -> Resu
 
 def _print_answer(result: Result, as_json: bool) -> None:
     if as_json:
-        click.echo(result.model_dump_json())
+        click.echo(result.to_json(indent=None))
         return
     click.echo(f"{result.report()}\n", err=result.paraphrase is None)
 

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from nlcontrol.errors import ErrorInfo, error
+from nlcontrol.json_document import document_text
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -24,9 +24,9 @@ FILE = click.Path(dir_okay=False, path_type=Path)
 json_option = click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document.")
 
 
-def print_json(document: Any) -> None:
+def print_json(content: Mapping[str, Any]) -> None:
     """Prints the one JSON document of a command."""
-    click.echo(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False))
+    click.echo(document_text(content))
 
 
 def print_skipped(problems: Iterable[object]) -> None:

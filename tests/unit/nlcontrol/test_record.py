@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nlcontrol.errors import ControlError
+from nlcontrol.json_document import SCHEMA_VERSION
 from nlcontrol.outcome_maps.experiment_record import Record
 from sim.face_experiment.face_contact import Contact, TouchResult
 
@@ -30,7 +31,7 @@ def test_what_was_added_is_read_again(tmp_path: Path) -> None:
     path = written(tmp_path / "touches.jsonl")
     assert dict(Record(path).results) == {"a": SLID, "b": STAYED, "c": MISSED}
     lines = path.read_text(encoding="utf-8").splitlines()
-    assert json.loads(lines[0]) == {"format": "touches/1"}
+    assert json.loads(lines[0]) == {"format": "touches", "schema_version": SCHEMA_VERSION}
     assert json.loads(lines[1])["point"] == [-0.05, 0.01, 0.1]
 
 
@@ -84,13 +85,45 @@ def test_a_force_must_be_one(tmp_path: Path, force: str) -> None:
         Record(path)
 
 
+@pytest.mark.parametrize(
+    ("head", "version"),
+    [
+        ({"format": "touches/1"}, "1"),
+        ({"format": "touches", "schema_version": "1.4"}, "1.4"),
+        ({"format": "touches", "schema_version": "20.0"}, "20.0"),
+    ],
+)
+def test_a_record_of_another_major_version_is_refused_with_both(
+    tmp_path: Path, head: dict[str, str], version: str
+) -> None:
+    path = written(tmp_path / "touches.jsonl")
+    _, *lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    before = "".join((json.dumps(head) + "\n", *lines))
+    path.write_text(before, encoding="utf-8")
+    with pytest.raises(ControlError) as raised:
+        Record(path)
+    assert raised.value.code == "bad_record"
+    assert f"version {version}," in raised.value.info.message
+    assert f"version {SCHEMA_VERSION}" in raised.value.info.message
+    assert path.read_text(encoding="utf-8") == before
+
+
+def test_a_record_of_a_later_minor_version_is_read(tmp_path: Path) -> None:
+    path = written(tmp_path / "touches.jsonl")
+    _, first, *lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    head = json.dumps({"format": "touches", "schema_version": "2.9"}) + "\n"
+    more = json.dumps(json.loads(first) | {"weather": "fine"}) + "\n"
+    path.write_text("".join((head, more, *lines)), encoding="utf-8")
+    assert dict(Record(path).results) == {"a": SLID, "b": STAYED, "c": MISSED}
+
+
 @given(text=st.text(min_size=1, max_size=40))
 def test_a_file_of_something_else_is_refused_and_kept(
     tmp_path_factory: pytest.TempPathFactory, text: str
 ) -> None:
     path = tmp_path_factory.mktemp("other") / "notes.txt"
     path.write_bytes(text.encode())
-    if '{"format": "touches/1"}'.startswith(text):
+    if '{"format": "touches", '.startswith(text):
         return
     with pytest.raises(ControlError) as raised:
         Record(path)

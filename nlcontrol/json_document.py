@@ -1,0 +1,48 @@
+"""The form that all JSON documents of the program share: a version, and whether all went well.
+
+A later minor version adds fields, and old readers go on. A later major one renames or removes some.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import BaseModel, field_validator
+
+SCHEMA_VERSION = "2.0"
+"""Version of the form; documents that bear none are of version 1."""
+
+
+def versioned_document(content: Mapping[str, Any]) -> dict[str, Any]:
+    """Document with its version and, if the content does not say otherwise, that all went well."""
+    return {"schema_version": SCHEMA_VERSION, "ok": True, **content}
+
+
+def document_text(content: Mapping[str, Any], indent: int | None = 2) -> str:
+    """Document as text; on one line if `indent` is None."""
+    document = versioned_document(content)
+    return json.dumps(document, indent=indent, ensure_ascii=False, allow_nan=False)
+
+
+class Document(BaseModel):
+    """Answer that programs save and read back.
+
+    Attributes:
+        schema_version: of the form in which it stands.
+    """
+
+    schema_version: str = SCHEMA_VERSION
+
+    @field_validator("schema_version")
+    @classmethod
+    def _require_same_major(cls, version: str) -> str:
+        if not is_readable(version):
+            raise ValueError(f"version {version}; this program reads version {SCHEMA_VERSION}")
+        return version
+
+
+def is_readable(version: str) -> bool:
+    """Whether this program reads what was saved under a version: under the same major one."""
+    return version.partition(".")[0] == SCHEMA_VERSION.partition(".")[0]
