@@ -4,7 +4,7 @@
 
 The sentences are those of the test set that are understood. From a sentence to its frames counts
 everything: the plain form, the parse, the meaning, the paraphrase. Trees begin with the plain form
-and stop at lark's parse tree, for a sample of the sentences (every so-manieth), since Earley takes
+and stop at the parse tree, for a sample of the sentences (every so-manieth), since Earley takes
 long; nothing else is left out. Earley reads the rules of grammar/phrases/nlcontrol.lark twice: with
 the tokens that the LALR parser was given (its lexer cannot be asked without an LALR state; the time
 to find them is not counted), and with lark's dynamic lexer, for which the lexicon's phrases are
@@ -20,7 +20,6 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from statistics import median
 from time import perf_counter
 from typing import Any
@@ -29,17 +28,14 @@ import numpy as np
 from lark import Lark, Token
 from lark.lexer import Lexer
 
-import grammar
 from benchmarks.sentences import understood
 from grammar.parser import Parser
+from grammar.phrases.lalr_parser import LalrParser, Tree
+from grammar.phrases.parse_table import RULES, parse_table
 from grammar.words.lexicon import NAME_TERMINALS, Lexicon, default_lexicon
 from grammar.words.normalisation import normalise
 from grammar.words.numerals import DIGITS
 from grammar.words.phrase_lexer import PhraseLexer
-
-RULES = (
-    Path(grammar.__file__).parent.joinpath("phrases", "nlcontrol.lark").read_text(encoding="utf-8")
-)
 
 _QUOTED = r'"[^"]*[^" ][^"]*"'
 _WORD = r'[^\W_][^ "]*'
@@ -74,9 +70,14 @@ class Row:
         return f"{self.what}: median {middle:.2f} ms, 99th percentile {last:.2f} ms {count}"
 
 
-def lalr(lexicon: Lexicon) -> Lark:
+def lalr(lexicon: Lexicon) -> LalrParser:
     """The parser of `grammar.parser`, as far as the tree."""
-    return _lark(lexicon.declarations(), parser="lalr", lexer=PhraseLexer.bound_to(lexicon))
+    return LalrParser(parse_table(), PhraseLexer(lexicon))
+
+
+def tokens_of(tree: Tree) -> list[Token]:
+    """The tokens of a tree as those of lark."""
+    return [Token(t.type, str(t), t.start_pos, end_pos=t.end_pos) for t in tree.leaves()]
 
 
 def earley(lexicon: Lexicon) -> Lark:
@@ -102,7 +103,8 @@ def earley_dynamic(lexicon: Lexicon) -> Lark:
 
 
 def _lark(terminals: str, **options: Any) -> Lark:
-    return Lark(f"{RULES}\n{terminals}", maybe_placeholders=False, **options)
+    rules = RULES.read_text(encoding="utf-8")
+    return Lark(f"{rules}\n{terminals}", maybe_placeholders=False, **options)
 
 
 def timed(run: Callable[[], object]) -> float:
@@ -126,7 +128,7 @@ def compared(parser: Parser, lexicon: Lexicon, runs: int, sample: int) -> list[R
     best: list[list[float]] = []
     for sentence in sentences[:: max(1, len(sentences) // sample)]:
         text = normalise(sentence, lexicon.contractions).text
-        tokens: Any = list(table.parse_interactive(text).iter_parse())
+        tokens: Any = tokens_of(table.parse(text))
         ways: list[Callable[[], object]] = [
             partial(parser.parse, sentence),
             partial(table.parse, text),

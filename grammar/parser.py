@@ -7,15 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import cache
-from pathlib import Path
-
-from lark import Lark, Token, Tree
-from lark.exceptions import UnexpectedToken, VisitError
 
 from grammar.clauses.frame_builder import frames_of
 from grammar.frames.command import Command
 from grammar.paraphrasing.clause_wording import Phrasing
 from grammar.paraphrasing.command_wording import paraphrase
+from grammar.phrases.lalr_parser import LalrParser, Tree, UnexpectedTokenError
+from grammar.phrases.parse_table import parse_table
 from grammar.phrases.tree_transform import parts_of
 from grammar.syntax_diagnosis import diagnose
 from grammar.words.lexicon import Lexicon
@@ -32,16 +30,8 @@ class Parser:
     """
 
     def __init__(self, lexicon: Lexicon) -> None:
-        rules = (
-            Path(__file__).parent.joinpath("phrases", "nlcontrol.lark").read_text(encoding="utf-8")
-        )
         self.lexicon = lexicon
-        self._lark = Lark(
-            f"{rules}\n{lexicon.declarations()}",
-            parser="lalr",
-            lexer=PhraseLexer.bound_to(lexicon),
-            maybe_placeholders=False,
-        )
+        self._lalr = LalrParser(parse_table(), PhraseLexer(lexicon))
 
     def parse(self, text: str) -> Command:
         """Reads a sentence.
@@ -56,18 +46,15 @@ class Parser:
             ParseError: if the sentence, or a part of it, is not understood.
         """
         sentence = normalise(text, self.lexicon.contractions)
-        try:
-            parts = parts_of(self._tree(sentence), self.lexicon, sentence)
-        except VisitError as error:
-            raise error.orig_exc from None
+        parts = parts_of(self._tree(sentence), self.lexicon, sentence)
         frames = frames_of(parts, self.lexicon, sentence)
         return Command(text=text, frames=frames, paraphrase=paraphrase(frames, self.lexicon))
 
-    def _tree(self, sentence: Normalised) -> Tree[Token]:
+    def _tree(self, sentence: Normalised) -> Tree:
         try:
-            return self._lark.parse(sentence.text)
-        except UnexpectedToken as error:
-            raise diagnose(error, error.accepts or set(), sentence, self.lexicon) from None
+            return self._lalr.parse(sentence.text)
+        except UnexpectedTokenError as error:
+            raise diagnose(error, sentence, self.lexicon) from None
 
 
 def parser_for(names: Iterable[str]) -> Parser:

@@ -1,14 +1,14 @@
-"""Why a sentence cannot be read, from what the parser could have gone on with."""
+"""Errors of sentences that cannot be parsed, from what the parser could have gone on with."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Set
 
-from lark.exceptions import UnexpectedToken
-
 from grammar.errors import ParseError
 from grammar.frames.command import Span
+from grammar.phrases.lalr_parser import UnexpectedTokenError
+from grammar.phrases.parse_table import END
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 
@@ -26,19 +26,16 @@ _WORD = re.compile(r"[^ ]+")
 _TAKEN_BY = re.compile(r"\bby (?:its|the) [^ ]+")
 
 
-def diagnose(
-    error: UnexpectedToken, accepts: Set[str], sentence: Normalised, lexicon: Lexicon
-) -> ParseError:
-    """Says in terms of the language why lark could not go on.
+def diagnose(error: UnexpectedTokenError, sentence: Normalised, lexicon: Lexicon) -> ParseError:
+    """Return the error of a sentence in terms of the language.
 
     Args:
-        error: where it stopped.
-        accepts: terminals with which it could have gone on.
+        error: where the parser stopped, and with what it could have gone on.
         sentence: the sentence.
         lexicon: the words of the language.
     """
-    at_end = error.token.type == "$END"
-    start, word = _word(sentence, len(sentence.text) if at_end else error.token.start_pos or 0)
+    at_end, accepts = error.token.type == END, error.accepts
+    start, word = _word(sentence, len(sentence.text) if at_end else error.token.start_pos)
     said, last = _word(sentence, sentence.text.rfind(" ") + 1)
     span = (
         sentence.span(said, said + len(last)) if at_end else sentence.span(start, start + len(word))

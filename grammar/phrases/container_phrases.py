@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any, cast
 
-from lark import Token
-
 from grammar.errors import ParseError
 from grammar.frames import command as g
 from grammar.phrases import token_reader as q
@@ -21,6 +19,7 @@ from grammar.phrases.phrase_parts import (
     ThingPart,
     VolumePart,
 )
+from grammar.words.phrase_lexer import Token
 
 Children = list[Any]
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any, cast
 
-from lark import Token
-
 from grammar.errors import ParseError
 from grammar.frames import command as g
 from grammar.frames.constraints import CONSTRAINTS, new_constraint
@@ -26,6 +24,7 @@ from grammar.phrases.phrase_parts import (
     VerbPart,
 )
 from grammar.phrases.token_reader import TokenReader
+from grammar.words.phrase_lexer import Token
 
 _STOPS = {"moves": "moves", "slides": "moves", "tips": "tips", "about_to_tip": "about_to_tip",
           "tilts": "about_to_tip"}  # fmt: skip

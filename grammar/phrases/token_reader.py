@@ -6,14 +6,13 @@ import math
 from decimal import Decimal
 from typing import Any, cast
 
-from lark import Token
-
 from grammar.errors import ParseError
 from grammar.frames.command import Bound, Span
 from grammar.phrases.phrase_parts import Part
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 from grammar.words.numerals import LENIENT, exact
+from grammar.words.phrase_lexer import Token
 
 MAX_LENGTH_M = 10.0
 """Longest distance that is taken seriously [m]."""
@@ -51,8 +50,6 @@ class TokenReader:
     def _ends(self, child: Token | Part) -> Span:
         if isinstance(child, Part):
             return child.span
-        assert child.start_pos is not None
-        assert child.end_pos is not None
         return self.sentence.span(child.start_pos, child.end_pos)
 
     def value(self, children: Children, terminal: str, default: str = "") -> str:

@@ -1,15 +1,14 @@
-"""From lark's tree to parts with spans: what each phrase says."""
+"""From the parse tree to parts with spans: the meaning of each phrase."""
 
 from __future__ import annotations
 
 from typing import Any, cast
 
-from lark import Token, Transformer, Tree
-
 from grammar.errors import ParseError
 from grammar.frames import command as g
 from grammar.phrases import token_reader as q
 from grammar.phrases.container_phrases import Contents
+from grammar.phrases.lalr_parser import Tree
 from grammar.phrases.manner_phrases import Manners
 from grammar.phrases.outcome_phrases import Outcomes, Questions
 from grammar.phrases.phrase_parts import (
@@ -39,6 +38,7 @@ from grammar.phrases.phrase_parts import (
 )
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
+from grammar.words.phrase_lexer import Token
 
 _CAUSED = {"moves": "move", "slides": "slide", "tips": "topple", "tilts": "tilt", "turns": "turn"}
 """Verbs for what is made to happen."""
@@ -46,11 +46,10 @@ _CAUSED = {"moves": "move", "slides": "slide", "tips": "topple", "tilts": "tilt"
 Children = list[Any]
 
 
-class Parts(Manners, Contents, Outcomes, Questions, Transformer[Token, list[Part]]):
-    """Turns the tree of one sentence into its parts, in the order of the sentence."""
+class Parts(Manners, Contents, Outcomes, Questions):
+    """Turns the tree of one sentence into its parts: a method for each name of a node."""
 
     def __init__(self, lexicon: Lexicon, sentence: Normalised) -> None:
-        super().__init__(visit_tokens=False)
         self._w = q.TokenReader(lexicon, sentence)
 
     # --- what holds the sentence together -----------------------------------------------------
@@ -293,10 +292,11 @@ class Parts(Manners, Contents, Outcomes, Questions, Transformer[Token, list[Part
         return parts
 
 
-def parts_of(tree: Tree[Token], lexicon: Lexicon, sentence: Normalised) -> list[Part]:
+def parts_of(tree: Tree, lexicon: Lexicon, sentence: Normalised) -> list[Part]:
     """The parts of a parsed sentence.
 
     Raises:
         ParseError: `impossible_quantity`, `does_not_apply` or `unexpected_words`.
     """
-    return Parts(lexicon, sentence).transform(tree)
+    parts: list[Part] = tree.transform(Parts(lexicon, sentence))
+    return parts

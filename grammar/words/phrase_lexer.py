@@ -8,12 +8,7 @@ article any word may begin a name; a name ends where a word of the language begi
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from typing import Any
-
-from lark import Token
-from lark.lexer import Lexer, LexerState
-from lark.parsers.lalr_analysis import Shift
+from collections.abc import Callable, Iterator
 
 from grammar.words.lexer_lookahead import WORD, Lookahead, Phrases, stands
 from grammar.words.lexicon import Lexicon
@@ -25,14 +20,40 @@ _UNITS = ("LENGTH_UNIT", "ANGLE_UNIT", "FORCE_UNIT", "SPEED_UNIT", "TIME_UNIT", 
           "CUPS", "PERCENT", "SIDE_OF_OBJECT")  # fmt: skip
 
 
-class PhraseLexer(Lexer):
-    """Finds the terminals of a lexicon; `bound_to` makes the class that lark is given."""
+Accepts = Callable[[str], bool]
+"""Check for a terminal with which the parser could go on."""
 
-    __future_interface__ = 1
-    lexicon: Lexicon
 
-    def __init__(self, _: object) -> None:
-        lexicon = self.lexicon
+class Token(str):
+    """A phrase of the text as a terminal.
+
+    Attributes:
+        type: the terminal.
+        start_pos: where it starts in the plain form.
+        end_pos: where it ends.
+    """
+
+    __slots__ = ("end_pos", "start_pos", "type")
+
+    type: str
+    start_pos: int
+    end_pos: int
+
+    def __new__(cls, type_: str, text: str, start_pos: int, end_pos: int) -> Token:
+        """Make the token of a terminal."""
+        token = super().__new__(cls, text)
+        token.type, token.start_pos, token.end_pos = type_, start_pos, end_pos
+        return token
+
+
+class PhraseLexer:
+    """Finds the terminals of a lexicon.
+
+    Args:
+        lexicon: the words of the language.
+    """
+
+    def __init__(self, lexicon: Lexicon) -> None:
         self._phrases = Phrases(lexicon)
         self._ahead = Lookahead(lexicon, self._phrases)
         self._units = [phrase for unit in _UNITS for phrase in lexicon.phrases(unit)]
@@ -43,51 +64,48 @@ class PhraseLexer(Lexer):
         self._nobodies = lexicon.nobodies
         self._openers = lexicon.openers
 
-    @classmethod
-    def bound_to(cls, lexicon: Lexicon) -> type[PhraseLexer]:
-        """The lexer for the words of a lexicon."""
-        return type(cls.__name__, (cls,), {"lexicon": lexicon})
+    def tokens(self, text: str, acceptance: Callable[[], Accepts]) -> Iterator[Token]:
+        """Yield the tokens; one that the parser cannot take stands where the language ends.
 
-    def lex(self, lexer_state: LexerState, parser_state: Any) -> Iterator[Token]:
-        """Yields the tokens; one that the parser cannot take stands where the language ends."""
-        text = str(lexer_state.text.text)
+        Args:
+            text: in plain form.
+            acceptance: what the parser could go on with after the last token that was yielded.
+        """
         position, name = 0, _Name()
         while position < len(text):
             if text[position] == " ":
                 position += 1
                 continue
-            accepts = _Acceptable(parser_state)
-            kind, end = self._next(text, position, accepts, name)
-            token = Token(kind, text[position:end], position, end_pos=end)
+            kind, end = self._next(text, position, acceptance(), name)
+            token = Token(kind, text[position:end], position, end)
             name.follow(kind, text[position:end] in self._adjectives)
-            lexer_state.last_token = token
             yield token
             position = end
 
-    def _next(self, text: str, start: int, accepts: _Acceptable, name: _Name) -> tuple[str, int]:
+    def _next(self, text: str, start: int, accepts: Accepts, name: _Name) -> tuple[str, int]:
         """Terminal and end of the token that starts here."""
         match = WORD.match(text, start)
         assert match is not None
         word, end = match.group(), match.end()
-        if "QUOTED" in accepts and word.startswith('"') and (quoted := _QUOTED.match(text, start)):
+        if accepts("QUOTED") and word.startswith('"') and (quoted := _QUOTED.match(text, start)):
             return "QUOTED", quoted.end()
-        may_name = "WORD" in accepts and word[0].isalnum()
+        may_name = accepts("WORD") and word[0].isalnum()
         if may_name and self._names(text, word, end, accepts, name):
             return "WORD", end
         number = self._numbers.pattern.match(text, start)
-        counted = number.end() if number and "NUMBER_WORD" in accepts else start
+        counted = number.end() if number and accepts("NUMBER_WORD") else start
         fallback = None
         for phrase, kinds in self._phrases.at(text, start):
             after = start + len(phrase)
             if counted > after:
                 break
             for kind in kinds:
-                if kind in accepts and self._ahead.fits(kind, phrase, text, after, name.last):
+                if accepts(kind) and self._ahead.fits(kind, phrase, text, after, name.last):
                     if kind == "VERB" and name.words and may_name:
                         return "WORD", end
                     return kind, after
             fallback = fallback or (kinds[0], after)
-        digits = DIGITS.match(text, start) if "NUMBER" in accepts else None
+        digits = DIGITS.match(text, start) if accepts("NUMBER") else None
         if digits and self._ends(text, digits.end()):
             return "NUMBER", digits.end()
         if counted > start:
@@ -98,12 +116,12 @@ class PhraseLexer(Lexer):
             return "WORD", end
         return fallback or ("UNKNOWN", end)
 
-    def _names(self, text: str, word: str, end: int, accepts: _Acceptable, name: _Name) -> bool:
+    def _names(self, text: str, word: str, end: int, accepts: Accepts, name: _Name) -> bool:
         """Whether a word is taken for one of a name, although it means something elsewhere."""
         if name.determined == "THE":
             return True
         if name.determined == "A":
-            units = [unit for unit in _UNITS if unit in accepts]
+            units = [unit for unit in _UNITS if accepts(unit)]
             return not any(self._measures(unit, text, end - len(word), name) for unit in units)
         if name.adjectival and word in self._adjectives:
             follower = WORD.match(text, end + 1)
@@ -140,37 +158,6 @@ class PhraseLexer(Lexer):
     def _is_number(self, text: str, start: int) -> bool:
         number = DIGITS.match(text, start)
         return number is not None and self._ends(text, number.end())
-
-
-class _Acceptable:
-    """The terminals that a parser could go on with; a look at its next state alone says too many.
-
-    In an LALR table a state may reduce on a terminal that cannot stand there after all, so the
-    reductions are followed to the end.
-    """
-
-    def __init__(self, state: Any) -> None:
-        self._states = state.parse_conf.states
-        self._stack = state.state_stack
-        self._known: dict[str, bool] = {}
-
-    def __contains__(self, kind: str) -> bool:
-        if kind not in self._known:
-            self._known[kind] = self._shifts(kind)
-        return self._known[kind]
-
-    def _shifts(self, kind: str) -> bool:
-        stack = self._stack
-        while True:
-            action = self._states[stack[-1]].get(kind)
-            if action is None:
-                return False
-            if action[0] is Shift:
-                return True
-            rule = action[1]
-            size = len(rule.expansion)
-            stack = stack[:-size] if size else list(stack)
-            stack = [*stack, self._states[stack[-1]][rule.origin.name][1]]
 
 
 class _Name:

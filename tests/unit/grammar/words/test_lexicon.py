@@ -8,19 +8,19 @@ from types import SimpleNamespace
 from typing import Any, get_args
 
 import pytest
-from lark import Lark, Token
 
 import grammar
 from grammar import ParseError, parse
 from grammar.frames.command import Action, Goal, Quality
 from grammar.parser import Parser
+from grammar.phrases.lalr_parser import LalrParser
+from grammar.phrases.parse_table import RULES, parse_table
 from grammar.words.lexicon import NAME_TERMINALS, Lexicon, default_lexicon, expand
 from grammar.words.normalisation import normalise
-from grammar.words.phrase_lexer import PhraseLexer
+from grammar.words.phrase_lexer import PhraseLexer, Token
 
 LEXICON = default_lexicon()
-RULES = (Path(grammar.__file__).parent / "phrases" / "nlcontrol.lark").read_text(encoding="utf-8")
-LEXER = PhraseLexer.bound_to(LEXICON)(None)
+LEXER = PhraseLexer(LEXICON)
 TERMINALS = (*NAME_TERMINALS, *LEXICON.terminals)
 
 # What the lexer looks for behind a phrase before it takes it; "box" stands for any name.
@@ -89,8 +89,8 @@ def lexed(name: str, phrase: str) -> Token:
     verb = f"{VERBS.get(name, '')} ".lstrip()
     text = f"{verb}{phrase} {FOLLOWERS.get(name, '')}".rstrip()
     known = SimpleNamespace(last=LAST.get(name, ""), determined="", words=0, adjectival=False)
-    kind, end = LEXER._next(text, len(verb), {name}, known)  # type: ignore[arg-type]
-    return Token(kind, text[len(verb) : end])
+    kind, end = LEXER._next(text, len(verb), name.__eq__, known)  # type: ignore[arg-type]
+    return Token(kind, text[len(verb) : end], len(verb), end)
 
 
 @pytest.mark.parametrize("name", TERMINALS)
@@ -101,11 +101,9 @@ def test_every_phrase_is_found_whole(name: str) -> None:
 
 
 def test_longest_phrase_that_can_stand_there_is_taken() -> None:
-    lark = Lark(
-        f"{RULES}\n{LEXICON.declarations()}", parser="lalr", lexer=PhraseLexer.bound_to(LEXICON)
-    )
-    steps: Any = lark.parse_interactive("push the left box away from me with at most 5 n")
-    assert [(token.type, str(token)) for token in steps.iter_parse()] == [
+    lalr = LalrParser(parse_table(), LEXER)
+    tokens = lalr.parse("push the left box away from me with at most 5 n").leaves()
+    assert [(token.type, str(token)) for token in tokens] == [
         ("VERB", "push"), ("THE", "the"), ("WORD", "left"), ("WORD", "box"),
         ("DIRECTION", "away from me"), ("WITH", "with"), ("BOUND", "at most"),
         ("NUMBER", "5"), ("FORCE_UNIT", "n"),
@@ -113,7 +111,9 @@ def test_longest_phrase_that_can_stand_there_is_taken() -> None:
 
 
 def test_rules_and_lexicon_have_the_same_terminals() -> None:
-    used = set(re.findall(r"\b[A-Z][A-Z_]*\b", re.sub(r"//.*", "", RULES)))
+    used = set(
+        re.findall(r"\b[A-Z][A-Z_]*\b", re.sub(r"//.*", "", RULES.read_text(encoding="utf-8")))
+    )
     assert used == {*TERMINALS, "WORD", "QUOTED", "NUMBER", "NUMBER_WORD"}
 
 
