@@ -24,7 +24,7 @@ from benchmarks.strokes import (
     Stroke,
     offsets,
 )
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
+from sim.standard_robot import HAND
 from sim.truth.scene_file import Scene
 from sim.worlds.drake.contact_material import ROUGH, surface
 from sim.worlds.drake.contact_watch import ContactWatch
@@ -185,7 +185,7 @@ def add_tip(plant: MultibodyPlant, name: str) -> ModelInstanceIndex:
     )
 
     instance = plant.AddModelInstance(name)
-    solid = UnitInertia.SolidSphere(TIP_RADIUS)
+    solid = UnitInertia.SolidSphere(HAND.tip_radius)
     share = TIP_MASS / 3.0
     frame = plant.world_frame()
     for axis, label in zip(np.eye(3), ("x", "y", "z"), strict=True):
@@ -198,7 +198,7 @@ def add_tip(plant: MultibodyPlant, name: str) -> ModelInstanceIndex:
         actuator.set_controller_gains(PdControllerGains(p=STIFFNESS, d=DAMPING))
         frame = body.body_frame()
     plant.RegisterCollisionGeometry(
-        body, RigidTransform(), Sphere(TIP_RADIUS), "tip", surface(ROUGH)
+        body, RigidTransform(), Sphere(HAND.tip_radius), "tip", surface(ROUGH)
     )
     plant.set_gravity_enabled(instance, False)
     return instance

@@ -15,15 +15,14 @@ import time
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from importlib import resources
 
 import numpy as np
 
 from objectmodels.mechanics.grasp_stability import Contacts, slip_multiplier
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from sim.hands.four_finger import hand_kinematics as hand
-from sim.hands.four_finger.grasp_postures import HOLDING, GraspPosture, grasp_posture, inward
+from sim.hands.hand_model import Angles, GraspPosture
 from sim.rotations import Array
+from sim.standard_robot import HAND
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject, load_scene
 from sim.worlds.drake.drake_plant import add_object, add_table, filter_collisions, initial_pose
@@ -81,7 +80,7 @@ def drawn(cases: int, seed: int) -> list[Case]:
 
 
 def _grip(width: float) -> GraspPosture:
-    grip = grasp_posture(width)
+    grip = HAND.grasp_posture(width)
     assert grip is not None, "the cases are drawn among the hand's widths"
     return grip
 
@@ -112,9 +111,7 @@ class Gantry:
         )
         self.plant, scene_graph = AddMultibodyPlant(config, builder)
         plant = self.plant
-        text = (
-            resources.files("sim") / "hands" / "four_finger" / "four_finger_hand.urdf"
-        ).read_text("utf-8")
+        text = HAND.model_file.read_text("utf-8")
         (self.hand,) = Parser(plant).AddModelsFromString(text, "urdf")
         self.slide = plant.AddModelInstance("slide")
         carriage = plant.AddRigidBody(
@@ -148,10 +145,10 @@ class Gantry:
         self._simulator = Simulator(builder.Build())
         self.context = plant.GetMyMutableContextFromRoot(self._simulator.get_mutable_context())
         self._time, self._height, self._q = 0.0, 0.0, self.grip.posture(self.grip.opening).joints
-        for finger in hand.FINGERS:
-            angles = self.grip.posture(self.grip.opening).angles[finger]
-            for name, angle in zip(hand.FINGER_JOINTS, (*angles, angles[2]), strict=True):
-                plant.GetJointByName(f"{finger}_{name}").set_angle(self.context, angle)
+        for finger, driven in self.grip.posture(self.grip.opening).angles.items():
+            angles = HAND.model_angles(driven)
+            for name, angle in zip(HAND.model_joints(finger), angles, strict=True):
+                plant.GetJointByName(name).set_angle(self.context, angle)
 
     def step(self, q: Array, height: float = 0.0) -> None:
         """Commands finger angles and the slide's height for a control period."""
@@ -166,27 +163,27 @@ class Gantry:
     def tips(self) -> Array:
         """Where the fingertips are on the box, in B, shape (4, 3) [m]."""
         X_BW = self.plant.EvalBodyPoseInWorld(self.context, self.box).inverse()
-        return np.array([X_BW.multiply(self._tip(finger)) for finger in HOLDING])
+        return np.array([X_BW.multiply(self._tip(finger)) for finger in HAND.grasp_fingers])
 
     def _tip(self, finger: str) -> Array:
         X_WP = self.plant.GetFrameByName("palm").CalcPoseInWorld(self.context)
-        return np.asarray(X_WP.multiply(hand.finger_points(finger, self._angles(finger))[3]))
+        return np.asarray(X_WP.multiply(HAND.tip_centre(finger, self._angles(finger))))
 
-    def _angles(self, finger: str) -> hand.Angles:
-        names = (f"{finger}_{name}" for name in hand.FINGER_JOINTS[:3])
-        a, p, m = (self.plant.GetJointByName(n).get_angle(self.context) for n in names)
-        return a, p, m
+    def _angles(self, finger: str) -> Angles:
+        names = HAND.model_joints(finger)[: len(HAND.resting.angles[finger])]
+        return tuple(self.plant.GetJointByName(n).get_angle(self.context) for n in names)
 
     def pressed(self) -> float:
         """Mean of what both sides press [N]."""
         torques = self.plant.get_net_actuation_output_port(self.hand).Eval(self.context)
         presses = []
-        for finger in HOLDING:
+        for finger in HAND.grasp_fingers:
             angles = self._angles(finger)
-            p_PC = hand.finger_points(finger, angles)[3] + hand.TIP_RADIUS * inward(finger)
-            J = hand.finger_jacobian(finger, angles, p_PC)
-            first = 3 * hand.FINGERS.index(finger)
-            presses.append(np.linalg.solve(J.T, torques[first : first + 3]) @ inward(finger))
+            inward = HAND.closing_direction(finger)
+            p_PC = HAND.tip_centre(finger, angles) + HAND.tip_radius * inward
+            first = len(angles) * HAND.fingers.index(finger)
+            felt = torques[first : first + len(angles)]
+            presses.append(HAND.tip_force(finger, angles, p_PC, felt) @ inward)
         return float(0.5 * np.sum(presses))
 
 

@@ -16,8 +16,8 @@ import numpy as np
 from benchmarks.drake_strokes import add_tip
 from objectmodels.containers import lid_geometry as lids
 from objectmodels.models.object_parts import FlipLid
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.rotations import Array
+from sim.standard_robot import HAND
 from sim.truth.scene_file import Scene, SceneObject
 from sim.worlds.drake.drake_plant import (
     Standing,
@@ -125,7 +125,7 @@ class LidBench:
         hinge = lids.hinge(lid, self._item.truth.rim, self._item.truth.height)
         lever = lids.grip_distance(lid, hinge)
         opens = end > start
-        above = -TIP_RADIUS if opens else TIP_RADIUS + lids.THICKNESS
+        above = -HAND.tip_radius if opens else HAND.tip_radius + lids.THICKNESS
         off = -_BELOW if opens else _BELOW
         steps = int(abs(end - start) * lever / (SPEED * PERIOD))
         angles = np.linspace(start, end, steps)

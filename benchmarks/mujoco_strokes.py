@@ -23,7 +23,7 @@ from benchmarks.strokes import (
     Stroke,
 )
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
+from sim.standard_robot import HAND
 from sim.truth.scene_file import Scene
 
 STEP = 2e-3
@@ -164,7 +164,7 @@ def _text(scene: Scene) -> str:
             for i, (a, b) in enumerate(corners)
         ),
         tip_mass=TIP_MASS,
-        tip_radius=TIP_RADIUS,
+        tip_radius=HAND.tip_radius,
         slides="".join(_SLIDE.format(a=a, axis=axis) for a, axis in axes.items()),
         pairs="\n    ".join(
             _PAIR.format(i=i, mu=truth.friction_table, time=time) for i in range(len(corners))

@@ -16,9 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels import ObjectModel
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
-from sim.hands.four_finger.pushing_postures import strongest
-from sim.motion.robot_reach import FINGER_SPREADS
+from sim.standard_robot import HAND
 
 Array = NDArray[np.float64]
 Generator = np.random.Generator
@@ -30,7 +28,7 @@ BEFORE = 0.01
 STIFFNESS, DAMPING = 2000.0, 40.0
 """Of the springs that hold the fingertips [N/m, N·s/m]."""
 TIP_MASS = 0.05
-STRONGEST = strongest(1, 0.0)
+STRONGEST = float(HAND.pushing_postures(1, 0.0).strength.max())
 """Of a fingertip along each axis [N]."""
 
 _LOWEST = 0.012  # of the fingertip's centre; lower it would touch the table [m]
@@ -168,7 +166,7 @@ def at(
     outward = R_WB @ normal
     heading = float(np.arctan2(-outward[1], -outward[0]))
     direction = np.array([np.cos(heading + slant), np.sin(heading + slant), 0.0])
-    touch = pose[4:] + R_WB @ p_BC + TIP_RADIUS * outward
+    touch = pose[4:] + R_WB @ p_BC + HAND.tip_radius * outward
     # Where the base stood may be a little below the table's plane: feet sink in.
     touch[2] = max(float(touch[2]), _LOWEST)
     return Stroke(touch - BEFORE * direction, touch + length * direction, heading, name)
@@ -189,5 +187,7 @@ def upright(pose: Array) -> bool:
 def offsets(fingers: int, heading: float) -> Array:
     """Places of the fingertips from their midpoint in W, shape (fingers, 3) [m]."""
     across = np.array([-np.sin(heading), np.cos(heading), 0.0])
-    sides = np.array([0.0]) if fingers == 1 else 0.5 * FINGER_SPREADS[0] * np.array([-1.0, 1.0])
+    sides = (
+        np.array([0.0]) if fingers == 1 else 0.5 * HAND.finger_spreads[0] * np.array([-1.0, 1.0])
+    )
     return np.asarray(sides[:, None] * across)

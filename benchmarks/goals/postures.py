@@ -20,20 +20,20 @@ from numpy.typing import NDArray
 
 from benchmarks.strokes import Array, Generator, Stroke
 from planner.types.world_state import WorldState
-from sim.arms.lwr import lwr_kinematics as arm
 from sim.cell.cell_description import RobotMount, Vision
-from sim.collision import collision_spheres as spheres
 from sim.collision.collision_scene import FRAGILE_CLEARANCE
-from sim.hands.four_finger.hand_kinematics import (
-    FINGER_LIMITS,
-    RESTING,
-    Posture,
-    two_finger_postures,
+from sim.collision.collision_spheres import (
+    distance_to_prism,
+    height_above_table,
+    place_spheres,
 )
-from sim.hands.four_finger.pushing_postures import quality
-from sim.motion.arm_configuration import Mount
-from sim.motion.robot_reach import FINGER_SPREADS
+from sim.hands.four_finger.hand_kinematics import FINGER_LIMITS
+from sim.hands.four_finger.pushing_postures import quality, two_finger_postures
+from sim.hands.four_finger.resting_posture import bent_posture
+from sim.hands.hand_model import Posture
+from sim.hands.mount import Mount
 from sim.rotations import rot_x, rot_y, rot_z
+from sim.standard_robot import ARM, HAND
 
 UNSEEN = Vision().position_noise_m
 """A distance that no single look tells from none [m]."""
@@ -61,7 +61,7 @@ def reachable(
         state: where everything stands; the object that is pushed moves ahead of the hand.
         rng: to draw from.
     """
-    mount = Mount.of(robot)
+    mount = Mount.of(robot, ARM, HAND)
     points = [stroke.start + share * (stroke.end - stroke.start) for share in _SHARES]
     R_WD = rot_z(stroke.heading)
     for posture in _postures(fingers, rng):
@@ -77,15 +77,14 @@ def reachable(
 
 def _postures(fingers: int, rng: Generator) -> Iterator[Posture]:
     if fingers == 2:
-        for spread in FINGER_SPREADS:
+        for spread in HAND.finger_spreads:
             yield from two_finger_postures(spread)
         return
     low, high = FINGER_LIMITS.T
     for _ in range(POSTURES):
         finger = ("index", "middle", "ring")[int(rng.integers(3))]
         abduction, proximal, middle = rng.uniform(low, high).tolist()
-        angles = {**RESTING.angles, finger: (abduction, proximal, middle)}
-        yield Posture("drawn", angles, (finger,))
+        yield bent_posture("drawn", {finger: (abduction, proximal, middle)})
 
 
 def _orientations(fingers: int, rng: Generator) -> Array:
@@ -102,11 +101,11 @@ def _clear_hands(
 ) -> NDArray[np.bool_]:
     """Which orientations keep the hand clear at all points of the stroke."""
     free = np.ones(len(R_WP), dtype=bool)
-    parts = spheres.hand_spheres(posture)
+    parts = HAND.spheres(posture)
     middle = posture.tips.mean(axis=0)
     for k, point in enumerate(points):
-        placed = spheres.placed(parts, R_WP, point - R_WP @ middle)
-        free &= spheres.height_above_table(placed).min(axis=-1) > 0.0
+        placed = place_spheres(parts, R_WP, point - R_WP @ middle)
+        free &= height_above_table(placed).min(axis=-1) > 0.0
         for name in _in_the_way(state, pushed, k):
             free &= _distance(placed, state, name).min(axis=-1) > _apart(name, pushed, state)
     return free
@@ -125,15 +124,15 @@ def _arm_reaches(
     elbow = np.tile(_ELBOWS, n)
     R = np.repeat(R_WP, len(_ELBOWS), axis=0)
     tip = R @ posture.tips.mean(axis=0)
-    ok = np.ones((len(R), 8), dtype=bool)
+    ok = np.ones((len(R), mount.arm.branches), dtype=bool)
     for k, point in enumerate(points):
-        q, valid = arm.inverse(*mount.flange(R, point - tip), elbow)
+        q, valid = mount.arm.inverse(*mount.flange(R, point - tip), elbow)
         ok &= valid
         if not ok.any():
             return False
         rows = np.nonzero(ok)
-        links = spheres.placed(spheres.arm_spheres(q[rows]), mount.R_WA, mount.p_WA)
-        clear = spheres.height_above_table(links).min(axis=-1) > 0.0
+        links = mount.arm_spheres(q[rows])
+        clear = height_above_table(links).min(axis=-1) > 0.0
         for name in _in_the_way(state, pushed, k):
             clear &= _distance(links, state, name).min(axis=-1) > _apart(name, pushed, state)
         ok[rows] = clear
@@ -156,5 +155,5 @@ def _distance(placed: Array, state: WorldState, name: str) -> Array:
     """Of spheres in W from an object [m]."""
     seen = state.objects[name]
     R_BW = seen.pose.R_WB.T
-    inside = spheres.placed(placed, R_BW, -R_BW @ seen.pose.p_WB)
-    return spheres.distance_to_prism(inside, seen.model.outline, seen.model.top)
+    inside = place_spheres(placed, R_BW, -R_BW @ seen.pose.p_WB)
+    return distance_to_prism(inside, seen.model.outline, seen.model.top)

@@ -34,7 +34,8 @@ from planner.refusals.push_refusals import NoPlanError
 from planner.types.actions import Aim
 from planner.types.defaults import DEFAULTS
 from planner.types.world_state import SeenObject, WorldState
-from sim.motion.robot_reach import ArmHandReach
+from sim.motion.robot_reach import lowest_contact
+from sim.standard_robot import HAND
 
 TABLE = ((0.36, 0.80), (-0.45, 0.45))
 """Where objects may be sent: least and largest x and y [m]."""
@@ -250,7 +251,7 @@ class _Thought:
     def _heights(self) -> tuple[float, float]:
         """The lowest and the highest contact allowed [m]."""
         top = self.target.model.top - BELOW
-        return max(self.asked.low, ArmHandReach.lowest_height), min(self.asked.high, top)
+        return max(self.asked.low, lowest_contact(HAND)), min(self.asked.high, top)
 
     def _faces(self, there: SeenObject) -> list[Face]:
         """The face that the direction meets; all if none is said, or if it is turned."""

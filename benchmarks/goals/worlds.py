@@ -21,7 +21,8 @@ from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel, Regis
 from planner.geometry.footprints import footprint, overlaps
 from planner.types.world_state import PlanarPose, SeenObject
 from sim.cell.cell_description import RobotMount, Vision
-from sim.motion.robot_reach import ArmHandReach
+from sim.motion.robot_reach import lowest_contact
+from sim.standard_robot import HAND
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject, built_in_scenes, load_scene
 
@@ -75,7 +76,7 @@ def pushable() -> tuple[ObjectModel, ...]:
     comparable.
     """
     models = (model for model in Registry.built_in() if model.name not in _HANDLED)
-    return tuple(model for model in models if model.top > ArmHandReach.lowest_height + _GRIP)
+    return tuple(model for model in models if model.top > lowest_contact(HAND) + _GRIP)
 
 
 @cache

@@ -93,8 +93,9 @@ class Controller:
         """Answers whether the hand gets somewhere."""
         if self._reach is None:
             from sim import ArmHandReach
+            from sim.standard_robot import ARM, HAND
 
-            self._reach = ArmHandReach(self.scene.cell)
+            self._reach = ArmHandReach(self.scene.cell, ARM, HAND)
         return self._reach
 
     @property

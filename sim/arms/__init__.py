@@ -1,1 +1,1 @@
-"""Arm kinematics, a folder for each arm."""
+"""Kinematics of arms: the protocol that planning and control know, and a folder for each arm."""

@@ -16,7 +16,12 @@ from numpy.typing import NDArray
 
 from objectmodels.models.cylinder import CylinderModel
 from planner.types.world_state import SeenObject, WorldState
-from sim.collision import collision_spheres as spheres
+from sim.collision.collision_spheres import (
+    distance_to_cylinder,
+    distance_to_prism,
+    height_above_table,
+    place_spheres,
+)
 from sim.rotations import Array, rot_z
 
 TABLE_CLEARANCE = 0.005
@@ -89,10 +94,10 @@ class Obstacle:
 
     def distance(self, robot: Array) -> Array:
         """Signed distance of spheres in W, shape (..., 4), from it, shape (...) [m]."""
-        in_B = spheres.placed(robot, self.R_WB.T, -self.R_WB.T @ self.p_WB)
+        in_B = place_spheres(robot, self.R_WB.T, -self.R_WB.T @ self.p_WB)
         if self.radius > 0.0:
-            return spheres.distance_to_cylinder(in_B, self.radius, self.height)
-        return spheres.distance_to_prism(in_B, self.outline, self.height)
+            return distance_to_cylinder(in_B, self.radius, self.height)
+        return distance_to_prism(in_B, self.outline, self.height)
 
     def is_clear(self, robot: Array, clearance: float | None = None) -> NDArray[np.bool_]:
         """Which poses of the robot keep the clearance, shape (...) for spheres (..., k, 4)."""
@@ -164,7 +169,7 @@ class CollisionScene:
         Returns:
             Shape (...).
         """
-        free = np.asarray(spheres.height_above_table(robot).min(axis=-1) >= TABLE_CLEARANCE)
+        free = np.asarray(height_above_table(robot).min(axis=-1) >= TABLE_CLEARANCE)
         for each in (pushed or self.pushed, *self.others):
             if free.any():
                 free[free] = each.is_clear(robot[free])

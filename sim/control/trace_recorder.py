@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from planner.types.world_state import PlanarPose
-    from sim.motion.arm_configuration import Mount
+    from sim.hands.mount import Mount
     from sim.perception.camera_port import Frame, SeenPose
     from sim.rotations import Array
     from sim.traces.trace import EndReason
@@ -31,6 +31,7 @@ class Recorder:
         normal_W: outward normal of the touched face in W, shape (3,).
 
     Attributes:
+        mount: of arm and hand.
         phase: what is being done now; see `Trace.phase`.
         fingers: the fingers that push.
         force_limit: in force now [N].
@@ -50,7 +51,7 @@ class Recorder:
         self.zero: Array | float = 0.0
         self.touch: Touch | None = None
         self.frames: list[Frame] = []
-        self._mount = mount
+        self.mount = mount
         self.inward = -normal_W
         self._first = len(world.history)
         self._contacts = len(world.contacts)
@@ -72,7 +73,7 @@ class Recorder:
         if self.fingers:
             self.torques = np.array([self.world.finger_torques(f) for f in self.fingers])
             self.touch = feel(
-                self.world, self._mount, self.fingers, self.inward, self.torques - self.zero
+                self.world, self.mount, self.fingers, self.inward, self.torques - self.zero
             )
         self._phases.append(self.phase)
         self._limits.append(self.force_limit)

@@ -21,7 +21,6 @@ from sim.control.grasping.weighing import Weight, weight
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.trace_recorder import Recorder
 from sim.execution.push_execution import Progress
-from sim.hands.four_finger.grasp_postures import HOLDING
 from sim.motion.grasp_motion_search import GraspMotion
 from sim.paths.held_object import HeldObject
 from sim.paths.held_object_path import HeldSegment, upright_again
@@ -187,7 +186,7 @@ class HandTrip:
         if holding is None or holding.held.name != self._handled.name:
             raise EarlyEndError("no_grasp", f"the hand does not hold the {self._plan.object}")
         self._world.holding = None
-        self._recorder.fingers = HOLDING
+        self._recorder.fingers = self._way.mount.hand.grasp_fingers
         self._recorder.zero = holding.zero
         motion = self._motion
         motion.take_over(holding)

@@ -26,6 +26,7 @@ from sim.execution.handling import handle
 from sim.execution.push_execution import Progress, Trip, silent
 from sim.motion.arm_configuration import UnreachableError
 from sim.motion.robot_reach import ArmHandReach
+from sim.standard_robot import ARM, HAND
 from sim.traces.trace import EndReason, Trace
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def execute(
     Returns:
         What happened, also if it ended early.
     """
-    tell, reach = progress or silent, reach or ArmHandReach(world.scene.cell)
+    tell, reach = progress or silent, reach or ArmHandReach(world.scene.cell, ARM, HAND)
     if not plan.pushes:
         return handle(plan, world, models, reach, tell)
     trip = Trip(plan.push, world, models, reach, tell)

@@ -17,7 +17,6 @@ from planner.types.world_state import WorldState
 from sim.collision.collision_scene import SPARE
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.trace_recorder import Recorder
-from sim.hands.four_finger.hand_kinematics import RESTING
 from sim.motion.arm_configuration import ArmConfiguration, UnreachableError
 from sim.motion.robot_reach import ArmHandReach
 from sim.paths.fingertip_path import BACK, FingertipPath
@@ -92,7 +91,7 @@ class Trip:
             for spare in (0.0, SPARE):
                 answer = reach.push_configuration(self._push, state, spare)
                 if not isinstance(answer, ReachAnswer):
-                    return answer[0], FingertipPath.of(self._push, state.objects[self._push.object])
+                    return answer[0], reach.fingertip_path(self._push, state)
                 why = answer.message
         raise EarlyEndError("unreachable", why)
 
@@ -142,9 +141,10 @@ class Trip:
         self.recorder.phase = "retreat"
         for q in reversed(self._descent):
             self.recorder.step(q, self._world.commanded[1])
+        rest = self._reach.mount.hand.resting.joints
         for q in reversed(self._way_home):
             last = q is self._way_home[0]
-            move_joints(self.recorder, q, RESTING.joints if last else self._world.commanded[1])
+            move_joints(self.recorder, q, rest if last else self._world.commanded[1])
         self._tell("settle", self._world.time, "letting everything come to rest")
         self.recorder.phase = "settle"
         for _ in range(round(settle / self._world.period)):

@@ -28,12 +28,12 @@ from planner.types.world_state import PlanarPose, WorldState
 from sim.control.pushing.guarded_touch import EarlyEndError, TouchControl
 from sim.execution.push_execution import Progress, Trip, silent
 from sim.exploration.touch_recording import Recording
-from sim.hands.four_finger.hand_kinematics import is_at_stop
 from sim.motion.arm_configuration import UnreachableError
 from sim.motion.robot_reach import ArmHandReach
 from sim.paths.tilt_arc import TiltArc
 from sim.perception.camera_port import averaged
 from sim.rotations import Array
+from sim.standard_robot import ARM, HAND
 from sim.traces.trace import EndReason
 
 if TYPE_CHECKING:
@@ -90,7 +90,9 @@ def probe(
     """
     tell = progress or silent
     models = {name: seen.model for name, seen in state.objects.items()}
-    trip = Trip(experiment.push, world, models, reach or ArmHandReach(world.scene.cell), tell)
+    trip = Trip(
+        experiment.push, world, models, reach or ArmHandReach(world.scene.cell, ARM, HAND), tell
+    )
     before = state.objects[experiment.push.object].pose
     try:
         found = _touched(experiment, trip, state, before, tell)
@@ -251,7 +253,7 @@ class ProbeControl(TouchControl):
 
     @property
     def _arc(self) -> TiltArc:
-        return TiltArc(self._origin, self._u, self.experiment.length)
+        return TiltArc(self._origin, self._u, self.experiment.length, self._tip_radius)
 
     def _own_tilt(self) -> float:
         """Tilt at which the fingertip touches the face where it is [rad]."""
@@ -309,7 +311,7 @@ class ProbeControl(TouchControl):
     def _at_stop(self) -> bool:
         """Whether the finger is bent back as far as it goes."""
         (finger,) = self.stance.posture.pushing
-        return is_at_stop(self.recorder.world.finger_angles(finger))
+        return self.stance.mount.hand.is_at_stop(self.recorder.world.finger_angles(finger))
 
     def _lately(self) -> tuple[float, float]:
         """Means of the tilts seen lately and of the fingertip's own [rad]; nan if too few."""
@@ -365,6 +367,7 @@ class ProbeControl(TouchControl):
             seen_tilt=float(np.mean(tilts_seen)) if tilts_seen else None,
             force_sd=noise,
             zero_sd=noise / float(np.sqrt(max(1.0, self.pause / self._period))),
+            tip_radius=self._tip_radius,
             pose_sd=(
                 scene.vision.position_noise_m / float(np.sqrt(frames)),
                 float(np.radians(scene.vision.angle_noise_deg) / np.sqrt(frames)),

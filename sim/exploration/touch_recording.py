@@ -31,6 +31,7 @@ class Recording:
         before: where the object was seen before.
         after: where it was seen at the end, the finger still there; None if it was not looked at.
         seen_tilt: the same for its tilt along the push [rad].
+        tip_radius: of the finger [m].
         force_sd: standard deviation of one sample of the force along the push [N].
         zero_sd: of the sensors' zero, as a force along the push [N].
         pose_sd: of the seen position [m] and heading [rad].
@@ -47,6 +48,7 @@ class Recording:
     before: PlanarPose
     after: PlanarPose | None
     seen_tilt: float | None
+    tip_radius: float
     force_sd: float
     zero_sd: float
     pose_sd: tuple[float, float]
@@ -60,5 +62,5 @@ class Recording:
         empty = np.empty((0, 3))
         return cls(
             experiment, end, detail, None, np.empty(0), empty, empty, before, None, None,
-            force_sd=0.0, zero_sd=0.0, pose_sd=(0.0, 0.0),
+            tip_radius=0.0, force_sd=0.0, zero_sd=0.0, pose_sd=(0.0, 0.0),
         )  # fmt: skip

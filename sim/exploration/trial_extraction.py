@@ -87,7 +87,8 @@ def trials(recording: Recording, *, repetition: int = 0) -> tuple[Trial, ...]:
 def _tilts(recording: Recording, source: str) -> list[Trial]:
     """Balances at a small and at a large tilt."""
     push = recording.experiment.push
-    arc = TiltArc(recording.tips[0], np.array(push.direction_W), recording.experiment.length)
+    u, length = np.array(push.direction_W), recording.experiment.length
+    arc = TiltArc(recording.tips[0], u, length, recording.tip_radius)
     tilt, height = arc.tilts(recording.tips), arc.heights(recording.tips)
     forces = recording.forces @ recording.before.R_WB
     top = float(tilt.max())

@@ -21,6 +21,7 @@ from sim.face_experiment.face_contact import Contact, TouchResult
 from sim.face_experiment.pressing import press
 from sim.motion.robot_reach import ArmHandReach
 from sim.perception.camera_port import first_look
+from sim.standard_robot import ARM, HAND
 from sim.truth.observer import Observer
 from sim.worlds.drake.drake_world import DrakeWorld
 
@@ -48,7 +49,7 @@ class FingerTouch:
             return TouchResult(None, None, "the finger presses upright faces straight in only")
         world, reach, state = (
             DrakeWorld(scene, seed=seed),
-            ArmHandReach(scene.cell),
+            ArmHandReach(scene.cell, ARM, HAND),
             self._seen(scene, seed),
         )
         experiment = press_at(state.objects[contact.object], np.array(contact.point), normal, reach)

@@ -15,6 +15,7 @@ from sim.exploration.probe_control import ProbeControl
 from sim.exploration.touch_recording import Recording
 from sim.motion.arm_configuration import UnreachableError
 from sim.motion.robot_reach import ArmHandReach
+from sim.standard_robot import ARM, HAND
 from sim.traces.trace import EndReason
 from sim.worlds.drake.drake_world import DrakeWorld
 
@@ -38,7 +39,9 @@ def press(
         What the robot felt; no samples if the hand did not get there, and the reason.
     """
     models = {name: seen.model for name, seen in state.objects.items()}
-    trip = Trip(experiment.push, world, models, reach or ArmHandReach(world.scene.cell), silent)
+    trip = Trip(
+        experiment.push, world, models, reach or ArmHandReach(world.scene.cell, ARM, HAND), silent
+    )
     before = state.objects[experiment.push.object].pose
     try:
         stance, way = trip.stance(state)

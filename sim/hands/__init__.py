@@ -1,1 +1,4 @@
-"""Hands, a folder for each hand."""
+"""Postures of hands: the protocol that planning and control know, and a folder for each hand.
+
+`hand_model` holds the protocol and its values, `mount` where arm and hand are.
+"""

@@ -1,8 +1,8 @@
 """The search for a stance that flips a lid: a hand, arm poses along its way, a way from home.
 
-Model: hands that are clear of the lid and its object wherever that stands (`fliphands`) are
-sorted out by what else stands about; for the rest the arm's eight solutions are looked at over a
-ring of elbow angles, at the ends and the middle of the way first, then all along it. What is
+Model: hands that are clear of the lid and its object wherever that stands are
+sorted out by what else stands about; for the rest the arm's solutions are looked at over a
+ring of redundancy angles, at the ends and the middle of the way first, then all along it. What is
 continuous, clear of everything and has a free way from home is a stance; room to the joint limits
 and nearness to home count.
 
@@ -20,13 +20,18 @@ from numpy.typing import NDArray
 from planner.types.actions import FlipOver
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import WorldState
-from sim.arms.lwr import lwr_kinematics as arm
-from sim.collision import collision_spheres as spheres
 from sim.collision.collision_scene import TABLE_CLEARANCE, CollisionScene
-from sim.hands.four_finger.flip_postures import FlipPostureSet, flip_postures
-from sim.motion.arm_configuration import ArmConfiguration, Mount
-from sim.motion.ik_search import ELBOWS
-from sim.motion.roadmap import LIMIT_MARGIN, along, free_path, sample_configurations
+from sim.collision.collision_spheres import height_above_table, place_spheres
+from sim.hands.hand_model import FlipPostureSet
+from sim.hands.mount import Mount
+from sim.motion.arm_configuration import ArmConfiguration, unreachable
+from sim.motion.ik_search import best_solutions
+from sim.motion.roadmap import (
+    LIMIT_MARGIN,
+    free_path,
+    interpolate_joints,
+    sample_configurations,
+)
 from sim.paths.lid_arc_path import LidShape, hinge_pose, lid_shape
 from sim.rotations import Array, rot_y
 
@@ -34,8 +39,7 @@ _HANDS = 240  # that are looked at, evenly among all
 _FOLLOWED, _SOLVED = 48, 480  # solutions that are followed together, and in all
 _WAYS = 3  # stances for which a way from home is looked for
 _LARGEST_STEP = 1.2  # more change of a joint between points of the way is a jump [rad]
-_ENOUGH, _HOMESICK = 0.35, 0.2  # as for pushes, see `sim.motion.ik_search`
-_WRIST_BEND = 0.15  # |q6| stays above this [rad]
+_HOMESICK = 0.2  # as for pushes, see `sim.motion.ik_search`
 _LIFT = {True: 0.12, False: 0.03}  # how far over the start the hand comes down [m]
 _DESCENT = np.linspace(1.0, 0.0, 5)
 _BODY_CLEARANCE = 0.002  # of the hand from the object and its lid on its way down [m]
@@ -47,7 +51,7 @@ class FlipConfiguration:
 
     Attributes:
         stance: at the start.
-        hands: the one hand, with its way.
+        hands: the one hand, with its path.
         lid: that is flipped.
         lift: how far over the start of the way the hand comes down [m].
         R_WE, p_WE: of the hinge, as it was seen.
@@ -61,7 +65,7 @@ class FlipConfiguration:
     p_WE: Array
 
     def joints(self, p_ET: Array, share: float) -> Array:
-        """Arm angles with T at a point of E, the palm turned by a share of the arc, shape (7,).
+        """Arm angles with T at a point of E, the palm turned by a share of the arc, shape (joints,).
 
         Raises:
             UnreachableError: the arm does not get there in this stance.
@@ -73,7 +77,7 @@ class FlipConfiguration:
     def _turn(self) -> float:
         """How far the palm turns about E's y axis [rad]."""
         R_EP = self.hands.R_EP[0]
-        whole = R_EP[self.hands.way.touching.stop - 1] @ R_EP[0].T
+        whole = R_EP[self.hands.path.touching.stop - 1] @ R_EP[0].T
         return float(np.arctan2(whole[0, 2], whole[0, 0]))
 
 
@@ -93,7 +97,7 @@ class FlipMotionSearch:
 
     Args:
         mount: of the arm.
-        home: arm angles from which it comes, shape (7,) [rad].
+        home: arm angles from which it comes, shape (joints,) [rad].
         step: what is to be done.
         name: of the object with the lid.
         state: what is believed.
@@ -106,12 +110,12 @@ class FlipMotionSearch:
         self._home = home
         self._name = name
         target = state.objects[name]
-        self._lid = lid_shape(step, target)
+        self._lid = lid_shape(step, target, mount.hand.tip_radius)
         self._R_WE, self._p_WE = hinge_pose(target)
         # The lid is looked at where it is, not as what rises above the object.
         bare = {**state.objects, name: replace(target, lid=None)}
         self._scenery = CollisionScene.of(replace(state, objects=bare), name)
-        self._hands = flip_postures(self._lid)
+        self._hands = mount.hand.flip_postures(self._lid)
         # Behind an open lid it is above everything before.
         self._lift = _LIFT[self._lid.opens]
         self._stopped: set[str] = set()
@@ -119,11 +123,13 @@ class FlipMotionSearch:
     def best(self) -> tuple[FlipConfiguration, ReachAnswer] | ReachAnswer:
         """The best stance, or why there is none."""
         if not len(self._hands):
-            return _no("object", f"the hand would hit the {self._name} with more than a fingertip")
+            return unreachable(
+                "object", f"the hand would hit the {self._name} with more than a fingertip"
+            )
         hands = self._clear_hands()
         if not len(hands):
             other = min(self._stopped)
-            return _no("obstacle", f"the hand would hit the {other} beside the lid", other)
+            return unreachable("obstacle", f"the hand would hit the {other} beside the lid", other)
         met: list[Array] = []
         for tried, found in enumerate(self._found(hands)):
             stance, above, room = found
@@ -131,31 +137,33 @@ class FlipMotionSearch:
             if via is not None:
                 whole = replace(stance, stance=replace(stance.stance, via=via))
                 return whole, ReachAnswer(ok=True, margin=room)
-            met.append(self._robot(stance, along(self._home, above)))
+            met.append(self._robot_spheres(stance, interpolate_joints(self._home, above)))
             if tried == _WAYS - 1:
                 break
         if met:
             hit = self._scenery.hit_by(met[0])
             what = hit or f"{self._name} or the table"
             message = f"the arm has no free way to the lid: it would hit the {what}"
-            return _no("obstacle" if hit else "approach", message, hit)
-        return _no("kinematics", f"the arm does not reach along the lid of the {self._name}")
+            return unreachable("obstacle" if hit else "approach", message, hit)
+        return unreachable(
+            "kinematics", f"the arm does not reach along the lid of the {self._name}"
+        )
 
     def _clear_hands(self) -> FlipPostureSet:
         """Hands that hit nothing else on their way."""
         every = self._hands
-        hands = every.some(np.unique(np.linspace(0, len(every) - 1, _HANDS).astype(int)))
+        hands = every[np.unique(np.linspace(0, len(every) - 1, _HANDS).astype(int))]
         near = self._scenery.near(self._p_WE[None], 0.45)
         if not near:
             return hands
-        robot = spheres.placed(hands.robot, self._R_WE, self._p_WE)
+        robot = place_spheres(hands.robot, self._R_WE, self._p_WE)
         free = np.ones(len(hands), dtype=bool)
         for each in near:
             if free.any():
                 free[free] = each.is_clear(robot[free]).all(axis=1)
                 if not free.all():
                     self._stopped.add(each.name)
-        return hands.some(np.flatnonzero(free))
+        return hands[np.flatnonzero(free)]
 
     # -- arms -----------------------------------------------------------------------------------
 
@@ -166,7 +174,7 @@ class FlipMotionSearch:
             few = slice(first, first + _FOLLOWED)
             solved = self._followed(hands, hand[few], elbow[few], branch[few])
             for k in range(len(solved.hand)):
-                one = hands.some(solved.hand[k : k + 1])
+                one = hands[solved.hand[k : k + 1]]
                 stance = ArmConfiguration(
                     mount=self._mount,
                     posture=one.postures[0],
@@ -183,38 +191,34 @@ class FlipMotionSearch:
     def _poses(
         self, hands: FlipPostureSet, at: list[int], lift: Array, elbow: Array
     ) -> tuple[Array, NDArray[np.bool_]]:
-        """Arm angles of n hands at some points of their way, shape (n, w, 8, 7)."""
-        points = hands.way.points[at] + lift[:, None] * [0.0, 0.0, 1.0]
+        """Arm angles of n hands at some points of their way, shape (n, w, branches, joints)."""
+        points = hands.path.points[at] + lift[:, None] * [0.0, 0.0, 1.0]
         R_EP = hands.R_EP[:, at]
         p_EP = points - (R_EP @ hands.tips[:, None, :, None])[..., 0]
-        R_AF, p_AF = self._mount.flange(self._R_WE @ R_EP, p_EP @ self._R_WE.T + self._p_WE)
-        n, w = len(hands), len(at)
-        q, valid = arm.inverse(R_AF.reshape(-1, 3, 3), p_AF.reshape(-1, 3), np.repeat(elbow, w))
-        room = (arm.LIMITS - np.abs(q)).min(axis=-1)
-        usable = valid & (room > LIMIT_MARGIN) & (np.abs(q[..., 5]) > _WRIST_BEND)
-        return q.reshape(n, w, 8, 7), usable.reshape(n, w, 8)
+        q, usable = self._mount.solve_palm(
+            self._R_WE @ R_EP, p_EP @ self._R_WE.T + self._p_WE, elbow
+        )
+        return q, usable & (self._mount.arm.joint_room(q) > LIMIT_MARGIN)
 
     def _at_a_glance(
         self, hands: FlipPostureSet
     ) -> tuple[NDArray[np.intp], Array, NDArray[np.intp]]:
         """Hands, elbow angles and branches that reach the ends of the way, the best first."""
-        arc, elbows = hands.way.touching, ELBOWS[::2]
+        arc, elbows = hands.path.touching, self._mount.arm.redundancy_samples[::2]
         hand, elbow = np.repeat(np.arange(len(hands)), len(elbows)), np.tile(elbows, len(hands))
         at = [0, (arc.start + arc.stop) // 2, arc.stop - 1]
-        q, usable = self._poses(hands.some(hand), at, np.zeros(3), elbow)
-        room = (arm.LIMITS - np.abs(q)).min(axis=(1, 3))
-        far = np.abs(q[:, 0] - self._home).max(axis=-1)
-        score = np.where(usable.all(axis=1), np.minimum(room, _ENOUGH) - _HOMESICK * far, -np.inf)
-        best = np.argsort(-score, axis=None, kind="stable")[:_SOLVED]
-        row, branch = np.unravel_index(best[score.ravel()[best] > -np.inf], score.shape)
+        q, usable = self._poses(hands[hand], at, np.zeros(3), elbow)
+        room = self._mount.arm.joint_room(q).min(axis=1)
+        off = q[:, 0] - self._home
+        row, branch = best_solutions(np.asarray(usable.all(axis=1)), room, off, _HOMESICK, _SOLVED)
         return hand[row], elbow[row], branch
 
     def _followed(
         self, hands: FlipPostureSet, hand: NDArray[np.intp], elbow: Array, branch: NDArray[np.intp]
     ) -> _Solved:
         """What is continuous all along the way and free, from above the start on."""
-        some = hands.some(hand)
-        w, d = len(some.way.points), len(_DESCENT)
+        some = hands[hand]
+        w, d = len(some.path.points), len(_DESCENT)
         at, lift = (
             [0] * (d - 1) + list(range(w)),
             np.append(self._lift * _DESCENT[:-1], np.zeros(w)),
@@ -224,21 +228,21 @@ class FlipMotionSearch:
         q, usable = q[rows, :, branch], usable[rows, :, branch]
         steady = np.abs(np.diff(q, axis=1)).max(axis=(1, 2)) < _LARGEST_STEP
         good = usable.all(axis=1) & steady
-        good[good] = self._free(some.some(np.flatnonzero(good)), q[good])
-        room = (arm.LIMITS - np.abs(q)).min(axis=(1, 2))
+        good[good] = self._free(some[np.flatnonzero(good)], q[good])
+        room = self._mount.arm.joint_room(q).min(axis=1)
         return _Solved(hand[good], elbow[good], branch[good], q[good], room[good])
 
     # -- what is in the way ---------------------------------------------------------------------
 
     def _free(self, hands: FlipPostureSet, q: Array) -> NDArray[np.bool_]:
         """Which arms keep clear of everything, and their hands on the way down, shape (n,)."""
-        arms = self._arm(q)
+        arms = self._mount.arm_spheres(q)
         free = np.asarray(self._scenery.is_free(arms).all(axis=1))
         free &= self._is_off_lid(arms, self._lid.start).all(axis=1)
         free &= self._is_off_lid(arms, self._lid.end).all(axis=1)
         lifts = self._lift * _DESCENT[:, None] * np.array([0.0, 0.0, 1.0])
         down = hands.robot[:, :1] + np.pad(lifts, ((0, 0), (0, 1)))[:, None]
-        robot = spheres.placed(down, self._R_WE, self._p_WE)
+        robot = place_spheres(down, self._R_WE, self._p_WE)
         for each in self._scenery.others:
             free &= each.is_clear(robot).all(axis=1)
         free &= self._scenery.pushed.is_clear(robot, _BODY_CLEARANCE).all(axis=1)
@@ -246,7 +250,7 @@ class FlipMotionSearch:
 
     def _is_off_lid(self, robot: Array, angle: float) -> NDArray[np.bool_]:
         """Which poses of spheres in W, shape (..., k, 4), keep off the lid, shape (...)."""
-        in_E = spheres.placed(robot, self._R_WE.T, -self._R_WE.T @ self._p_WE)
+        in_E = place_spheres(robot, self._R_WE.T, -self._R_WE.T @ self._p_WE)
         distance = self._lid.distance(in_E, np.full(in_E.shape[:-2], angle))
         return np.asarray((distance > _BODY_CLEARANCE).all(axis=-1))
 
@@ -256,13 +260,13 @@ class FlipMotionSearch:
         """Arm poses between home and above the start; None if no free way was found."""
 
         def is_free(q: Array) -> NDArray[np.bool_]:
-            robot = self._robot(found, q)
+            robot = self._robot_spheres(found, q)
             off = np.asarray(self._scenery.pushed.is_clear(robot, _BODY_CLEARANCE))
             off &= self._is_off_lid(robot, self._lid.start)
             off &= self._is_off_lid(robot, self._lid.end)
             for each in self._scenery.others:
                 off &= each.is_clear(robot)
-            height = spheres.height_above_table(robot).min(axis=-1)
+            height = height_above_table(robot).min(axis=-1)
             return np.asarray(off & (height >= TABLE_CLEARANCE))
 
         middle = 0.5 * (self._home + above)
@@ -271,18 +275,9 @@ class FlipMotionSearch:
             if thorough
             else middle[None]
         )
-        return free_path(self._home, above, places, is_free)
+        return free_path(self._mount.arm, self._home, above, places, is_free)
 
-    def _robot(self, found: FlipConfiguration, q: Array) -> Array:
+    def _robot_spheres(self, found: FlipConfiguration, q: Array) -> Array:
         """Spheres of hand and arm in W, shape (n, k, 4)."""
-        R_WP, p_WP = self._mount.palm(q)
-        hand = spheres.placed(spheres.whole_hand(found.stance.posture), R_WP, p_WP)
-        return np.concatenate([hand, self._arm(q)], axis=-2)
-
-    def _arm(self, q: Array) -> Array:
-        """Spheres of the arm in W, shape (..., k, 4)."""
-        return spheres.placed(spheres.arm_spheres(q), self._mount.R_WA, self._mount.p_WA)
-
-
-def _no(reason: str, message: str, blocker: str | None = None) -> ReachAnswer:
-    return ReachAnswer(ok=False, reason=reason, message=message, blocker=blocker)
+        hand = self._mount.hand.whole_spheres(found.stance.posture)
+        return self._mount.robot_spheres(hand, q)

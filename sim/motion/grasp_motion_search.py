@@ -1,7 +1,7 @@
 """The search for a way of arm and hand through a whole handling plan.
 
 Model: the hand goes rigidly with what it holds, so every leg says where the palm is. The arm keeps
-the elbow's angle and one of its eight solutions all along; they are tried together, the ones with
+the redundancy angle and one of its solutions all along; they are tried together, the ones with
 room to the joint limits first. Where something is held already, the elbow swings there first while
 the hand stays. Hand and held object do not depend on the arm and are looked at once for all arms;
 then comes the arm, and the way from home and back. What is held is its own obstacle
@@ -21,18 +21,17 @@ from planner.types.actions import PourOut
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import WorldState
-from sim.arms.lwr import lwr_kinematics as arm
-from sim.collision import collision_spheres as spheres
 from sim.collision.collision_scene import (
     OBJECT_CLEARANCE,
     TABLE_CLEARANCE,
     CollisionScene,
     Obstacle,
 )
-from sim.collision.covering import surface
-from sim.hands.four_finger.grasp_postures import GraspPosture
-from sim.motion.arm_configuration import Mount
-from sim.motion.ik_search import ELBOWS, ENOUGH_MARGIN
+from sim.collision.collision_spheres import height_above_table, place_spheres, surface_spheres
+from sim.hands.hand_model import GraspPosture
+from sim.hands.mount import Mount
+from sim.motion.arm_configuration import unreachable
+from sim.motion.ik_search import best_solutions
 from sim.motion.roadmap import LIMIT_MARGIN, free_path, sample_configurations
 from sim.paths.held_object import HeldObject
 from sim.paths.held_object_path import HeldSegment, grasp_frame, held_segments, withdrawals
@@ -45,7 +44,6 @@ _OWNER_CLEARANCE = 0.0023  # of the hand from the object whose lid it holds [m]
 _LID_CLEARANCE = 0.0015  # of a hand that puts a lid aside from the table [m]
 _FACE_CLEARANCE = 0.002  # of the open hand from what it is about to hold [m]
 _OFF_TABLE = 0.002  # of what is tilted over the table [m]
-_WRIST_BEND = 0.15  # |q6| stays above this, away from the singularity [rad]
 _LARGEST_STEP = 0.6  # more change of a joint between poses that are looked at is a jump [rad]
 _HOMESICK = 0.1  # room to the limits that a joint's being one radian nearer to home is worth
 _MOST_ARMS, _MOST_TRANSITS = 40, 4
@@ -63,8 +61,8 @@ class GraspMotion:
         grip: of the hand.
         R_BP, p_BP: the palm as it holds the object, shapes (3, 3) and (3,) [m].
         legs: of the approach, of each step, and of the way back.
-        elbow: angle of the elbow [rad].
-        branch: which of the arm's eight solutions.
+        elbow: redundancy angle of the arm [rad].
+        branch: which of the arm's solutions.
         there, back: arm poses between home and the first pose, and between the last one and home;
             with something held already, `there` is how the elbow swings to its angle.
         room: least room to the joint limits [rad].
@@ -82,11 +80,11 @@ class GraspMotion:
     room: float = 0.0
 
     def joints(self, R_WB: Array, p_WB: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Arm angles, shape (n, 7), for object poses, and which of them are reached, shape (n,)."""
+        """Arm angles, shape (n, joints), for object poses, and which of them are reached, shape (n,)."""
         n = len(p_WB)
         R_AF, p_AF = self.mount.flange(R_WB @ self.R_BP, p_WB + R_WB @ self.p_BP)
-        q, valid = arm.inverse(R_AF, p_AF, np.full(n, self.elbow), [self.branch])
-        return q[:, 0], valid[:, 0] > 0
+        q, valid = self.mount.arm.inverse(R_AF, p_AF, np.full(n, self.elbow), [self.branch])
+        return q[:, 0], valid[:, 0]
 
 
 class GraspMotionSearch:
@@ -94,7 +92,7 @@ class GraspMotionSearch:
 
     Args:
         mount: of the arm.
-        home: arm angles from which it comes, shape (7,) [rad].
+        home: arm angles from which it comes, shape (joints,) [rad].
         handled: what is held, and the plan.
         grip: of the hand.
         off: the way of the open hand off the object, in W, shape (3,) [m].
@@ -163,7 +161,9 @@ class GraspMotionSearch:
             return blocked
         q, elbow, branch, room = self._arms()
         if not len(q):
-            return _no("kinematics", "the arm does not reach along the whole way of the hand")
+            return unreachable(
+                "kinematics", "the arm does not reach along the whole way of the hand"
+            )
         hindered: str | None = None
         tried = 0
         for k in range(min(len(q), _MOST_ARMS)):
@@ -183,7 +183,7 @@ class GraspMotionSearch:
             if tried >= _MOST_TRANSITS:
                 break
         own = hindered in {self._plan.object, "table"}
-        return _no(
+        return unreachable(
             "approach" if own else "obstacle",
             f"the arm has no free way to the hand's places: it would hit the {hindered}",
             None if own else hindered,
@@ -197,43 +197,45 @@ class GraspMotionSearch:
         what = f"the {self._plan.object}"
         for is_open in (True, False):
             some = self._free == is_open
-            hand = spheres.placed(self._around(is_open=is_open), R_WP[some], p_WP[some])
-            low = spheres.height_above_table(hand).min(initial=np.inf)
+            hand = place_spheres(self._around(is_open=is_open), R_WP[some], p_WP[some])
+            low = height_above_table(hand).min(initial=np.inf)
             if low < (TABLE_CLEARANCE if self._owner is None else _LID_CLEARANCE):
                 up = 1e3 * float(low)
-                return _no("table", f"the hand would come to {up:.0f} mm over the table")
+                return unreachable("table", f"the hand would come to {up:.0f} mm over the table")
             for each in self._scenery.others:
                 if not each.is_clear(hand).all():
                     return _blocked(each.name, "the hand")
         free = np.flatnonzero(self._free)
-        hand = spheres.placed(self._around(is_open=True), R_WP[free], p_WP[free])
+        hand = place_spheres(self._around(is_open=True), R_WP[free], p_WP[free])
         for k, one in zip(free, hand, strict=True):
             stands = self._stood if self._last[k] else self._about
             if (stands.distance(one) < _FACE_CLEARANCE).any():
-                return _no("object", f"the open hand does not get around {what}")
-        inside = spheres.hand_spheres(self._closed)
-        own = spheres.placed(inside, self._R_BP, self._p_BP)
+                return unreachable("object", f"the open hand does not get around {what}")
+        inside = self._mount.hand.spheres(self._closed)
+        own = place_spheres(inside, self._R_BP, self._p_BP)
         if (_in_itself(self._about).distance(own) < 0.0).any():
-            return _no("object", f"the hand would hit {what} with more than its fingertips")
+            return unreachable("object", f"the hand would hit {what} with more than its fingertips")
         return self._held_blocked()
 
     def _around(self, *, is_open: bool) -> Array:
         """Spheres of the hand in P, with its fingertips."""
-        posture = self._open if is_open else self._closed
+        hand, posture = self._mount.hand, self._open if is_open else self._closed
         # Fingers about a knob are near to what it stands on.
-        return spheres.whole_hand(posture) if self._owner is None else spheres.bare_hand(posture)
+        return hand.whole_spheres(posture) if self._owner is None else hand.thin_spheres(posture)
 
     def _held_blocked(self) -> ReachAnswer | None:
         """What is in the way of the held object."""
         holding = ~self._free
-        body = spheres.placed(
-            surface(self._scenery.pushed), self._R_WB[holding], self._p_WB[holding]
+        body = place_spheres(
+            surface_spheres(self._scenery.pushed.outline, self._scenery.pushed.height),
+            self._R_WB[holding],
+            self._p_WB[holding],
         )
         what = f"the {self._plan.object}"
         tilted = self._R_WB[holding][:, 2, 2] < 1.0 - 1e-9
-        low = spheres.height_above_table(body[tilted]).min(initial=np.inf)
+        low = height_above_table(body[tilted]).min(initial=np.inf)
         if low < _OFF_TABLE:
-            return _no("table", f"{what} would hit the table while it is tilted")
+            return unreachable("table", f"{what} would hit the table while it is tilted")
         into = {step.into for step in self._plan.steps if isinstance(step, PourOut)}
         for each in self._scenery.others:
             if each.name == self._owner:
@@ -250,33 +252,45 @@ class GraspMotionSearch:
 
     def _arms(self) -> tuple[Array, Array, NDArray[np.intp], Array]:
         """Arm angles along the whole way, elbow angles, branches and room; the best first."""
-        w = len(self._p_WB)
-        R_AF, p_AF = self._mount.flange(
-            self._R_WB @ self._R_BP, self._p_WB + self._R_WB @ self._p_BP
-        )
+        R_WP, p_WP = self._R_WB @ self._R_BP, self._p_WB + self._R_WB @ self._p_BP
+        elbows = self._mount.arm.redundancy_samples
         # Few poses sort out most elbows.
-        some = np.unique(np.linspace(0, w - 1, 6).astype(int))
-        q, good = _followed(R_AF[some], p_AF[some], ELBOWS, np.inf)
-        elbows = ELBOWS[good.any(axis=1)]
-        q, good = _followed(R_AF, p_AF, elbows, _LARGEST_STEP)
-        room = (arm.LIMITS - np.abs(q)).min(axis=(1, 3))
-        far = np.abs(q[:, 0] - (self._home if self._at is None else self._at)).max(axis=-1)
-        score = np.where(good, np.minimum(room, ENOUGH_MARGIN) - _HOMESICK * far, -np.inf)
-        best = np.argsort(-score, axis=None, kind="stable")[: int(good.sum())]
-        row, branch = np.unravel_index(best, score.shape)
+        some = np.unique(np.linspace(0, len(p_WP) - 1, 6).astype(int))
+        _, good, _ = self._followed(R_WP[some], p_WP[some], elbows, np.inf)
+        elbows = elbows[good.any(axis=1)]
+        q, good, room = self._followed(R_WP, p_WP, elbows, _LARGEST_STEP)
+        off = q[:, 0] - (self._home if self._at is None else self._at)
+        row, branch = best_solutions(good, room, off, _HOMESICK, good.size)
         return q[row, :, branch], elbows[row], branch, room[row, branch]
+
+    def _followed(
+        self, R_WP: Array, p_WP: Array, elbows: Array, largest: float
+    ) -> tuple[Array, NDArray[np.bool_], Array]:
+        """Angles of all arms along palm poses, shape (e, w, branches, joints).
+
+        Returns:
+            Besides, which arms are good and their room to the joint limits, shape (e, branches).
+        """
+        mount, e = self._mount, len(elbows)
+        q, usable = mount.solve_palm(
+            np.broadcast_to(R_WP, (e, *R_WP.shape)), np.broadcast_to(p_WP, (e, *p_WP.shape)), elbows
+        )
+        room = mount.arm.joint_room(q)
+        steady = np.abs(np.diff(q, axis=1)).max(axis=(1, 3), initial=0.0) < largest
+        good = usable & (room > LIMIT_MARGIN)
+        return q, np.asarray(good.all(axis=1) & steady), room.min(axis=1)
 
     def _arm_blocked(self, q: Array) -> str | None:
         """What the arm would hit on the way; None if nothing."""
-        robot = spheres.placed(spheres.arm_spheres(q), self._mount.R_WA, self._mount.p_WA)
-        if (spheres.height_above_table(robot) < TABLE_CLEARANCE).any():
+        robot = self._mount.arm_spheres(q)
+        if (height_above_table(robot) < TABLE_CLEARANCE).any():
             return "table"
         for each in self._scenery.others:
             if not each.is_clear(robot).all():
                 return each.name
         held = _in_itself(self._scenery.pushed)
         R_BW = np.swapaxes(self._R_WB, -1, -2)
-        in_B = spheres.placed(robot, R_BW, -(R_BW @ self._p_WB[..., None])[..., 0])
+        in_B = place_spheres(robot, R_BW, -(R_BW @ self._p_WB[..., None])[..., 0])
         if (held.distance(in_B) < OBJECT_CLEARANCE).any():
             return self._plan.object
         return None
@@ -305,7 +319,7 @@ class GraspMotionSearch:
         poses = [one.joints(self._R_WB[:1], self._p_WB[:1]) for one in here]
         q = np.array([one[0] for one, _ in poses])
         good = np.array([bool(valid[0]) for _, valid in poses])
-        good &= (np.abs(q) < arm.LIMITS - LIMIT_MARGIN).all(axis=1)
+        good &= self._mount.arm.joint_room(q) > LIMIT_MARGIN
         near = np.where(good, np.abs(q - self._at).max(axis=1), np.inf)
         start = int(np.argmin(near))
         if near[start] > _SAME:
@@ -319,8 +333,8 @@ class GraspMotionSearch:
 
     def _is_clear(self, q: Array) -> bool:
         """Whether the arm keeps clear of the table and of all others."""
-        robot = spheres.placed(spheres.arm_spheres(q), self._mount.R_WA, self._mount.p_WA)
-        high = spheres.height_above_table(robot).min() >= TABLE_CLEARANCE
+        robot = self._mount.arm_spheres(q)
+        high = height_above_table(robot).min() >= TABLE_CLEARANCE
         return bool(high and all(each.is_clear(robot).all() for each in self._scenery.others))
 
     def _transit(
@@ -330,9 +344,7 @@ class GraspMotionSearch:
         open_hand = self._around(is_open=True)
 
         def is_free(q: Array) -> NDArray[np.bool_]:
-            robot = spheres.placed(spheres.arm_spheres(q), self._mount.R_WA, self._mount.p_WA)
-            hand = spheres.placed(open_hand, *self._mount.palm(q))
-            return self._scenery.is_free(np.concatenate([hand, robot], axis=-2), stands)
+            return self._scenery.is_free(self._mount.robot_spheres(open_hand, q), stands)
 
         up = np.array([[0.0, 0.0, height] for height in _RAISED])
         R = np.broadcast_to(R_WB, (len(up), 3, 3))
@@ -340,9 +352,9 @@ class GraspMotionSearch:
         places = np.vstack([raised[valid], 0.5 * (self._home + q), *(
             [0.5 * (self._home + one)] for one in raised[valid]
         )])  # fmt: skip
-        found = free_path(self._home, q, places, is_free)
+        found = free_path(self._mount.arm, self._home, q, places, is_free)
         return found if found is not None else free_path(
-            self._home, q, sample_configurations(self._home, q), is_free
+            self._mount.arm, self._home, q, sample_configurations(self._home, q), is_free
         )  # fmt: skip
 
 
@@ -358,7 +370,7 @@ def best_grasp_motion(
 
     Args:
         mount: of the arm.
-        home: arm angles from which it comes, shape (7,) [rad].
+        home: arm angles from which it comes, shape (joints,) [rad].
         plan: with a grasp.
         grip: of the hand.
         state: what is believed.
@@ -375,28 +387,10 @@ def best_grasp_motion(
     return first
 
 
-def _followed(
-    R_AF: Array, p_AF: Array, elbows: Array, largest: float
-) -> tuple[Array, NDArray[np.bool_]]:
-    """Angles of all arms at flange poses, shape (e, w, 8, 7), and which are good, shape (e, 8)."""
-    e, w = len(elbows), len(p_AF)
-    q, valid = arm.inverse(np.tile(R_AF, (e, 1, 1)), np.tile(p_AF, (e, 1)), np.repeat(elbows, w))
-    q, valid = q.reshape(e, w, 8, 7), valid.reshape(e, w, 8)
-    inside = (np.abs(q) < arm.LIMITS - LIMIT_MARGIN).all(axis=-1)
-    bent = np.abs(q[..., 5]) > _WRIST_BEND
-    steady = np.abs(np.diff(q, axis=1)).max(axis=(1, 3), initial=0.0) < largest
-    good = (valid > 0) & inside & bent
-    return q, np.asarray(good.all(axis=1) & steady)
-
-
 def _in_itself(held: Obstacle) -> Obstacle:
     """The held object in its own frame."""
     return replace(held, R_WB=np.eye(3), p_WB=np.zeros(3))
 
 
-def _no(reason: str, message: str, blocker: str | None = None) -> ReachAnswer:
-    return ReachAnswer(ok=False, reason=reason, message=message, blocker=blocker)
-
-
 def _blocked(name: str, what: str) -> ReachAnswer:
-    return _no("obstacle", f"{what} would hit the {name}", name)
+    return unreachable("obstacle", f"{what} would hit the {name}", name)

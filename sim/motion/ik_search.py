@@ -1,6 +1,6 @@
 """How the arm stands along the way of a push, for many hands at once.
 
-Model: the arm's eight closed-form solutions over a ring of elbow angles, first at both ends of the
+Model: all solutions of the arm over a ring of redundancy angles (of the elbow), first at both ends of the
 stroke, which sorts out most, then along the whole way for the best. They are ranked by the room to
 the joint limits, and by how far from home they are. What is continuous and bears the force of the
 push is an arm pose of a stance, if nothing is in the way.
@@ -17,10 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.types.actions import Push
-from sim.arms.lwr import lwr_kinematics as arm
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
-from sim.hands.four_finger.pushing_postures import LARGEST_SKEW, PostureSet
-from sim.motion.arm_configuration import ArmConfiguration, Mount
+from sim.hands.hand_model import PostureSet
+from sim.hands.mount import Mount
+from sim.motion.arm_configuration import ArmConfiguration
 from sim.motion.roadmap import LIMIT_MARGIN
 from sim.rotations import Array
 
@@ -30,14 +29,10 @@ EFFORT_SHARE = 0.5
 ENOUGH_MARGIN = 0.35
 """More room to the joint limits than this is no better [rad]."""
 
-ELBOWS = np.radians(np.arange(-180.0, 180.0, 15.0))
-"""Angles of the elbow that are tried [rad]."""
-
 _LIFTS = np.array([0.36, 0.30, 0.24, 0.18])  # heights of T above the start, the best first [m]
 _DESCENT = np.linspace(0.0, 1.0, 6)
 _LARGEST_STEP = 1.0  # more change of a joint between points of the way is a jump [rad]
 _HOMESICK = 0.2  # room to the limits that a joint's being one radian nearer to home is worth
-_WRIST_BEND = 0.15  # |q6| stays above this, away from the singularity [rad]
 _FOLLOWED, _SOLVED = 24, 240  # solutions that are followed along the way together, and in all
 
 
@@ -48,8 +43,8 @@ class IkSolutions:
     Attributes:
         hand: index of the hand, shape (k,).
         elbow, branch: of the arm, shape (k,).
-        q: arm angles at the points of the way, shape (k, w, 7) [rad].
-        descent: the same from above down to the start, shape (k, d, 7) [rad].
+        q: arm angles at the points of the way, shape (k, w, joints) [rad].
+        descent: the same from above down to the start, shape (k, d, joints) [rad].
         lift: height of T above the start, shape (k,) [m].
         room: to the joint limits, shape (k,) [rad].
     """
@@ -86,7 +81,7 @@ class PushIkSearch:
 
     Args:
         mount: of the arm.
-        home: arm angles from which it comes, shape (7,) [rad].
+        home: arm angles from which it comes, shape (joints,) [rad].
         push: what is to be done.
         points: of T: the start, the touch, and on to the end of the stroke, shape (w, 3) [m].
         R_WD: frame of the push at each of them, shape (w, 3, 3).
@@ -125,15 +120,13 @@ class PushIkSearch:
     ) -> tuple[NDArray[np.intp], Array, NDArray[np.intp]]:
         """Hands, elbow angles and branches that reach both ends of the stroke, the best first."""
         n = len(hands)
-        hand, elbow = np.repeat(np.arange(n), len(ELBOWS)), np.tile(ELBOWS, n)
+        elbows = self._mount.arm.redundancy_samples
+        hand, elbow = np.repeat(np.arange(n), len(elbows)), np.tile(elbows, n)
         ends = [1, -1]
         q, valid = poses(self._mount, hands[hand], self._R_WD[ends], self._points[ends], elbow)
-        room = (arm.LIMITS - np.abs(q)).min(axis=(1, 3))
-        far = np.abs(q[:, 0] - self._home).max(axis=-1)
+        room = self._mount.arm.joint_room(q).min(axis=1)
         good = valid.all(axis=1) & (room > least)
-        score = np.where(good, np.minimum(room, ENOUGH_MARGIN) - _HOMESICK * far, -np.inf)
-        best = np.argsort(-score, axis=None, kind="stable")[:_SOLVED]
-        row, branch = np.unravel_index(best[score.ravel()[best] > -np.inf], score.shape)
+        row, branch = best_solutions(good, room, q[:, 0] - self._home, _HOMESICK, _SOLVED)
         return hand[row], elbow[row], branch
 
     def _followed(
@@ -153,7 +146,7 @@ class PushIkSearch:
         lifted = valid[:, w:] & near
         good = valid[:, :w].all(axis=1) & steady & lifted.any(axis=1)
         lift = lifts[lifted.argmax(axis=1)]
-        room = (arm.LIMITS - np.abs(q[:, :w])).min(axis=(1, 2))
+        room = self._mount.arm.joint_room(q[:, :w]).min(axis=1)
         solved = IkSolutions(hand, elbow, branch, q[:, :w], q[:, :0], lift, room)[good]
         return self._let_down(hands, solved)
 
@@ -168,60 +161,71 @@ class PushIkSearch:
 
     def _bears(self, solved: IkSolutions) -> NDArray[np.bool_]:
         """Which arms bear the force of the push all along the stroke, shape (k,)."""
-        R_WA, p_WA = self._mount.R_WA, self._mount.p_WA
-        p_AC = (self._points[1:] + TIP_RADIUS * self._R_WD[1:, :, 0] - p_WA) @ R_WA
+        arm, hand, R_WA = self._mount.arm, self._mount.hand, self._mount.R_WA
+        contact = self._points[1:] + hand.tip_radius * self._R_WD[1:, :, 0]
+        p_AC = (contact - self._mount.p_WA) @ R_WA
         along_push = np.array(self._push.direction_W)
         bears = np.ones(len(solved), dtype=bool)
-        for drag in (-LARGEST_SKEW, LARGEST_SKEW):
+        for drag in (-hand.force_skew, hand.force_skew):
             f_W = self._push.force_limit * (along_push + np.array([0.0, 0.0, drag]))
-            torques = arm.holding(solved.q[:, 1:], p_AC, f_W @ R_WA)
-            bears &= (np.abs(torques) < EFFORT_SHARE * arm.EFFORTS).all(axis=(1, 2))
+            torques = arm.torques(solved.q[:, 1:], p_AC, f_W @ R_WA)
+            bears &= (np.abs(torques) < EFFORT_SHARE * arm.efforts).all(axis=(1, 2))
         return bears
 
 
 def in_range(mount: Mount, hands: PostureSet, R_WD: Array, points: Array) -> NDArray[np.bool_]:
-    """Which hands are neither too far from the shoulder nor too near to it.
+    """Which hands bring the arm's wrist where the arm may get at all, shape (n,).
 
     Args:
         mount: of the arm.
         hands: n of them.
         R_WD: frame of the push at each point, shape (w, 3, 3).
         points: where T must get, shape (w, 3) [m].
-
-    Returns:
-        Shape (n,).
     """
-    p_WS = mount.p_WA + arm.SHOULDER * mount.R_WA[:, 2]
-    wrist = np.einsum("wij,nj->nwi", R_WD, hands.wrist) + points
-    distance = np.linalg.norm(wrist - p_WS, axis=-1)
-    nearest = arm.stretched(arm.LIMITS[3] - LIMIT_MARGIN)
-    inside = (distance > nearest) & (distance < arm.stretched(0.0))
-    return np.asarray(inside.all(axis=1))
+    wrist = np.einsum("wij,nj->nwi", R_WD, hands.palm + hands.R_DP @ mount.p_PW) + points
+    p_AW = (wrist - mount.p_WA) @ mount.R_WA
+    return np.asarray(mount.arm.is_in_range(p_AW, LIMIT_MARGIN).all(axis=1))
 
 
 def poses(
     mount: Mount, hands: PostureSet, R_WD: Array, points: Array, elbow: Array
-) -> tuple[Array, Array]:
-    """Arm angles of n hands and elbow angles with T at w points each.
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Arm angles of n hands and redundancy angles with T at w points each.
 
     Args:
         mount: of the arm.
         hands: n of them.
         R_WD: frame of the push at each point, shape (w, 3, 3).
         points: shape (w, 3), or (n, w, 3) [m].
-        elbow: shape (n,) [rad].
+        elbow: redundancy angles, shape (n,) [rad].
 
     Returns:
-        Angles, shape (n, w, 8, 7), and which of them are to be used, shape (n, w, 8).
+        Angles, shape (n, w, branches, joints), and which of them are to be used, shape
+        (n, w, branches).
     """
-    n, w = len(hands), len(R_WD)
     R_WP = R_WD @ hands.R_DP[:, None]
     p_WP = points + (R_WD @ hands.palm[:, None, :, None])[..., 0]
-    R_AF, p_AF = mount.flange(R_WP, p_WP)
-    q, valid = arm.inverse(R_AF.reshape(-1, 3, 3), p_AF.reshape(-1, 3), np.repeat(elbow, w))
-    room = (arm.LIMITS - np.abs(q)).min(axis=-1)
-    usable = valid & (room > LIMIT_MARGIN) & (np.abs(q[..., 5]) > _WRIST_BEND)
-    return q.reshape(n, w, 8, 7), usable.reshape(n, w, 8)
+    q, usable = mount.solve_palm(R_WP, p_WP, elbow)
+    return q, usable & (mount.arm.joint_room(q) > LIMIT_MARGIN)
+
+
+def best_solutions(
+    good: NDArray[np.bool_], room: Array, off: Array, homesick: float, most: int
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Rows and branches of the good solutions, those with most room and nearest to home first.
+
+    Args:
+        good: which of them are good, shape (n, branches).
+        room: to the joint limits, of the same shape [rad].
+        off: joint angles against home, shape (n, branches, joints) [rad].
+        homesick: room that a joint's being one radian nearer to home is worth.
+        most: number of solutions.
+    """
+    far = np.abs(off).max(axis=-1)
+    score = np.where(good, np.minimum(room, ENOUGH_MARGIN) - homesick * far, -np.inf)
+    best = np.argsort(-score, axis=None, kind="stable")[: min(most, int(good.sum()))]
+    row, branch = np.unravel_index(best, score.shape)
+    return row, branch
 
 
 def descent(start: Array, lift: Array) -> Array:

@@ -22,8 +22,6 @@ from numpy.typing import NDArray
 from planner.types.actions import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import WorldState
-from sim.arms.lwr import lwr_kinematics as arm
-from sim.collision import collision_spheres as spheres
 from sim.collision.collision_scene import (
     LEAST_CLEARANCE,
     OBJECT_CLEARANCE,
@@ -31,10 +29,16 @@ from sim.collision.collision_scene import (
     CollisionScene,
     Obstacle,
 )
-from sim.hands.four_finger.pushing_postures import PostureSet
-from sim.motion.arm_configuration import ArmConfiguration, Mount, UnreachableError
+from sim.hands.hand_model import PostureSet
+from sim.hands.mount import Mount
+from sim.motion.arm_configuration import ArmConfiguration, UnreachableError, unreachable
 from sim.motion.ik_search import ENOUGH_MARGIN, IkSolutions, PushIkSearch, descent, in_range
-from sim.motion.roadmap import LIMIT_MARGIN, along, free_path, sample_configurations
+from sim.motion.roadmap import (
+    LIMIT_MARGIN,
+    free_path,
+    interpolate_joints,
+    sample_configurations,
+)
 from sim.paths.fingertip_path import BACK, FingertipPath
 from sim.rotations import Array, rot_z
 
@@ -95,7 +99,7 @@ class PushMotionSearch:
 
     Args:
         mount: of the arm.
-        home: arm angles from which it comes, shape (7,) [rad].
+        home: arm angles from which it comes, shape (joints,) [rad].
         push: what is to be done.
         way: of the fingertips.
         state: what is believed.
@@ -138,7 +142,7 @@ class PushMotionSearch:
         self._arms.too_weak = False
         high = self._points[:, 2].min() + hands.lowest > TABLE_CLEARANCE
         if not high.any():
-            return _no("table", "the hand would hit the table")
+            return unreachable("table", "the hand would hit the table")
         hands = hands[high]
         best: _Found | None = None
         blocked: list[_Found] = []
@@ -170,18 +174,21 @@ class PushMotionSearch:
         """Why no stance was found."""
         if not asked and self._stopped:
             return _blocked(self._push, self._stopped)
-        hindered = [self._robot(f.stance, along(self._home, f.above)) for f in blocked[:1]]
+        hindered = [
+            self._robot_spheres(f.stance, interpolate_joints(self._home, f.above))
+            for f in blocked[:1]
+        ]
         hindered = hindered or self._hindered[:1]
         if hindered:
             name = self._scenery.hit_by(hindered[0])
             what = name or f"{self._push.object} or the table"
             message = f"the arm has no free way to the contact: it would hit the {what}"
-            return _no("obstacle" if name else "approach", message, name)
+            return unreachable("obstacle" if name else "approach", message, name)
         if self._arms.too_weak:
             force = self._push.force_limit
             message = f"the arm's joints do not bear {force:.0f} N there"
             return ReachAnswer(False, "torque", message, numbers={"force": force})
-        return _no("kinematics", "the arm does not reach along the whole way of the push")
+        return unreachable("kinematics", "the arm does not reach along the whole way of the push")
 
     # -- hands ----------------------------------------------------------------------------------
 
@@ -242,9 +249,9 @@ class PushMotionSearch:
         down = descent(self._points[0], solved.lift)
         R_WD = np.broadcast_to(self._R_WD[0], (down.shape[1], 3, 3))
         hand = hands[solved.hand].placed(R_WD, down)
-        whole = np.concatenate([hand, self._arm(solved.descent)], axis=-2)
+        whole = np.concatenate([hand, self._mount.arm_spheres(solved.descent)], axis=-2)
         free = np.asarray(self._scenery.is_free(whole).all(axis=1))
-        arms = self._arm(solved.q)
+        arms = self._mount.arm_spheres(solved.q)
         for k, pushed in enumerate(self._pushed):
             free &= self._scenery.is_free(arms[:, k], pushed)
         if not self._hindered:
@@ -256,11 +263,11 @@ class PushMotionSearch:
 
         def is_free(q: Array) -> NDArray[np.bool_]:
             # The hand comes back the same way, when the object is where it was pushed.
-            robot = self._robot(found.stance, q)
+            robot = self._robot_spheres(found.stance, q)
             back = self._scenery.is_free(robot, self._pushed[-1])
             return np.asarray(self._scenery.is_free(robot) & back)
 
-        return free_path(self._home, found.above, places, is_free)
+        return free_path(self._mount.arm, self._home, found.above, places, is_free)
 
     def _comes_off(self, found: _Found) -> bool:
         """Whether the hand also gets off a face that it has turned, and back to the start."""
@@ -275,7 +282,7 @@ class PushMotionSearch:
             q = [found.stance.joints(p, t) for p, t in zip(points, turns.tolist(), strict=True)]
         except UnreachableError:
             return False
-        robot = self._robot(found.stance, np.array(q))
+        robot = self._robot_spheres(found.stance, np.array(q))
         # Its fingertips still touch at the first of them.
         clear = self._pushed[-1].is_clear(robot[1:], _FACE_CLEARANCE)
         others = [each.is_clear(robot[1:]) for each in self._scenery.others]
@@ -284,7 +291,7 @@ class PushMotionSearch:
     def _places(self, found: _Found) -> Array:
         """Arm poses over which a way may lead: swung up halfway, and high over the table."""
         middle, nudge = 0.5 * (self._home + found.above), 1e-4
-        _, p_WP = self._mount.palm(np.vstack([middle, middle + nudge * np.eye(7)]))
+        _, p_WP = self._mount.palm(np.vstack([middle, middle + nudge * np.eye(len(middle))]))
         uphill = (p_WP[1:, 2] - p_WP[0, 2]) / nudge
         swings = middle + np.outer(_RAISED, uphill / np.linalg.norm(uphill))
         start = self._points[0, :2]
@@ -293,26 +300,18 @@ class PushMotionSearch:
         p_WP = np.array(over) - stance.R_WP @ stance.posture.midpoint
         R_WP = np.broadcast_to(stance.R_WP, (len(over), 3, 3))
         elbow = np.full(len(over), stance.elbow)
-        q, valid = arm.inverse(*self._mount.flange(R_WP, p_WP), elbow, [stance.branch])
+        q, valid = self._mount.arm.inverse(*self._mount.flange(R_WP, p_WP), elbow, [stance.branch])
         return np.vstack([swings, q[valid]])
 
-    def _robot(self, stance: ArmConfiguration, q: Array) -> Array:
+    def _robot_spheres(self, stance: ArmConfiguration, q: Array) -> Array:
         """Spheres of hand and arm in W, shape (n, k, 4)."""
-        R_WP, p_WP = self._mount.palm(q)
-        hand = spheres.placed(spheres.whole_hand(stance.posture), R_WP, p_WP)
-        return np.concatenate([hand, self._arm(q)], axis=-2)
-
-    def _arm(self, q: Array) -> Array:
-        """Spheres of the arm in W, shape (..., k, 4)."""
-        return spheres.placed(spheres.arm_spheres(q), self._mount.R_WA, self._mount.p_WA)
-
-
-def _no(reason: str, message: str, blocker: str | None = None) -> ReachAnswer:
-    return ReachAnswer(ok=False, reason=reason, message=message, blocker=blocker)
+        return self._mount.robot_spheres(self._mount.hand.whole_spheres(stance.posture), q)
 
 
 def _blocked(push: Push, stopped: set[str]) -> ReachAnswer:
     others = sorted(stopped - {push.object})
     if others:
-        return _no("obstacle", f"the hand would hit the {others[0]}", others[0])
-    return _no("object", f"the hand would hit the {push.object} with more than its fingertips")
+        return unreachable("obstacle", f"the hand would hit the {others[0]}", others[0])
+    return unreachable(
+        "object", f"the hand would hit the {push.object} with more than its fingertips"
+    )

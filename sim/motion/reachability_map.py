@@ -14,12 +14,12 @@ import functools
 
 import numpy as np
 
-from sim.arms.lwr import lwr_kinematics as arm
+from sim.arms.arm_kinematics import ArmKinematics
 from sim.cell.cell_description import RobotMount
 from sim.collision.collision_scene import TABLE_CLEARANCE
-from sim.hands.four_finger.pushing_postures import hands
-from sim.motion.arm_configuration import Mount
-from sim.motion.ik_search import ELBOWS, in_range, poses
+from sim.hands.hand_model import Hand
+from sim.hands.mount import Mount
+from sim.motion.ik_search import in_range, poses
 from sim.rotations import Array, rot_z
 
 CELL = 0.04
@@ -57,26 +57,27 @@ class ReachabilityMap:
         if cell not in self._kept:
             middle = CELL * (np.array([i, j, k]) + 0.5)
             R_WD = rot_z(turn * 2.0 * np.pi / TURNS)
-            self._kept[cell] = self._looked_at(fingers, spread, middle, R_WD)
+            self._kept[cell] = self._best_room(fingers, spread, middle, R_WD)
         return self._kept[cell]
 
-    def _looked_at(self, fingers: int, spread: float, point: Array, R_WD: Array) -> float:
-        every = hands(fingers, spread)
+    def _best_room(self, fingers: int, spread: float, point: Array, R_WD: Array) -> float:
+        arm = self._mount.arm
+        every = self._mount.hand.pushing_postures(fingers, spread)
         near = in_range(self._mount, every, R_WD[None], point[None])
         near &= point[2] + every.lowest > TABLE_CLEARANCE
         if not near.any():
             return 0.0
         some = np.flatnonzero(near)
         some = some[np.linspace(0, len(some) - 1, min(_SAMPLED, len(some))).astype(int)]
-        elbows = ELBOWS[::2]
+        elbows = arm.redundancy_samples[::2]
         sampled = every[np.repeat(some, len(elbows))]
         angles = np.tile(elbows, len(some))
         q, usable = poses(self._mount, sampled, R_WD[None], point[None], angles)
-        room = np.where(usable, (arm.LIMITS - np.abs(q)).min(axis=-1), 0.0)
+        room = np.where(usable, arm.joint_room(q), 0.0)
         return float(room.max())
 
 
 @functools.lru_cache(maxsize=16)
-def reachability_map(robot: RobotMount) -> ReachabilityMap:
-    """The map of a robot; always the same one."""
-    return ReachabilityMap(Mount.of(robot))
+def reachability_map(robot: RobotMount, arm: ArmKinematics, hand: Hand) -> ReachabilityMap:
+    """The map of an arm with a hand that is mounted somewhere; always the same one."""
+    return ReachabilityMap(Mount.of(robot, arm, hand))

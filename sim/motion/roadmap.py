@@ -14,11 +14,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.arms.lwr import lwr_kinematics as arm
+from sim.arms.arm_kinematics import ArmKinematics
 from sim.rotations import Array
 
 IsFree = Callable[[Array], NDArray[np.bool_]]
-"""Which arm poses, shape (n, 7), keep clear of everything."""
+"""Which arm poses, shape (n, joints), keep clear of everything."""
 
 LIMIT_MARGIN = 0.08
 """Least room to the joint limits on any way [rad]."""
@@ -31,21 +31,21 @@ _BEYOND = 1.0  # how far places are drawn beyond start and goal [rad]
 
 
 def free_path(
-    start: Array, goal: Array, places: Array, is_free: IsFree
+    arm: ArmKinematics, start: Array, goal: Array, places: Array, is_free: IsFree
 ) -> tuple[Array, ...] | None:
     """Arm poses between start and goal, joined by straight lines that are free.
 
     Args:
-        start: arm angles, shape (7,) [rad].
+        arm: that moves.
+        start: its angles, shape (joints,) [rad].
         goal: the same at its end.
-        places: that the way may take, shape (n, 7) [rad].
+        places: that the way may take where the joints have room, shape (n, joints) [rad].
         is_free: what is in the way.
 
     Returns:
         None if no way was found.
     """
-    inside = (np.abs(places) <= arm.LIMITS - LIMIT_MARGIN).all(axis=1)
-    nodes = np.vstack([start, goal, places[inside]])
+    nodes = np.vstack([start, goal, places[arm.joint_room(places) >= LIMIT_MARGIN]])
     free = is_free(nodes)
     if not free[:2].all():
         return None
@@ -53,12 +53,12 @@ def free_path(
 
 
 def sample_configurations(start: Array, goal: Array) -> Array:
-    """Places about start and goal, always the same, shape (n, 7) [rad]."""
+    """Places about start and goal, always the same, shape (n, joints) [rad]."""
     low, high = np.minimum(start, goal) - _BEYOND, np.maximum(start, goal) + _BEYOND
-    return np.random.default_rng(0).uniform(low, high, (_DRAWN, 7))
+    return np.random.default_rng(0).uniform(low, high, (_DRAWN, len(start)))
 
 
-def along(start: Array, goal: Array) -> Array:
+def interpolate_joints(start: Array, goal: Array) -> Array:
     """Arm poses on the straight line in joint space, close enough to be looked at one by one."""
     n = int(np.ceil(np.abs(goal - start).max() / _STEP)) + 1
     return np.asarray(start + np.linspace(0.0, 1.0, n)[:, None] * (goal - start))
@@ -84,7 +84,7 @@ def _shortest_free(nodes: Array, is_free: IsFree) -> tuple[Array, ...] | None:
 
 def _is_free_road(start: Array, goal: Array, is_free: IsFree) -> bool:
     """Whether all poses of a straight road are free; a few tell most that are not."""
-    poses = along(start, goal)
+    poses = interpolate_joints(start, goal)
     return all(bool(is_free(some).all()) for some in (poses[::_COARSE], poses))
 
 

@@ -4,8 +4,7 @@ The way: home, over obstacles where needed, a point above the start, down to 3 c
 to the face, the stroke; and back the same way, which is known to be free. How a stance of arm and
 hand is found for it stands in `sim.motion.push_motion_search`.
 
-Only hands push whose finger joints bear the force of the push
-(`sim.hands.four_finger.pushing_postures`).
+Only hands push whose finger joints bear the force of the push.
 
 Frames: see `sim.motion.arm_configuration`. Objects are where and what the robot believes, never
 what is true.
@@ -19,25 +18,34 @@ from planner.types.actions import FlipOver, Push
 from planner.types.plan import Plan
 from planner.types.robot import Grip, ReachAnswer
 from planner.types.world_state import WorldState
+from sim.arms.arm_kinematics import ArmKinematics
 from sim.cell.cell_description import CellDescription
-from sim.collision import collision_spheres as spheres
 from sim.collision.collision_scene import TABLE_CLEARANCE
-from sim.hands.four_finger.grasp_postures import NARROWEST, WIDEST, grasp_posture, pinch
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
-from sim.hands.four_finger.pushing_postures import LARGEST_SKEW, hands, strongest
-from sim.motion.arm_configuration import ArmConfiguration, Mount
+from sim.hands.hand_model import Hand
+from sim.hands.mount import Mount
+from sim.motion.arm_configuration import ArmConfiguration
 from sim.motion.flip_motion_search import FlipConfiguration, FlipMotionSearch
 from sim.motion.grasp_motion_search import GraspMotion, best_grasp_motion
 from sim.motion.push_motion_search import THOROUGH, USUAL, Effort, PushMotionSearch
 from sim.motion.reachability_map import reachability_map
 from sim.paths.fingertip_path import FingertipPath
 
-FINGER_SPREADS = (0.04, 0.032, 0.024)
-"""Distances between the fingertips of a two-finger push, the largest first [m]."""
+_LOWEST_TIP = 0.015  # height of a pushing fingertip over the table [m]
+
+
+def lowest_contact(hand: Hand) -> float:
+    """Least height above the table at which a hand may push [m]."""
+    return hand.tip_radius + _LOWEST_TIP
 
 
 class ArmHandReach:
-    """The reach of the robot of a cell.
+    """The reach of an arm and a hand in a cell.
+
+    Args:
+        cell: where the arm is mounted.
+        arm: its kinematics.
+        hand: on its flange.
+        effort: that a search makes.
 
     Attributes:
         fingertip_radius: [m].
@@ -49,19 +57,20 @@ class ArmHandReach:
         lowest_level: height above the table of the middle of a grasp from beside [m].
     """
 
-    fingertip_radius = TIP_RADIUS
-    finger_spreads: tuple[float, ...] = FINGER_SPREADS
-    force_skew = LARGEST_SKEW
-    lowest_height = TIP_RADIUS + 0.015
-    narrowest, widest = NARROWEST, WIDEST
-    lowest_level = spheres.ARM_RADIUS + TABLE_CLEARANCE
-
-    def __init__(self, cell: CellDescription, effort: Effort = USUAL) -> None:
+    def __init__(
+        self, cell: CellDescription, arm: ArmKinematics, hand: Hand, effort: Effort = USUAL
+    ) -> None:
         self._cell, self._effort = cell, effort
-        self.mount = Mount.of(cell.robot)
+        self.mount = Mount.of(cell.robot, arm, hand)
         self.home = np.radians(cell.robot.home_deg)
-        self.max_force = strongest(1, 0.0)
-        self._map = reachability_map(cell.robot)
+        self.fingertip_radius = hand.tip_radius
+        self.finger_spreads = hand.finger_spreads
+        self.max_force = float(hand.pushing_postures(1, 0.0).strength.max())
+        self.force_skew = hand.force_skew
+        self.lowest_height = lowest_contact(hand)
+        self.narrowest, self.widest = hand.grasp_widths
+        self.lowest_level = arm.link_radius + TABLE_CLEARANCE
+        self._map = reachability_map(cell.robot, arm, hand)
 
     def __call__(self, push: Push, state: WorldState) -> ReachAnswer:
         """Whether the whole way of a push is reachable and free."""
@@ -73,23 +82,27 @@ class ArmHandReach:
 
         For the order in which pushes are asked for; a push without room may still be possible.
         """
-        way = FingertipPath.of(push, state.objects[push.object])
+        way = self.fingertip_path(push, state)
         heading = float(np.arctan2(way.inward[1], way.inward[0]))
         ends = (way.touch, way.end)
         return min(self._map.room(push.fingers, push.spread, end, heading) for end in ends)
 
+    def fingertip_path(self, push: Push, state: WorldState) -> FingertipPath:
+        """Path of the fingertips of a push."""
+        return FingertipPath.of(push, state.objects[push.object], self.fingertip_radius)
+
     def thorough(self) -> ArmHandReach:
         """The same, which looks at more hands and lets them pass nearer."""
-        return ArmHandReach(self._cell, THOROUGH)
+        return ArmHandReach(self._cell, self.mount.arm, self.mount.hand, THOROUGH)
 
     def grip(self, width: float) -> Grip | None:
         """How the hand closes about a width [m]; None if it does not."""
-        found = grasp_posture(width)
+        found = self.mount.hand.grasp_posture(width)
         return None if found is None else found.grip
 
     def pinch(self, width: float) -> Grip | None:
         """How it closes about a knob or a cap of that width [m]; None if it does not."""
-        found = pinch(width)
+        found = self.mount.hand.grasp_posture(width, pinch=True)
         return None if found is None else found.grip
 
     def handles(self, plan: Plan, state: WorldState) -> ReachAnswer:
@@ -127,15 +140,19 @@ class ArmHandReach:
         """
         if plan.grasp is None:
             return ReachAnswer(False, "kinematics", "nothing is held")
-        closes = grasp_posture if plan.grasp.part == "body" else pinch
-        grip = closes(plan.grasp.width)
+        hand, grasp = self.mount.hand, plan.grasp
+        grip = hand.grasp_posture(grasp.width, pinch=grasp.part != "body")
         if grip is None:
             least, most = 1e3 * self.narrowest, 1e3 * self.widest
             return ReachAnswer(
                 False,
                 "width",
                 f"the hand holds what is {least:.0f} to {most:.0f} mm wide",
-                numbers={"width": plan.grasp.width, "narrowest": NARROWEST, "widest": WIDEST},
+                numbers={
+                    "width": plan.grasp.width,
+                    "narrowest": self.narrowest,
+                    "widest": self.widest,
+                },
             )
         if plan.grasp.squeeze > grip.grip.strongest:
             return ReachAnswer(
@@ -162,9 +179,9 @@ class ArmHandReach:
             return ReachAnswer(
                 False, "table", f"the finger would touch the table {height:.0f} mm up"
             )
-        way = FingertipPath.of(push, state.objects[push.object])
+        way = self.fingertip_path(push, state)
         search = PushMotionSearch(self.mount, self.home, push, way, state, self._effort, spare)
-        every = hands(push.fingers, push.spread, fine=self._effort.fine)
+        every = self.mount.hand.pushing_postures(push.fingers, push.spread, fine=self._effort.fine)
         strong = every.strength * push.fingers >= push.force_limit
         found = search.best(every[strong])
         if strong.all() or not isinstance(found, ReachAnswer):

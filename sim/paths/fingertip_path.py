@@ -4,8 +4,8 @@ Model: a push that turns an object goes along an arc, since a fingertip that sti
 and keeps its direction relative to it makes the object turn about a point at rest; see
 `objectmodels.mechanics.turning_push`. All other pushes go straight.
 
-Frames: W is the world, T the midpoint of the pushing fingertips' centres, D as in
-`sim.motion.arm_configuration`.
+Frames: W is the world, T the midpoint of the pushing fingertips' centres. D is the frame of a
+push: x into the touched face, z up.
 """
 
 from __future__ import annotations
@@ -16,7 +16,6 @@ import numpy as np
 
 from planner.types.actions import Push
 from planner.types.world_state import SeenObject
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.rotations import Array, rot_z
 
 STANDOFF = 0.03
@@ -48,20 +47,25 @@ class FingertipPath:
     turn: float = 0.0
 
     @classmethod
-    def of(cls, push: Push, target: SeenObject) -> FingertipPath:
+    def of(cls, push: Push, target: SeenObject, tip_radius: float) -> FingertipPath:
         """The way of a push on an object that is seen somewhere.
 
         A push that turns the object goes along the arc on which the stroke is used up when it has
         turned; the real one is shorter.
+
+        Args:
+            push: that is made.
+            target: the pushed object.
+            tip_radius: of the fingertips [m].
         """
         outward = np.array(push.normal_W)
         contact = target.pose.R_WB @ np.array(push.p_BC) + target.pose.p_WB
-        touch = contact + TIP_RADIUS * outward
+        touch = contact + tip_radius * outward
         along = push.stroke * np.array(push.direction_W)
         if push.ends_on == "turned":
             half = 0.5 * push.turn
             chord = np.sinc(half / np.pi) * rot_z(half) @ along
-            end = contact + chord + TIP_RADIUS * rot_z(push.turn) @ outward
+            end = contact + chord + tip_radius * rot_z(push.turn) @ outward
             return cls(-outward, touch + STANDOFF * outward, touch, end, turn=push.turn)
         inward = -(rot_z(push.turn) @ outward if push.ends_on == "stroke" else outward)
         return cls(inward, touch - STANDOFF * inward, touch, touch + along)

@@ -20,8 +20,7 @@ from objectmodels.containers.lid_geometry import GRIP, TAB_WIDTH, THICKNESS
 from objectmodels.models.object_parts import FlipLid
 from planner.types.actions import FlipOver
 from planner.types.world_state import SeenObject
-from sim.collision import collision_spheres as spheres
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
+from sim.collision.collision_spheres import distance_to_box, place_spheres
 from sim.rotations import Array, rot_y, rot_z
 
 STANDOFF = 0.045
@@ -42,6 +41,7 @@ class LidShape:
         tab: how far the tab stands out [m].
         height: of the hinge above the table [m].
         start, end: angles of the lid at the ends of the way [rad].
+        tip_radius: of the fingertip [m].
     """
 
     length: float
@@ -50,6 +50,7 @@ class LidShape:
     height: float
     start: float
     end: float
+    tip_radius: float
 
     @property
     def opens(self) -> bool:
@@ -68,7 +69,7 @@ class LidShape:
             angles: shape (n,) [rad].
             off: distance from the lid [m].
         """
-        across = -(TIP_RADIUS + off) if self.opens else TIP_RADIUS + THICKNESS + off
+        across = -(self.tip_radius + off) if self.opens else self.tip_radius + THICKNESS + off
         c, s = np.cos(angles), np.sin(angles)
         x, z = self.lever * c - across * s, self.lever * s + across * c
         return np.stack([x, np.zeros_like(x), z], axis=-1)
@@ -82,7 +83,7 @@ class LidShape:
     def angle(self, tip: Array) -> float:
         """Angle of a lid that touches a fingertip at a point in E [rad]."""
         x, _, z = tip
-        across = -TIP_RADIUS if self.opens else TIP_RADIUS + THICKNESS
+        across = -self.tip_radius if self.opens else self.tip_radius + THICKNESS
         beyond = float(np.arcsin(np.clip(across / max(float(np.hypot(x, z)), 1e-9), -1.0, 1.0)))
         return float(np.arctan2(z, x)) - beyond
 
@@ -94,14 +95,14 @@ class LidShape:
             angle: of the lid, shape (...) [rad].
         """
         # A lid opens about −y.
-        in_L = spheres.placed(robot, rot_y(angle), np.zeros(3))
-        plate = spheres.distance_to_box(
+        in_L = place_spheres(robot, rot_y(angle), np.zeros(3))
+        plate = distance_to_box(
             in_L,
             np.array([0.0, -self.half_width, 0.0]),
             np.array([self.length, self.half_width, THICKNESS]),
         )
         half = TAB_WIDTH / 2.0
-        tab = spheres.distance_to_box(
+        tab = distance_to_box(
             in_L,
             np.array([0.0, -half, 0.0]),
             np.array([self.length + self.tab, half, THICKNESS]),
@@ -146,8 +147,8 @@ class LidPath:
         )
 
 
-def lid_shape(step: FlipOver, target: SeenObject) -> LidShape:
-    """The lid of an object that is seen."""
+def lid_shape(step: FlipOver, target: SeenObject, tip_radius: float) -> LidShape:
+    """The lid of an object that is seen, for a fingertip of a radius [m]."""
     lid, hinge = _lid(target)
     rim = lids.rim(target.model)
     across = np.array([-hinge.out[1], hinge.out[0]])
@@ -158,6 +159,7 @@ def lid_shape(step: FlipOver, target: SeenObject) -> LidShape:
         height=target.model.top,
         start=_rounded(step.start),
         end=_rounded(step.end),
+        tip_radius=tip_radius,
     )
 
 

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.rotations import Array
 
 
@@ -25,16 +24,18 @@ class TiltArc:
         origin: p_WT at the touch, the object upright, shape (3,) [m].
         u: horizontal unit direction of the push in W, shape (3,).
         length: from the touched face to the far edge [m].
+        tip_radius: of the fingertip [m].
     """
 
     origin: Array
     u: Array
     length: float
+    tip_radius: float
 
     @property
     def back(self) -> float:
         """How far T is behind the edge at the touch [m]."""
-        return self.length + TIP_RADIUS
+        return self.length + self.tip_radius
 
     @property
     def radius(self) -> float:

@@ -13,8 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS, finger_jacobian, finger_points
-from sim.motion.arm_configuration import Mount
+from sim.hands.mount import Mount
 from sim.rotations import Array
 from sim.worlds.drake.drake_world import DrakeWorld
 
@@ -50,14 +49,14 @@ def feel(
         inward_W: unit normal into the touched face in W, shape (3,), or of each finger, (k, 3).
         torques: of the fingers' joints, their sensors' zero taken off, shape (k, 3) [N·m].
     """
+    hand = mount.hand
     R_WP, p_WP = mount.palm(world.arm_angles())
     tips, forces = [], []
     inwards = np.broadcast_to(inward_W, (len(fingers), 3))
     for finger, inward, tau in zip(fingers, inwards, torques, strict=True):
         angles = world.finger_angles(finger)
-        p_PT = finger_points(finger, angles)[3]
-        J = finger_jacobian(finger, angles, p_PT + TIP_RADIUS * R_WP.T @ inward)
-        f_P = np.linalg.solve(J.T, tau)
+        p_PT = hand.tip_centre(finger, angles)
+        f_P = hand.tip_force(finger, angles, p_PT + hand.tip_radius * R_WP.T @ inward, tau)
         tips.append(R_WP @ p_PT + p_WP)
         forces.append(R_WP @ f_P)
     return Touch(np.array(tips), np.array(forces))

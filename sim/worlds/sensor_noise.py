@@ -10,14 +10,13 @@ are; a larger noise smooths them away.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from sim.cell.cell_description import JointSensor, TorqueSensor
-from sim.hands.four_finger.hand_kinematics import FINGERS
 from sim.random_streams import Stream, source
 from sim.rotations import Array
-
-_MEASURED = 3  # joints of a finger that have a torque sensor
 
 
 class TorqueReadings:
@@ -25,29 +24,38 @@ class TorqueReadings:
 
     Args:
         sensor: how good they are.
+        joints: number of joints with a sensor, per finger.
         period: of a control step [s].
         seed: of the world.
         gain_error: relative error of their scale.
     """
 
     def __init__(
-        self, sensor: TorqueSensor, period: float, seed: int, *, gain_error: float = 0.0
+        self,
+        sensor: TorqueSensor,
+        joints: Mapping[str, int],
+        period: float,
+        seed: int,
+        *,
+        gain_error: float = 0.0,
     ) -> None:
         self._sensor, self._gain = sensor, 1.0 + gain_error
         self._samples = max(1, round(sensor.rate_hz * period))
         self._noise = source(seed, Stream.TORQUE_NOISE)
-        bias = source(seed, Stream.TORQUE_BIAS).standard_normal((len(FINGERS), _MEASURED))
-        self._bias = dict(zip(FINGERS, sensor.bias_nm * bias, strict=True))
-        self._rounded = _Rounding(np.full(_MEASURED, sensor.resolution_nm))
+        bias = source(seed, Stream.TORQUE_BIAS)
+        self._bias = {
+            finger: sensor.bias_nm * bias.standard_normal(count) for finger, count in joints.items()
+        }
+        self._rounded = _Rounding(np.array(sensor.resolution_nm))
 
     def read(self, finger: str, torques: Array) -> Array:
-        """Mean of the samples of a control step, shape (3,) [N·m].
+        """Mean of the samples of a control step, shape (n,) [N·m].
 
         Args:
             finger: whose joints.
-            torques: the true ones, shape (3,) [N·m].
+            torques: the true ones, shape (n,) [N·m].
         """
-        noise = self._noise.standard_normal((self._samples, _MEASURED))
+        noise = self._noise.standard_normal((self._samples, len(torques)))
         true = self._gain * torques + self._bias[finger]
         samples = self._rounded(true + self._sensor.noise_nm * noise)
         return np.asarray(samples.sum(axis=0) / self._samples)

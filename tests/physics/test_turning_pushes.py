@@ -14,6 +14,7 @@ from planner.types.plan import Plan
 from sim import ArmHandReach, DrakeWorld, Trace, execute, load_scene
 from sim.execution.push_execution import JOINT_SPEED, Trip, silent
 from sim.rotations import Array, rot_z
+from sim.standard_robot import ARM, HAND
 from sim.truth.scene_file import Scene
 from tests.plans import changed_push, push_plan
 
@@ -150,7 +151,7 @@ def test_a_hand_that_cannot_go_straight_off_the_face_goes_by_the_joints() -> Non
     plan = _plan("ice tea box", alone, 2, -0.5)
     models = {"ice tea box": Registry.default().get("ice tea box")}
     world = DrakeWorld(alone)
-    trip = Trip(plan.push, world, models, ArmHandReach(alone.cell), silent)
+    trip = Trip(plan.push, world, models, ArmHandReach(alone.cell, ARM, HAND), silent)
     stance, way = trip.stance(trip.look())
     trip.approach(stance, way)
     start = world.commanded[0]

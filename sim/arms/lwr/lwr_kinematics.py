@@ -5,15 +5,19 @@ flange pose leaves one freedom: the elbow's angle about the line from shoulder t
 elbow angle there are eight solutions (the signs of joints 2, 4 and 6).
 
 Frames: A is the arm's base, z along joint 1; F the flange. The figures are those of
-`robots/lwr_arm.urdf`; a test holds the two together.
+`lwr_arm.urdf`; a test holds the two together.
 """
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib import resources
+from importlib.resources.abc import Traversable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sim.rotations import Array, cross, rot_x, rot_y, rot_z
 
@@ -29,10 +33,13 @@ LIMITS = np.radians([170.0, 120.0, 170.0, 120.0, 170.0, 120.0, 170.0])
 EFFORTS = np.array([176.0, 176.0, 100.0, 100.0, 100.0, 38.0, 38.0])
 """Largest torque of each joint [N·m]."""
 
-JOINT_NAMES = tuple(f"arm_joint_{i}" for i in range(1, 8))
+LINK_RADIUS = 0.065
+"""Radius of the links, a little more than that of their capsules [m]."""
 
 # Below these |q2| and |q6| the axes of joints 1 and 3, or 5 and 7, nearly coincide [rad].
 _SHOULDER_SINGULARITY, _WRIST_SINGULARITY = 0.01, 0.05
+_WRIST_BEND = 0.15  # |q6| stays above this where the arm is to move on [rad]
+_ELBOW_STEP = 15.0  # between elbow angles worth trying [degrees]
 
 
 def _elbow_turn(angle: Array) -> Array:
@@ -53,53 +60,161 @@ _JOINT_TURNS: tuple[Callable[[Array], Array], ...] = (
 )
 
 
-def forward(q: Array) -> tuple[Array, Array, Array]:
-    """Flange pose and the joints' positions.
-
-    Args:
-        q: joint angles, shape (..., 7) [rad].
-
-    Returns:
-        R_AF shape (..., 3, 3), p_AF shape (..., 3) [m], and the origins of the seven joint
-        frames in A, shape (..., 7, 3) [m].
-    """
-    R = np.broadcast_to(np.eye(3), (*q.shape[:-1], 3, 3))
-    p = np.zeros((*q.shape[:-1], 3))
-    origins = []
-    for joint, (turn, offset) in enumerate(zip(_JOINT_TURNS, JOINT_OFFSETS, strict=True)):
-        p = p + R[..., :, 2] * offset
-        origins.append(p)
-        R = R @ turn(q[..., joint])
-    return R, p, np.stack(origins, axis=-2)
+BRANCHES = tuple(itertools.product((1.0, -1.0), repeat=3))
+"""Signs of joints 4, 2 and 6 of the eight solutions."""
 
 
-def holding(q: Array, p_AC: Array, f_A: Array) -> Array:
-    """Torques with which the joints exert a force at a point, Jᵀf.
+@dataclass(frozen=True)
+class LwrKinematics:
+    """The seven-joint arm; see `sim.arms.arm_kinematics.ArmKinematics`."""
 
-    Args:
-        q: joint angles, shape (..., 7) [rad].
-        p_AC: the point in A, shape (..., 3) [m].
-        f_A: the force on what is touched, in A, shape (..., 3) [N].
+    joint_names = tuple(f"arm_joint_{i}" for i in range(1, 8))
+    efforts = EFFORTS
+    branches = len(BRANCHES)
+    redundancy_samples = np.radians(np.arange(-180.0, 180.0, _ELBOW_STEP))
+    p_FW = np.array([0.0, 0.0, -FLANGE])
+    link_radius = LINK_RADIUS
+    base_link, flange_link = "arm_base", "arm_link_7"
 
-    Returns:
-        Shape (..., 7) [N·m].
-    """
-    R = np.broadcast_to(np.eye(3), (*q.shape[:-1], 3, 3))
-    p = np.zeros((*q.shape[:-1], 3))
-    torques = []
-    for joint, (turn, offset) in enumerate(zip(_JOINT_TURNS, JOINT_OFFSETS, strict=True)):
-        p = p + R[..., :, 2] * offset
-        torques.append(np.sum(R @ _AXES[joint] * cross(p_AC - p, f_A), axis=-1))
-        R = R @ turn(q[..., joint])
-    return np.stack(torques, axis=-1)
+    @property
+    def model_file(self) -> Traversable:
+        """URDF model of the arm."""
+        return resources.files("sim") / "arms" / "lwr" / "lwr_arm.urdf"
+
+    def forward(self, q: Array) -> tuple[Array, Array]:
+        """Flange pose R_AF, shape (..., 3, 3), and p_AF, shape (..., 3) [m]."""
+        R_AF, p_AF, _ = self.joint_origins(q)
+        return R_AF, p_AF
+
+    def joint_origins(self, q: Array) -> tuple[Array, Array, Array]:
+        """Flange pose and the joints' positions.
+
+        Args:
+            q: joint angles, shape (..., 7) [rad].
+
+        Returns:
+            R_AF shape (..., 3, 3), p_AF shape (..., 3) [m], and the origins of the seven joint
+            frames in A, shape (..., 7, 3) [m].
+        """
+        R = np.broadcast_to(np.eye(3), (*q.shape[:-1], 3, 3))
+        p = np.zeros((*q.shape[:-1], 3))
+        origins = []
+        for joint, (turn, offset) in enumerate(zip(_JOINT_TURNS, JOINT_OFFSETS, strict=True)):
+            p = p + R[..., :, 2] * offset
+            origins.append(p)
+            R = R @ turn(q[..., joint])
+        return R, p, np.stack(origins, axis=-2)
+
+    def torques(self, q: Array, p_AC: Array, f_A: Array) -> Array:
+        """Torques with which the joints exert a force at a point, Jᵀf.
+
+        Args:
+            q: joint angles, shape (..., 7) [rad].
+            p_AC: the point in A, shape (..., 3) [m].
+            f_A: the force on what is touched, in A, shape (..., 3) [N].
+
+        Returns:
+            Shape (..., 7) [N·m].
+        """
+        R = np.broadcast_to(np.eye(3), (*q.shape[:-1], 3, 3))
+        p = np.zeros((*q.shape[:-1], 3))
+        torques = []
+        for joint, (turn, offset) in enumerate(zip(_JOINT_TURNS, JOINT_OFFSETS, strict=True)):
+            p = p + R[..., :, 2] * offset
+            torques.append(np.sum(R @ _AXES[joint] * cross(p_AC - p, f_A), axis=-1))
+            R = R @ turn(q[..., joint])
+        return np.stack(torques, axis=-1)
+
+    def inverse(
+        self,
+        R_AF: Array,
+        p_AF: Array,
+        redundancy: Array,
+        branches: Sequence[int] | None = None,
+    ) -> tuple[Array, NDArray[np.bool_]]:
+        """All joint angles that bring the flange to a pose with a given elbow angle.
+
+        Args:
+            R_AF: flange orientations, shape (n, 3, 3).
+            p_AF: flange positions, shape (n, 3) [m].
+            redundancy: angle of the elbow about the line from shoulder to wrist, shape (n,) [rad].
+            branches: which of the solutions, k of them; all eight if not given.
+
+        Returns:
+            Joint angles, shape (n, k, 7) [rad], and which of them reach the pose within the joint
+            limits and away from the singularities, shape (n, k).
+        """
+        p_SW = p_AF - FLANGE * R_AF[:, :, 2] - np.array([0.0, 0.0, SHOULDER])
+        squared = np.sum(p_SW * p_SW, axis=1)
+        cos_q4 = (squared - UPPER_ARM**2 - FOREARM**2) / (2.0 * UPPER_ARM * FOREARM)
+        reachable = np.abs(cos_q4) < 1.0 - 1e-4
+        bend = np.arccos(np.clip(cos_q4, -1.0, 1.0))
+        R_arm = _frames_along(*p_SW.T) @ rot_x(redundancy)
+
+        signs = BRANCHES if branches is None else [BRANCHES[k] for k in branches]
+        q = np.empty((len(p_AF), len(signs), 7))
+        for sign_4 in {sign for sign, _, _ in signs}:
+            q4 = sign_4 * bend
+            # The line from shoulder to wrist, seen from joint 3 at zero angles of joints 1 to 3.
+            line = -FOREARM * np.sin(q4), np.zeros_like(q4), UPPER_ARM + FOREARM * np.cos(q4)
+            R_03 = R_arm @ np.swapaxes(_frames_along(*line), -1, -2)
+            R_47 = np.swapaxes(R_03 @ rot_y(-q4), -1, -2) @ R_AF
+            shoulder, wrist = _zyz_angles(R_03), _zyz_angles(R_47)
+            for column, (sign, sign_2, sign_6) in enumerate(signs):
+                if sign == sign_4:
+                    q[:, column, :3] = shoulder[0 if sign_2 > 0.0 else 1]
+                    q[:, column, 3] = q4
+                    q[:, column, 4:] = wrist[0 if sign_6 > 0.0 else 1]
+        valid = (
+            reachable[:, None]
+            & (np.abs(q) < LIMITS).all(axis=-1)
+            & (np.abs(q[..., 1]) > _SHOULDER_SINGULARITY)
+            & (np.abs(q[..., 5]) > _WRIST_SINGULARITY)
+        )
+        return q, valid
+
+    def joint_room(self, q: Array) -> Array:
+        """Least distance of any joint from its limits, shape (...) [rad]."""
+        return np.asarray((LIMITS - np.abs(q)).min(axis=-1))
+
+    def is_regular(self, q: Array) -> NDArray[np.bool_]:
+        """Joint angles (..., 7) with the wrist bent enough to move on, shape (...)."""
+        return np.asarray(np.abs(q[..., 5]) > _WRIST_BEND)
+
+    def is_in_range(self, p_AW: Array, margin: float) -> NDArray[np.bool_]:
+        """Wrist centres (..., 3) [m] within the reach of the elbow, shape (...).
+
+        Args:
+            p_AW: in A.
+            margin: room that joint 4 is to keep to its limits [rad].
+        """
+        distance = np.linalg.norm(p_AW - np.array([0.0, 0.0, SHOULDER]), axis=-1)
+        nearest = shoulder_to_wrist(LIMITS[3] - margin)
+        return np.asarray((distance > nearest) & (distance < shoulder_to_wrist(0.0)))
+
+    def spheres(self, q: Array) -> Array:
+        """Spheres from the elbow to the wrist in A, shape (..., n, 4).
+
+        The links above the shoulder stay within the mount's reach and far from the table.
+
+        Args:
+            q: joint angles, shape (..., 7) [rad].
+        """
+        _, _, joints = self.joint_origins(q)
+        shoulder, elbow, wrist = joints[..., 1, :], joints[..., 3, :], joints[..., 5, :]
+        t = np.linspace(0.0, 1.0, 8)[:, None]
+        upper = shoulder[..., None, :] + (elbow - shoulder)[..., None, :] * t[4:]
+        lower = elbow[..., None, :] + (wrist - elbow)[..., None, :] * t[1:]
+        centres = np.concatenate([upper, lower], axis=-2)
+        return np.concatenate([centres, np.full((*centres.shape[:-1], 1), LINK_RADIUS)], axis=-1)
 
 
-def stretched(q4: float) -> float:
+def shoulder_to_wrist(q4: float) -> float:
     """Distance between shoulder and wrist at an angle of joint 4 [m]."""
     return float(np.sqrt(UPPER_ARM**2 + FOREARM**2 + 2.0 * UPPER_ARM * FOREARM * np.cos(q4)))
 
 
-def _pointing(x: Array, y: Array, z: Array) -> Array:
+def _frames_along(x: Array, y: Array, z: Array) -> Array:
     """Frames with their first axis along (x, y, z), shapes (n,), and their second upwards."""
     level = np.hypot(x, y)
     length = np.maximum(np.hypot(level, z), 1e-9)
@@ -112,55 +227,7 @@ def _pointing(x: Array, y: Array, z: Array) -> Array:
     return R
 
 
-BRANCHES = tuple(itertools.product((1.0, -1.0), repeat=3))
-"""Signs of joints 4, 2 and 6 of the eight solutions."""
-
-
-def inverse(
-    R_AF: Array, p_AF: Array, elbow: Array, branches: Sequence[int] = tuple(range(8))
-) -> tuple[Array, Array]:
-    """All joint angles that bring the flange to a pose with a given elbow angle.
-
-    Args:
-        R_AF: flange orientations, shape (n, 3, 3).
-        p_AF: flange positions, shape (n, 3) [m].
-        elbow: angle of the elbow about the line from shoulder to wrist, shape (n,) [rad].
-        branches: which of the solutions, k of them; all eight if not given.
-
-    Returns:
-        Joint angles, shape (n, k, 7) [rad], and which of them reach the pose within the joint
-        limits and away from the singularities, shape (n, k).
-    """
-    p_SW = p_AF - FLANGE * R_AF[:, :, 2] - np.array([0.0, 0.0, SHOULDER])
-    squared = np.sum(p_SW * p_SW, axis=1)
-    cos_q4 = (squared - UPPER_ARM**2 - FOREARM**2) / (2.0 * UPPER_ARM * FOREARM)
-    reachable = np.abs(cos_q4) < 1.0 - 1e-4
-    bend = np.arccos(np.clip(cos_q4, -1.0, 1.0))
-    R_arm = _pointing(*p_SW.T) @ rot_x(elbow)
-
-    q = np.empty((len(p_AF), len(branches), 7))
-    for sign_4 in {BRANCHES[k][0] for k in branches}:
-        q4 = sign_4 * bend
-        # The same line from shoulder to wrist, seen from joint 3 at zero angles of joints 1 to 3.
-        line = -FOREARM * np.sin(q4), np.zeros_like(q4), UPPER_ARM + FOREARM * np.cos(q4)
-        R_03 = R_arm @ np.swapaxes(_pointing(*line), -1, -2)
-        R_47 = np.swapaxes(R_03 @ rot_y(-q4), -1, -2) @ R_AF
-        shoulder, wrist = _zyz(R_03), _zyz(R_47)
-        for column, (sign, sign_2, sign_6) in enumerate(BRANCHES[k] for k in branches):
-            if sign == sign_4:
-                q[:, column, :3] = shoulder[0 if sign_2 > 0.0 else 1]
-                q[:, column, 3] = q4
-                q[:, column, 4:] = wrist[0 if sign_6 > 0.0 else 1]
-    valid = (
-        reachable[:, None]
-        & (np.abs(q) < LIMITS).all(axis=-1)
-        & (np.abs(q[..., 1]) > _SHOULDER_SINGULARITY)
-        & (np.abs(q[..., 5]) > _WRIST_SINGULARITY)
-    )
-    return q, valid
-
-
-def _zyz(R: Array) -> tuple[Array, Array]:
+def _zyz_angles(R: Array) -> tuple[Array, Array]:
     """Angles of R = rot_z(a) rot_y(b) rot_z(c), once with b ≥ 0 and once with b ≤ 0."""
     b = np.arccos(np.clip(R[:, 2, 2], -1.0, 1.0))
     a = np.arctan2(R[:, 1, 2], R[:, 0, 2])

@@ -32,7 +32,6 @@ from sim.execution.push_execution import (
     look_around,
     move_joints,
 )
-from sim.hands.four_finger.hand_kinematics import RESTING
 from sim.motion.arm_configuration import UnreachableError
 from sim.motion.flip_motion_search import FlipConfiguration
 from sim.motion.robot_reach import ArmHandReach
@@ -93,7 +92,7 @@ class FlipControl:
         self._view = LidView(target, step.start)
         self._period = recorder.world.period
         self._angle = step.start
-        self._at = (stance.hands.way.points[0], 0.0)
+        self._at = (stance.hands.path.points[0], 0.0)
         self._felt = 0.0
 
     @property
@@ -111,7 +110,7 @@ class FlipControl:
         self._recorder.inward = self._into(self._step.start)
         self._zero()
         start = np.array([self._step.start])
-        self._go(self._stance.hands.way.points[1], 0.0, 2.0 * TOUCH_SPEED)
+        self._go(self._stance.hands.path.points[1], 0.0, 2.0 * TOUCH_SPEED)
         self._go(self._lid.tips(start)[0], 0.0, TOUCH_SPEED)
         return self._along()
 
@@ -119,7 +118,7 @@ class FlipControl:
         """Off the lid and to where the flip began: straight if it is done, else as it came."""
         self._recorder.phase = "retreat"
         self._recorder.force_limit = 0.0
-        way = self._stance.hands.way
+        way = self._stance.hands.path
         if done:
             for point, share in zip(way.points[-3:], way.shares[-3:], strict=True):
                 self._go(point, float(share), HAND_SPEED)
@@ -264,7 +263,11 @@ class FlipTrip:
         self._straight(self._start, self._above)
         for q in reversed(self._came):
             last = q is self._came[0]
-            move_joints(recorder, q, RESTING.joints if last else recorder.world.commanded[1])
+            move_joints(
+                recorder,
+                q,
+                recorder.mount.hand.resting.joints if last else recorder.world.commanded[1],
+            )
         tell("settle", recorder.world.time, "letting everything come to rest")
         recorder.phase = "settle"
         for _ in range(round(SETTLE / recorder.world.period)):
@@ -272,7 +275,7 @@ class FlipTrip:
 
     @property
     def _start(self) -> Array:
-        return np.asarray(self._stance.hands.way.points[0])
+        return np.asarray(self._stance.hands.path.points[0])
 
     @property
     def _above(self) -> Array:

@@ -15,8 +15,6 @@ import numpy as np
 from sim.control.grasping.held_object_sensing import HandSense, Holding
 from sim.control.pushing.guarded_touch import PAUSE, EarlyEndError
 from sim.execution.push_execution import move_joints
-from sim.hands.four_finger.grasp_postures import HOLDING
-from sim.hands.four_finger.hand_kinematics import RESTING
 from sim.paths.held_object_path import HeldSegment
 from sim.paths.point_attractor import attractor_points
 from sim.rotations import Array
@@ -72,7 +70,7 @@ class HandMotion:
 
     def feel_nothing(self) -> None:
         """What the torque sensors read while the open hand hangs still is their zero."""
-        self._recorder.fingers = HOLDING
+        self._recorder.fingers = self._way.mount.hand.grasp_fingers
         torques = []
         for k in range(round(PAUSE / self._world.period)):
             self.stay()
@@ -200,7 +198,7 @@ class HandMotion:
         """Free motion home, where the hand closes."""
         *rest, home = poses
         self.transit(tuple(rest), self._world.commanded[1])
-        self.transit((home,), RESTING.joints)
+        self.transit((home,), self._way.mount.hand.resting.joints)
 
     def stay(self) -> None:
         """Hangs still for one control step."""

@@ -17,13 +17,11 @@ import numpy as np
 
 from planner.types.world_state import Held, WorldState
 from sim.control.pushing.guarded_touch import EarlyEndError
-from sim.hands.four_finger.grasp_postures import HOLDING, inward
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS, finger_points
 from sim.rotations import Array
 
 if TYPE_CHECKING:
     from sim.control.trace_recorder import Recorder
-    from sim.motion.arm_configuration import Mount
+    from sim.hands.mount import Mount
     from sim.perception.camera_port import Frame, SeenPose
 
 FELT = 0.04
@@ -97,7 +95,8 @@ class HandSense:
         self._recorder = recorder
         self._mount = mount
         self._name = name
-        self.holding: tuple[str, ...] = HOLDING
+        self._hand = mount.hand
+        self.holding: tuple[str, ...] = self._hand.grasp_fingers
         self._p_BG = p_BG
         self._period = recorder.world.period
         self._past: deque[tuple[float, Array, Array]] = deque()
@@ -114,11 +113,13 @@ class HandSense:
 
     def step(self, q_arm: Array, q_hand: Array) -> None:
         """Commands joint angles, and takes in what is felt and seen then."""
-        recorder = self._recorder
+        recorder, hand = self._recorder, self._hand
         R_WP = self._mount.palm(recorder.world.arm_angles())[0]
-        recorder.inward = np.array([R_WP @ inward(finger) for finger in HOLDING])
+        recorder.inward = np.array(
+            [R_WP @ hand.closing_direction(finger) for finger in hand.grasp_fingers]
+        )
         recorder.step(q_arm, q_hand)
-        if recorder.touch is not None and recorder.fingers == HOLDING:
+        if recorder.touch is not None and recorder.fingers == hand.grasp_fingers:
             presses = np.sum(recorder.touch.forces * recorder.inward, axis=1)
             share = min(1.0, self._period / FELT)
             self.thumb += share * (float(presses[0]) - self.thumb)
@@ -147,8 +148,8 @@ class HandSense:
     def width(self) -> float:
         """Between thumb and fingers, as the joints' angles tell [m]."""
         world = self._recorder.world
-        tips = [finger_points(f, world.finger_angles(f))[3, 0] for f in self.holding]
-        return float(tips[0] - np.mean(tips[1:]) - 2.0 * TIP_RADIUS)
+        tips = [self._hand.tip_centre(f, world.finger_angles(f))[0] for f in self.holding]
+        return float(tips[0] - np.mean(tips[1:]) - 2.0 * self._hand.tip_radius)
 
     # -- the camera -----------------------------------------------------------------------------
 

@@ -14,7 +14,6 @@ from sim.control.grasping.held_object_sensing import HandSense
 from sim.control.grasping.lidview import LidView
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.trace_recorder import Recorder
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.motion.grasp_motion_search import GraspMotion
 from sim.paths.held_object import HeldObject
 from sim.rotations import Array
@@ -68,7 +67,7 @@ class LidSense(HandSense):
         R_WP, p_WP = self._mount.palm(q_arm)
         arms = touch.tips - (p_WP + R_WP @ self._lid_way.grip.middle)
         # A fingertip touches something round on the line to its middle.
-        arms *= 1.0 - TIP_RADIUS / np.linalg.norm(arms, axis=1, keepdims=True)
+        arms *= 1.0 - self._hand.tip_radius / np.linalg.norm(arms, axis=1, keepdims=True)
         turning = arms[:, 0] * touch.forces[:, 1] - arms[:, 1] * touch.forces[:, 0]
         share = min(1.0, self._period / _TURNING)
         self.torque += share * (float(turning.sum()) - self.torque)

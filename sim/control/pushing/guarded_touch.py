@@ -92,6 +92,7 @@ class TouchControl:
         self._touch_force = min(TOUCH_FORCE, 0.5 * onset)
         self._period = recorder.world.period
         self._u = np.array(push.direction_W)
+        self._tip_radius = stance.mount.hand.tip_radius
         self._forces = np.zeros(push.fingers)
         self._tilt = 0.0
         self._share = min(1.0, self._period / _FILTER)

@@ -26,7 +26,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.perception.camera_port import SeenPose
 from sim.rotations import Array, wrap, yaw_of
 
@@ -55,6 +54,7 @@ class Pushed:
     Attributes:
         depth: distance d from the touched face to the object's middle, along the normal [m].
         friction_radius: c̄ [m].
+        tip_radius: r of the fingertip [m].
         facing: heading of the touched face's inward normal in B [rad].
         curvature: κ of the face [1/m].
         centre: offset g of the centre of friction from the middle, to the left of the push [m].
@@ -62,6 +62,7 @@ class Pushed:
 
     depth: float
     friction_radius: float
+    tip_radius: float
     facing: float = 0.0
     curvature: float = 0.0
     centre: float = 0.0
@@ -84,7 +85,7 @@ class Pushed:
     @property
     def rolling(self) -> float:
         """ρ = 1 / (1 + κ r): turn of the normal at the contact per turn of the object."""
-        return 1.0 / (1.0 + self.curvature * TIP_RADIUS)
+        return 1.0 / (1.0 + self.curvature * self.tip_radius)
 
     def turning(self, ahead: float, aside: float) -> Array:
         """Turn of the object by (θ, s, g, 1) when the tip goes so far in D, m being 1; (4,)."""
@@ -97,7 +98,7 @@ class Pushed:
         normal = heading - self.curvature * contact
         c, s = np.cos(normal), np.sin(normal)
         R = np.array([[c, -s], [s, c]])
-        ahead, aside = self.depth + TIP_RADIUS, -self.flatness * contact
+        ahead, aside = self.depth + self.tip_radius, -self.flatness * contact
         by_normal = R @ np.array([-aside, ahead])
         by_contact = -self.curvature * by_normal - self.flatness * R[:, 1]
         return R @ np.array([ahead, aside]), np.column_stack([by_normal, by_contact])
@@ -183,7 +184,7 @@ class LineKeeper:
         *others, mobility = now.belief
         turning = self._pushed.turning(*step)
         turned = float(turning @ [*others, 1.0])
-        rolled = np.array([1.0, self._pushed.rolling * TIP_RADIUS, 0.0, 0.0])
+        rolled = np.array([1.0, self._pushed.rolling * self._pushed.tip_radius, 0.0, 0.0])
         F = np.eye(4) + np.outer(rolled, [*mobility * turning[:3], turned])
         drift = np.square(_DRIFT) * np.linalg.norm(step) / 0.01
         self._P = F @ self._P @ F.T + np.diag(drift)
@@ -213,7 +214,7 @@ class LineKeeper:
         step = max(remaining, _SHORTEST) / _STEPS
         turning = mobility * pushed.turning(step, step)
         # One step of (y, θ, s, g) and what the slope adds to it.
-        change = np.array([pushed.depth, 1.0, pushed.rolling * TIP_RADIUS, 0.0])
+        change = np.array([pushed.depth, 1.0, pushed.rolling * pushed.tip_radius, 0.0])
         A = np.eye(4)
         A[:, 1:] += np.outer(change, turning[:3])
         B = turning[3] * change + np.array([step, 0.0, 0.0, 0.0])

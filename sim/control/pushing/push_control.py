@@ -139,6 +139,7 @@ class PushControl(PlannedControl):
         return LineKeeper(
             Pushed(
                 depth=float(-into @ push.p_BC[:2]),
+                tip_radius=self._tip_radius,
                 friction_radius=model.friction_radius + _STIFFER * model.friction_radius_sd,
                 facing=facing,
                 curvature=face.curvature,

@@ -41,7 +41,7 @@ class TiltControl(PlannedControl):
     def __init__(self, errand: Errand) -> None:
         super().__init__(errand)
         self._length = length_along(self._target.model, self._target.pose.R_WB.T @ self._u)
-        self._arc = TiltArc(self.way.touch, self._u, self._length)
+        self._arc = TiltArc(self.way.touch, self._u, self._length, self._tip_radius)
         self._view = TiltView(self._camera[1])
         self._angle = 0.0  # of the arc, as commanded
         self._most = 0.0  # the largest tilt
@@ -50,7 +50,7 @@ class TiltControl(PlannedControl):
     def act(self) -> tuple[EndReason, str]:
         """Tilts, holds and lets back; returns how that ended and why."""
         push = self.plan.push
-        self._arc = TiltArc(self._here.midpoint, self._u, self._length)
+        self._arc = TiltArc(self._here.midpoint, self._u, self._length, self._tip_radius)
         self._angle = float(self._arc.tilts(self.commanded[None])[0])
         for angle in np.linspace(0.0, push.tilt, _STEPS):
             self.stance.joints(self._arc.at(angle))

@@ -16,7 +16,6 @@ from objectmodels.mechanics.turning_push import turning
 from sim.control.pushing.force_control import Errand, PlannedControl
 from sim.control.pushing.push_guards import MOVED, Guards
 from sim.control.pushing.turn_estimator import TurnedObject, TurnKeeper
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.rotations import Array, rot_z
 from sim.traces.trace import EndReason
 
@@ -106,7 +105,7 @@ class TurnControl(PlannedControl):
             inward=inward,
             middle=pose.p_WB[:2] - centre,
             direction=self._direction[:2],
-            radius=TIP_RADIUS,
+            radius=self._tip_radius,
             rate=self._rate(),
         )
         return TurnKeeper(

@@ -1,1 +1,1 @@
-"""Postures and kinematics of the four-finger hand."""
+"""The four-finger hand: its joints, figures and postures, which nothing outside knows."""

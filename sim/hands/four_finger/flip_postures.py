@@ -12,20 +12,16 @@ from __future__ import annotations
 
 import functools
 import itertools
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.collision import collision_spheres as spheres
 from sim.collision.collision_scene import TABLE_CLEARANCE
-from sim.hands.four_finger.hand_kinematics import (
-    TIP_RADIUS,
-    Posture,
-    finger_posture,
-    force_noise_gain,
-    max_tip_force,
-)
+from sim.collision.collision_spheres import distance_to_cylinder, place_spheres
+from sim.hands.four_finger.hand_kinematics import TIP_RADIUS, force_noise_gain, max_tip_force
+from sim.hands.four_finger.hand_spheres import hand_spheres, whole_spheres
+from sim.hands.four_finger.resting_posture import finger_posture
+from sim.hands.hand_model import FlipPostureSet, Posture
 from sim.paths.lid_arc_path import LidPath, LidShape
 from sim.rotations import Array, rot_y, rot_z
 
@@ -45,60 +41,31 @@ _COARSEST_FEELING = 40.0  # 1 / lever with which the sensors feel the push [1/m]
 _BEARS = 3.0  # force that the finger bears, more than any lid needs [N]
 
 
-@dataclass(frozen=True, eq=False)
-class FlipPostureSet:
-    """Hands that flip a lid, n of them, those that feel best first.
-
-    Attributes:
-        way: of the fingertip.
-        postures: of each.
-        R_EP: orientation of the palm along the way, shape (n, w, 3, 3).
-        tips: centre of the fingertip in P, shape (n, 3) [m].
-    """
-
-    way: LidPath
-    postures: tuple[Posture, ...]
-    R_EP: Array
-    tips: Array
-
-    def __len__(self) -> int:
-        return len(self.postures)
-
-    def some(self, chosen: NDArray[np.intp]) -> FlipPostureSet:
-        """A few of them."""
-        postures = tuple(self.postures[k] for k in chosen.tolist())
-        return FlipPostureSet(self.way, postures, self.R_EP[chosen], self.tips[chosen])
-
-    @functools.cached_property
-    def robot(self) -> Array:
-        """Spheres of the hand in E along the way, the fingertip last, shape (n, w, k, 4)."""
-        each = [spheres.whole_hand(posture) for posture in self.postures]
-        most = max(map(len, each), default=1)
-        filled = [np.vstack([np.tile(s[:1], (most - len(s), 1)), s]) for s in each]
-        about = np.reshape(filled, (len(self), 1, most, 4))
-        about = about - np.pad(self.tips, ((0, 0), (0, 1)))[:, None, None]
-        return spheres.placed(
-            about, self.R_EP, np.broadcast_to(self.way.points, self.R_EP.shape[:3])
-        )
-
-
 @functools.lru_cache(maxsize=16)
-def flip_postures(lid: LidShape) -> FlipPostureSet:
-    """All hands that flip a lid."""
+def flip_postures(lid: LidShape, wrist: float) -> FlipPostureSet:
+    """All postures that flip a lid.
+
+    Args:
+        lid: that is flipped.
+        wrist: distance from the arm's wrist to its flange [m].
+    """
     way = LidPath.of(lid)
     R_EP = _orientations(lid, way)
-    postures, orientations, tips, coarse = [], [], [], []
+    postures, spheres, orientations, tips, coarse = [], [], [], [], []
     for finger, flexion in itertools.product(("index", "middle", "ring"), _FLEXIONS):
         posture = finger_posture(finger, flexion)
-        good, felt = _feels(posture, lid, way, R_EP)
-        good[good] = _clear(posture, lid, way, R_EP[good])
+        good, felt = _felt_pushes(posture, lid, way, R_EP)
+        good[good] = _is_clear(hand_spheres(posture, wrist), posture.tips[0], lid, way, R_EP[good])
         postures += [posture] * int(good.sum())
+        spheres += [whole_spheres(posture, wrist)] * int(good.sum())
         orientations.append(R_EP[good])
         tips.append(np.tile(posture.tips[0], (int(good.sum()), 1)))
         coarse.append(felt[good])
     order = np.argsort(np.concatenate(coarse), kind="stable")
-    every = FlipPostureSet(way, tuple(postures), np.concatenate(orientations), np.concatenate(tips))
-    return every.some(order)
+    every = FlipPostureSet(
+        way, tuple(postures), tuple(spheres), np.concatenate(orientations), np.concatenate(tips)
+    )
+    return every[order]
 
 
 def _orientations(lid: LidShape, way: LidPath) -> Array:
@@ -113,7 +80,7 @@ def _orientations(lid: LidShape, way: LidPath) -> Array:
     return np.asarray(rot_y(with_lid) @ first[:, None])
 
 
-def _feels(
+def _felt_pushes(
     posture: Posture, lid: LidShape, way: LidPath, R_EP: Array
 ) -> tuple[NDArray[np.bool_], Array]:
     """Which orientations feel and bear the push all along the arc, and how coarsely; (n,) each."""
@@ -126,16 +93,18 @@ def _feels(
     return np.asarray((coarse < _COARSEST_FEELING) & (bears > _BEARS)), coarse
 
 
-def _clear(posture: Posture, lid: LidShape, way: LidPath, R_EP: Array) -> NDArray[np.bool_]:
+def _is_clear(
+    spheres: Array, tip: Array, lid: LidShape, way: LidPath, R_EP: Array
+) -> NDArray[np.bool_]:
     """Which orientations keep all but the fingertip off table, object and lid, shape (n,)."""
-    about = spheres.hand_spheres(posture) - np.append(posture.tips[0], 0.0)
+    about = spheres - np.append(tip, 0.0)
     left = np.arange(len(R_EP))
     for w, (point, angle) in enumerate(zip(way.points, way.angles, strict=True)):
-        robot = spheres.placed(about, R_EP[left, w], point)
+        robot = place_spheres(about, R_EP[left, w], point)
         x, y, z, r = np.moveaxis(robot, -1, 0)
         on_table = z + lid.height - r < TABLE_CLEARANCE
         upright = np.stack([x - lid.length / 2.0, y, z + lid.height, r], axis=-1)
-        body = spheres.distance_to_cylinder(upright, lid.half_width, lid.height)
+        body = distance_to_cylinder(upright, lid.half_width, lid.height)
         plate = lid.distance(robot, np.full(len(left), angle))
         left = left[~(on_table | (np.minimum(body, plate) < _CLEARANCE)).any(axis=1)]
     clear = np.zeros(len(R_EP), dtype=bool)

@@ -17,9 +17,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from planner.types.robot import Grip
-from sim.collision import collision_spheres as spheres
 from sim.hands.four_finger.hand_kinematics import (
-    CURLED,
     EFFORT,
     EFFORT_SHARE,
     FINGER_LIMITS,
@@ -27,15 +25,16 @@ from sim.hands.four_finger.hand_kinematics import (
     JOINT_STIFFNESS,
     STOP_ROOM,
     TIP_RADIUS,
-    Angles,
-    Posture,
     angles_reaching,
     finger_jacobian,
     finger_points,
 )
+from sim.hands.four_finger.hand_spheres import hand_spheres
+from sim.hands.four_finger.resting_posture import CURLED, touching_posture
+from sim.hands.hand_model import Angles, Posture
 from sim.rotations import Array
 
-HOLDING = ("thumb", "index", "middle", "ring")
+HOLDING: tuple[str, ...] = ("thumb", "index", "middle", "ring")
 """The fingers that hold, in the order of `Grip.contacts`."""
 
 SHARES = np.array([1.0, 1 / 3, 1 / 3, 1 / 3])
@@ -62,7 +61,7 @@ _UNKNOWN = Grip(np.zeros((4, 2)), SHARES, 0.0, (0.0, 0.0))
 
 
 @dataclass(frozen=True, eq=False)
-class GraspPosture:
+class FourFingerGrasp:
     """A grip of this hand.
 
     Attributes:
@@ -93,7 +92,7 @@ class GraspPosture:
     def touching(self, finger: str) -> Array:
         """Where a finger touches, in P, shape (3,) [m]."""
         tip = finger_points(finger, self.posture().angles[finger])[3]
-        return np.asarray(tip + TIP_RADIUS * inward(finger))
+        return np.asarray(tip + TIP_RADIUS * closing_direction(finger))
 
     @functools.cached_property
     def pressing(self) -> Array:
@@ -122,50 +121,51 @@ class GraspPosture:
     def _torques(self, finger: str, along: float, beside: float) -> Array:
         """Torques per squeeze with a tangential load beside it, shape (3,) [m]."""
         load = self.shares[HOLDING.index(finger)] * (
-            inward(finger) + np.array([0.0, beside, along])
+            closing_direction(finger) + np.array([0.0, beside, along])
         )
         return np.asarray(self._jacobians[finger].T @ load)
 
     @functools.cached_property
-    def strongest(self) -> float:
+    def largest_squeeze(self) -> float:
         """Largest squeeze, with a tangential load as large beside it [N]."""
         each = [self._torques(f, *load) for f, load in itertools.product(FINGERS, _LOADS)]
         return float(EFFORT_SHARE * EFFORT / np.abs(each).max())
 
 
-def inward(finger: str) -> Array:
+def closing_direction(finger: str) -> Array:
     """Direction in which a finger presses, in P, shape (3,)."""
     return np.array([-1.0 if finger == "thumb" else 1.0, 0.0, 0.0])
 
 
-def grasp_posture(width: float) -> GraspPosture | None:
-    """How the hand closes about a width [m]; None if it does not."""
+def grasp_posture(width: float, *, pinch: bool = False, wrist: float) -> FourFingerGrasp | None:
+    """How the hand closes about a width; None if it does not.
+
+    Args:
+        width: of an object, or of a knob or cap that thumb and middle finger pinch [m].
+        pinch: it is such a knob.
+        wrist: distance from the arm's wrist to its flange [m].
+    """
     if not NARROWEST <= width <= WIDEST:
         return None
-    return _best(round(width, 4))
-
-
-def pinch(width: float) -> GraspPosture | None:
-    """How thumb and middle finger close about a knob of a width [m]; None if they do not."""
-    if not NARROWEST <= width <= WIDEST:
-        return None
-    return _best(round(width, 4), pinches=True)
+    return _best(round(width, 4), pinch, wrist)
 
 
 @functools.lru_cache(maxsize=256)
-def _best(width: float, *, pinches: bool = False) -> GraspPosture | None:
-    shares = PINCH if pinches else SHARES
+def _best(width: float, pinch: bool, wrist: float) -> FourFingerGrasp | None:
+    shares = PINCH if pinch else SHARES
     found = [_at(width, x, z, shares) for x, z in itertools.product(_ACROSS, _ALONG)]
-    worth = _pinch_worth if pinches else _worth
+    worth = _pinch_worth if pinch else _worth
     best = max((each for each in found if each is not None), key=worth, default=None)
-    return None if best is None else replace(best, grip=_as_known(best))
+    return None if best is None else replace(best, grip=_grip(best, wrist))
 
 
-def _worth(grip: GraspPosture) -> float:
-    return float(grip.strongest + _DEPTH_WORTH * grip.middle[2] + _OPENING_WORTH * grip.opening)
+def _worth(grip: FourFingerGrasp) -> float:
+    return float(
+        grip.largest_squeeze + _DEPTH_WORTH * grip.middle[2] + _OPENING_WORTH * grip.opening
+    )
 
 
-def _pinch_worth(grip: GraspPosture) -> float:
+def _pinch_worth(grip: FourFingerGrasp) -> float:
     """A knob stands on something that the fingers must not touch."""
     hanging = [
         finger_points(finger, grip.posture(opening).angles[finger])[:, 2].max() - grip.middle[2]
@@ -179,7 +179,7 @@ def _holding(shares: Array) -> tuple[str, ...]:
     return tuple(finger for finger, share in zip(HOLDING, shares, strict=True) if share > 0.0)
 
 
-def _at(width: float, x: float, z: float, shares: Array) -> GraspPosture | None:
+def _at(width: float, x: float, z: float, shares: Array) -> FourFingerGrasp | None:
     """The grip about a width in one place; None if the fingers do not get there."""
     holding = _holding(shares)
     closed = _angles(width, x, z, holding)
@@ -190,19 +190,19 @@ def _at(width: float, x: float, z: float, shares: Array) -> GraspPosture | None:
     opening = next((o for o in openings if _angles(width + 2.0 * o, x, z, holding)), None)
     if opening is None:
         return None
-    return GraspPosture(width, np.array([x, 0.0, z]), float(opening), _UNKNOWN, shares)
+    return FourFingerGrasp(width, np.array([x, 0.0, z]), float(opening), _UNKNOWN, shares)
 
 
-def _as_known(found: GraspPosture) -> Grip:
-    """What the planner knows of it."""
+def _grip(found: FourFingerGrasp, wrist: float) -> Grip:
+    """What the planner knows of a grasp."""
     x, _, z = found.middle
     contacts = np.array([found.touching(finger)[[2, 1]] - [z, 0.0] for finger in found.holding])
     # Open or closed, whatever needs more.
-    around = np.vstack([spheres.hand_spheres(found.posture(o)) for o in (0.0, found.opening)])
+    around = np.vstack([hand_spheres(found.posture(o), wrist) for o in (0.0, found.opening)])
     low, high = (around[:, 0] - around[:, 3]).min(), (around[:, 0] + around[:, 3]).max()
     room = (float(x - found.width / 2.0 - low), float(high - x - found.width / 2.0))
     ahead = float((around[:, 2] + around[:, 3]).max() - z)
-    return Grip(contacts, found.shares[found.shares > 0.0], found.strongest, room, ahead)
+    return Grip(contacts, found.shares[found.shares > 0.0], found.largest_squeeze, room, ahead)
 
 
 @functools.lru_cache(maxsize=4096)
@@ -212,7 +212,7 @@ def _angles(width: float, x: float, z: float, holding: tuple[str, ...]) -> dict[
     low, high = FINGER_LIMITS.T
     for finger in holding:
         bent = angles_reaching(
-            finger, np.array([x, 0.0, z]) - (width / 2.0 + TIP_RADIUS) * inward(finger)
+            finger, np.array([x, 0.0, z]) - (width / 2.0 + TIP_RADIUS) * closing_direction(finger)
         )
         if bent is None or not ((bent > low + STOP_ROOM) & (bent < high - STOP_ROOM))[1:].all():
             return None
@@ -226,8 +226,8 @@ def _posture(name: str, width: float, x: float, z: float, holding: tuple[str, ..
     angles = dict.fromkeys(FINGERS, CURLED)
     for finger in holding:
         bent = angles_reaching(
-            finger, np.array([x, 0.0, z]) - (width / 2.0 + TIP_RADIUS) * inward(finger)
+            finger, np.array([x, 0.0, z]) - (width / 2.0 + TIP_RADIUS) * closing_direction(finger)
         )
         assert bent is not None, "a grip is about a width that the fingers reach"
         angles[finger] = bent
-    return Posture(name, angles, holding)
+    return touching_posture(name, angles, holding)

@@ -1,10 +1,10 @@
-"""Kinematics of the four-finger hand, and the postures in which it pushes.
+"""Kinematics and statics of the fingers of the four-finger hand.
 
 Frames: P is the palm (z along the straight fingers, x the palm's normal, towards which fingers
-flex). The figures are those of `robots/four_finger_hand.urdf`; a test holds the two together.
+flex). The figures are those of `four_finger_hand.urdf`; a test holds the two together.
 
-A posture gives each finger three angles: abduction, proximal and middle flexion; the distal joint
-follows the middle one. Fingers that do not push are curled out of the way.
+A finger has three independent angles: abduction, proximal and middle flexion; the distal joint
+follows the middle one.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
+from sim.hands.hand_model import Angles
 from sim.rotations import Array, axis_rotation, cross, rot_x, rot_y
 
 LINKS = (0.0678, 0.030, 0.0295)
@@ -38,18 +38,12 @@ STOP_ROOM = 0.02
 FINGER_LIMITS = np.radians([[-20.0, 20.0], [-40.0, 85.0], [0.0, 100.0]])
 """Stops of abduction, proximal and middle joint, shape (3, 2) [rad]."""
 
-FLANGE_TO_PALM = 0.03
-"""Distance from the flange to the palm's origin, along z [m]; the palm is turned by π about it."""
-
-R_FP = np.diag([-1.0, -1.0, 1.0])
-"""Orientation of the palm in the flange frame."""
-
-FINGERS = ("index", "middle", "ring", "thumb")
+FINGERS: tuple[str, ...] = ("index", "middle", "ring", "thumb")
 FINGER_JOINTS = ("abduction", "proximal", "middle", "distal")
 JOINT_NAMES = tuple(f"{finger}_{joint}" for finger in FINGERS for joint in FINGER_JOINTS[:3])
 
 _THUMB_LEAN = np.radians(27.0)
-_BASES: Mapping[str, Array] = {
+BASES: Mapping[str, Array] = {
     "index": np.array([0.0, 0.0268, 0.114]),
     "middle": np.array([0.0, 0.0, 0.119]),
     "ring": np.array([0.0, -0.0268, 0.114]),
@@ -59,12 +53,7 @@ _BASE_R = dict.fromkeys(FINGERS, np.eye(3)) | {
     "thumb": rot_y(_THUMB_LEAN) @ axis_rotation([0.0, 0.0, 1.0], np.pi)
 }
 
-_CLOSED = 1.2  # flexion of the middle joint from which a finger counts as closed [rad]
 _STOP = 0.005  # distance from a stop at which a joint counts as being there [rad]
-
-Angles = tuple[float, float, float]
-CURLED: Angles = (0.0, 1.40, 1.60)
-THUMB_AWAY: Angles = (0.0, -0.65, 0.0)
 
 
 def finger_points(finger: str, angles: Angles) -> Array:
@@ -85,7 +74,7 @@ def finger_points(finger: str, angles: Angles) -> Array:
         bent += flexion
         x, z = x + length * math.sin(bent), z + length * math.cos(bent)
         flat.append((x, 0.0, z))
-    return np.asarray(_BASES[finger] + np.array(flat) @ _finger_frame(finger, abduction).T)
+    return np.asarray(BASES[finger] + np.array(flat) @ _finger_frame(finger, abduction).T)
 
 
 def _finger_frame(finger: str, abduction: float) -> Array:
@@ -112,7 +101,7 @@ def angles_reaching(finger: str, p_PT: Array) -> Angles | None:
     Returns:
         None if it is too far, or too near to the finger's base; stops do not count otherwise.
     """
-    x, _, z = _BASE_R[finger].T @ (p_PT - _BASES[finger])
+    x, _, z = _BASE_R[finger].T @ (p_PT - BASES[finger])
     middle, tips = _chain()
     lengths = np.hypot(*tips.T)
     distance = float(np.hypot(x, z))
@@ -203,102 +192,3 @@ def is_at_stop(angles: Angles) -> bool:
     low, high = FINGER_LIMITS.T
     room = np.minimum(angles - low, high - angles)
     return bool(room.min() < _STOP)
-
-
-@dataclass(frozen=True, eq=False)
-class Posture:
-    """Joint angles of the whole hand and the fingers whose tips push.
-
-    Attributes:
-        name: for reports.
-        angles: per finger.
-        pushing: one or two finger names.
-    """
-
-    name: str
-    angles: Mapping[str, Angles]
-    pushing: tuple[str, ...]
-
-    @property
-    def closed(self) -> bool:
-        """Whether a pushing finger is bent as far as one that holds something."""
-        return any(self.angles[finger][2] >= _CLOSED for finger in self.pushing)
-
-    @functools.cached_property
-    def tips(self) -> Array:
-        """Centres of the pushing fingertips in P, shape (k, 3) [m]."""
-        return np.array([finger_points(f, self.angles[f])[3] for f in self.pushing])
-
-    @functools.cached_property
-    def midpoint(self) -> Array:
-        """Midpoint of the pushing fingertips' centres in P, shape (3,) [m]."""
-        return np.asarray(self.tips.mean(axis=0))
-
-    @functools.cached_property
-    def joints(self) -> Array:
-        """Angles of the independent finger joints in the order of `JOINT_NAMES`, shape (12,)."""
-        return np.array([a for finger in FINGERS for a in self.angles[finger]])
-
-
-RESTING = Posture("resting", dict.fromkeys(FINGERS, CURLED) | {"thumb": THUMB_AWAY}, ())
-"""The hand while it waits."""
-
-# Proximal and middle flexion [rad]: fingers stretched back at the base and bent towards the tip
-# press clear of the palm, and hooked ones are about as stiff across as along. Those stretched back
-# as far as they go reach lowest, but bear little before they come to their stops.
-_FLEXIONS: Mapping[str, tuple[float, float]] = {
-    "arched": (-0.40, 0.50),
-    "arched back": (-0.57, 0.50),
-    "arched far back": (-0.65, 0.50),
-    "bent back": (-0.57, 0.70),
-    "bent far back": (-0.65, 0.70),
-    "bent": (-0.40, 0.70),
-    "straight": (0.0, 0.50),
-    "hooked back": (-0.57, 1.10),
-    "hooked far back": (-0.65, 1.10),
-    "hooked": (-0.20, 0.90),
-    "closed": (-0.40, 1.30),
-}
-
-
-def _posture(name: str, pushing: Mapping[str, Angles]) -> Posture:
-    return Posture(name, {**RESTING.angles, **pushing}, tuple(pushing))
-
-
-@functools.cache
-def one_finger_postures() -> tuple[Posture, ...]:
-    """Postures that push with the tip of the index, middle or ring finger."""
-    return tuple(
-        _posture(f"{finger} {name}", {finger: (0.0, *flexion)})
-        for finger in ("middle", "index", "ring")
-        for name, flexion in _FLEXIONS.items()
-    )
-
-
-@functools.cache
-def finger_posture(finger: str, flexion: tuple[float, float]) -> Posture:
-    """A posture with one finger bent and the others out of the way.
-
-    Args:
-        finger: one of `FINGERS`.
-        flexion: of its proximal and middle joint [rad].
-    """
-    name = f"{finger} bent by {flexion[0]:.2f} and {flexion[1]:.2f}"
-    return _posture(name, {finger: (0.0, *flexion)})
-
-
-@functools.cache
-def two_finger_postures(spread: float) -> tuple[Posture, ...]:
-    """Postures that push with index and ring, their tips a given distance apart.
-
-    Args:
-        spread: distance between the two fingertips' centres [m].
-    """
-    postures = []
-    for name, flexion in _FLEXIONS.items():
-        length = finger_points("index", (0.0, *flexion))[3, 2] - _BASES["index"][2]
-        # Abduction by a turns the finger's z towards −y: the tip moves by −length·sin(a).
-        inward = float(np.arcsin((_BASES["index"][1] - spread / 2.0) / length))
-        pushing = {"index": (inward, *flexion), "ring": (-inward, *flexion)}
-        postures.append(_posture(f"two fingers {name}", pushing))
-    return tuple(postures)

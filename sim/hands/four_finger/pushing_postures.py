@@ -15,23 +15,21 @@ pushing fingertips' centres.
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
+from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sim.arms.lwr import lwr_kinematics as arm
-from sim.collision import collision_spheres as spheres
 from sim.hands.four_finger.hand_kinematics import (
-    FLANGE_TO_PALM,
+    BASES,
     TIP_RADIUS,
-    Posture,
+    finger_points,
     force_noise_gain,
     max_tip_force,
-    one_finger_postures,
     tip_stiffness,
-    two_finger_postures,
 )
+from sim.hands.four_finger.hand_spheres import whole_spheres
+from sim.hands.four_finger.resting_posture import bent_posture
+from sim.hands.hand_model import Posture, PostureSet
 from sim.rotations import Array, rot_x, rot_y, rot_z
 
 LARGEST_SKEW = 0.35
@@ -40,97 +38,74 @@ LARGEST_SKEW = 0.35
 Loaded along the push, a slanted finger also presses up or down. Pressing down makes the object
 heavier on the table, which makes it move in jerks."""
 
+FINGER_SPREADS: tuple[float, ...] = (0.04, 0.032, 0.024)
+"""Distances between the fingertips of a two-finger push, the largest first [m]."""
+
 _TILTS = np.radians(np.arange(-60.0, 83.0, 7.5))
 _SIDES = np.radians([0.0, -30.0, 30.0])
 _FINE_SIDES = np.radians([0.0, -15.0, 15.0, -30.0, 30.0, -45.0, 45.0, -60.0, 60.0])
 
 # 1 / lever with which the sensors feel the push [1/m]: 60 makes 1.6 mN·m a noise of 0.1 N.
 _COARSEST_FEELING = 60.0
+_CLOSED = 1.2  # flexion of the middle joint from which a finger counts as closed [rad]
 _BLURRED = 0.2  # what a closed finger counts less, as a skew
 
-
-@dataclass(frozen=True, eq=False)
-class PostureSet:
-    """Postures and orientations of the palm, n of them, the best first.
-
-    Attributes:
-        postures: the different ones.
-        which: index of the posture, shape (n,).
-        R_DP: orientation of the palm, shape (n, 3, 3).
-        strength: force along the push that each pushing finger bears, shape (n,) [N].
-        centres: of the spheres of the hand, the pushing tips last, from T, in D,
-            shape (n, k, 3) [m].
-        radii: of these, shape (n, k) [m].
-        palm: origin of P, from T, in D, shape (n, 3) [m].
-        wrist: of the arm, from T, in D, shape (n, 3) [m].
-    """
-
-    postures: tuple[Posture, ...]
-    which: NDArray[np.intp]
-    R_DP: Array
-    strength: Array
-    centres: Array
-    radii: Array
-    palm: Array
-    wrist: Array
-
-    def __len__(self) -> int:
-        return len(self.which)
-
-    def __getitem__(self, chosen: NDArray[np.bool_] | NDArray[np.intp] | slice) -> PostureSet:
-        return PostureSet(
-            self.postures,
-            self.which[chosen],
-            self.R_DP[chosen],
-            self.strength[chosen],
-            self.centres[chosen],
-            self.radii[chosen],
-            self.palm[chosen],
-            self.wrist[chosen],
-        )
-
-    def posture(self, index: int) -> Posture:
-        """Of one of them."""
-        return self.postures[int(self.which[index])]
-
-    @property
-    def tip_count(self) -> int:
-        """How many fingers push."""
-        return len(self.postures[0].pushing)
-
-    @functools.cached_property
-    def lowest(self) -> Array:
-        """Height of the lowest point but the pushing tips above T, shape (n,) [m]."""
-        tips = self.tip_count
-        below = self.centres[:, :-tips, 2] - self.radii[:, :-tips]
-        return np.asarray(below.min(axis=1, initial=np.inf))
-
-    @functools.cached_property
-    def size(self) -> float:
-        """Largest horizontal distance of any point from T [m]."""
-        far = np.hypot(self.centres[..., 0], self.centres[..., 1]) + self.radii
-        return float(far.max(initial=0.0))
-
-    def placed(self, R_WD: Array, points: Array) -> Array:
-        """The spheres in W with T at w points, shape (n, w, k, 4).
-
-        Args:
-            R_WD: frame of the push at each point, shape (w, 3, 3).
-            points: shape (w, 3), or (n, w, 3) [m].
-        """
-        centres = self.centres[:, None] @ np.swapaxes(R_WD, -1, -2) + points[..., None, :]
-        radii = np.broadcast_to(self.radii[:, None, :, None], (*centres.shape[:-1], 1))
-        return np.concatenate([centres, radii], axis=-1)
+# Proximal and middle flexion [rad]: fingers stretched back at the base and bent towards the tip
+# press clear of the palm, and hooked ones are about as stiff across as along. Those stretched back
+# as far as they go reach lowest, but bear little before they come to their stops.
+_FLEXIONS: Mapping[str, tuple[float, float]] = {
+    "arched": (-0.40, 0.50),
+    "arched back": (-0.57, 0.50),
+    "arched far back": (-0.65, 0.50),
+    "bent back": (-0.57, 0.70),
+    "bent far back": (-0.65, 0.70),
+    "bent": (-0.40, 0.70),
+    "straight": (0.0, 0.50),
+    "hooked back": (-0.57, 1.10),
+    "hooked far back": (-0.65, 1.10),
+    "hooked": (-0.20, 0.90),
+    "closed": (-0.40, 1.30),
+}
 
 
 @functools.cache
-def hands(fingers: int, spread: float, *, fine: bool = False) -> PostureSet:
-    """Everything in which a hand may push with so many fingers.
+def one_finger_postures() -> tuple[Posture, ...]:
+    """Postures that push with the tip of the index, middle or ring finger."""
+    return tuple(
+        bent_posture(f"{finger} {name}", {finger: (0.0, *flexion)})
+        for finger in ("middle", "index", "ring")
+        for name, flexion in _FLEXIONS.items()
+    )
+
+
+@functools.cache
+def two_finger_postures(spread: float) -> tuple[Posture, ...]:
+    """Postures that push with index and ring, their tips a given distance apart.
+
+    Args:
+        spread: distance between the two fingertips' centres [m].
+    """
+    postures = []
+    for name, flexion in _FLEXIONS.items():
+        length = finger_points("index", (0.0, *flexion))[3, 2] - BASES["index"][2]
+        # Abduction by a turns the finger's z towards −y: the tip moves by −length·sin(a).
+        inward = float(np.arcsin((BASES["index"][1] - spread / 2.0) / length))
+        pushing = {"index": (inward, *flexion), "ring": (-inward, *flexion)}
+        postures.append(bent_posture(f"two fingers {name}", pushing))
+    return tuple(postures)
+
+
+@functools.cache
+def pushing_postures(
+    fingers: int, spread: float, *, fine: bool = False, wrist: float
+) -> PostureSet:
+    """Postures and orientations of the palm in which so many fingers push, the best first.
 
     Args:
         fingers: one, which lets the palm lean to its sides, or two, which do not.
         spread: distance between two fingertips [m].
         fine: whether it may lean by small angles and large ones.
+        wrist: distance from the arm's wrist to its flange [m].
     """
     sides = np.zeros(1) if fingers == 2 else _FINE_SIDES if fine else _SIDES
     tilt, side, roll = (
@@ -145,34 +120,16 @@ def hands(fingers: int, spread: float, *, fine: bool = False) -> PostureSet:
     coarse, skew, bears = np.hstack([quality(posture, turned) for posture in postures])
     good = np.flatnonzero((coarse < _COARSEST_FEELING) & (skew < LARGEST_SKEW))
     # A finger that is closed gives way across as it presses, which blurs what it feels.
-    blurred = np.repeat([posture.closed for posture in postures], len(turned))
+    blurred = np.repeat([_is_closed(posture) for posture in postures], len(turned))
     order = good[np.argsort((skew + coarse / 200.0 + _BLURRED * blurred)[good], kind="stable")]
     which, R_DP = which[order], R_DP[order]
-    tips = np.array([posture.midpoint for posture in postures])[which]
-    palm = -(R_DP @ tips[..., None])[..., 0]
-    about_T = _padded(postures)[which]
-    return PostureSet(
-        postures,
-        which,
-        R_DP,
-        bears[order],
-        (about_T[..., :3] - tips[:, None]) @ np.swapaxes(R_DP, -1, -2),
-        about_T[..., 3],
-        palm,
-        palm - (FLANGE_TO_PALM + arm.FLANGE) * R_DP[..., 2],
-    )
+    spheres = tuple(whole_spheres(posture, wrist) for posture in postures)
+    return PostureSet.of(postures, spheres, which, R_DP, bears[order])
 
 
-def strongest(fingers: int, spread: float) -> float:
-    """Largest force of one fingertip in any hand [N]."""
-    return float(hands(fingers, spread).strength.max())
-
-
-def _padded(postures: tuple[Posture, ...]) -> Array:
-    """Spheres of each posture in P, as many of each: some twice, shape (m, k, 4)."""
-    each = [spheres.whole_hand(posture) for posture in postures]
-    most = max(map(len, each))
-    return np.array([np.vstack([np.tile(some[:1], (most - len(some), 1)), some]) for some in each])
+def _is_closed(posture: Posture) -> bool:
+    """True if a pushing finger is bent as far as one that holds something."""
+    return any(posture.angles[finger][2] >= _CLOSED for finger in posture.pushing)
 
 
 def quality(posture: Posture, R_DP: Array) -> tuple[Array, Array, Array]:

@@ -12,13 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib import resources
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.hands.four_finger import hand_kinematics as hand
+from sim.arms.arm_kinematics import ArmKinematics
+from sim.hands.hand_model import Hand
 from sim.rotations import Array
+from sim.standard_robot import ARM, HAND
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene, SceneObject
 from sim.worlds.drake.contact_material import ROUGH, surface
@@ -71,7 +72,9 @@ class Plant(Standing):
     hand: ModelInstanceIndex
 
 
-def add_plant(builder: DiagramBuilder, scene: Scene) -> Plant:
+def add_plant(
+    builder: DiagramBuilder, scene: Scene, arm: ArmKinematics = ARM, hand: Hand = HAND
+) -> Plant:
     """Adds robot, table and objects of a scene to a diagram."""
     from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlantConfig
 
@@ -83,7 +86,7 @@ def add_plant(builder: DiagramBuilder, scene: Scene) -> Plant:
         use_sampled_output_ports=False,
     )
     plant, scene_graph = AddMultibodyPlant(config, builder)
-    arm, hand_ = _add_robot(plant, scene)
+    robot_models = _add_robot(plant, scene, arm, hand)
     table = add_table(plant, scene)
     solids: list[GeometryId] = []
     feet: dict[str, Feet] = {}
@@ -105,39 +108,37 @@ def add_plant(builder: DiagramBuilder, scene: Scene) -> Plant:
             plant.SetDefaultFloatingBaseBodyPose(bodies[item.name], initial_pose(item))
     robot = [
         geometry
-        for instance in (arm, hand_)
+        for instance in robot_models
         for index in plant.GetBodyIndices(instance)
         for geometry in plant.GetCollisionGeometriesForBody(plant.get_body(index))
     ]
     standing = [foot for each in feet.values() for foot in each.geometries]
     filter_collisions(scene_graph, robot=robot, table=table, solids=solids, feet=standing)
     filter_lids(scene_graph, lids.values(), robot=robot, table=table, feet=standing)
-    return Plant(plant, scene_graph, bodies, feet, lids, arm, hand_)
+    return Plant(plant, scene_graph, bodies, feet, lids, *robot_models)
 
 
 def _add_robot(
-    plant: MultibodyPlant, scene: Scene
+    plant: MultibodyPlant, scene: Scene, arm: ArmKinematics, hand: Hand
 ) -> tuple[ModelInstanceIndex, ModelInstanceIndex]:
+    """Adds the arm on its base and the hand on its flange; returns their models."""
     from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
     from pydrake.multibody.parsing import Parser
 
-    arm_folder = resources.files("sim") / "arms" / "lwr"
-    hand_folder = resources.files("sim") / "hands" / "four_finger"
     parser = Parser(plant)
-    (arm,) = parser.AddModelsFromString((arm_folder / "lwr_arm.urdf").read_text("utf-8"), "urdf")
-    (hand_,) = parser.AddModelsFromString(
-        (hand_folder / "four_finger_hand.urdf").read_text("utf-8"), "urdf"
-    )
+    (arm_model,) = parser.AddModelsFromString(arm.model_file.read_text("utf-8"), "urdf")
+    (hand_model,) = parser.AddModelsFromString(hand.model_file.read_text("utf-8"), "urdf")
     X_WA = RigidTransform(
         RollPitchYaw(np.radians(scene.robot.base_rpy_deg)), np.array(scene.robot.base_m)
     )
-    plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("arm_base"), X_WA)
-    X_FP = RigidTransform(RotationMatrix(hand.R_FP), np.array([0, 0, hand.FLANGE_TO_PALM]))
-    plant.WeldFrames(plant.GetFrameByName("arm_link_7"), plant.GetFrameByName("palm"), X_FP)
+    plant.WeldFrames(plant.world_frame(), plant.GetFrameByName(arm.base_link), X_WA)
+    X_FP = RigidTransform(RotationMatrix(hand.R_FP), hand.p_FP)
+    flange, palm = plant.GetFrameByName(arm.flange_link), plant.GetFrameByName(hand.palm_link)
+    plant.WeldFrames(flange, palm, X_FP)
     # Gravity compensation of the arm and hand is taken as perfect.
-    for instance in (arm, hand_):
+    for instance in (arm_model, hand_model):
         plant.set_gravity_enabled(instance, False)
-    return arm, hand_
+    return arm_model, hand_model
 
 
 def add_table(plant: MultibodyPlant, scene: Scene) -> GeometryId:

@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from planner.types.world_state import PlanarPose
-from sim.arms.lwr import lwr_kinematics as arm
-from sim.hands.four_finger import hand_kinematics as hand
-from sim.hands.four_finger.hand_kinematics import FINGERS, RESTING, Angles
+from sim.arms.arm_kinematics import ArmKinematics
+from sim.hands.hand_model import Angles, Hand
 from sim.perception.camera_port import Frame, VisionPort, averaged, lids_in
 from sim.rotations import Array
+from sim.standard_robot import ARM, HAND
 from sim.traces.trace import ContactEvent
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene
@@ -82,6 +82,8 @@ class DrakeWorld:
     Args:
         scene: what its file says.
         seed: of everything random.
+        arm: of the robot.
+        hand: on the arm.
 
     Attributes:
         scene: what is true in this world; see `sim.truth.world_sampling`.
@@ -95,7 +97,9 @@ class DrakeWorld:
         holding: what the robot knows to be in its hand, from one execution to the next.
     """
 
-    def __init__(self, scene: Scene, *, seed: int = 0) -> None:
+    def __init__(
+        self, scene: Scene, *, seed: int = 0, arm: ArmKinematics = ARM, hand: Hand = HAND
+    ) -> None:
         from pydrake.systems.analysis import Simulator
         from pydrake.systems.framework import DiagramBuilder
 
@@ -104,26 +108,31 @@ class DrakeWorld:
         self.seed = seed
         self.period = 1.0 / scene.control_rate_hz
         builder = DiagramBuilder()
-        self._model = add_plant(builder, scene)
+        self._model = add_plant(builder, scene, arm, hand)
         self._plant = self._model.plant
         self._effort = summed(builder, self._plant, self._model.hand, scene.time_step_s)
         self.simulator = Simulator(builder.Build())
         root = self.simulator.get_mutable_context()
         self._context = self._plant.GetMyMutableContextFromRoot(root)
         self._effort_context = self._effort.get_system().GetMyContextFromRoot(root)
-        self._arm_joints = [self._joint(name) for name in arm.JOINT_NAMES]
+        self._arm_joints = [self._joint(name) for name in arm.joint_names]
         self._finger_joints = {
-            finger: [self._joint(f"{finger}_{name}") for name in hand.FINGER_JOINTS]
-            for finger in FINGERS
+            finger: [self._joint(name) for name in hand.model_joints(finger)]
+            for finger in hand.fingers
         }
-        joints = [*self._arm_joints, *(j for f in FINGERS for j in self._finger_joints[f])]
+        joints = [*self._arm_joints, *(j for each in self._finger_joints.values() for j in each)]
         self.joint_names = tuple(joint.name() for joint in joints)
         self._places = np.array([joint.position_start() for joint in joints])
         self._vision = VisionPort(scene.vision, scene.names, lids_in(scene), seed=seed)
-        self._impulse = np.zeros(len(hand.JOINT_NAMES))
-        self._mean_torques = np.zeros(len(hand.JOINT_NAMES))
+        self._hand = hand
+        self._angle_places, self._torque_places = self._finger_places()
+        self._impulse = np.zeros(len(hand.joint_names))
+        self._mean_torques = np.zeros(len(hand.joint_names))
         sensor = scene.torque_sensor
-        self._torques = TorqueReadings(sensor, self.period, seed, gain_error=sensor.gain_error)
+        sensors = {finger: len(angles) for finger, angles in hand.resting.angles.items()}
+        self._torques = TorqueReadings(
+            sensor, sensors, self.period, seed, gain_error=sensor.gain_error
+        )
         self._angles = JointReadings(scene.joint_sensor, len(self._arm_joints), len(joints), seed)
         self._measured = np.zeros(len(joints))
         self._steps = 0
@@ -150,14 +159,24 @@ class DrakeWorld:
     def _joint(self, name: str) -> RevoluteJoint:
         return self._plant.GetJointByName(name)
 
+    def _finger_places(self) -> tuple[dict[str, slice], dict[str, slice]]:
+        """Where each finger's independent joints stand among all angles and among the torques."""
+        angles, torques = {}, {}
+        angle, torque = len(self._arm_joints), 0
+        for finger, joints in self._finger_joints.items():
+            driven = len(self._hand.resting.angles[finger])
+            angles[finger] = slice(angle, angle + driven)
+            torques[finger] = slice(torque, torque + driven)
+            angle, torque = angle + len(joints), torque + driven
+        return angles, torques
+
     def _start(self) -> None:
         self._q_arm = np.radians(self.scene.robot.home_deg)
-        self._q_hand = RESTING.joints
+        self._q_hand = self._hand.resting.joints
         for joint, angle in zip(self._arm_joints, self._q_arm, strict=True):
             joint.set_angle(self._context, angle)
-        for finger in FINGERS:
-            abduction, proximal, middle = RESTING.angles[finger]
-            angles = (abduction, proximal, middle, middle)
+        for finger, resting in self._hand.resting.angles.items():
+            angles = self._hand.model_angles(resting)
             for joint, angle in zip(self._finger_joints[finger], angles, strict=True):
                 joint.set_angle(self._context, angle)
         self._command(self._q_arm, self._q_hand)
@@ -180,7 +199,7 @@ class DrakeWorld:
 
         Args:
             q_arm: of the arm's joints, shape (7,) [rad].
-            q_hand: of the fingers' independent joints, in the order of `hand.JOINT_NAMES`,
+            q_hand: of the fingers' independent joints, in the order of `Hand.joint_names`,
                 shape (12,) [rad].
         """
         self._command(q_arm, q_hand)
@@ -214,10 +233,8 @@ class DrakeWorld:
         return np.array(self._measured[: len(self._arm_joints)])
 
     def finger_angles(self, finger: str) -> Angles:
-        """Measured abduction, proximal and middle flexion [rad]."""
-        first = len(self._arm_joints) + len(hand.FINGER_JOINTS) * FINGERS.index(finger)
-        abduction, proximal, middle = self._measured[first : first + 3].tolist()
-        return abduction, proximal, middle
+        """Measured angles of a finger's independent joints [rad]."""
+        return tuple(self._measured[self._angle_places[finger]].tolist())
 
     def finger_torques(self, finger: str) -> Array:
         """What a finger's joint torque sensors read, shape (3,) [N·m].
@@ -225,9 +242,7 @@ class DrakeWorld:
         The torque of the joint's drive, the mean of the samples since the last control step. The
         middle joint's one drives the distal joint too.
         """
-        first = 3 * FINGERS.index(finger)
-        torques = self._mean_torques[first : first + 3]
-        return self._torques.read(finger, torques)
+        return self._torques.read(finger, self._mean_torques[self._torque_places[finger]])
 
     @property
     def torque_noise(self) -> float:

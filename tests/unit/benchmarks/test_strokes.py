@@ -14,7 +14,7 @@ from benchmarks.strokes import BEFORE, Stroke, at, heading_of, upright
 from nlcontrol import Controller, Registry
 from objectmodels.geometry.side_faces import Face
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
+from sim.standard_robot import HAND
 from sim.truth.scene_file import SceneObject
 
 MODEL = Registry.built_in().get(OBJECT)
@@ -125,7 +125,7 @@ def test_what_is_believed_has_the_shape_of_the_model() -> None:
         truth = as_believed(model)
         assert truth.height == model.top
         assert truth.mass_kg == model.mass
-        assert truth.height > TIP_RADIUS
+        assert truth.height > HAND.tip_radius
 
 
 @pytest.mark.parametrize(("gap", "free"), [(0.067, True), (0.055, False), (0.04, False)])

@@ -22,6 +22,7 @@ from planner.touch_experiments import (
 from planner.types.robot import Reach
 from planner.types.world_state import PlanarPose, SeenObject
 from sim import ArmHandReach, load_scene
+from sim.standard_robot import ARM, HAND
 
 MODELS = {model.name: model for model in Registry.built_in()}
 LOW = "book"
@@ -32,7 +33,7 @@ YAWS = [0.0, 0.35, -2.0]
 
 @pytest.fixture(scope="module")
 def arm() -> Reach:
-    return ArmHandReach(load_scene("kitchen").cell)
+    return ArmHandReach(load_scene("kitchen").cell, ARM, HAND)
 
 
 def seen(model: ObjectModel, yaw: float = 0.0) -> SeenObject:

@@ -11,14 +11,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from sim.arms.lwr import lwr_kinematics as arm
+from sim.arms.lwr.lwr_kinematics import LIMITS, LwrKinematics, shoulder_to_wrist
 from sim.hands.four_finger import hand_kinematics as hand
-from sim.motion.arm_configuration import Mount
+from sim.hands.four_finger.pushing_postures import one_finger_postures, two_finger_postures
+from sim.hands.hand_model import Posture
+from sim.hands.mount import Mount
+from sim.standard_robot import ARM, HAND
 from sim.truth.scene_file import load_scene
 from sim.worlds.drake.drake_plant import Plant, add_plant
 
 # Both sides compute a few dozen products of numbers of order one.
 ROUNDING = 1e-12
+
+arm = LwrKinematics()
 
 Array = NDArray[np.float64]
 
@@ -39,14 +44,14 @@ def _urdf(name: str) -> ET.Element:
 
 
 def _random_arms(n: int) -> Array:
-    return np.random.default_rng(7).uniform(-1.0, 1.0, (n, 7)) * arm.LIMITS
+    return np.random.default_rng(7).uniform(-1.0, 1.0, (n, 7)) * LIMITS
 
 
 def test_palm_pose_as_in_drake(model: Plant) -> None:
-    mount = Mount.of(load_scene("kitchen").robot)
+    mount = Mount.of(load_scene("kitchen").robot, ARM, HAND)
     context = model.plant.CreateDefaultContext()
     for q in _random_arms(20):
-        for name, angle in zip(arm.JOINT_NAMES, q, strict=True):
+        for name, angle in zip(arm.joint_names, q, strict=True):
             model.plant.GetJointByName(name).set_angle(context, angle)
         X_WP = model.plant.GetFrameByName("palm").CalcPoseInWorld(context)
         R_WP, p_WP = mount.palm(q)
@@ -72,14 +77,14 @@ def test_fingertips_as_in_drake(model: Plant, finger: str) -> None:
     elbow=st.floats(-3.1, 3.1),
 )
 def test_inverse_leads_where_forward_was(q: list[float], elbow: float) -> None:
-    R, p, _ = arm.forward(np.array(q) * arm.LIMITS)
+    R, p = arm.forward(np.array(q) * LIMITS)
     solutions, valid = arm.inverse(R[None], p[None], np.array([elbow]))
     for found in solutions[0][valid[0]]:
-        R_again, p_again, _ = arm.forward(found)
+        R_again, p_again = arm.forward(found)
         # arccos of a direction cosine near ±1 halves the digits.
         np.testing.assert_allclose(p_again, p, atol=1e-7)
         np.testing.assert_allclose(R_again, R, atol=1e-6)
-        assert (np.abs(found) <= arm.LIMITS).all()
+        assert (np.abs(found) <= LIMITS).all()
 
 
 def test_one_of_the_inverses_is_the_arm_itself() -> None:
@@ -88,7 +93,7 @@ def test_one_of_the_inverses_is_the_arm_itself() -> None:
     for q in 0.8 * _random_arms(10):
         if abs(q[5]) < 0.1:
             continue
-        R, p, _ = arm.forward(q)
+        R, p = arm.forward(q)
         n = len(elbows)
         solutions, valid = arm.inverse(np.repeat(R[None], n, 0), np.repeat(p[None], n, 0), elbows)
         nearest = np.abs(solutions - q).max(axis=-1)[valid].min()
@@ -136,7 +141,7 @@ def test_stiffness_gives_back_the_force_of_a_spring() -> None:
 
 def test_limits_are_those_of_the_file() -> None:
     joints = {j.attrib["name"]: j for j in _urdf("lwr_arm").iter("joint") if j.get("type")}
-    for name, limit in zip(arm.JOINT_NAMES, arm.LIMITS, strict=True):
+    for name, limit in zip(arm.joint_names, LIMITS, strict=True):
         found = joints[name].find("limit")
         assert found is not None
         # The file has six digits.
@@ -146,7 +151,7 @@ def test_limits_are_those_of_the_file() -> None:
 
 def test_stops_of_the_fingers_are_those_of_the_file() -> None:
     joints = {j.attrib["name"]: j for j in _urdf("four_finger_hand").iter("joint") if j.get("type")}
-    for name, stops in zip(hand.JOINT_NAMES, np.tile(hand.FINGER_LIMITS, (4, 1)), strict=True):
+    for name, stops in zip(HAND.joint_names, np.tile(hand.FINGER_LIMITS, (4, 1)), strict=True):
         found = joints[name].find("limit")
         assert found is not None
         # The file has six digits.
@@ -162,19 +167,19 @@ def test_finger_stiffness_is_that_of_the_file() -> None:
     assert gains == {hand.JOINT_STIFFNESS}
 
 
-@pytest.mark.parametrize("posture", [*hand.one_finger_postures(), *hand.two_finger_postures(0.04)])
-def test_postures_within_the_limits_of_the_file(posture: hand.Posture) -> None:
+@pytest.mark.parametrize("posture", [*one_finger_postures(), *two_finger_postures(0.04)])
+def test_postures_within_the_limits_of_the_file(posture: Posture) -> None:
     limits = {
         j.attrib["name"]: limit
         for j in _urdf("four_finger_hand").iter("joint")
         if (limit := j.find("limit")) is not None
     }
-    for name, angle in zip(hand.JOINT_NAMES, posture.joints, strict=True):
+    for name, angle in zip(HAND.joint_names, posture.joints, strict=True):
         assert float(limits[name].attrib["lower"]) <= angle <= float(limits[name].attrib["upper"])
 
 
 def test_two_fingers_are_as_far_apart_as_asked() -> None:
-    for posture in hand.two_finger_postures(0.04):
+    for posture in two_finger_postures(0.04):
         # The abduction is solved for the straight finger's length, which is exact.
         assert np.linalg.norm(posture.tips[0] - posture.tips[1]) == pytest.approx(0.04, abs=1e-9)
 
@@ -182,15 +187,15 @@ def test_two_fingers_are_as_far_apart_as_asked() -> None:
 @given(seed=st.integers(0, 10**6))
 def test_holding_a_force_is_the_work_it_does(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    q, f_A = rng.uniform(-1.0, 1.0, 7) * arm.LIMITS, rng.normal(size=3)
-    R_AF, p_AF, _ = arm.forward(q)
+    q, f_A = rng.uniform(-1.0, 1.0, 7) * LIMITS, rng.normal(size=3)
+    R_AF, p_AF = arm.forward(q)
     p_FC = rng.uniform(-0.2, 0.2, 3)
-    torques = arm.holding(q, p_AF + R_AF @ p_FC, f_A)
+    torques = arm.torques(q, p_AF + R_AF @ p_FC, f_A)
     step = 1e-6
     for joint in range(7):
         places = []
         for sign in (-1.0, 1.0):
-            R, p, _ = arm.forward(q + sign * step * np.eye(7)[joint])
+            R, p = arm.forward(q + sign * step * np.eye(7)[joint])
             places.append(p + R @ p_FC)
         work = f_A @ (places[1] - places[0]) / (2.0 * step)
         # Central differences of lengths of a metre, 1e-6 apart: rounding is 1e-10.
@@ -204,8 +209,8 @@ def test_largest_torques_are_those_of_the_urdf() -> None:
         for joint in _urdf(name).iter("joint")
         if (limit := joint.find("limit")) is not None
     }
-    assert [efforts[name] for name in arm.JOINT_NAMES] == arm.EFFORTS.tolist()
-    assert {efforts[name] for name in hand.JOINT_NAMES} == {hand.EFFORT}
+    assert [efforts[name] for name in arm.joint_names] == arm.efforts.tolist()
+    assert {efforts[name] for name in HAND.joint_names} == {hand.EFFORT}
 
 
 @given(
@@ -230,7 +235,7 @@ def test_a_finger_bears_its_strength_and_no_more(
 
 def test_the_wrist_stays_within_the_arms_stretch() -> None:
     q = _random_arms(200)
-    _, _, joints = arm.forward(q)
+    _, _, joints = arm.joint_origins(q)
     distance = np.linalg.norm(joints[:, 5] - joints[:, 1], axis=1)
-    expected = [arm.stretched(angle) for angle in q[:, 3]]
+    expected = [shoulder_to_wrist(angle) for angle in q[:, 3]]
     np.testing.assert_allclose(distance, expected, rtol=0, atol=ROUNDING)

@@ -15,12 +15,13 @@ from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import ArmHandReach, load_scene
 from sim.exploration.exploration_run import OPPOSITE, SPIRAL, Explorer, Touched
 from sim.exploration.touch_recording import Recording
+from sim.standard_robot import ARM, HAND
 from sim.traces.trace import EndReason
 
 BOX = "ice tea box"
 MODEL = Registry.built_in().get(BOX)
 STATE = WorldState({BOX: SeenObject(BOX, PlanarPose(0.45, 0.0), MODEL)})
-REACH = ArmHandReach(load_scene("kitchen").cell)
+REACH = ArmHandReach(load_scene("kitchen").cell, ARM, HAND)
 
 Fails = Mapping[tuple[Kind, FaceName], EndReason]
 
@@ -47,7 +48,7 @@ class Hand:
         empty = np.empty((0, 3))
         return Recording(
             experiment, end, f"ended with {end}", None, np.empty(0), empty, empty,
-            PlanarPose(0.45, 0.0), None, None, 0.0, 0.0, (0.0, 0.0),
+            PlanarPose(0.45, 0.0), None, None, 0.0, 0.0, 0.0, (0.0, 0.0),
         )  # fmt: skip
 
     def trials(self, recording: Recording, *, repetition: int) -> tuple[Trial, ...]:

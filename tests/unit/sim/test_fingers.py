@@ -10,9 +10,11 @@ import pytest
 from numpy.typing import NDArray
 
 from sim import load_scene
-from sim.hands.four_finger.hand_kinematics import TIP_RADIUS, Angles, finger_points
-from sim.motion.arm_configuration import Mount
+from sim.hands.four_finger.hand_kinematics import TIP_RADIUS, finger_points
+from sim.hands.hand_model import Angles
+from sim.hands.mount import Mount
 from sim.perception.fingertip_sensing import feel
+from sim.standard_robot import ARM, HAND
 
 
 @dataclass
@@ -33,7 +35,7 @@ class Sensors:
 @pytest.mark.parametrize("angles", [(0.0, -0.4, 0.5), (0.1, 0.3, 0.9)])
 def test_the_force_at_the_contact_point(finger: str, angles: Angles) -> None:
     scene = load_scene("kitchen")
-    mount, q = Mount.of(scene.robot), np.radians(scene.robot.home_deg)
+    mount, q = Mount.of(scene.robot, ARM, HAND), np.radians(scene.robot.home_deg)
     R_WP, p_WP = mount.palm(q)
     inward_W, force_W = np.array([0.6, 0.8, 0.0]), np.array([1.2, 1.4, -0.5])
     base, middle, distal, tip = finger_points(finger, angles)

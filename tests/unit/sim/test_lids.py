@@ -12,9 +12,10 @@ from nlcontrol import Controller
 from planner.types.world_state import SeenObject
 from sim import DrakeWorld, SceneError, load_scene, save_replay
 from sim.control.trace_recorder import Recorder
-from sim.motion.arm_configuration import Mount
+from sim.hands.mount import Mount
 from sim.perception.camera_port import VisionPort, averaged_lids, beheld, first_frames, lids_in
 from sim.rotations import rot_x
+from sim.standard_robot import ARM, HAND
 from sim.traces.trace import Trace, joined
 from sim.truth.scene_file import Scene, parse_scene
 from sim.views.trace_scene import Stage
@@ -30,7 +31,7 @@ def pantry() -> Scene:
 @pytest.fixture(scope="module")
 def trace(pantry: Scene) -> Trace:
     world = DrakeWorld(pantry, seed=1)
-    recorder = Recorder(world, Mount.of(pantry.robot), np.array([1.0, 0.0, 0.0]))
+    recorder = Recorder(world, Mount.of(pantry.robot, ARM, HAND), np.array([1.0, 0.0, 0.0]))
     recorder.look(0.3)
     return recorder.trace("jar", np.array([1.0, 0.0, 0.0]), end="handled", detail="looked")
 

@@ -93,8 +93,8 @@ def test_a_very_late_camera_is_waited_for() -> None:
     assert set(first_look(scene, 0.5, seed=0)) == set(scene.names)
 
 
-FLAT = Pushed(0.045, 0.0344)
-ROUND = Pushed(0.033, 0.033, curvature=1.0 / 0.033)
+FLAT = Pushed(0.045, 0.0344, TIP_RADIUS)
+ROUND = Pushed(0.033, 0.033, TIP_RADIUS, curvature=1.0 / 0.033)
 
 
 class _Slid:

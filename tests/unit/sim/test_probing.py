@@ -15,10 +15,11 @@ from sim import ArmHandReach, DrakeWorld, load_scene
 from sim.exploration.probe_control import probe
 from sim.exploration.touch_recording import Recording
 from sim.exploration.trial_extraction import trials
+from sim.standard_robot import ARM, HAND
 from sim.truth.scene_file import Scene
 
 BOX = "ice tea box"
-REACH = ArmHandReach(load_scene("kitchen").cell)
+REACH = ArmHandReach(load_scene("kitchen").cell, ARM, HAND)
 
 
 def scene(**truth: Any) -> Scene:

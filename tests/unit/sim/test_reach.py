@@ -13,10 +13,11 @@ from planner.types.actions import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import ArmHandReach, load_scene
-from sim.collision.collision_spheres import arm_spheres, distance_to_box, hand_spheres
+from sim.collision.collision_spheres import distance_to_box
 from sim.hands.four_finger.hand_kinematics import FINGER_JOINTS, FINGERS
 from sim.motion.arm_configuration import ArmConfiguration, UnreachableError
 from sim.paths.fingertip_path import FingertipPath
+from sim.standard_robot import ARM, HAND
 from sim.truth.scene_file import Scene
 
 FACES = {"front": (-1.0, 0.0), "back": (1.0, 0.0), "left": (0.0, 1.0), "right": (0.0, -1.0)}
@@ -29,7 +30,7 @@ def scene() -> Scene:
 
 @pytest.fixture(scope="module")
 def reach(scene: Scene) -> ArmHandReach:
-    return ArmHandReach(scene.cell)
+    return ArmHandReach(scene.cell, ARM, HAND)
 
 
 def _believed(scene: Scene) -> WorldState:
@@ -96,7 +97,7 @@ def test_the_way_is_free_by_drakes_own_distances(
     state = _believed(scene)
     push = _push(state, name, face, height, fingers=fingers)
     stance = _stance(reach, push, state)
-    way = FingertipPath.of(push, state.objects[name])
+    way = FingertipPath.of(push, state.objects[name], HAND.tip_radius)
     builder = DiagramBuilder()
     model = add_plant(builder, scene)
     diagram = builder.Build()
@@ -145,7 +146,10 @@ def _body(model: object, query: object, geometry: object) -> str:
 def test_the_tips_go_where_the_push_says(reach: ArmHandReach, scene: Scene) -> None:
     state = _believed(scene)
     push = _push(state, "ice tea box", "front", 0.029)
-    stance, way = _stance(reach, push, state), FingertipPath.of(push, state.objects["ice tea box"])
+    stance, way = (
+        _stance(reach, push, state),
+        FingertipPath.of(push, state.objects["ice tea box"], HAND.tip_radius),
+    )
     for point in way.points():
         R_WP, p_WP = reach.mount.palm(stance.joints(point))
         middle = R_WP @ stance.posture.tips.mean(axis=0) + p_WP
@@ -202,7 +206,7 @@ def test_spheres_cover_the_collision_shapes() -> None:
     from pydrake.geometry import Role
     from pydrake.systems.framework import DiagramBuilder
 
-    from sim.motion.arm_configuration import Mount
+    from sim.hands.mount import Mount
     from sim.worlds.drake.drake_plant import add_plant
 
     scene = load_scene("kitchen")
@@ -212,7 +216,7 @@ def test_spheres_cover_the_collision_shapes() -> None:
     q = np.radians(scene.robot.home_deg)
     model.plant.SetPositions(context, model.arm, q)
     posture = _stance(
-        ArmHandReach(scene.cell),
+        ArmHandReach(scene.cell, ARM, HAND),
         _push(_believed(scene), "ice tea box", "front", 0.029),
         _believed(scene),
     ).posture
@@ -220,10 +224,10 @@ def test_spheres_cover_the_collision_shapes() -> None:
         a, b, c = posture.angles[finger]
         for joint, angle in zip(FINGER_JOINTS, (a, b, c, c), strict=True):
             model.plant.GetJointByName(f"{finger}_{joint}").set_angle(context, angle)
-    mount = Mount.of(scene.robot)
+    mount = Mount.of(scene.robot, ARM, HAND)
     R_WP, p_WP = mount.palm(q)
-    hand = hand_spheres(posture)
-    arm = arm_spheres(q)
+    hand = HAND.spheres(posture)
+    arm = ARM.spheres(q)
     centres = np.vstack([hand[:, :3] @ R_WP.T + p_WP, arm[:, :3] @ mount.R_WA.T + mount.p_WA])
     radii = np.concatenate([hand[:, 3], arm[:, 3]])
     uncovered = []

@@ -14,7 +14,6 @@ from planner.types.actions import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import ArmHandReach, load_scene
-from sim.collision import collision_spheres as spheres
 from sim.collision.collision_scene import (
     FRAGILE_CLEARANCE,
     LEAST_CLEARANCE,
@@ -30,14 +29,16 @@ from sim.hands.four_finger.hand_kinematics import (
     TIP_RADIUS,
     finger_jacobian,
 )
-from sim.hands.four_finger.pushing_postures import hands, strongest
+from sim.hands.four_finger.hand_spheres import hand_spheres
+from sim.hands.four_finger.pushing_postures import pushing_postures
 from sim.motion.arm_configuration import ArmConfiguration
 from sim.motion.reachability_map import reachability_map
-from sim.motion.roadmap import along
+from sim.motion.roadmap import interpolate_joints
 from sim.paths.fingertip_path import FingertipPath
+from sim.standard_robot import ARM, HAND
 
 REGISTRY = Registry.built_in()
-REACH = ArmHandReach(load_scene("kitchen").cell)
+REACH = ArmHandReach(load_scene("kitchen").cell, ARM, HAND)
 PLACES = [(0.42, -0.3), (0.42, 0.3), (0.66, -0.28), (0.68, 0.3), (0.72, 0.02), (0.38, 0.0)]
 
 
@@ -84,19 +85,15 @@ def _alone(name: str, x: float, y: float) -> WorldState:
 
 
 def _robot(stance: ArmConfiguration, q: np.ndarray, *, tips: bool) -> np.ndarray:
-    R_WP, p_WP = stance.mount.palm(q)
-    hand = spheres.whole_hand(stance.posture)
-    if not tips:
-        hand = hand[: -len(stance.posture.pushing)]
-    arm = spheres.placed(spheres.arm_spheres(q), stance.mount.R_WA, stance.mount.p_WA)
-    return np.concatenate([spheres.placed(hand, R_WP, p_WP), arm], axis=-2)
+    hand = HAND.whole_spheres(stance.posture) if tips else HAND.spheres(stance.posture)
+    return stance.mount.robot_spheres(hand, q)
 
 
 def _transit(stance: ArmConfiguration, way: FingertipPath) -> np.ndarray:
     above = np.array([*way.start[:2], stance.lift])
     legs = [REACH.home, *stance.via, stance.joints(above)]
     down = [stance.joints(above + t * (way.start - above)) for t in np.linspace(0.0, 1.0, 20)]
-    return np.vstack([*(along(a, b) for a, b in itertools.pairwise(legs)), down])
+    return np.vstack([*(interpolate_joints(a, b) for a, b in itertools.pairwise(legs)), down])
 
 
 SEEDS = range(12)
@@ -111,7 +108,7 @@ def test_hand_and_arm_keep_clear_of_a_crowd_all_the_way(fragile: bool) -> None:
         if isinstance(answer, ReachAnswer):
             continue
         reached += 1
-        stance, way = answer[0], FingertipPath.of(push, state.objects[push.object])
+        stance, way = answer[0], FingertipPath.of(push, state.objects[push.object], HAND.tip_radius)
         transit = _robot(stance, _transit(stance, way), tips=True)
         # Between the poses that were looked at a sphere moves by less than 2 mm towards an object.
         assert (transit[..., 2] - transit[..., 3]).min() > 0.005 - 0.002
@@ -136,7 +133,7 @@ def test_what_stands_halfway_beside_the_stroke_is_in_the_way() -> None:
     push = _push(tea, 0.0, 0.1, stroke=0.2)
     x, y, z = push.p_BC
     push = push.model_copy(update={"p_BC": (x, y + 0.03, z)})
-    way = FingertipPath.of(push, tea)
+    way = FingertipPath.of(push, tea, HAND.tip_radius)
     thin = BoxModel(name="post", size=(0.01, 0.01, 0.25), mass=0.1, friction=0.4)
     for off in (0.02, 0.03, 0.04, 0.05, 0.06):
         # Beside the box's way, but maybe not beside the hand's: it is wider behind than in front.
@@ -159,7 +156,7 @@ def test_what_was_just_reached_is_reached_from_the_next_look() -> None:
     tea = state.objects["ice tea box"]
     push = _push(tea, 0.0, 0.03, stroke=0.05)
     wall = BoxModel(name="wall", size=(0.01, 0.6, 0.3), mass=1.0, friction=0.4)
-    behind = float(FingertipPath.of(push, tea).start[0])
+    behind = float(FingertipPath.of(push, tea, HAND.tip_radius).start[0])
 
     def stance(nearer: float, spare: float) -> object:
         seen = SeenObject("wall", PlanarPose(behind - 0.2 + nearer, 0.0), wall)
@@ -185,7 +182,7 @@ def test_what_looks_thoroughly_keeps_clear_too(fragile: bool) -> None:
         if isinstance(answer, ReachAnswer):
             assert isinstance(REACH.push_configuration(push, state), ReachAnswer)
             continue
-        stance, way = answer[0], FingertipPath.of(push, state.objects[push.object])
+        stance, way = answer[0], FingertipPath.of(push, state.objects[push.object], HAND.tip_radius)
         transit = _robot(stance, _transit(stance, way), tips=True)
         for name, seen in state.objects.items():
             if name == push.object:
@@ -205,7 +202,7 @@ def test_what_looks_thoroughly_gets_past_what_is_nearer() -> None:
     tea = state.objects["ice tea box"]
     push = _push(tea, 0.0, 0.03, stroke=0.05)
     wall = BoxModel(name="wall", size=(0.01, 0.6, 0.3), mass=1.0, friction=0.4)
-    behind = float(FingertipPath.of(push, tea).start[0])
+    behind = float(FingertipPath.of(push, tea, HAND.tip_radius).start[0])
 
     def nearest(reach: ArmHandReach) -> float:
         at = np.arange(0.0, 0.2, 0.001)
@@ -235,7 +232,10 @@ def test_the_hand_that_is_chosen_bears_the_force() -> None:
         push = _push(state.objects["ice tea box"], 0.0, 0.08, stroke=0.1, force=force)
         answer = REACH.push_configuration(push, state)
         assert not isinstance(answer, ReachAnswer), answer
-        stance, way = answer[0], FingertipPath.of(push, state.objects["ice tea box"])
+        stance, way = (
+            answer[0],
+            FingertipPath.of(push, state.objects["ice tea box"], HAND.tip_radius),
+        )
         (finger,) = stance.posture.pushing
         angles = np.array(stance.posture.angles[finger])
         load = force * stance.R_WP.T @ way.inward
@@ -249,7 +249,7 @@ def test_the_hand_that_is_chosen_bears_the_force() -> None:
 
 
 def test_the_largest_force_is_that_of_the_strongest_hand() -> None:
-    assert REACH.max_force == strongest(1, 0.0) == hands(1, 0.0).strength.max()
+    assert REACH.max_force == HAND.pushing_postures(1, 0.0).strength.max()
     assert REACH.max_force > 10.0  # what the joints' 2 N·m were always said to bear
 
 
@@ -266,8 +266,8 @@ def test_answers_do_not_depend_on_what_was_asked_before() -> None:
         return (*told, answer[1], REACH.prospect(push, state))
 
     first = [plain(*case) for case in cases]
-    hands.cache_clear()
-    spheres.hand_spheres.cache_clear()
+    pushing_postures.cache_clear()
+    hand_spheres.cache_clear()
     reachability_map.cache_clear()
     again = [plain(*case) for case in reversed(cases)][::-1]
     assert first == again
@@ -300,7 +300,10 @@ def test_the_map_knows_near_from_far() -> None:
 
 
 def test_every_finger_of_a_posture_is_there() -> None:
-    for posture in (*hands(1, 0.0).postures, *hands(2, 0.04).postures):
+    for posture in (
+        *HAND.pushing_postures(1, 0.0).postures,
+        *HAND.pushing_postures(2, 0.04).postures,
+    ):
         assert set(posture.angles) == set(FINGERS)
         for angles in posture.angles.values():
             inside = (np.array(angles) - FINGER_LIMITS[:, 0], FINGER_LIMITS[:, 1] - angles)

@@ -16,6 +16,7 @@ from sim.exploration.touch_recording import Recording
 from sim.exploration.trial_extraction import curve, trials
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.paths.tilt_arc import TiltArc
+from sim.standard_robot import ARM, HAND
 
 Array = NDArray[np.float64]
 
@@ -26,7 +27,7 @@ RNG = np.random.default_rng(0)
 
 
 def experiment(kind: str) -> Experiment:
-    found = experiments(SEEN, ArmHandReach(load_scene("kitchen").cell))
+    found = experiments(SEEN, ArmHandReach(load_scene("kitchen").cell, ARM, HAND))
     return next(e for e in found if e.kind == kind and e.push.face == "front")
 
 
@@ -44,6 +45,7 @@ def recording(
         before=SEEN.pose,
         after=PlanarPose(0.51, 0.1, YAW + turned),
         seen_tilt=0.0,
+        tip_radius=TIP_RADIUS,
         force_sd=0.03,
         zero_sd=0.003,
         pose_sd=(0.0004, 0.003),
@@ -98,7 +100,7 @@ def test_the_tilt_follows_from_the_fingertip_wherever_it_slips_to() -> None:
         along = back - (back * np.cos(angle) - up * np.sin(angle))
         tip = start + along * u
         tip[2] = back * np.sin(angle) + up * np.cos(angle)
-        assert TiltArc(start, u, tried.length).tilts(tip[None])[0] == pytest.approx(
+        assert TiltArc(start, u, tried.length, TIP_RADIUS).tilts(tip[None])[0] == pytest.approx(
             angle, abs=1e-12
         )
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from sim.cell.cell_description import JointSensor, TorqueSensor, Vision
-from sim.hands.four_finger.hand_kinematics import FINGERS
 from sim.perception.camera_port import VisionPort, mean_pose
 from sim.worlds.sensor_noise import JointReadings, TorqueReadings
 
 PERIOD = 0.01
+FINGERS = ("first", "second", "third", "fourth")
 TRUE = np.array([0.30, -0.10, 0.05])
 IDEAL = TorqueSensor(noise_nm=0.0, resolution_nm=0.0, bias_nm=0.0)
 
@@ -18,7 +18,9 @@ IDEAL = TorqueSensor(noise_nm=0.0, resolution_nm=0.0, bias_nm=0.0)
 def _readings(
     sensor: TorqueSensor, *, times: int = 1, seed: int = 0, gain_error: float = 0.0
 ) -> np.ndarray:
-    readings = TorqueReadings(sensor, PERIOD, seed, gain_error=gain_error)
+    readings = TorqueReadings(
+        sensor, dict.fromkeys(FINGERS, 3), PERIOD, seed, gain_error=gain_error
+    )
     return np.array([[readings.read(finger, TRUE) for finger in FINGERS] for _ in range(times)])
 
 

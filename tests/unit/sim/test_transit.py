@@ -7,8 +7,9 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.arms.lwr import lwr_kinematics as arm
-from sim.motion.roadmap import LIMIT_MARGIN, along, free_path, sample_configurations
+from sim.arms.lwr.lwr_kinematics import LIMITS
+from sim.motion.roadmap import LIMIT_MARGIN, free_path, interpolate_joints, sample_configurations
+from sim.standard_robot import ARM
 
 Array = NDArray[np.float64]
 
@@ -26,27 +27,27 @@ def _around_the_middle(q: Array) -> NDArray[np.bool_]:
 
 
 def test_the_straight_way_is_taken_if_it_is_free() -> None:
-    assert free_path(START, GOAL, BESIDE[None], _everywhere) == ()
+    assert free_path(ARM, START, GOAL, BESIDE[None], _everywhere) == ()
 
 
 def test_a_place_beside_leads_around() -> None:
-    way = free_path(START, GOAL, BESIDE[None], _around_the_middle)
+    way = free_path(ARM, START, GOAL, BESIDE[None], _around_the_middle)
     assert way is not None
     np.testing.assert_array_equal(way, BESIDE[None])
     for leg in itertools.pairwise([START, *way, GOAL]):
-        assert _around_the_middle(along(*leg)).all()
+        assert _around_the_middle(interpolate_joints(*leg)).all()
 
 
 def test_of_two_places_the_nearer() -> None:
     farther = np.vstack([1.5 * BESIDE, BESIDE])
-    way = free_path(START, GOAL, farther, _around_the_middle)
+    way = free_path(ARM, START, GOAL, farther, _around_the_middle)
     assert way is not None
     np.testing.assert_array_equal(way, BESIDE[None])
 
 
 def test_drawn_places_find_a_way_and_always_the_same() -> None:
     ways = [
-        free_path(START, GOAL, sample_configurations(START, GOAL), _around_the_middle)
+        free_path(ARM, START, GOAL, sample_configurations(START, GOAL), _around_the_middle)
         for _ in range(2)
     ]
     assert ways[0]
@@ -58,17 +59,17 @@ def test_there_is_no_way_out_of_a_cage() -> None:
         far = np.linalg.norm(q - START, axis=1)
         return np.asarray((far < 0.2) | (far > 0.4))
 
-    assert free_path(START, GOAL, sample_configurations(START, GOAL), caged) is None
-    assert free_path(START, GOAL, NOWHERE, lambda q: ~_everywhere(q)) is None
+    assert free_path(ARM, START, GOAL, sample_configurations(START, GOAL), caged) is None
+    assert free_path(ARM, START, GOAL, NOWHERE, lambda q: ~_everywhere(q)) is None
 
 
 def test_places_beyond_the_joint_limits_are_not_taken() -> None:
-    beyond = np.where(np.arange(7) == 0, arm.LIMITS - 0.5 * LIMIT_MARGIN, BESIDE)
-    assert free_path(START, GOAL, beyond[None], _around_the_middle) is None
+    beyond = np.where(np.arange(7) == 0, LIMITS - 0.5 * LIMIT_MARGIN, BESIDE)
+    assert free_path(ARM, START, GOAL, beyond[None], _around_the_middle) is None
 
 
 def test_poses_along_a_leg_are_close_to_each_other() -> None:
-    poses = along(START, GOAL)
+    poses = interpolate_joints(START, GOAL)
     np.testing.assert_array_equal(poses[[0, -1]], [START, GOAL])
     # The finest motion that matters is that of 50 mrad at a metre's length: 5 cm, half a link.
     assert np.abs(np.diff(poses, axis=0)).max() <= 0.05 + 1e-12  # rounding

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sim.hands.four_finger.hand_kinematics import FINGER_JOINTS, RESTING
 from sim.random_streams import Stream, source
+from sim.standard_robot import HAND
 from sim.truth.scene_file import FrictionVariation, Scene, VaryingTable, parse_scene
 from sim.worlds.drake.contents import ShiftingContents
 from sim.worlds.drake.drake_plant import Plant, add_plant
@@ -51,10 +51,11 @@ class Free:
         arm = np.radians(self.scene.robot.home_deg)
         for i, angle in enumerate(arm, start=1):
             self.plant.GetJointByName(f"arm_joint_{i}").set_angle(self.context, angle)
-        for finger, (first, second, third) in RESTING.angles.items():
-            for name, angle in zip(FINGER_JOINTS, (first, second, third, third), strict=True):
+        for finger, resting in HAND.resting.angles.items():
+            angles = HAND.model_angles(resting)
+            for name, angle in zip(HAND.model_joints(finger), angles, strict=True):
                 self.plant.GetJointByName(f"{finger}_{name}").set_angle(self.context, angle)
-        for part, q in ((self.model.arm, arm), (self.model.hand, RESTING.joints)):
+        for part, q in ((self.model.arm, arm), (self.model.hand, HAND.resting.joints)):
             port = self.plant.get_desired_state_input_port(part)
             port.FixValue(self.context, np.concatenate([q, np.zeros(len(q))]))
 

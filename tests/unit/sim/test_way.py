@@ -10,10 +10,12 @@ from planner.types.actions import Push
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
-from sim.motion.arm_configuration import ArmConfiguration, Mount
+from sim.hands.mount import Mount
+from sim.motion.arm_configuration import ArmConfiguration
 from sim.motion.robot_reach import ArmHandReach
 from sim.paths.fingertip_path import FingertipPath
 from sim.rotations import rot_z
+from sim.standard_robot import ARM, HAND
 
 SLANT = np.radians(30.0)
 
@@ -44,7 +46,7 @@ def target() -> SeenObject:
 
 def test_a_turning_push_moves_its_contact_as_far_as_its_stroke(target: SeenObject) -> None:
     push = _push("turned", turn=-0.6)
-    way = FingertipPath.of(push, target)
+    way = FingertipPath.of(push, target, HAND.tip_radius)
     shares = np.linspace(0.0, 1.0, 2001)
     points, turns = way.points(shares)[1:], way.turns(shares)[1:]
     # The fingertip is fixed to the object: what it touches lies a radius ahead of its centre.
@@ -60,8 +62,8 @@ def test_a_turning_push_moves_its_contact_as_far_as_its_stroke(target: SeenObjec
 
 def test_a_turn_by_nothing_is_a_straight_push(target: SeenObject) -> None:
     turned, straight = (
-        FingertipPath.of(_push("turned"), target),
-        FingertipPath.of(_push("stroke"), target),
+        FingertipPath.of(_push("turned"), target, HAND.tip_radius),
+        FingertipPath.of(_push("stroke"), target, HAND.tip_radius),
     )
     np.testing.assert_allclose(turned.points(), straight.points(), atol=1e-12)
     assert not turned.turns().any()
@@ -70,11 +72,13 @@ def test_a_turn_by_nothing_is_a_straight_push(target: SeenObject) -> None:
 def test_a_turned_palm_leaves_the_fingertip_where_it_should_be(target: SeenObject) -> None:
     scene = load_scene("kitchen")
     push = _push("turned", turn=-0.3)
-    answer = ArmHandReach(scene.cell).push_configuration(push, WorldState({"ice tea box": target}))
+    answer = ArmHandReach(scene.cell, ARM, HAND).push_configuration(
+        push, WorldState({"ice tea box": target})
+    )
     assert isinstance(answer, tuple), answer
     stance: ArmConfiguration = answer[0]
-    way = FingertipPath.of(push, target)
+    way = FingertipPath.of(push, target, HAND.tip_radius)
     for point, turned in zip(way.points(), way.turns(), strict=True):
-        R_WP, p_WP = Mount.of(scene.robot).palm(stance.joints(point, turned))
+        R_WP, p_WP = Mount.of(scene.robot, ARM, HAND).palm(stance.joints(point, turned))
         np.testing.assert_allclose(R_WP, rot_z(turned) @ stance.R_WP, atol=1e-9)
         np.testing.assert_allclose(p_WP + R_WP @ stance.posture.tips[0], point, atol=1e-9)

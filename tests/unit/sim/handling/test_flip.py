@@ -19,11 +19,11 @@ from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.arms.lwr.lwr_kinematics import LIMITS
 from sim.control.grasping.lidview import LidView
 from sim.execution.plan_execution import execute
-from sim.hands.four_finger.flip_postures import flip_postures
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.motion.robot_reach import ArmHandReach
 from sim.paths.lid_arc_path import LidPath, LidShape
 from sim.perception.camera_port import Frame, SeenPose
+from sim.standard_robot import ARM, HAND
 from sim.traces.trace import Trace
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject, load_scene
@@ -35,7 +35,7 @@ CUP = "ice tea cup"
 
 
 def _lid(start: float, end: float) -> LidShape:
-    return LidShape(0.07, 0.035, 0.02, 0.12, start, end)
+    return LidShape(0.07, 0.035, 0.02, 0.12, start, end, TIP_RADIUS)
 
 
 def _state(x: float, y: float, yaw: float, *others: SeenObject, opened: float = 0.0) -> WorldState:
@@ -77,10 +77,10 @@ def test_a_lid_is_a_plate_with_a_tab() -> None:
 @pytest.mark.parametrize("way", [(0.0, OPEN), (OPEN, 0.0)])
 def test_hands_touch_with_nothing_but_a_fingertip(way: tuple[float, float]) -> None:
     lid = _lid(*way)
-    hands = flip_postures(lid)
+    hands = HAND.flip_postures(lid)
     assert len(hands) > 100
     rest = hands.robot[:, :, :-1]  # the fingertip comes last
-    angles = np.broadcast_to(hands.way.angles, rest.shape[:2])
+    angles = np.broadcast_to(hands.path.angles, rest.shape[:2])
     assert lid.distance(rest, angles).min() > 0.0
     assert (rest[..., 2] - rest[..., 3]).min() > -lid.height
 
@@ -100,7 +100,7 @@ def test_the_way_begins_and_ends_off_the_lid() -> None:
 def test_a_cup_beside_the_arm_is_opened_and_closed_whichever_way_it_faces(
     heading: float, way: tuple[float, float]
 ) -> None:
-    reach = ArmHandReach(load_scene("kitchen").cell)
+    reach = ArmHandReach(load_scene("kitchen").cell, ARM, HAND)
     plan, state = _plan(*way), _state(0.24, 0.20, heading, opened=way[0])
     answer = reach.handles(plan, state)
     assert answer.ok
@@ -109,17 +109,17 @@ def test_a_cup_beside_the_arm_is_opened_and_closed_whichever_way_it_faces(
     assert not isinstance(found, ReachAnswer)
     stance, _ = found
     fingertip = []
-    for point, share in zip(stance.hands.way.points, stance.hands.way.shares, strict=True):
+    for point, share in zip(stance.hands.path.points, stance.hands.path.shares, strict=True):
         q = stance.joints(point, float(share))
         assert (np.abs(q) < LIMITS).all()
         R_WP, p_WP = reach.mount.palm(q)
         fingertip.append(p_WP + R_WP @ stance.stance.posture.tips[0])
-    wanted = stance.hands.way.points @ stance.R_WE.T + stance.p_WE
+    wanted = stance.hands.path.points @ stance.R_WE.T + stance.p_WE
     assert np.array(fingertip) == pytest.approx(wanted, abs=1e-9)
 
 
 def test_what_stands_where_the_hand_must_be_is_named() -> None:
-    reach = ArmHandReach(load_scene("kitchen").cell)
+    reach = ArmHandReach(load_scene("kitchen").cell, ARM, HAND)
     cereal = Registry.built_in().get("cereal box")
     walls = [
         SeenObject(
@@ -134,7 +134,7 @@ def test_what_stands_where_the_hand_must_be_is_named() -> None:
 
 
 def test_out_of_reach_is_told() -> None:
-    reach = ArmHandReach(load_scene("kitchen").cell)
+    reach = ArmHandReach(load_scene("kitchen").cell, ARM, HAND)
     answer = reach.handles(_plan(0.0, OPEN), _state(2.0, 0.0, 0.0))
     assert not answer.ok
     assert answer.reason == "kinematics"

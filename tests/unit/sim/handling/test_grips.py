@@ -7,9 +7,8 @@ from sim.hands.four_finger.grasp_postures import (
     HOLDING,
     NARROWEST,
     WIDEST,
-    GraspPosture,
-    grasp_posture,
-    inward,
+    FourFingerGrasp,
+    closing_direction,
 )
 from sim.hands.four_finger.hand_kinematics import (
     EFFORT,
@@ -21,13 +20,14 @@ from sim.hands.four_finger.hand_kinematics import (
     finger_jacobian,
     finger_points,
 )
+from sim.standard_robot import HAND
 
 WIDTHS = (NARROWEST, 0.03, 0.06, 0.09, WIDEST)
 
 
-def _grip(width: float) -> GraspPosture:
-    grip = grasp_posture(width)
-    assert grip is not None
+def _grip(width: float) -> FourFingerGrasp:
+    grip = HAND.grasp_posture(width)
+    assert isinstance(grip, FourFingerGrasp)
     return grip
 
 
@@ -48,7 +48,7 @@ def test_a_finger_does_not_bend_beyond_its_length() -> None:
 def test_fingertips_touch_two_sides_a_width_apart(width: float) -> None:
     grip = _grip(width)
     for finger in FINGERS:
-        side = grip.middle - width / 2.0 * inward(finger)
+        side = grip.middle - width / 2.0 * closing_direction(finger)
         x, _, z = grip.touching(finger)
         assert x == pytest.approx(side[0], abs=1e-6)
         assert z == pytest.approx(grip.middle[2], abs=1e-6)
@@ -59,14 +59,17 @@ def test_the_open_hand_stands_off_both_sides(width: float) -> None:
     grip = _grip(width)
     opened = grip.posture(grip.opening)
     for finger in FINGERS:
-        x = finger_points(finger, opened.angles[finger])[3, 0] + TIP_RADIUS * inward(finger)[0]
-        off = (grip.middle[0] - x) * inward(finger)[0] - width / 2.0
+        x = (
+            finger_points(finger, opened.angles[finger])[3, 0]
+            + TIP_RADIUS * closing_direction(finger)[0]
+        )
+        off = (grip.middle[0] - x) * closing_direction(finger)[0] - width / 2.0
         assert off == pytest.approx(grip.opening, abs=1e-6)
 
 
 def test_no_grip_where_the_hand_does_not_close() -> None:
-    assert grasp_posture(0.9 * NARROWEST) is None
-    assert grasp_posture(1.1 * WIDEST) is None
+    assert HAND.grasp_posture(0.9 * NARROWEST) is None
+    assert HAND.grasp_posture(1.1 * WIDEST) is None
 
 
 @pytest.mark.parametrize("width", WIDTHS)
@@ -77,7 +80,7 @@ def test_no_joint_is_overloaded_by_the_strongest_squeeze(width: float) -> None:
     assert grip.grip.strongest > 10.0  # what the hand was made for [N]
 
 
-def _forces(grip: GraspPosture, commanded: np.ndarray) -> np.ndarray:
+def _forces(grip: FourFingerGrasp, commanded: np.ndarray) -> np.ndarray:
     """What the fingers exert if their springs are wound up so, in P, shape (4, 3) [N]."""
     torques = dict(zip(FINGERS, JOINT_STIFFNESS * commanded.reshape(4, 3), strict=True))
     angles = grip.posture().angles

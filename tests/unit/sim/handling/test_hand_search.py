@@ -13,10 +13,11 @@ from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
 from sim.arms.lwr import lwr_kinematics as arm
 from sim.motion.grasp_motion_search import GraspMotion
 from sim.motion.robot_reach import ArmHandReach
+from sim.standard_robot import ARM, HAND
 from tests.plans import NOTHING_POURED
 from tests.unit.sim.handling.table import CARTON, grasp, plan, scene, state
 
-REACH = ArmHandReach(scene().cell)
+REACH = ArmHandReach(scene().cell, ARM, HAND)
 LIFT, DOWN = LiftUp(height=0.12), SetDown()
 POUR = PourOut(
     into="mug",
@@ -87,7 +88,8 @@ def test_a_distance_that_is_asked_for_is_kept() -> None:
     carry = Carry(to=Aim(x=0.75, y=0.12))
     made = plan(LiftUp(height=0.02), carry)
     assert REACH.handles(made, state()).ok
-    asked = made.model_copy(update={"clear_of": (("mug", 0.10),)})
+    limits = made.limits.model_copy(update={"clear_of": (("mug", 0.10),)})
+    asked = made.model_copy(update={"limits": limits})
     assert _refused(asked, state()).blocker == "mug"
 
 

@@ -12,11 +12,11 @@ from objectmodels.models.object_parts import LiftOffLid, ScrewCap
 from planner.types.actions import Action, Aim, Carry, Grasp, LiftUp, PutOn, SetDown, TurnCap
 from planner.types.plan import Plan
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim.hands.four_finger.grasp_postures import pinch
 from sim.hands.four_finger.hand_kinematics import finger_points
 from sim.motion.robot_reach import ArmHandReach
 from sim.paths.held_object import HeldObject
 from sim.paths.held_object_path import held_segments
+from sim.standard_robot import ARM, HAND
 from sim.truth.scene_file import load_scene
 from tests.plans import EASY_TURN, hand_plan
 
@@ -61,7 +61,7 @@ def _aside(name: str) -> tuple[Action, ...]:
 
 @pytest.mark.parametrize("width", [0.02, 0.024, 0.03, 0.05])
 def test_a_pinch_does_not_hang_below_its_fingertips(width: float) -> None:
-    grip = pinch(width)
+    grip = HAND.grasp_posture(width, pinch=True)
     assert grip is not None
     assert grip.holding == ("thumb", "middle")
     for opening in (0.0, grip.opening):
@@ -105,7 +105,7 @@ def test_a_lid_is_put_onto_its_rim() -> None:
 
 @pytest.mark.parametrize("name", [JAR, BOTTLE])
 def test_the_arm_reaches_lids_that_stand_away_from_below_it(name: str) -> None:
-    reach = ArmHandReach(load_scene("kitchen").cell)
+    reach = ArmHandReach(load_scene("kitchen").cell, ARM, HAND)
     steps = _aside(name) if name == JAR else (TURN, *_aside(name))
     found = [
         reach.handles(_plan(name, *steps, yaw=math.radians(yaw)), _state(name))

@@ -1,0 +1,370 @@
+"""What planning and control know of a hand, whichever it is.
+
+Frames: F is the arm's flange. P is the palm: z along the straight fingers, x from the fingers to
+the one that opposes them, which is the direction in which the hand closes. D is the frame of a
+push (x into the touched face, z up), T the midpoint of the pushing fingertips' centres. E stands
+at the hinge of a lid, see `sim.paths.lid_arc_path`. Another hand is a folder of its own beside
+`four_finger`.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.resources.abc import Traversable
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.types.robot import Grip
+from sim.collision.collision_spheres import place_spheres
+from sim.paths.lid_arc_path import LidPath, LidShape
+from sim.rotations import Array
+
+Angles = tuple[float, ...]
+"""Angles of a finger's independent joints [rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Posture:
+    """Joint angles of the whole hand and the fingers whose tips touch.
+
+    Attributes:
+        name: for reports.
+        angles: per finger.
+        pushing: names of the fingers that touch.
+        tips: centres of their fingertips in P, shape (k, 3) [m].
+    """
+
+    name: str
+    angles: Mapping[str, Angles]
+    pushing: tuple[str, ...]
+    tips: Array
+
+    @functools.cached_property
+    def midpoint(self) -> Array:
+        """Midpoint of the pushing fingertips' centres in P, shape (3,) [m]."""
+        return np.asarray(self.tips.mean(axis=0))
+
+    @functools.cached_property
+    def joints(self) -> Array:
+        """Angles of the independent finger joints, finger after finger, shape (n,) [rad]."""
+        return np.array([a for each in self.angles.values() for a in each])
+
+
+@dataclass(frozen=True, eq=False)
+class PostureSet:
+    """Postures that push and orientations of the palm, n of them, the best first.
+
+    Attributes:
+        postures: the different ones.
+        which: index of the posture, shape (n,).
+        R_DP: orientation of the palm, shape (n, 3, 3).
+        strength: force along the push that each pushing finger bears, shape (n,) [N].
+        centres: of the spheres of the hand, the pushing tips last, from T, in D,
+            shape (n, k, 3) [m].
+        radii: of these, shape (n, k) [m].
+        palm: origin of P, from T, in D, shape (n, 3) [m].
+    """
+
+    postures: tuple[Posture, ...]
+    which: NDArray[np.intp]
+    R_DP: Array
+    strength: Array
+    centres: Array
+    radii: Array
+    palm: Array
+
+    @classmethod
+    def of(
+        cls,
+        postures: tuple[Posture, ...],
+        spheres: tuple[Array, ...],
+        which: NDArray[np.intp],
+        R_DP: Array,
+        strength: Array,
+    ) -> PostureSet:
+        """The set of some postures with their spheres in P, shape (k, 4) each."""
+        tips = np.array([posture.midpoint for posture in postures])[which]
+        about_T = np.array(padded_spheres(spheres))[which]
+        return cls(
+            postures,
+            which,
+            R_DP,
+            strength,
+            (about_T[..., :3] - tips[:, None]) @ np.swapaxes(R_DP, -1, -2),
+            about_T[..., 3],
+            -(R_DP @ tips[..., None])[..., 0],
+        )
+
+    def __len__(self) -> int:
+        return len(self.which)
+
+    def __getitem__(self, chosen: NDArray[np.bool_] | NDArray[np.intp] | slice) -> PostureSet:
+        return PostureSet(
+            self.postures,
+            self.which[chosen],
+            self.R_DP[chosen],
+            self.strength[chosen],
+            self.centres[chosen],
+            self.radii[chosen],
+            self.palm[chosen],
+        )
+
+    def posture(self, index: int) -> Posture:
+        """Posture of one of them."""
+        return self.postures[int(self.which[index])]
+
+    @property
+    def tip_count(self) -> int:
+        """Number of fingers that push."""
+        return len(self.postures[0].pushing)
+
+    @functools.cached_property
+    def lowest(self) -> Array:
+        """Height of the lowest point but the pushing tips above T, shape (n,) [m]."""
+        tips = self.tip_count
+        below = self.centres[:, :-tips, 2] - self.radii[:, :-tips]
+        return np.asarray(below.min(axis=1, initial=np.inf))
+
+    @functools.cached_property
+    def size(self) -> float:
+        """Largest horizontal distance of any point from T [m]."""
+        far = np.hypot(self.centres[..., 0], self.centres[..., 1]) + self.radii
+        return float(far.max(initial=0.0))
+
+    def placed(self, R_WD: Array, points: Array) -> Array:
+        """The spheres in W with T at w points, shape (n, w, k, 4).
+
+        Args:
+            R_WD: frame of the push at each point, shape (w, 3, 3).
+            points: shape (w, 3), or (n, w, 3) [m].
+        """
+        centres = self.centres[:, None] @ np.swapaxes(R_WD, -1, -2) + points[..., None, :]
+        radii = np.broadcast_to(self.radii[:, None, :, None], (*centres.shape[:-1], 1))
+        return np.concatenate([centres, radii], axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class FlipPostureSet:
+    """Postures that flip a lid, n of them, those that feel best first.
+
+    Attributes:
+        path: of the fingertip.
+        postures: of each.
+        spheres: of each posture in P, the fingertip last, shape (k, 4) each.
+        R_EP: orientation of the palm along the path, shape (n, w, 3, 3).
+        tips: centre of the fingertip in P, shape (n, 3) [m].
+    """
+
+    path: LidPath
+    postures: tuple[Posture, ...]
+    spheres: tuple[Array, ...]
+    R_EP: Array
+    tips: Array
+
+    def __len__(self) -> int:
+        return len(self.postures)
+
+    def __getitem__(self, chosen: NDArray[np.intp]) -> FlipPostureSet:
+        which = chosen.tolist()
+        return FlipPostureSet(
+            self.path,
+            tuple(self.postures[k] for k in which),
+            tuple(self.spheres[k] for k in which),
+            self.R_EP[chosen],
+            self.tips[chosen],
+        )
+
+    @functools.cached_property
+    def robot(self) -> Array:
+        """Spheres of the hand in E along the path, the fingertip last, shape (n, w, k, 4)."""
+        most = max(map(len, self.spheres), default=1)
+        about = np.reshape(padded_spheres(self.spheres), (len(self), 1, most, 4))
+        about = about - np.pad(self.tips, ((0, 0), (0, 1)))[:, None, None]
+        points = np.broadcast_to(self.path.points, self.R_EP.shape[:3])
+        return place_spheres(about, self.R_EP, points)
+
+
+def padded_spheres(spheres: tuple[Array, ...]) -> list[Array]:
+    """As many spheres of each posture, shape (k, 4): the first of some stands there repeatedly."""
+    most = max(map(len, spheres), default=1)
+    return [np.vstack([np.tile(some[:1], (most - len(some), 1)), some]) for some in spheres]
+
+
+class GraspPosture(Protocol):
+    """How a hand closes about something of a width."""
+
+    @property
+    def width(self) -> float:
+        """Distance between the touched sides [m]."""
+        ...
+
+    @property
+    def middle(self) -> Array:
+        """Middle of the grasp in P, shape (3,) [m]."""
+        ...
+
+    @property
+    def opening(self) -> float:
+        """How far the fingertips stand off each side before they close [m]."""
+        ...
+
+    @property
+    def grip(self) -> Grip:
+        """What the planner knows of it."""
+        ...
+
+    @property
+    def holding(self) -> tuple[str, ...]:
+        """Names of the fingers that touch."""
+        ...
+
+    @property
+    def pressing(self) -> Array:
+        """Change of the commanded finger angles per squeeze, shape (n,) [rad/N]."""
+        ...
+
+    def posture(self, opening: float = 0.0) -> Posture:
+        """The hand with its fingertips so far off each side [m]; negative: beyond it."""
+        ...
+
+    def bearing(self, force_P: Array) -> Array:
+        """Change of the commanded finger angles with which both sides exert a force.
+
+        Args:
+            force_P: on what is held, in P, shape (3,) [N].
+
+        Returns:
+            Shape (n,) [rad].
+        """
+        ...
+
+
+class Hand(Protocol):
+    """Postures and kinematics of a hand with n independent finger joints."""
+
+    fingers: tuple[str, ...]
+    """Names of the fingers, in the order of the joints."""
+
+    grasp_fingers: tuple[str, ...]
+    """Names of the fingers that hold something, the one that opposes the others first."""
+
+    tip_radius: float
+    """Radius of a fingertip [m]."""
+
+    finger_spreads: tuple[float, ...]
+    """Distances between the fingertips of a two-finger push, the largest first [m]."""
+
+    force_skew: float
+    """Largest vertical force per force along the push of a posture that pushes."""
+
+    grasp_widths: tuple[float, float]
+    """Least and largest width about which the hand closes [m]."""
+
+    R_FP: Array
+    """Orientation of the palm on the flange, shape (3, 3)."""
+
+    p_FP: Array
+    """Place of the palm on the flange, shape (3,) [m]."""
+
+    palm_link: str
+    """Name of the model's link whose frame is P."""
+
+    def __hash__(self) -> int: ...
+
+    @property
+    def model_file(self) -> Traversable:
+        """URDF model, for a simulator."""
+        ...
+
+    @property
+    def resting(self) -> Posture:
+        """The hand while it waits."""
+        ...
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the independent joints in the order of `Posture.joints`."""
+        ...
+
+    def model_joints(self, finger: str) -> tuple[str, ...]:
+        """Names of all joints of a finger in the model: the independent ones, then the others."""
+        ...
+
+    def model_angles(self, angles: Angles) -> Angles:
+        """Angles of all joints of a finger in the model, in their order [rad]."""
+        ...
+
+    def pushing_postures(self, fingers: int, spread: float, *, fine: bool = False) -> PostureSet:
+        """Postures in which so many fingers push, the best first.
+
+        Args:
+            fingers: one or two.
+            spread: distance between two fingertips [m].
+            fine: the palm may lean by small angles and large ones.
+        """
+        ...
+
+    def grasp_posture(self, width: float, *, pinch: bool = False) -> GraspPosture | None:
+        """How the hand closes about a width [m], or about a knob of it; None if it does not."""
+        ...
+
+    def flip_postures(self, lid: LidShape) -> FlipPostureSet:
+        """Postures in which one finger flips a lid."""
+        ...
+
+    def closing_direction(self, finger: str) -> Array:
+        """Direction in which a finger presses on what is held, in P, shape (3,)."""
+        ...
+
+    def tip_centre(self, finger: str, angles: Angles) -> Array:
+        """Centre of a fingertip in P, shape (3,) [m]."""
+        ...
+
+    def tip_force(self, finger: str, angles: Angles, p_PC: Array, torques: Array) -> Array:
+        """Force at a point of a fingertip that balances its joints' torques, in P, shape (3,) [N].
+
+        Args:
+            finger: its name.
+            angles: of its joints.
+            p_PC: the point in P, shape (3,) [m].
+            torques: of its independent joints [N·m].
+        """
+        ...
+
+    def tip_stiffness(self, finger: str, angles: Angles, p_PC: Array) -> Array:
+        """Force at points of a fingertip per displacement, in P, shape (..., 3, 3) [N/m]."""
+        ...
+
+    def force_noise_gain(self, finger: str, angles: Angles, p_PC: Array, along_P: Array) -> Array:
+        """Noise of the force felt along unit directions per noise of a torque sensor [1/m].
+
+        Args:
+            finger: its name.
+            angles: of its joints.
+            p_PC: where the finger touches, in P, shape (..., 3) [m].
+            along_P: the directions in P, shape (..., 3).
+        """
+        ...
+
+    def is_at_stop(self, angles: Angles) -> bool:
+        """True if a joint of a finger is at its stop, which bears what no torque sensor shows."""
+        ...
+
+    def spheres(self, posture: Posture) -> Array:
+        """Spheres of the hand in P with room about its fingers, without the pushing tips, (n, 4).
+
+        They reach back to the wrist of the arm.
+        """
+        ...
+
+    def whole_spheres(self, posture: Posture) -> Array:
+        """The same with the pushing fingertips, which come last."""
+        ...
+
+    def thin_spheres(self, posture: Posture) -> Array:
+        """Spheres of the whole hand in P, its fingers as thin as they are, shape (n, 4)."""
+        ...

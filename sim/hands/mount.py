@@ -1,0 +1,95 @@
+"""Where the robot is: an arm on its base with a hand on its flange.
+
+Frames: W is the world, A the arm's base, F its flange, P the palm.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.arms.arm_kinematics import ArmKinematics
+from sim.cell.cell_description import RobotMount
+from sim.collision.collision_spheres import place_spheres
+from sim.hands.hand_model import Hand
+from sim.rotations import Array, rot_x, rot_y, rot_z
+
+
+@dataclass(frozen=True, eq=False)
+class Mount:
+    """An arm with a hand, and where its base stands.
+
+    Attributes:
+        arm: on the base.
+        hand: on the arm's flange.
+        R_WA: orientation of the base, shape (3, 3).
+        p_WA: its place, shape (3,) [m].
+    """
+
+    arm: ArmKinematics
+    hand: Hand
+    R_WA: Array
+    p_WA: Array
+
+    @classmethod
+    def of(cls, cell: RobotMount, arm: ArmKinematics, hand: Hand) -> Mount:
+        """The mount that a cell's description names."""
+        roll, pitch, yaw = np.radians(cell.base_rpy_deg)
+        return cls(arm, hand, rot_z(yaw) @ rot_y(pitch) @ rot_x(roll), np.array(cell.base_m))
+
+    @functools.cached_property
+    def p_PW(self) -> Array:
+        """Centre of the arm's wrist in P, shape (3,) [m]."""
+        return np.asarray(self.hand.R_FP.T @ (self.arm.p_FW - self.hand.p_FP))
+
+    def flange(self, R_WP: Array, p_WP: Array) -> tuple[Array, Array]:
+        """Flange poses in A for palm poses in W, shapes (..., 3, 3) and (..., 3)."""
+        R_WF = R_WP @ self.hand.R_FP.T
+        p_WF = p_WP - R_WF @ self.hand.p_FP
+        return self.R_WA.T @ R_WF, (p_WF - self.p_WA) @ self.R_WA
+
+    def palm(self, q: Array) -> tuple[Array, Array]:
+        """Palm poses in W for arm angles, shapes (..., 3, 3) and (..., 3)."""
+        R_AF, p_AF = self.arm.forward(q)
+        R_WF = self.R_WA @ R_AF
+        p_WF = p_AF @ self.R_WA.T + self.p_WA
+        return R_WF @ self.hand.R_FP, p_WF + R_WF @ self.hand.p_FP
+
+    def solve_palm(
+        self, R_WP: Array, p_WP: Array, redundancy: Array
+    ) -> tuple[Array, NDArray[np.bool_]]:
+        """Arm angles that bring the palm along n paths of w poses, by all branches of the arm.
+
+        Args:
+            R_WP: shape (n, w, 3, 3).
+            p_WP: shape (n, w, 3) [m].
+            redundancy: of the arm along each path, shape (n,) [rad].
+
+        Returns:
+            Angles, shape (n, w, branches, joints) [rad], and which of them reach their pose away
+            from the arm's singularities, shape (n, w, branches).
+        """
+        R_AF, p_AF = self.flange(R_WP, p_WP)
+        n, w = p_AF.shape[:2]
+        q, valid = self.arm.inverse(
+            R_AF.reshape(-1, 3, 3), p_AF.reshape(-1, 3), np.repeat(redundancy, w)
+        )
+        usable = np.asarray(valid & self.arm.is_regular(q))
+        return q.reshape(n, w, *q.shape[1:]), usable.reshape(n, w, *usable.shape[1:])
+
+    def arm_spheres(self, q: Array) -> Array:
+        """Spheres of the arm in W for arm angles, shape (..., k, 4)."""
+        return place_spheres(self.arm.spheres(q), self.R_WA, self.p_WA)
+
+    def robot_spheres(self, hand_P: Array, q: Array) -> Array:
+        """Spheres of hand and arm in W for arm angles (n, joints), shape (n, k, 4).
+
+        Args:
+            hand_P: those of the hand in P, shape (h, 4); they come first.
+            q: arm angles [rad].
+        """
+        hand = place_spheres(hand_P, *self.palm(q))
+        return np.concatenate([hand, self.arm_spheres(q)], axis=-2)
