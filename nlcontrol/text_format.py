@@ -46,6 +46,13 @@ def known(value: float, sd: float, unit: str = "") -> str:
     return f"{text} ± {spread}" if sd else text
 
 
+def enumeration(names: Sequence[str], word: str = "and") -> str:
+    """Names as one reads them: "a, b and c"."""
+    if len(names) < 2:
+        return "".join(names)
+    return f"{', '.join(names[:-1])} {word} {names[-1]}"
+
+
 def words(text: str, spans: Sequence[tuple[int, int]]) -> str:
     """The words of a sentence that spans cover, with a dash for what lies between."""
     return " … ".join(text[start:end] for start, end in spans)

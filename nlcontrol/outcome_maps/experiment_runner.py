@@ -30,7 +30,8 @@ from typing import TYPE_CHECKING
 from nlcontrol import __version__
 from nlcontrol.errors import error, translated
 from nlcontrol.outcome_maps.experiment_record import Record
-from nlcontrol.references.object_names import Candidate, called, listed
+from nlcontrol.references.object_names import Candidate, called
+from nlcontrol.text_format import enumeration
 from sim.face_experiment import applied_force as appliedforce
 from sim.face_experiment.face_contact import Contact, Touch, TouchResult, Way
 from sim.face_experiment.finger_push import FingerTouch
@@ -71,7 +72,9 @@ def standing(controller: Controller, name: str) -> SceneObject:
     found = called(name, on_table)
     if len(found) > 1:
         names = tuple(candidate.name for candidate in found)
-        raise error("ambiguous_object", f"{name!r} may be {listed(names, 'or')}", suggestions=names)
+        raise error(
+            "ambiguous_object", f"{name!r} may be {enumeration(names, 'or')}", suggestions=names
+        )
     if found:
         return controller.scene.object(found[0].name)
     with translated():
@@ -80,7 +83,7 @@ def standing(controller: Controller, name: str) -> SceneObject:
         "not_on_table",
         f"the {model.name} does not stand in the scene {controller.scene.name}, so that nobody "
         "knows how it really is",
-        suggestions=(*_scenes_with(model), f"there stand: {listed(controller.scene.names)}"),
+        suggestions=(*_scenes_with(model), f"there stand: {enumeration(controller.scene.names)}"),
     )
 
 

@@ -15,8 +15,14 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from grammar.frames import command as g
-from nlcontrol import grasp_plan_text as handwords
 from nlcontrol.errors import ControlError, ErrorInfo
+from nlcontrol.plan_text import (
+    deciding_figures,
+    grasp_text,
+    plan_reasons,
+    predicted_outcomes,
+    steps_text,
+)
 from nlcontrol.questions.answer import Answer, chance
 from nlcontrol.questions.asked_push import inquiry, target_of
 from nlcontrol.questions.where_to_push import most_favourable
@@ -45,12 +51,12 @@ _ON_ITS_SIDE = math.pi / 2.0
 
 def can(made: Plan) -> Answer:
     """That a hand can do it, how, and how surely."""
-    why = "; ".join((*handwords.predicted(made), *handwords.reasons(made)))
-    held = f", held {handwords.grasp_words(made.grasp)}" if made.grasp is not None else ""
+    why = "; ".join((*predicted_outcomes(made), *plan_reasons(made)))
+    held = f", held {grasp_text(made.grasp)}" if made.grasp is not None else ""
     return Answer(
         query="possible",
-        text=f"Yes: {handwords.doing(made)}{held} ({why}).",
-        numbers=handwords.deciding(made),
+        text=f"Yes: {steps_text(made)}{held} ({why}).",
+        numbers=deciding_figures(made),
         probability=made.probability,
         yes=True,
     )
@@ -86,8 +92,8 @@ def predict_hand(
         )
     if made.status == "reached":
         return Answer(query="predict", text="Nothing: it is so already.")
-    told = "; ".join((*handwords.predicted(made), *handwords.reasons(made)))
-    numbers = handwords.deciding(made)
+    told = "; ".join((*predicted_outcomes(made), *plan_reasons(made)))
+    numbers = deciding_figures(made)
     spilled = numbers.get("spilled", 0.0)
     start, yes, p = "", None, made.probability
     if frame.event == "spills":
@@ -99,7 +105,7 @@ def predict_hand(
         start = "Yes: " if yes else "No: "
     return Answer(
         query="predict",
-        text=f"{start}I would {handwords.doing(made)}; {told}.",
+        text=f"{start}I would {steps_text(made)}; {told}.",
         numbers=numbers,
         probability=p,
         yes=yes,

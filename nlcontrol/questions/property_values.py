@@ -14,8 +14,7 @@ from grammar.frames import command as g
 from nlcontrol.errors import ControlError, ErrorInfo
 from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.asked_push import target_of
-from nlcontrol.references.object_names import listed
-from nlcontrol.text_format import known, quantity
+from nlcontrol.text_format import enumeration, known, quantity
 
 if TYPE_CHECKING:
     from planner.types.world_state import SeenObject, WorldState
@@ -53,7 +52,7 @@ def value(frame: g.Frame, state: WorldState, position_sd: float) -> Answer:
         parts.append(text)
         numbers |= figures
     source = "" if which == ("position",) else f" ({_source(target, which or EVERYTHING)})"
-    text = f"The {target.name} {listed(parts)}{source}."
+    text = f"The {target.name} {enumeration(parts)}{source}."
     return Answer(query="value", text=text, numbers=numbers)
 
 

@@ -27,8 +27,7 @@ from nlcontrol.questions.push_prediction import (
     threshold,
 )
 from nlcontrol.questions.where_to_push import most_favourable, where
-from nlcontrol.references.object_names import listed
-from nlcontrol.text_format import quantity
+from nlcontrol.text_format import enumeration, quantity
 from planner import plan
 from planner.affordances import TURNING_ARM, affordances
 from planner.geometry.directions import HEADINGS, heading_of, phrase
@@ -239,9 +238,11 @@ def _affordances(
     can = [each for each in found if each.can]
     done = dict.fromkeys(each.outcome for each in can)
     lacking = dict.fromkeys(each.outcome for each in found if each.outcome not in done)
-    text = f"With the {target.name} I can {listed([_ways(o, can) for o in done]) or 'do nothing'}"
+    text = (
+        f"With the {target.name} I can {enumeration([_ways(o, can) for o in done]) or 'do nothing'}"
+    )
     if done and lacking:
-        text += f"; I cannot {listed(list(lacking), 'or')} it"
+        text += f"; I cannot {enumeration(list(lacking), 'or')} it"
     return Answer(
         query="affordances",
         text=f"{text}.",
@@ -256,5 +257,5 @@ def _ways(outcome: str, can: list[Affordance]) -> str:
     if not ways[0].direction:
         return f"{outcome} it"
     least = min(a.least_force for a in ways if a.least_force is not None)
-    directions = listed([phrase(HEADINGS[a.direction]) for a in ways])
+    directions = enumeration([phrase(HEADINGS[a.direction]) for a in ways])
     return f"{outcome} it {directions} (from {newtons(least)} on)"

@@ -8,7 +8,8 @@ from typing import get_args
 from grammar.frames.command import ObjectRef, Quality, Relation, Span
 from nlcontrol.errors import ControlError, error
 from nlcontrol.references.colour_names import SHADES
-from nlcontrol.references.object_names import Candidate, listed, telling, words
+from nlcontrol.references.object_names import Candidate, telling, words
+from nlcontrol.text_format import enumeration
 
 COLOURS: tuple[Quality, ...] = tuple(q for q in get_args(Quality) if q in SHADES)
 
@@ -57,10 +58,10 @@ def ambiguous(
     ways = [*by_looks, by_name] if generic else [by_name, *by_looks]
     offered = _offered(names, ways, fitting)
     told = telling(names) if offered == [f"the {name}" for name in names] else offered
-    fits = f"'{said(ref)}' fits {len(names)} objects: {listed(names)}"
+    fits = f"'{said(ref)}' fits {len(names)} objects: {enumeration(names)}"
     return error(
         "ambiguous_object",
-        f"{fits}; say which: {listed(told, 'or')}",
+        f"{fits}; say which: {enumeration(told, 'or')}",
         span=span(ref),
         suggestions=tuple(offered),
     )
@@ -104,7 +105,7 @@ def said(ref: ObjectRef) -> str:
         return ref.text
     place = _PLACES.get(ref.relation, ref.relation)
     others = [other.text if other.pronoun else f"the {said(other)}" for other in ref.reference]
-    return f"{ref.text} {place} {listed(others)}"
+    return f"{ref.text} {place} {enumeration(others)}"
 
 
 def span(ref: ObjectRef) -> Span | None:

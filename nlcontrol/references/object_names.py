@@ -64,10 +64,3 @@ def likely(text: str, candidates: Iterable[Candidate]) -> str | None:
     near = suggest(" ".join(words(text)), [name for name, _ in owners])
     found = {owner for name, owner in owners if name in near}
     return found.pop() if len(found) == 1 else None
-
-
-def listed(names: Sequence[str], word: str = "and") -> str:
-    """Names as one reads them: "a, b and c"."""
-    if len(names) < 2:
-        return "".join(names)
-    return f"{', '.join(names[:-1])} {word} {names[-1]}"

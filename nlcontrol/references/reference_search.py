@@ -19,7 +19,8 @@ from grammar.frames.command import ObjectRef, Quality
 from nlcontrol.errors import ControlError, error
 from nlcontrol.references.disambiguation_text import COLOURS, GENERIC, ambiguous, noun, said, span
 from nlcontrol.references.object_attributes import having, related
-from nlcontrol.references.object_names import Candidate, called, likely, listed, words
+from nlcontrol.references.object_names import Candidate, called, likely, words
+from nlcontrol.text_format import enumeration
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
@@ -88,7 +89,7 @@ def find(ref: ObjectRef, around: Surroundings, spoken: Spoken, *, alone: bool = 
         there = [c.name for c in _named(ref, around)]
         raise error(
             "unknown_object",
-            f"there is no '{said(ref)}' on the table; there is: {listed(there)}",
+            f"there is no '{said(ref)}' on the table; there is: {enumeration(there)}",
             span=span(ref),
             suggestions=tuple(f"the {name}" for name in there),
         )
@@ -229,4 +230,4 @@ def _not_on_table(what: str, ref: ObjectRef, around: Surroundings) -> ControlErr
 
 
 def _there(around: Surroundings) -> str:
-    return listed(around.names) or "nothing"
+    return enumeration(around.names) or "nothing"

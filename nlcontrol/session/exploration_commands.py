@@ -20,8 +20,8 @@ from nlcontrol.learning.exploration_session import (
 )
 from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.asked_push import target_of
-from nlcontrol.references.object_names import listed
 from nlcontrol.session.weighing import by_lifting, weigh
+from nlcontrol.text_format import enumeration
 from objectmodels.identification.experiment_design import precisions, reached
 
 if TYPE_CHECKING:
@@ -150,7 +150,9 @@ def announced(controller: Controller, frame: g.Frame, state: WorldState) -> str:
     kinds = kinds_for(wanted(frame))
     target = target_of(frame, state)
     share = f"{100.0 * controller.defaults.found_to:.0f} %"
-    return f"the {target.name} would be touched ({listed(kinds)}) until that is known to {share}"
+    return (
+        f"the {target.name} would be touched ({enumeration(kinds)}) until that is known to {share}"
+    )
 
 
 def _on_table(controller: Controller, frame: g.Frame) -> str:

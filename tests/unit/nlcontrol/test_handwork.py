@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller, Conversation
-from nlcontrol.grasp_plan_text import reasons
 from nlcontrol.learning.grasp_lessons import believed_after, refilled, weighed
+from nlcontrol.plan_text import plan_reasons
 from nlcontrol.session.undo_frames import Pushed, in_words, way_back
 from objectmodels import ObjectModel
 from objectmodels.mechanics.push_thresholds import GRAVITY
@@ -163,13 +163,13 @@ def test_a_lid_is_compared_with_its_object_where_both_forces_act() -> None:
     flip = FlipOver(
         start=0.0, end=1.5, speed=0.5, force_limit=0.8, heading=0.0, prediction=prediction
     )
-    assert reasons(hand_plan("ice tea", None, flip, task="open")) == [
+    assert plan_reasons(hand_plan("ice tea", None, flip, task="open")) == [
         "the lid takes up to 0.7 N",
         "at 0.0°, where the ice tea comes nearest to giving way, it takes 0.2 N, and the ice tea "
         "slides from 0.9 N on and topples from 0.4 N on",
     ]
     pull = LiftUp(height=0.1, prediction=PullPrediction(lid_force=0.7, lifting_force=2.0))
-    assert reasons(hand_plan("ice tea", None, pull, task="open")) == [
+    assert plan_reasons(hand_plan("ice tea", None, pull, task="open")) == [
         "the lid takes up to 0.7 N",
         "the ice tea is lifted from 2.0 N on",
     ]

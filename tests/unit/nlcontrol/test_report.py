@@ -10,8 +10,9 @@ import pytest
 from grammar.frames import command as g
 from nlcontrol.checks.verdicts import Check
 from nlcontrol.errors import CODES, NO_PLAN, ErrorInfo
+from nlcontrol.plan_text import plan_lines
 from nlcontrol.questions.answer import Answer
-from nlcontrol.reports.result_report import check_line, plan_lines, report
+from nlcontrol.reports.result_report import check_line, report
 from nlcontrol.results.result import Execution, Result, Step
 from nlcontrol.text_format import error_lines, quantity, words
 from planner.types.actions import Aim, Limits, Margins, Prediction, Push
