@@ -130,7 +130,7 @@ def pushes(model: ObjectModel, rng: Generator) -> tuple[np.ndarray, np.ndarray]:
     for k in range(PUSHES):
         face = faces[k % len(faces)]
         lateral = rng.uniform(-0.5, 0.5) * face.width
-        p, n = face.at(lateral, rng.uniform(face.bottom, face.top))
+        p, n = face.points_at(lateral, rng.uniform(face.bottom, face.top))
         points.append(p)
         normals.append(n)
     share, turn = np.sqrt(rng.uniform(size=PUSHES)), rng.uniform(0.0, 2.0 * np.pi, PUSHES)

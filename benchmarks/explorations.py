@@ -38,7 +38,7 @@ from nlcontrol.learning.push_lessons import taken
 from nlcontrol.reports.exploration_report import with_truth
 from objectmodels import ObjectModel
 from objectmodels.geometry.mechanical import UNCERTAIN
-from objectmodels.identification import guess
+from objectmodels.identification import initial_belief
 from sim.exploration.exploration_run import Explorer, Touched
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import FrictionVariation, Hidden, Pose, Scene, SceneObject, load_scene
@@ -153,7 +153,7 @@ def guessed(job: Job, model: ObjectModel, mass: float, friction: float) -> Objec
     """A guess that is off by the factor in mass and friction, up or down by the seed's bits."""
     up = [FACTOR ** (1 if job.seed >> bit & 1 else -1) for bit in (0, 1)]
     wrong = {"mass": up[0] * mass, "friction": up[1] * friction}
-    return guess(model.model_copy(update=wrong), FACTOR)
+    return initial_belief(model.model_copy(update=wrong), FACTOR)
 
 
 def _two_touches(job: Job) -> Done:

@@ -55,7 +55,7 @@ class Case:
     def multiplier(self) -> float:
         """Friction it has by friction it needs."""
         grip = _grip(self.width)
-        contacts = Contacts.of(grip.grip.contacts, grip.grip.shares)
+        contacts = Contacts.from_arrays(grip.grip.contacts, grip.grip.shares)
         force = np.array([[0.0, -self.mass * GRAVITY, 0.0]])
         place = np.array([[0.0, self.com[1], self.com[0]]])
         return float(slip_multiplier(contacts, self.squeeze, self.friction, force, place)[0])

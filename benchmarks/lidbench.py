@@ -122,15 +122,15 @@ class LidBench:
         """Moves a flip lid by its tab from one angle to another [rad]."""
         lid = self._item.truth.lid
         assert isinstance(lid, FlipLid)
-        hinge = lids.hinge(lid, self._item.truth.rim, self._item.truth.height)
+        hinge = lids.lid_hinge(lid, self._item.truth.rim, self._item.truth.height)
         lever = lids.grip_distance(lid, hinge)
         opens = end > start
         above = -HAND.tip_radius if opens else HAND.tip_radius + lids.THICKNESS
         off = -_BELOW if opens else _BELOW
         steps = int(abs(end - start) * lever / (SPEED * PERIOD))
         angles = np.linspace(start, end, steps)
-        way = [hinge.point(start, lever, above + off * s) for s in np.linspace(1.0, 0.0, 20)]
-        way += list(hinge.point(angles, lever, above))
+        way = [hinge.lid_point(start, lever, above + off * s) for s in np.linspace(1.0, 0.0, 20)]
+        way += list(hinge.lid_point(angles, lever, above))
         way_W = [self._start.p_WB + self._start.R_WB @ p for p in way]
         self._put(way_W[0])
         seen = [self._along(before, now) for before, now in itertools.pairwise(way_W)]

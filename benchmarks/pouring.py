@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from objectmodels.containers.pour_dynamics import Catch, angle_for, caught, pour
+from objectmodels.containers.pour_dynamics import Catch, angle_for, caught_volume, pour
 from objectmodels.geometry.base_shapes import Polygon
 from objectmodels.models.object_parts import Container, Opening
 from objectmodels.models.vessel import Vessel
@@ -96,7 +96,7 @@ class Prescribed:
         R_WB = axis_rotation(axis, tilt)
         vessel = self.scene.object(name).truth.vessel
         assert vessel is not None
-        self.poses[name] = (R_WB, lip_W - R_WB @ vessel.lip(heading))
+        self.poses[name] = (R_WB, lip_W - R_WB @ vessel.lip_point(heading))
         self.liquid.prepare((), self.poses)
 
 
@@ -209,8 +209,8 @@ def predicted(case: Case) -> dict[str, float]:
         radius=target.container.opening.radius,
         free=target.vessel.capacity - target.container.contents,
     )
-    result = caught(running, contents, catch)
-    return {name: float(volume) for name, volume in result.mean().items()}
+    result = caught_volume(running, contents, catch)
+    return {name: float(volume) for name, volume in result.mean_volumes().items()}
 
 
 def simulated(case: Case, rng: np.random.Generator) -> dict[str, float]:

@@ -80,7 +80,7 @@ def search(box: ObjectModel) -> tuple[Array, Array]:
     lateral, height = (a.ravel() for a in np.meshgrid(
         np.linspace(-0.04, 0.04, 20), np.linspace(0.005, face.top - 0.005, 20)
     ))  # fmt: skip
-    points, normals = face.at(lateral, height)
+    points, normals = face.points_at(lateral, height)
     slope = np.linspace(-0.6, 0.6, 5)
     aside, up = (a.ravel()[:, None] for a in np.meshgrid(slope, slope))
     tangent, vertical = np.array(face.tangent), np.array([0.0, 0.0, 1.0])
@@ -101,7 +101,7 @@ def closed_forms(box: ObjectModel, p: Array, f: Array, few: int, repetitions: in
     reference = SeedModel.of(box)
     face = box.faces()[2]
     lateral, height = np.meshgrid(np.linspace(-0.04, 0.04, 20), np.linspace(0.01, 0.22, n // 20))
-    contacts, normals = face.at(lateral.ravel(), height.ravel())
+    contacts, normals = face.points_at(lateral.ravel(), height.ravel())
 
     def one_by_one() -> list[str]:
         return [reference.outcome(a, b) for a, b in zip(p[:few], f[:few], strict=True)]

@@ -136,7 +136,7 @@ def random_stroke(name: str, model: ObjectModel, pose: Array, rng: Generator) ->
     height = float(rng.uniform(_LOWEST, max(model.top, _LOWEST + 1e-3)))
     slant = float(rng.uniform(-_OBLIQUE, _OBLIQUE))
     length = float(rng.uniform(0.0, _LONGEST))
-    return at(name, face.at(lateral, height), pose, slant=slant, length=length)
+    return at(name, face.points_at(lateral, height), pose, slant=slant, length=length)
 
 
 def towards(
@@ -149,7 +149,7 @@ def towards(
     face = min(faces, key=lambda each: float(np.array(each.normal) @ into))
     lateral = float(np.clip(rng.normal(0.0, 0.15), -0.5, 0.5)) * face.width
     height = float(rng.uniform(_LOWEST, max(model.top, _LOWEST + 1e-3)))
-    place = face.at(lateral, height)
+    place = face.points_at(lateral, height)
     inward = float(np.arctan2(-place[1][1], -place[1][0]))
     slant = float(np.arctan2(np.sin(heading - yaw - inward), np.cos(heading - yaw - inward)))
     return at(name, place, pose, slant=slant, length=length)

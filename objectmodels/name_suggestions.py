@@ -11,7 +11,7 @@ TIE = 5.0
 """Names this close to the best one in similarity are as likely meant as it."""
 
 
-def fold(text: str) -> str:
+def fold_text(text: str) -> str:
     """Text for comparing: case and the amount of white space do not count."""
     return " ".join(text.casefold().split())
 
@@ -25,7 +25,7 @@ def suggest(text: str, names: Iterable[str]) -> tuple[str, ...]:
     """
     from rapidfuzz import fuzz  # only needed after a mistake
 
-    wanted = fold(text)
-    scores = sorted(((fuzz.ratio(wanted, fold(name)), name) for name in names), reverse=True)
+    wanted = fold_text(text)
+    scores = sorted(((fuzz.ratio(wanted, fold_text(name)), name) for name in names), reverse=True)
     least = max(CUTOFF, scores[0][0] - TIE) if scores else CUTOFF
     return tuple(name for score, name in scores if score >= least)

@@ -114,16 +114,16 @@ def read_yaml(path: Path) -> dict[str, Any]:
         ) from error
     except (UnicodeDecodeError, yaml.YAMLError, RecursionError) as error:
         raise ModelError(
-            "bad_yaml", f"is not valid YAML: {_reason(error)}", path=str(path)
+            "bad_yaml", f"is not valid YAML: {_parser_complaint(error)}", path=str(path)
         ) from error
     if not isinstance(content, dict):
         raise ModelError(
-            "bad_yaml", f"holds {_kind(content)}, expected keys with values", path=str(path)
+            "bad_yaml", f"holds {_node_kind(content)}, expected keys with values", path=str(path)
         )
     return content
 
 
-def _reason(error: Exception) -> str:
+def _parser_complaint(error: Exception) -> str:
     """The parser's complaint in one line."""
     if isinstance(error, yaml.MarkedYAMLError) and error.problem:
         mark = error.problem_mark
@@ -134,5 +134,5 @@ def _reason(error: Exception) -> str:
     return " ".join(str(error).split())
 
 
-def _kind(content: object) -> str:
+def _node_kind(content: object) -> str:
     return "nothing" if content is None else f"a {type(content).__name__}"

@@ -142,7 +142,7 @@ def _all(
         for way, chart in straight.items():
             slides = outcome == "slide"
             first = chart.slide < chart.topple if slides else chart.topple < chart.slide
-            sure = chart.safe("slide" if slides else "topple", defaults.probability)
+            sure = chart.is_safe("slide" if slides else "topple", defaults.probability)
             on_it = _shown(chart, first, sure)
             yield _answered(outcome, way, faces[way][0], on_it, target, state, reach, defaults)
     for sense in ("left", "right"):
@@ -216,7 +216,7 @@ def _turning(
     best: tuple[str | None, Shown | None] = (None, None)
     for name, face in faces.values():
         chart, turns = turning_map(target, face, sense)
-        sure = turns & chart.safe("slide", probability)
+        sure = turns & chart.is_safe("slide", probability)
         found = _shown(chart, turns & (chart.slide < chart.topple), sure)
         if found is not None and (best[1] is None or found[0] < best[1][0]):
             best = name, found

@@ -176,7 +176,7 @@ def expected(experiment: Experiment, model: ObjectModel) -> tuple[Trial, ...]:
 
 def _tilt(seen: SeenObject, face: Face, height: float, reach: Reach) -> Experiment | None:
     model = seen.model
-    point, normal = face.at(0.0, height)
+    point, normal = face.points_at(0.0, height)
     if float(model.likelihood([point], [-normal]).topple[0]) < _MAY_TILT:
         return None
     fall = model.angle_of_no_return(-normal, sigmas=_SIGMAS)
@@ -186,7 +186,7 @@ def _tilt(seen: SeenObject, face: Face, height: float, reach: Reach) -> Experime
 
 
 def _slide(seen: SeenObject, face: Face, lateral: float, height: float, reach: Reach) -> Experiment:
-    point, normal = face.at(lateral, height)
+    point, normal = face.points_at(lateral, height)
     kind: Kind = "slide" if lateral == 0.0 else "off-centre slide"
     return replace(_touch(kind, seen, point, normal, SLIDE, reach), lateral=lateral)
 
@@ -194,14 +194,14 @@ def _slide(seen: SeenObject, face: Face, lateral: float, height: float, reach: R
 def _still_slides(model: ObjectModel, face: Face, lateral: float, low: float) -> float:
     """The greatest height, up to the middle of a face, at which the object surely slides [m]."""
     heights = np.linspace(low, max(low, 0.5 * face.top), _HEIGHTS)
-    points, normals = face.at(np.full(_HEIGHTS, lateral), heights)
+    points, normals = face.points_at(np.full(_HEIGHTS, lateral), heights)
     sure = model.likelihood(points, -normals).slide > _SURE
     sure[0] = True
     return float(heights[np.flatnonzero(np.logical_and.accumulate(sure))[-1]])
 
 
 def _rub(seen: SeenObject, face: Face, height: float, reach: Reach) -> Experiment:
-    point, normal = face.at(0.0, height)
+    point, normal = face.points_at(0.0, height)
     return replace(_touch("rub", seen, point, normal, 0.0, reach), raised=RUB)
 
 

@@ -98,7 +98,7 @@ class _Onset:
 
 
 def _onset(model: ObjectModel, face: Face, height: float) -> _Onset:
-    point, normal = face.at(0.0, height)
+    point, normal = face.points_at(0.0, height)
     found = model.thresholds(point[None], -normal[None])
     topple, slide = float(found.topple[0]), float(found.slide[0])
     return _Onset(topple < SPARE * slide, slide < SPARE * topple, float(found.onset[0]))

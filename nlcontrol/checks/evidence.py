@@ -102,7 +102,7 @@ def _as_they_lay(
         if R_WB[2, 2] > np.cos(LEVEL):
             continue
         try:
-            rest = model.lying(R_WB)
+            rest = model.resting_face(R_WB)
         except ModelError:
             continue  # it leans on something: its own frame is as good as any
         poses[name] = _reframed(poses[name], rest.R_BN, rest.p_BN)

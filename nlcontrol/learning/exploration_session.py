@@ -24,13 +24,17 @@ from nlcontrol.learning.log_fitting import correlations, fitted_parameter
 from nlcontrol.learning.push_lessons import SPREAD, taken
 from objectmodels.errors import ModelError
 from objectmodels.geometry.mechanical import UNCERTAIN
-from objectmodels.identification.belief_update import guess as guessed
+from objectmodels.identification.belief_update import initial_belief as guessed
 from objectmodels.identification.closed_form_estimates import (
     Estimates,
-    estimates,
-    table,
+    estimates_from_trials,
+    repetition_table,
 )
-from objectmodels.identification.experiment_design import Candidate, ranked, reached
+from objectmodels.identification.experiment_design import (
+    Candidate,
+    is_precise_enough,
+    rank_candidates,
+)
 from objectmodels.identification.joint_fit import Fit, fit
 from objectmodels.models.parameters import Provenance
 from planner.touch_experiments import Experiment, Kind, expected
@@ -140,7 +144,7 @@ def explore(
             explorer.repeat(kinds, repetition)
     else:
         asked = precisions_asked(before.model, parameters, precision)
-        if reached(controller.models[name], asked, spread=SPREAD):
+        if is_precise_enough(controller.models[name], asked, spread=SPREAD):
             raise error(
                 "not_explorable",
                 f"what was asked about the {name} is known to {precision:.0%} already",
@@ -204,7 +208,7 @@ def _until(
     name = explorer.name
     for _ in range(most):
         model = controller.models[name]
-        if reached(model, asked, spread=SPREAD):
+        if is_precise_enough(model, asked, spread=SPREAD):
             return
         offered = explorer.possible(kinds)
         if not offered:
@@ -213,7 +217,7 @@ def _until(
             f"{i} {e.name}": (e, Candidate(f"{i} {e.name}", expected(e, model), _cost(e, explorer)))
             for i, e in enumerate(offered)
         }
-        best = ranked(model, [c for _, c in candidates.values()], asked, spread=SPREAD)[0]
+        best = rank_candidates(model, [c for _, c in candidates.values()], asked, spread=SPREAD)[0]
         chosen, _ = candidates[best.candidate.name]
         done = sum(t.experiment.kind == chosen.kind for t in explorer.touches)
         repetition = done // 2 if chosen.kind == "tilt" else done
@@ -271,7 +275,7 @@ def _report(
     trials: Sequence[Trial],
     parameters: Sequence[str],
 ) -> ExplorationReport:
-    lines = table(_by_repetition(before, trials))
+    lines = repetition_table(_by_repetition(before, trials))
     repeated = {name: line for name, line in lines.items() if name in found.found}
     missing = [p for p in parameters if p not in found.found]
     notes = [note for note in found.notes if not _about_others(note, missing)]
@@ -298,7 +302,9 @@ def _by_repetition(model: ObjectModel, trials: Sequence[Trial]) -> list[Estimate
     found = []
     for number in numbers:
         try:
-            found.append(estimates(model, [t for t in trials if t.repetition == number]))
+            found.append(
+                estimates_from_trials(model, [t for t in trials if t.repetition == number])
+            )
         except ModelError:
             continue
     return found

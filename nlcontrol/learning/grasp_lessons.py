@@ -16,7 +16,7 @@ import numpy as np
 
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.learning.learning_reports import Change, Lesson
-from objectmodels.containers.contents_update import holding, reweighed
+from objectmodels.containers.contents_update import container_with_mass, container_with_volume
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.types.actions import LiftUp, PourOut
 from planner.types.plan import Plan
@@ -102,7 +102,7 @@ def weighed(made: Plan, model: ObjectModel, trace: Trace) -> tuple[ObjectModel, 
     gain = model.mass_sd**2 / (model.mass_sd**2 + sd**2)
     more = gain * (measured - model.mass)
     rest_sd = math.sqrt(1.0 - gain) * model.mass_sd
-    after, held = model, reweighed(model, model.mass + more, rest_sd)
+    after, held = model, container_with_mass(model, model.mass + more, rest_sd)
     if held is not None and model.container is not None:
         after = refilled(model, held.contents - model.container.contents)
     after = after.model_copy(
@@ -140,7 +140,7 @@ def refilled(model: ObjectModel, more: float, sd: float = 0.0) -> ObjectModel:
     assert vessel is not None
     before = container.contents
     spread = math.hypot(container.contents_sd, sd, _FROM_LEVEL * abs(more))
-    held = holding(model, before + more, min(spread, max(before + more, 0.0)))
+    held = container_with_volume(model, before + more, min(spread, max(before + more, 0.0)))
     after = held.contents
     shell = model.mass - container.mass
     mass = shell + container.density * after

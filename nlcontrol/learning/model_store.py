@@ -63,5 +63,5 @@ def kept(registry: Registry, model: ObjectModel) -> tuple[Path, str | None]:
 
     path = placed(registry, model)
     save_model(model, path)
-    replaced = registry.replaced(model.name)
+    replaced = registry.replaced_place(model.name)
     return path, None if replaced == str(path) else replaced

@@ -95,15 +95,15 @@ def _from_turn(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectMode
 
 def taken(model: ObjectModel, trial: Trial) -> Update:
     """What is believed after a trial; a belief that it contradicts was too sure, and is widened."""
-    from objectmodels.identification.belief_update import update
-    from objectmodels.identification.no_motion_update import widened, withstood
+    from objectmodels.identification.belief_update import update_belief
+    from objectmodels.identification.no_motion_update import update_without_motion, widen_belief
 
     if trial.moved == "none":
-        return withstood(model, trial)
-    first = update(model, [trial], spread=SPREAD)
-    if not first.contradicts:
+        return update_without_motion(model, trial)
+    first = update_belief(model, [trial], spread=SPREAD)
+    if not first.is_contradiction:
         return first
-    again = update(widened(model, first.surprise), [trial], spread=SPREAD)
+    again = update_belief(widen_belief(model, first.surprise), [trial], spread=SPREAD)
     return replace(again, surprise=first.surprise)
 
 

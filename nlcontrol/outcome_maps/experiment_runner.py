@@ -78,7 +78,7 @@ def standing(controller: Controller, name: str) -> SceneObject:
     if found:
         return controller.scene.object(found[0].name)
     with translated():
-        model = controller.registry.called(name)
+        model = controller.registry.find_one(name)
     raise error(
         "not_on_table",
         f"the {model.name} does not stand in the scene {controller.scene.name}, so that nobody "

@@ -105,7 +105,7 @@ def contacts_of(chart: OutcomeMap, name: str, face: str) -> list[Contact]:
         name: of the object in the scene.
         face: how the face is called.
     """
-    _, normals = chart.face.at(chart.lateral, chart.height)
+    _, normals = chart.face.points_at(chart.lateral, chart.height)
     return [
         Contact(name, face, tuple(p), tuple(n), tuple(u))
         for p, n, u in zip(

@@ -76,7 +76,7 @@ class Inquiry:
     def considered(self) -> Considered:
         """The push as an answer tells it."""
         if self.direction is None:
-            u = -np.array(self.face.at([self.lateral], [self.height])[1][0])
+            u = -np.array(self.face.points_at([self.lateral], [self.height])[1][0])
         else:
             u = np.array(self.direction)
         return Considered(

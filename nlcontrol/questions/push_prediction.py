@@ -146,7 +146,7 @@ def _place(
                 f"{1e3 * face.bottom:.0f} to {1e3 * face.top:.0f} mm in height",
             ),
         )
-    return face.at(lateral, height)
+    return face.points_at(lateral, height)
 
 
 def _predicted(
@@ -181,7 +181,7 @@ def _predicted(
             "topple": float(likely.topple[0]),
         },
         suddenly=None if force is None else str(model.sudden(p, force * u).outcome[0]),
-        slips=bool(model.slips(normal[None], size * u)[0]),
+        slips=bool(model.is_slipping(normal[None], size * u)[0]),
         motion=_motion(model, t),
         friction=friction,
         text="",

@@ -77,7 +77,7 @@ def places(push: Inquiry, event: g.Event, probability: float) -> Places:
     return Places(
         chart=chart,
         first=first & turns & allowed,
-        sure=chart.safe(outcome, probability) & first & turns & allowed,
+        sure=chart.is_safe(outcome, probability) & first & turns & allowed,
         likely=np.where(turns & allowed, getattr(chart.likelihood, outcome), 0.0),
     )
 
@@ -103,7 +103,7 @@ def most_favourable(push: Inquiry, event: g.Event, defaults: Defaults) -> Inquir
 
 def _flip(push: Inquiry) -> dict[str, float]:
     """The height that separates sliding from toppling, if the object topples at all."""
-    middle, normals = push.face.at([0.0], [push.height])
+    middle, normals = push.face.points_at([0.0], [push.height])
     height = push.target.model.cone_thresholds(middle, normals, yaw=False).critical_height[0]
     return {"critical_height": float(height)} if np.isfinite(height) else {}
 

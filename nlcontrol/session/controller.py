@@ -185,7 +185,7 @@ class Controller:
         with translated():
             known = {item.casefold(): item for item in self.scene.names}
             here = known.get(name.casefold())
-            model = None if here else self.registry.called(name)
+            model = None if here else self.registry.find_one(name)
         if here is None:
             assert model is not None
             here = next((n for n, m in self.models.items() if m == model), None)

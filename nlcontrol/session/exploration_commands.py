@@ -22,7 +22,7 @@ from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.asked_push import target_of
 from nlcontrol.session.weighing import by_lifting, weigh
 from nlcontrol.text_format import enumeration
-from objectmodels.identification.experiment_design import precisions, reached
+from objectmodels.identification.experiment_design import is_precise_enough, parameter_precisions
 
 if TYPE_CHECKING:
     from nlcontrol.session.controller import Controller, Progress
@@ -100,7 +100,7 @@ def unknown(frame: g.Frame, model: ObjectModel, known: float) -> bool:
     if frame.query != "value" or not isinstance(goal, g.Parameters) or not goal.which:
         return False
     asked = [name for name in goal.which if name in ("mass", "friction")]
-    return any(sd > known for sd in precisions(model, asked).values())
+    return any(sd > known for sd in parameter_precisions(model, asked).values())
 
 
 def find_out(
@@ -123,7 +123,7 @@ def find_out(
     name, parameters = _on_table(controller, frame), wanted(frame)
     precision, model = controller.defaults.found_to, controller.models[name]
     question = frame.model_copy(update={"query": "value", "action": None, "constraints": ()})
-    if reached(model, precisions_asked(model, parameters, precision)):
+    if is_precise_enough(model, precisions_asked(model, parameters, precision)):
         line = f"known to {precision:.0%} already: nothing was touched"
         return None, controller.answer(question).model_copy(update={"lines": (line,)})
     found = explore(

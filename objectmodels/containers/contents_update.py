@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _ROUNDING = 1e-9
 
 
-def holding(model: ObjectModel, volume: float, sd: float) -> Container:
+def container_with_volume(model: ObjectModel, volume: float, sd: float) -> Container:
     """The container of a model with a volume in it, or with as much of that as it holds.
 
     Args:
@@ -33,7 +33,7 @@ def holding(model: ObjectModel, volume: float, sd: float) -> Container:
     return container.model_copy(update={"contents_l": 1e3 * volume, "contents_l_sd": 1e3 * sd})
 
 
-def reweighed(model: ObjectModel, mass: float, mass_sd: float) -> Container | None:
+def container_with_mass(model: ObjectModel, mass: float, mass_sd: float) -> Container | None:
     """The container of a model of which all is known to weigh otherwise; None if it has none.
 
     Args:
@@ -50,4 +50,6 @@ def reweighed(model: ObjectModel, mass: float, mass_sd: float) -> Container | No
     if mass < model.mass:  # the shell keeps at least its part
         liquid = min(liquid, mass * container.mass / model.mass)
     known = 1.0 - share * (1.0 - (mass_sd / model.mass_sd) ** 2) if share > 0.0 else 1.0
-    return holding(model, liquid / container.density, math.sqrt(known) * container.contents_sd)
+    return container_with_volume(
+        model, liquid / container.density, math.sqrt(known) * container.contents_sd
+    )

@@ -33,7 +33,7 @@ import numpy as np
 
 from objectmodels.containers import lid_geometry as lids
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.mechanics.outcome_probability import Sample, sampled
+from objectmodels.mechanics.outcome_probability import Sample, sample_parameters
 from objectmodels.mechanics.push_thresholds import (
     GRAVITY,
     slide_threshold,
@@ -85,14 +85,14 @@ class FlipArc:
         return np.where(self.force > 0.0, ratio, np.inf)
 
     @cached_property
-    def nearest(self) -> int:
+    def weakest_index(self) -> int:
         """Index of the angle at which the object comes nearest to giving way."""
         return int(np.argmin(self.margin))
 
     @property
     def least_margin(self) -> float:
         """The margin there; below one the object gives way."""
-        return float(self.margin[self.nearest])
+        return float(self.margin[self.weakest_index])
 
     @property
     def largest_force(self) -> float:
@@ -150,33 +150,33 @@ def flip(
     """
     angles = np.linspace(start, lid.opens_to if end is None else end, STEPS)
     opens = bool(angles[-1] >= angles[0])
-    hinge = lids.hinge(lid, lids.rim(model), model.top)
+    hinge = lids.lid_hinge(lid, lids.lid_rim(model), model.top)
     lever = lids.grip_distance(lid, hinge) if distance is None else distance
-    points = hinge.point(angles, lever, 0.0 if opens else lids.THICKNESS)
-    directions = (1.0 if opens else -1.0) * hinge.across(angles)
+    points = hinge.lid_point(angles, lever, 0.0 if opens else lids.THICKNESS)
+    directions = (1.0 if opens else -1.0) * hinge.opening_direction(angles)
 
     def force(friction: Array, snap: Array) -> Array:
         back = snap[:, None] * np.maximum(0.0, 1.0 - angles / lid.snap_angle)
-        back = back + lid.mass * GRAVITY * ((hinge.middle(angles) - hinge.p_BH) @ hinge.out)
+        back = back + lid.mass * GRAVITY * ((hinge.centre_of_mass(angles) - hinge.p_BH) @ hinge.out)
         return np.maximum(0.0, friction[:, None] + (back if opens else -back)) / lever
 
     def thresholds(of: Sample) -> tuple[Array, Array]:
         if fixed:
             never = np.full((len(of.weight), len(angles)), np.inf)
             return never, never
-        moved = hinge.middle(angles) - hinge.middle(0.0)
+        moved = hinge.centre_of_mass(angles) - hinge.centre_of_mass(0.0)
         c = of.com[:, None, :] + (lid.mass * GRAVITY / of.weight)[:, None, None] * moved
-        held = of.finger_friction[:, None, None] * hinge.along(angles)
+        held = of.finger_friction[:, None, None] * hinge.lid_direction(angles)
         tried = (directions + share * held for share in SHARES)
-        pairs = zip(*(_given_way(model, of, points, u, c) for u in tried), strict=True)
+        pairs = zip(*(_yield_forces(model, of, points, u, c) for u in tried), strict=True)
         slides, topples = (np.array(each) for each in pairs)
         best = np.minimum(slides, topples).argmax(axis=0)[None]
         slide, topple = (np.take_along_axis(each, best, axis=0)[0] for each in (slides, topples))
         return slide, topple
 
-    (slide, topple), needed = thresholds(_mean(model)), force(*_means(lid))
-    sample = sampled(model, SAMPLES, _SEED)
-    moves = force(*_torques(lid)) <= np.minimum(*thresholds(sample))
+    (slide, topple), needed = thresholds(_believed_sample(model)), force(*_believed_torques(lid))
+    sample = sample_parameters(model, SAMPLES, _SEED)
+    moves = force(*_sample_torques(lid)) <= np.minimum(*thresholds(sample))
     share = float(moves.all(axis=1).mean())
     return FlipArc(angles, points, directions, needed[0], slide[0], topple[0], share)
 
@@ -191,7 +191,7 @@ def lift_off(model: ObjectModel, lid: LiftOffLid, *, fixed: bool = False) -> Loo
     """
     weight = lid.mass * GRAVITY
     top = np.array([[0.0, 0.0, model.top]])
-    p_BL = lids.middle(lid, lids.rim(model), model.top)
+    p_BL = lids.lid_centre(lid, lids.lid_rim(model), model.top)
 
     def held(of: Sample) -> Array:
         if fixed:
@@ -201,9 +201,9 @@ def lift_off(model: ObjectModel, lid: LiftOffLid, *, fixed: bool = False) -> Loo
         bears = topple_threshold(model.base, top, _UP[None], c, 1.0)
         return np.asarray(weight + stays * bears)
 
-    retention = _normal(lid.retention, lid.retention_sd, 0)
-    share = float((retention + weight <= held(sampled(model, SAMPLES, _SEED))).mean())
-    return Loosening(lid.retention + weight, float(held(_mean(model))[0]), share)
+    retention = _sample_positive(lid.retention, lid.retention_sd, 0)
+    share = float((retention + weight <= held(sample_parameters(model, SAMPLES, _SEED))).mean())
+    return Loosening(lid.retention + weight, float(held(_believed_sample(model))[0]), share)
 
 
 def unscrew(
@@ -223,12 +223,14 @@ def unscrew(
             return np.full(len(of.weight), np.inf)
         return np.maximum(0.0, of.weight + down) * of.friction * of.friction_radius
 
-    torque = _normal(cap.friction_torque, cap.friction_torque_sd, 0)
-    share = float((torque <= held(sampled(model, SAMPLES, _SEED))).mean())
-    return Loosening(cap.friction_torque, float(held(_mean(model))[0]), share)
+    torque = _sample_positive(cap.friction_torque, cap.friction_torque_sd, 0)
+    share = float((torque <= held(sample_parameters(model, SAMPLES, _SEED))).mean())
+    return Loosening(cap.friction_torque, float(held(_believed_sample(model))[0]), share)
 
 
-def _given_way(model: ObjectModel, of: Sample, p: Array, u: Array, c: Array) -> tuple[Array, Array]:
+def _yield_forces(
+    model: ObjectModel, of: Sample, p: Array, u: Array, c: Array
+) -> tuple[Array, Array]:
     """Forces, in lengths of u, at which k samples slide and topple at n points, (k, n) [N]."""
     weight = of.weight[:, None]
     friction, radius = of.friction[:, None], of.friction_radius[:, None]
@@ -237,7 +239,7 @@ def _given_way(model: ObjectModel, of: Sample, p: Array, u: Array, c: Array) -> 
     return slide, topple
 
 
-def _mean(model: ObjectModel) -> Sample:
+def _believed_sample(model: ObjectModel) -> Sample:
     """The object as it is believed to be most likely, as a sample of one."""
     return Sample(
         weight=np.array([model.weight]),
@@ -248,18 +250,18 @@ def _mean(model: ObjectModel) -> Sample:
     )
 
 
-def _means(lid: FlipLid) -> tuple[Array, Array]:
+def _believed_torques(lid: FlipLid) -> tuple[Array, Array]:
     return np.array([lid.friction_torque]), np.array([lid.snap_torque])
 
 
-def _torques(lid: FlipLid) -> tuple[Array, Array]:
+def _sample_torques(lid: FlipLid) -> tuple[Array, Array]:
     return (
-        _normal(lid.friction_torque, lid.friction_torque_sd, 0),
-        _normal(lid.snap_torque, lid.snap_torque_sd, 1),
+        _sample_positive(lid.friction_torque, lid.friction_torque_sd, 0),
+        _sample_positive(lid.snap_torque, lid.snap_torque_sd, 1),
     )
 
 
-def _normal(mean: float, sd: float, which: int) -> Array:
+def _sample_positive(mean: float, sd: float, which: int) -> Array:
     """Samples of a quantity that is not negative, shape (SAMPLES,)."""
     rng = np.random.default_rng((_SEED, 1 + which))
     return np.maximum(0.0, mean + sd * rng.standard_normal(SAMPLES))

@@ -44,16 +44,16 @@ class Hinge:
     out: Array
     reach: float
 
-    def along(self, angle: ArrayLike) -> Array:
+    def lid_direction(self, angle: ArrayLike) -> Array:
         """Unit direction in which an open lid points, shape (..., 3)."""
         t = np.asarray(angle, dtype=np.float64)[..., None]
         return np.asarray(np.cos(t) * self.out + np.sin(t) * _UP)
 
-    def across(self, angle: ArrayLike) -> Array:
+    def opening_direction(self, angle: ArrayLike) -> Array:
         """Unit direction off its lower side, in which it opens, shape (..., 3)."""
-        return self.along(np.asarray(angle, dtype=np.float64) + np.pi / 2.0)
+        return self.lid_direction(np.asarray(angle, dtype=np.float64) + np.pi / 2.0)
 
-    def point(self, angle: ArrayLike, distance: float, above: float = 0.0) -> Array:
+    def lid_point(self, angle: ArrayLike, distance: float, above: float = 0.0) -> Array:
         """A point of the lid in B, shape (..., 3) [m].
 
         Args:
@@ -61,24 +61,26 @@ class Hinge:
             distance: from the hinge [m].
             above: its lower side [m].
         """
-        return np.asarray(self.p_BH + distance * self.along(angle) + above * self.across(angle))
+        return np.asarray(
+            self.p_BH + distance * self.lid_direction(angle) + above * self.opening_direction(angle)
+        )
 
-    def middle(self, angle: ArrayLike) -> Array:
+    def centre_of_mass(self, angle: ArrayLike) -> Array:
         """Centre of mass of the lid in B, shape (..., 3) [m]."""
-        return self.point(angle, 0.5 * self.reach, 0.5 * THICKNESS)
+        return self.lid_point(angle, 0.5 * self.reach, 0.5 * THICKNESS)
 
 
 _UP = np.array([0.0, 0.0, 1.0])
 
 
-def rim(model: ObjectModel) -> Base:
+def lid_rim(model: ObjectModel) -> Base:
     """Outline of the object's top."""
     if isinstance(model, CylinderModel):
         return Disc(model.radius)
     return Polygon.convex(model.outline)
 
 
-def hinge(lid: FlipLid, rim: Base, top: float) -> Hinge:
+def lid_hinge(lid: FlipLid, rim: Base, top: float) -> Hinge:
     """Where a flip lid is.
 
     Args:
@@ -97,14 +99,14 @@ def grip_distance(lid: FlipLid, hinge: Hinge) -> float:
     return hinge.reach + GRIP * lid.tab
 
 
-def height(lid: Lid) -> float:
+def lid_height(lid: Lid) -> float:
     """How far a closed lid rises above the object's top [m]."""
     if isinstance(lid, FlipLid):
         return THICKNESS
     return lid.height + (lid.knob_height if isinstance(lid, LiftOffLid) else 0.0)
 
 
-def rise(model: ObjectModel, opened: float) -> float:
+def lid_rise(model: ObjectModel, opened: float) -> float:
     """How far the object's lid, if it has one, rises above its top [m].
 
     Args:
@@ -115,9 +117,9 @@ def rise(model: ObjectModel, opened: float) -> float:
         return 0.0
     up = 0.0
     if isinstance(model.lid, FlipLid):
-        reach = hinge(model.lid, rim(model), model.top).reach + model.lid.tab
+        reach = lid_hinge(model.lid, lid_rim(model), model.top).reach + model.lid.tab
         up = reach * float(np.sin(np.clip(opened, 0.0, 0.5 * np.pi)))
-    return height(model.lid) + up
+    return lid_height(model.lid) + up
 
 
 def is_off(lid: LiftOffLid | ScrewCap, opened: float) -> bool:
@@ -126,12 +128,12 @@ def is_off(lid: LiftOffLid | ScrewCap, opened: float) -> bool:
     return opened > (lid.travel if isinstance(lid, LiftOffLid) else 0.97 * math.tau * lid.turns)
 
 
-def called(name: str) -> str:
+def lid_name(name: str) -> str:
     """What the lid of an object of a name is called."""
     return f"{name} lid"
 
 
-def loose(model: ObjectModel, name: str) -> CylinderModel | None:
+def detached_lid(model: ObjectModel, name: str) -> CylinderModel | None:
     """A lid that is off as an object of its own, as wide all the way up; None of one that stays on.
 
     Its B is at the middle of the lid's lower side.
@@ -144,17 +146,17 @@ def loose(model: ObjectModel, name: str) -> CylinderModel | None:
     if lid is None or isinstance(lid, FlipLid):
         return None
     return CylinderModel(
-        name=called(name),
+        name=lid_name(name),
         mass=lid.mass,
         radius=lid.radius,
-        height=height(lid),
+        height=lid_height(lid),
         friction=model.friction,
         finger_friction=model.finger_friction,
     )
 
 
-def middle(lid: Lid, rim: Base, top: float) -> Array:
+def lid_centre(lid: Lid, rim: Base, top: float) -> Array:
     """Centre of mass of a closed lid in B, shape (3,) [m]; a knob weighs nothing."""
     if isinstance(lid, FlipLid):
-        return hinge(lid, rim, top).middle(0.0)
+        return lid_hinge(lid, rim, top).centre_of_mass(0.0)
     return np.array([0.0, 0.0, top + 0.5 * lid.height])

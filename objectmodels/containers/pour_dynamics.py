@@ -48,7 +48,7 @@ _TINY = 1e-12
 # -- the stream --------------------------------------------------------------------------------
 
 
-def outflow(head: ArrayLike, tilt: ArrayLike, radius: float) -> Array:
+def outflow_rate(head: ArrayLike, tilt: ArrayLike, radius: float) -> Array:
     """Flow out of a round opening [m³/s].
 
     Args:
@@ -82,7 +82,7 @@ def fall_time(down: ArrayLike, fall: ArrayLike) -> Array:
     return np.asarray((np.sqrt(speed * speed + 2.0 * GRAVITY * height) - speed) / GRAVITY)
 
 
-def throw(head: ArrayLike, tilt: ArrayLike, fall: ArrayLike) -> Array:
+def landing_distance(head: ArrayLike, tilt: ArrayLike, fall: ArrayLike) -> Array:
     """How far ahead of the lip the stream lands, along the heading [m].
 
     Args:
@@ -134,27 +134,27 @@ class Pour:
     head: Array
 
     @property
-    def total(self) -> Array:
+    def total_volume(self) -> Array:
         """Volume that ran out, shape (...) [m³]."""
         return np.asarray(self.poured[..., -1])
 
     @property
-    def parts(self) -> Array:
+    def volume_steps(self) -> Array:
         """Volume that ran out before each sample, since the one before, shape (..., m) [m³]."""
         return np.diff(self.poured, axis=-1, prepend=0.0)
 
     @property
-    def started(self) -> Array:
+    def start_time(self) -> Array:
         """When it began to run out; at the end if never, shape (...) [s]."""
-        return self._when(0.0)
+        return self._time_beyond(0.0)
 
     @property
-    def finished(self) -> Array:
+    def end_time(self) -> Array:
         """When it had run out but for a hundredth, shape (...) [s]."""
-        return self._when(RUN_OUT)
+        return self._time_beyond(RUN_OUT)
 
-    def _when(self, share: float) -> Array:
-        beyond = self.poured > share * self.total[..., None]
+    def _time_beyond(self, share: float) -> Array:
+        beyond = self.poured > share * self.total_volume[..., None]
         first = np.where(beyond.any(axis=-1), beyond.argmax(axis=-1), self.time.shape[-1] - 1)
         return np.take_along_axis(self.time, first[..., None], axis=-1)[..., 0]
 
@@ -164,21 +164,21 @@ class Pour:
         Args:
             fall: height of the lip above where it lands, shape (...) [m].
         """
-        ahead = self.throws(fall)
-        weight = self.parts / np.maximum(self.total, _TINY)[..., None]
+        ahead = self.landing_distances(fall)
+        weight = self.volume_steps / np.maximum(self.total_volume, _TINY)[..., None]
         mean = (weight * ahead).sum(axis=-1)
         spread = (weight * np.square(ahead - mean[..., None])).sum(axis=-1)
         return mean, np.sqrt(spread)
 
-    def throws(self, fall: ArrayLike) -> Array:
+    def landing_distances(self, fall: ArrayLike) -> Array:
         """How far ahead of the lip each part lands, shape (..., m) [m]."""
         # A part has the head and the tilt at the start of its step.
         head, tilt = (np.concatenate([x[..., :1], x[..., :-1]], axis=-1) for x in
                       (self.head, self.tilt))  # fmt: skip
-        return throw(head, tilt, np.asarray(fall, float)[..., None])
+        return landing_distance(head, tilt, np.asarray(fall, float)[..., None])
 
 
-def followed(
+def simulate_pour(
     vessel: Vessel, volume: ArrayLike, heading: ArrayLike, time: ArrayLike, tilt: ArrayLike
 ) -> Pour:
     """What runs out during a motion.
@@ -199,9 +199,9 @@ def followed(
     left, heads = [volume], []
     for i in range(time.shape[-1]):
         now = left[-1]
-        heads.append(np.maximum(vessel.head(now, tilt[..., i], heading), 0.0))
+        heads.append(np.maximum(vessel.liquid_head(now, tilt[..., i], heading), 0.0))
         if i + 1 < time.shape[-1]:
-            flow = outflow(heads[-1], tilt[..., i], vessel.opening.radius)
+            flow = outflow_rate(heads[-1], tilt[..., i], vessel.opening.radius)
             most = np.maximum(now - brim[..., i], 0.0)
             left.append(now - np.minimum(flow * (time[..., i + 1] - time[..., i]), most))
     poured = volume[..., None] - np.stack(left, axis=-1)
@@ -240,7 +240,7 @@ def pour(
     time.append(turned + (angle[..., None] - back) / rate[..., None])
     tilt = [there, np.broadcast_to(angle[..., None], waiting.shape), back]
     path = np.concatenate(time, axis=-1), np.concatenate(tilt, axis=-1)
-    return followed(vessel, volume, heading, *path)
+    return simulate_pour(vessel, volume, heading, *path)
 
 
 def angle_for(
@@ -258,7 +258,7 @@ def angle_for(
     """
     least = float(tilt_for(vessel, volume, out, heading))
     angles = np.linspace(least, max(FARTHEST, least), _ANGLES)
-    total = pour(vessel, volume, heading=heading, angle=angles, rate=rate, wait=wait).total
+    total = pour(vessel, volume, heading=heading, angle=angles, rate=rate, wait=wait).total_volume
     return float(np.interp(out, np.maximum.accumulate(total), angles))
 
 
@@ -310,7 +310,7 @@ class Poured:
         """What stays in the vessel [m³]."""
         return self.contents - self.poured
 
-    def mean(self) -> dict[str, Array]:
+    def mean_volumes(self) -> dict[str, Array]:
         """Means of poured, received, spilled and left, shape (...) each [m³]."""
         names = ("poured", "received", "spilled", "left")
         return {name: getattr(self, name).mean(axis=-1) for name in names}
@@ -321,7 +321,7 @@ class Poured:
         return np.asarray((enough & (self.spilled <= np.asarray(spilled)[..., None])).mean(axis=-1))
 
 
-def caught(running: Pour, contents: ArrayLike, catch: Catch) -> Poured:
+def caught_volume(running: Pour, contents: ArrayLike, catch: Catch) -> Poured:
     """What of a pour is caught, over the cases of an uncertain aim.
 
     Args:
@@ -331,18 +331,18 @@ def caught(running: Pour, contents: ArrayLike, catch: Catch) -> Poured:
     """
     error = catch.sd * _normal_nodes(_AIMS) if catch.sd > 0.0 else np.zeros(1)
     along, across = (x.ravel() for x in np.meshgrid(error, error))
-    ahead = running.throws(catch.fall)[..., None] - catch.along + along
+    ahead = running.landing_distances(catch.fall)[..., None] - catch.along + along
     inside = ahead**2 + (across - catch.across) ** 2 < catch.radius**2
-    into = (running.parts[..., None] * inside).sum(axis=-2) * (catch.fall > 0.0)
+    into = (running.volume_steps[..., None] * inside).sum(axis=-2) * (catch.fall > 0.0)
     received = np.minimum(into, catch.free)
     contents, poured = (
         np.broadcast_to(np.asarray(x, float)[..., None], received.shape)
-        for x in (contents, running.total)
+        for x in (contents, running.total_volume)
     )
     return Poured(contents, poured, received)
 
 
-def predict(
+def predict_pour(
     vessel: Vessel,
     contents: float,
     catch: Catch,
@@ -370,7 +370,7 @@ def predict(
     motion = {"heading": heading, "angle": angle, "rate": rate, "wait": wait}
     cases = {name: np.asarray(value, float)[..., None] for name, value in motion.items()}
     running = pour(vessel, volume, **cases)
-    result = caught(running, np.broadcast_to(volume, running.total.shape), catch)
+    result = caught_volume(running, np.broadcast_to(volume, running.total_volume.shape), catch)
     flat = {name: getattr(result, name) for name in ("contents", "poured", "received")}
     return Poured(**{name: x.reshape(*x.shape[:-2], -1) for name, x in flat.items()})
 

@@ -11,7 +11,7 @@ from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
 
 
-def pairs(points: ArrayLike, vectors: ArrayLike) -> tuple[Array, Array]:
+def checked_pairs(points: ArrayLike, vectors: ArrayLike) -> tuple[Array, Array]:
     """Two finite arrays of equal shape (n, 3), or a `ModelError`."""
     p, v = np.asarray(points, dtype=np.float64), np.asarray(vectors, dtype=np.float64)
     if p.ndim != 2 or p.shape[1] != 3 or p.shape != v.shape:

@@ -53,7 +53,9 @@ class Base(Protocol):
         """How far it reaches along unit vectors (..., 2), shape (...) [m]."""
         ...
 
-    def topple(self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0) -> Array:
+    def topple_force(
+        self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0
+    ) -> Array:
         """Smallest force s ≥ 0 at which m + s·e leaves (G − s·w) times the base; inf if never.
 
         Args:
@@ -72,7 +74,7 @@ class Base(Protocol):
         """
         ...
 
-    def facing(self, direction: Array) -> Array:
+    def facing_normal(self, direction: Array) -> Array:
         """Outward normal of the edge that looks most along a unit direction, shape (2,)."""
         ...
 
@@ -92,7 +94,7 @@ class Base(Protocol):
         """
         ...
 
-    def nodes(self) -> tuple[Array, Array]:
+    def quadrature_nodes(self) -> tuple[Array, Array]:
         """Points (k, 2) and weights (k,) of a quadrature over its area; the weights sum to one."""
         ...
 
@@ -188,22 +190,24 @@ class Polygon:
     def topple_by_edge(
         self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0
     ) -> Array:
-        """Force at which it topples about each edge, shape (k, ...) [N]; see `Base.topple`.
+        """Force at which it topples about each edge, shape (k, ...) [N]; see `Base.topple_force`.
 
         s_k = (G d_k − n_k·m) / (n_k·e + w d_k), never if the denominator is not positive.
         """
         forces = []
         for n, d in zip(self.normals, self.offsets, strict=True):
             holding = weight * (d - np.abs(n) @ np.broadcast_to(shift, 2)) - dot(n, m)
-            forces.append(_first(np.maximum(holding, 0.0), dot(n, e) + w * d))
+            forces.append(_first_crossing(np.maximum(holding, 0.0), dot(n, e) + w * d))
         return np.stack(np.broadcast_arrays(*forces))
 
-    def topple(self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0) -> Array:
+    def topple_force(
+        self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0
+    ) -> Array:
         """See `Base`."""
         least: Array | None = None
         for n, d in zip(self.normals, self.offsets, strict=True):
             holding = weight * (d - np.abs(n) @ np.broadcast_to(shift, 2)) - dot(n, m)
-            force = _first(np.maximum(holding, 0.0), dot(n, e) + w * d)
+            force = _first_crossing(np.maximum(holding, 0.0), dot(n, e) + w * d)
             least = force if least is None else np.minimum(least, force, out=least)
         assert least is not None
         return least
@@ -213,7 +217,7 @@ class Polygon:
         k = np.argmax(q @ self.normals.T - self.offsets, axis=-1)
         return self.normals[k], k
 
-    def facing(self, direction: Array) -> Array:
+    def facing_normal(self, direction: Array) -> Array:
         """See `Base`."""
         return np.asarray(self.normals[np.argmax(self.normals @ direction)])
 
@@ -224,18 +228,18 @@ class Polygon:
         least: Array | None = None
         for n, d in zip(self.normals, self.offsets, strict=True):
             room = d * load - np.abs(n) @ np.broadcast_to(shift, 2) - dot(n, m + e)
-            height = _first(room, dot(n, rise))
+            height = _first_crossing(room, dot(n, rise))
             least = height if least is None else np.minimum(least, height)
         assert least is not None
         return least
 
-    def nodes(self) -> tuple[Array, Array]:
+    def quadrature_nodes(self) -> tuple[Array, Array]:
         """Corners of small triangles, each with a third of the area of those that it belongs to."""
         v = self.vertices
         centre = np.broadcast_to(self.centroid, v.shape)
         triangles = np.stack((centre, v, np.roll(v, -1, axis=0)), axis=1)
         for _ in range(3 if len(v) <= 4 else 2):
-            triangles = _quartered(triangles)
+            triangles = _quarter_triangles(triangles)
         area = np.repeat(cross(*(triangles[:, 1:] - triangles[:, :1]).transpose(1, 0, 2)), 3)
         points = triangles.reshape(-1, 2)
         cell = 1e-9 * self.size  # corners that triangles share differ by rounding
@@ -276,7 +280,9 @@ class Disc:
         """See `Base`."""
         return np.full(np.shape(normals)[:-1], self.radius)
 
-    def topple(self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0) -> Array:
+    def topple_force(
+        self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0
+    ) -> Array:
         """The first positive root of |m + s·e| = R (G − s·w); see `Base`."""
         drawn = weight * float(np.hypot(*np.broadcast_to(shift, 2)))
         return _leaves_circle(m, e, self.radius * weight - drawn, self.radius * w)
@@ -287,7 +293,7 @@ class Disc:
         with np.errstate(invalid="ignore", divide="ignore"):
             return q / length, np.full(q.shape[:-1], -1)
 
-    def facing(self, direction: Array) -> Array:
+    def facing_normal(self, direction: Array) -> Array:
         """The direction itself."""
         return direction
 
@@ -301,7 +307,7 @@ class Disc:
         start = np.hypot(m[..., 0] + e[..., 0], m[..., 1] + e[..., 1])
         return np.where(start >= room, 0.0, height)
 
-    def nodes(self) -> tuple[Array, Array]:
+    def quadrature_nodes(self) -> tuple[Array, Array]:
         """The centre and rings of 24 points, the outermost on the rim; a trapezoidal rule."""
         rings = 6
         k = np.arange(1, rings + 1)
@@ -321,7 +327,7 @@ def without_collinear(vertices: Array) -> Array:
     return np.asarray(vertices[np.abs(cross(before, after)) > _FLAT * lengths])
 
 
-def _first(holding: Array, growing: Array) -> Array:
+def _first_crossing(holding: Array, growing: Array) -> Array:
     """Holding / growing where that is positive, else never."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         return np.where(growing > 0.0, holding / growing, np.inf)
@@ -340,7 +346,7 @@ def _leaves_circle(m: Array, e: Array, room: Array | float, shrink: Array) -> Ar
     return np.where(np.isnan(s), np.inf, s)
 
 
-def _quartered(triangles: Array) -> Array:
+def _quarter_triangles(triangles: Array) -> Array:
     """Each triangle (n, 3, 2) cut into four at the middles of its sides."""
     a, b, c = triangles.transpose(1, 0, 2)
     ab, bc, ca = (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0

@@ -132,6 +132,6 @@ class Mechanical(Protocol):
         """Side faces; those of a round side look against each heading (k,) [rad]."""
         ...
 
-    def coefficient(self, friction: Friction) -> float:
+    def friction_coefficient(self, friction: Friction) -> float:
         """μ at the table, static or kinetic."""
         ...

@@ -72,7 +72,7 @@ class Face:
         """Height of its highest point [m]."""
         return self.centre[2] + self.height / 2.0
 
-    def at(self, lateral: ArrayLike, height: ArrayLike) -> tuple[Array, Array]:
+    def points_at(self, lateral: ArrayLike, height: ArrayLike) -> tuple[Array, Array]:
         """Points p_BC and outward normals at places on it, each of shape (..., 3).
 
         Args:
@@ -110,8 +110,8 @@ class Face:
         low, high = self.bottom + margin, self.top - margin
         if half < 0.0 or high < low:
             return np.empty(0), np.empty(0)
-        y = _steps(-half, half, spacing)
-        z = _steps(low, high, spacing)
+        y = _even_steps(-half, half, spacing)
+        z = _even_steps(low, high, spacing)
         lateral, height = (a.ravel() for a in np.meshgrid(y, z))
         on = self.contains(lateral, height, margin)
         return lateral[on], height[on]
@@ -128,7 +128,7 @@ def sides(base: Polygon, height: float) -> tuple[Face, ...]:
     )
 
 
-def _steps(low: float, high: float, spacing: float) -> Array:
+def _even_steps(low: float, high: float, spacing: float) -> Array:
     """Values from low to high, as evenly and about as far apart as asked, the middle among them."""
     n = max(2 * round((high - low) / (2.0 * spacing)), 2 if high > low else 0)
     return np.linspace(low, high, n + 1)

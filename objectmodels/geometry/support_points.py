@@ -37,15 +37,15 @@ def carrying_base(support: Support, base: Base) -> Base:
     if isinstance(support, str):
         return base
     points, _ = support_points(support, base)
-    if not within(base, points, 1e-6 * base.size):
+    if not is_within(base, points, 1e-6 * base.size):
         raise ModelError("bad_value", "a support point lies outside of the base")
-    return hull(points)
+    return hull_polygon(points)
 
 
 def support_points(support: Support, base: Base) -> tuple[Array, Array]:
     """Points (k, 2) [m] and weights (k,) of the springs on which the object stands."""
     if support == "uniform":
-        return base.nodes()
+        return base.quadrature_nodes()
     if support == "corners":
         corners = base.corners
         return corners, np.full(len(corners), 1.0 / len(corners))
@@ -66,14 +66,14 @@ def mean_distance(points: Array, weights: Array) -> float:
     return float(weights @ np.hypot(*(points - weights @ points).T))
 
 
-def within(base: Base, points: Array, tolerance: float = 0.0) -> bool:
+def is_within(base: Base, points: Array, tolerance: float = 0.0) -> bool:
     """Whether all points (n, 2) lie in a base, or beyond it by at most a tolerance [m]."""
     if isinstance(base, Polygon):
         return bool((points @ base.normals.T <= base.offsets + tolerance).all())
     return bool((np.hypot(*points.T) <= base.size + tolerance).all())
 
 
-def hull(points: Array) -> Polygon:
+def hull_polygon(points: Array) -> Polygon:
     """Convex hull of points (n, 2) [m].
 
     Raises:

@@ -7,19 +7,24 @@ from typing import TYPE_CHECKING
 from objectmodels.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from objectmodels.identification.belief_update import Update, guess, update, updated
+    from objectmodels.identification.belief_update import (
+        Update,
+        belief_after_trial,
+        initial_belief,
+        update_belief,
+    )
     from objectmodels.identification.closed_form_estimates import (
         Estimates,
-        estimates,
         estimates_by_repetition,
-        table,
+        estimates_from_trials,
+        repetition_table,
     )
     from objectmodels.identification.experiment_design import (
         Candidate,
         Worth,
-        precisions,
-        ranked,
-        reached,
+        is_precise_enough,
+        parameter_precisions,
+        rank_candidates,
     )
     from objectmodels.identification.joint_fit import Fit, fit
     from objectmodels.identification.onset_detection import Onset, detect_onset
@@ -36,17 +41,17 @@ __all__ = [
     "Trial",
     "Update",
     "Worth",
+    "belief_after_trial",
     "detect_onset",
-    "estimates",
     "estimates_by_repetition",
+    "estimates_from_trials",
     "fit",
-    "guess",
-    "precisions",
-    "ranked",
-    "reached",
-    "table",
-    "update",
-    "updated",
+    "initial_belief",
+    "is_precise_enough",
+    "parameter_precisions",
+    "rank_candidates",
+    "repetition_table",
+    "update_belief",
 ]
 
 _HOMES = {
@@ -60,16 +65,16 @@ _HOMES = {
     "Update": "objectmodels.identification.belief_update",
     "Worth": "objectmodels.identification.experiment_design",
     "detect_onset": "objectmodels.identification.onset_detection",
-    "estimates": "objectmodels.identification.closed_form_estimates",
+    "estimates_from_trials": "objectmodels.identification.closed_form_estimates",
     "estimates_by_repetition": "objectmodels.identification.closed_form_estimates",
     "fit": "objectmodels.identification.joint_fit",
-    "guess": "objectmodels.identification.belief_update",
-    "precisions": "objectmodels.identification.experiment_design",
-    "ranked": "objectmodels.identification.experiment_design",
-    "reached": "objectmodels.identification.experiment_design",
-    "table": "objectmodels.identification.closed_form_estimates",
-    "update": "objectmodels.identification.belief_update",
-    "updated": "objectmodels.identification.belief_update",
+    "initial_belief": "objectmodels.identification.belief_update",
+    "parameter_precisions": "objectmodels.identification.experiment_design",
+    "rank_candidates": "objectmodels.identification.experiment_design",
+    "is_precise_enough": "objectmodels.identification.experiment_design",
+    "repetition_table": "objectmodels.identification.closed_form_estimates",
+    "update_belief": "objectmodels.identification.belief_update",
+    "belief_after_trial": "objectmodels.identification.belief_update",
 }
 
 __getattr__ = lazy_names(__name__, _HOMES)

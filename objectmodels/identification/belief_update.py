@@ -26,8 +26,8 @@ from objectmodels.identification.measurement_model import Balance, Linear
 from objectmodels.identification.parameter_coordinates import (
     FRICTION,
     LOGARITHMIC,
-    coordinates,
-    units,
+    coordinate_units,
+    coordinates_of,
     with_belief,
     with_values,
 )
@@ -55,12 +55,12 @@ class Update:
     surprise: float
 
     @property
-    def contradicts(self) -> bool:
+    def is_contradiction(self) -> bool:
         """Whether the trials contradict what was believed."""
         return self.surprise > SURPRISING
 
 
-def guess(
+def initial_belief(
     model: ObjectModel,
     factor: float = 2.0,
     names: Sequence[str] = ("mass", "friction", "finger_friction"),
@@ -88,14 +88,14 @@ def guess(
     return with_belief(model, covariance + np.diag(guessed**2))
 
 
-def updated(
+def belief_after_trial(
     model: ObjectModel, trial: Trial, *, exact: bool = True, spread: float = 0.0
 ) -> ObjectModel:
     """What is believed after one more trial; see `update`."""
-    return update(model, [trial], exact=exact, spread=spread).model
+    return update_belief(model, [trial], exact=exact, spread=spread).model
 
 
-def update(
+def update_belief(
     model: ObjectModel, trials: Sequence[Trial], *, exact: bool = True, spread: float = 0.0
 ) -> Update:
     """Takes trials into what is believed.
@@ -111,34 +111,36 @@ def update(
             the object so; `no_fit` if what explains it would not stand.
     """
     balance = Balance(model, trials, exact=exact)
-    x, P = coordinates(model.means), belief_of(model, spread)
-    at = _linear(balance, model.means, spread)
+    x, P = coordinates_of(model.means), belief_of(model, spread)
+    at = _logarithmic_predictions(balance, model.means, spread)
     require_possible(balance, at)
-    observed = _observed(balance)
+    observed = _logarithmic_observations(balance)
     missed = observed - at.predicted
     S = at.jacobian @ P @ at.jacobian.T + np.diag(at.sd**2)
     surprise = sqrt(float(missed @ np.linalg.solve(S, missed)) / len(missed))
     for number in range(_STEPS):
         H = at.jacobian
         gain = P @ H.T @ np.linalg.inv(H @ P @ H.T + np.diag(at.sd**2))
-        now = coordinates(at.values)
+        now = coordinates_of(at.values)
         step = x + gain @ (observed - at.predicted - H @ (x - now)) - now
         if (np.abs(step) <= _SETTLED * np.sqrt(np.diag(P))).all():
             break
         # Far from what was believed steps may swing to and fro; shorter ones settle.
         shorter = step * 0.5 ** (number // _WHOLE)
-        at = damped_step(balance, at, shorter, lambda values: _linear(balance, values, spread))
+        at = damped_step(
+            balance, at, shorter, lambda values: _logarithmic_predictions(balance, values, spread)
+        )
     keep = np.eye(len(x)) - gain @ H
     P = keep @ P @ keep.T + gain @ np.diag(at.sd**2) @ gain.T
     P[FRICTION, FRICTION] += spread**2
-    per = units(at.values)
+    per = coordinate_units(at.values)
     believed = with_belief(with_values(model, at.values), P * np.outer(per, per))
     return Update(believed, surprise)
 
 
 def belief_of(model: ObjectModel, spread: float = 0.0) -> Array:
     """Covariance of what is believed, in coordinates and without the spread, shape (7, 7)."""
-    per = units(model.means)
+    per = coordinate_units(model.means)
     P = model.covariance / np.outer(per, per)
     if spread > 0.0 and P[FRICTION, FRICTION] > 0.0:
         # Correlations stay as they are: taking the spread out may not make them impossible.
@@ -156,14 +158,14 @@ def _given_others(P: Array) -> float:
     return float(max(P[FRICTION, FRICTION] - cross @ inverse @ cross, 0.0))
 
 
-def _observed(balance: Balance) -> Array:
+def _logarithmic_observations(balance: Balance) -> Array:
     """What was measured, forces by their logarithm."""
     return np.where(balance.turns, balance.observed, np.log(np.abs(balance.observed)))
 
 
-def _linear(balance: Balance, values: Array, spread: float) -> Linear:
-    """`Balance.linear` with the forces' logarithms, and the spread among the noise."""
-    at, turns = balance.linear(values), balance.turns
+def _logarithmic_predictions(balance: Balance, values: Array, spread: float) -> Linear:
+    """`Balance.linear_predictions` with the forces' logarithms, and the spread among the noise."""
+    at, turns = balance.linear_predictions(values), balance.turns
     with np.errstate(divide="ignore", invalid="ignore"):
         predicted = np.where(turns, at.predicted, np.log(at.predicted))
         jacobian = np.where(turns[:, None], at.jacobian, at.jacobian / at.predicted[:, None])

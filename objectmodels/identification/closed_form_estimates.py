@@ -73,7 +73,7 @@ class Estimates:
         return found
 
 
-def table(estimates: Iterable[Estimates]) -> dict[str, Statistics]:
+def repetition_table(estimates: Iterable[Estimates]) -> dict[str, Statistics]:
     """Table I: statistics over repetitions of every parameter that was found, by its name."""
     repetitions = list(estimates)
     found = {
@@ -98,12 +98,12 @@ def estimates_by_repetition(model: ObjectModel, trials: Sequence[Trial]) -> tupl
     """
     numbers = sorted({trial.repetition for trial in trials})
     return tuple(
-        estimates(model, [trial for trial in trials if trial.repetition == number])
+        estimates_from_trials(model, [trial for trial in trials if trial.repetition == number])
         for number in numbers
     )
 
 
-def estimates(model: ObjectModel, trials: Sequence[Trial]) -> Estimates:
+def estimates_from_trials(model: ObjectModel, trials: Sequence[Trial]) -> Estimates:
     """Estimates from all trials together.
 
     Args:
@@ -119,7 +119,7 @@ def estimates(model: ObjectModel, trials: Sequence[Trial]) -> Estimates:
     notes: list[str] = []
     if (balance.touches.kind == "topple").any():
         found |= _of_tilts(balance, notes)
-    values = _taken(values, found)
+    values = _fill_values(values, found)
     if (balance.touches.kind == "slide").any():
         if "mass" not in found:
             notes.append("nothing tilted: the friction is that for the believed mass")
@@ -130,7 +130,7 @@ def estimates(model: ObjectModel, trials: Sequence[Trial]) -> Estimates:
     return Estimates(**found, notes=tuple(notes))
 
 
-def _taken(values: Array, found: dict[str, float]) -> Array:
+def _fill_values(values: Array, found: dict[str, float]) -> Array:
     return np.array([found.get(name, v) for name, v in zip(UNCERTAIN, values, strict=True)])
 
 
@@ -151,7 +151,7 @@ def _of_tilts(balance: Balance, notes: list[str]) -> dict[str, float]:
         and (opposite or name == "com_z")
     ]  # fmt: skip
     # What cannot be told from the weight is believed, the height first.
-    while not _independent(_columns(d * np.cos(tilt), per, sought, believed)):
+    while not _are_independent(_moment_columns(d * np.cos(tilt), per, sought, believed)):
         sought.pop()
     if not opposite:
         notes.append("tilts of one side give only mass times distance: the believed centre of "
@@ -159,7 +159,7 @@ def _of_tilts(balance: Balance, notes: list[str]) -> dict[str, float]:
     if tilt.any() and "com_z" not in sought:
         notes.append("tilts to one angle do not give the height of the centre of mass: the "
                      "believed one is used")  # fmt: skip
-    A = _columns(d * np.cos(tilt), per, sought, believed)
+    A = _moment_columns(d * np.cos(tilt), per, sought, believed)
     x = np.linalg.lstsq(A / sd[:, None], held / sd, rcond=None)[0]
     if not x[0] > 0.0:
         raise ModelError(
@@ -171,7 +171,7 @@ def _of_tilts(balance: Balance, notes: list[str]) -> dict[str, float]:
     return {"mass": float(x[0]) / GRAVITY} | moments
 
 
-def _columns(
+def _moment_columns(
     distance: Array, per: dict[str, Array], sought: list[str], believed: dict[str, float]
 ) -> Array:
     """Columns of G, then of G times each coordinate sought; the others are as believed."""
@@ -180,7 +180,7 @@ def _columns(
     return np.column_stack((weight, *(per[name] for name in sought)))
 
 
-def _independent(A: Array) -> bool:
+def _are_independent(A: Array) -> bool:
     if A.shape[1] == 1:
         return True
     scaled = A / np.linalg.norm(A, axis=0)

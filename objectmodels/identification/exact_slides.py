@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Array, Disc
-from objectmodels.geometry.support_points import hull
-from objectmodels.mechanics.exact.exact_thresholds import ExactThresholds, axes
+from objectmodels.geometry.support_points import hull_polygon
+from objectmodels.mechanics.exact.exact_thresholds import ExactThresholds, push_axes
 from objectmodels.mechanics.exact.support_springs import Springs
 from objectmodels.mechanics.friction_limit import friction_limit
 from objectmodels.mechanics.push_thresholds import push_moment, ratio_at
@@ -59,11 +59,11 @@ def exact_slides(model: ObjectModel, p: Array, u: Array) -> ExactSlides:
     found = ExactSlides(t.slide, np.zeros(n), np.zeros((n, 7)), np.zeros((n, 7)), sure)
     (i,) = np.nonzero(sure)
     if i.size:
-        _differentiate(model, t, i, found)
+        _fill_derivatives(model, t, i, found)
     return found
 
 
-def _differentiate(
+def _fill_derivatives(
     model: ObjectModel, t: ExactThresholds, i: NDArray[np.intp], found: ExactSlides
 ) -> None:
     """Fills in turn rates and derivatives of the slides i."""
@@ -72,7 +72,7 @@ def _differentiate(
     # Unknowns: r, c_x, c_y, log c̄.
     length = model.base.size
     steps = np.array([0.0, length, length, 1.0]) * _STEP
-    limits, turns = _limits(model, t, p, u, r, steps)
+    limits, turns = _limits_around(model, t, p, u, r, steps)
     step_r = _STEP * r
     ahead, behind = limits[1:5], limits[5:]
     sizes = np.vstack((step_r, np.tile(steps[1:, None], (1, len(i)))))
@@ -90,12 +90,12 @@ def _differentiate(
     found.turn_change[np.ix_(i, places)] = (direct + d_turn[0] * dr).T
 
 
-def _limits(
+def _limits_around(
     model: ObjectModel, t: ExactThresholds, p: Array, u: Array, r: Array, steps: Array
 ) -> tuple[Array, Array]:
     """Friction limits S and turn rates, there and one step of each unknown ahead and behind."""
     points, weights, scale = t.support
-    h, along, across = axes(u)
+    h, along, across = push_axes(u)
     change = np.zeros((9, 4, 1)) + np.zeros((1, 1, len(p)))
     for k in range(4):
         step = _STEP * r if k == 0 else steps[k]
@@ -105,7 +105,7 @@ def _limits(
     q = (1.0 + ratio * u[:, 2])[:, None] * com + ratio[:, None] * push_moment(p, u).T
     q = q.transpose(1, 0, 2).reshape(2, -1)
     if isinstance(model.base, Disc):
-        inside = hull(points)
+        inside = hull_polygon(points)
         q = q / np.maximum((inside.normals @ q / inside.offsets[:, None]).max(axis=0), 1.0)
     springs = Springs(points, weights)
     loads, _ = springs.loads(q, np.zeros_like(q), np.ones((len(points), q.shape[1]), dtype=bool))

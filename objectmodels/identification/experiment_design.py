@@ -24,7 +24,7 @@ from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification.belief_update import belief_of
 from objectmodels.identification.identifiability import require_names
 from objectmodels.identification.measurement_model import Balance
-from objectmodels.identification.parameter_coordinates import FRICTION, units
+from objectmodels.identification.parameter_coordinates import FRICTION, coordinate_units
 from objectmodels.identification.trial import Trial
 from objectmodels.models.object_model import ObjectModel
 
@@ -63,7 +63,7 @@ class Worth:
     precisions: Mapping[str, float]
 
 
-def precisions(
+def parameter_precisions(
     model: ObjectModel, wanted: Sequence[str] = UNCERTAIN, *, spread: float = 0.0
 ) -> dict[str, float]:
     """How well parameters are known: relative standard deviations, of the centre of mass in metres.
@@ -74,10 +74,12 @@ def precisions(
         spread: relative standard deviation of friction from slide to slide, which does not count.
     """
     require_names(wanted)
-    return _precisions(model, belief_of(model, spread), wanted)
+    return _precisions_from(model, belief_of(model, spread), wanted)
 
 
-def reached(model: ObjectModel, asked: Mapping[str, float], *, spread: float = 0.0) -> bool:
+def is_precise_enough(
+    model: ObjectModel, asked: Mapping[str, float], *, spread: float = 0.0
+) -> bool:
     """Whether all parameters are known as precisely as asked: time to stop.
 
     Args:
@@ -85,11 +87,11 @@ def reached(model: ObjectModel, asked: Mapping[str, float], *, spread: float = 0
         asked: precisions by name of the parameter: relative, of the centre of mass in metres.
         spread: as for `precisions`.
     """
-    known = precisions(model, tuple(asked), spread=spread)
+    known = parameter_precisions(model, tuple(asked), spread=spread)
     return all(known[name] <= asked[name] for name in asked)
 
 
-def ranked(
+def rank_candidates(
     model: ObjectModel,
     candidates: Sequence[Candidate],
     asked: Mapping[str, float] | Sequence[str],
@@ -114,19 +116,23 @@ def ranked(
     require_names(tuple(asked))
     goal = dict(asked) if isinstance(asked, Mapping) else dict.fromkeys(asked, LEAST)
     before = belief_of(model, spread)
-    lacking = _lacking(_precisions(model, before, tuple(goal)), goal)
+    lacking = _missing_precision(_precisions_from(model, before, tuple(goal)), goal)
     worths = []
     for candidate in candidates:
-        known = _precisions(model, _after(model, before, candidate.trials, spread), tuple(goal))
-        gain = (lacking - _lacking(known, goal)) / candidate.cost
+        known = _precisions_from(
+            model, _covariance_after(model, before, candidate.trials, spread), tuple(goal)
+        )
+        gain = (lacking - _missing_precision(known, goal)) / candidate.cost
         worths.append(Worth(candidate, gain, known))
     return sorted(worths, key=lambda worth: -worth.gain)
 
 
-def _after(model: ObjectModel, P: Array, trials: Sequence[Trial], spread: float) -> Array:
+def _covariance_after(
+    model: ObjectModel, P: Array, trials: Sequence[Trial], spread: float
+) -> Array:
     """Covariance after trials, in coordinates, shape (7, 7)."""
     balance = Balance(model, trials)
-    at = balance.linear(model.means)
+    at = balance.linear_predictions(model.means)
     tells = np.isfinite(at.predicted)  # what would never move tells nothing
     H, R = at.jacobian[tells], at.sd[tells] ** 2
     R = R + np.where(balance.slides[tells], spread * H[:, FRICTION], 0.0) ** 2
@@ -135,13 +141,13 @@ def _after(model: ObjectModel, P: Array, trials: Sequence[Trial], spread: float)
     return np.asarray(keep @ P @ keep.T + gain @ np.diag(R) @ gain.T)
 
 
-def _precisions(model: ObjectModel, P: Array, wanted: Sequence[str]) -> dict[str, float]:
+def _precisions_from(model: ObjectModel, P: Array, wanted: Sequence[str]) -> dict[str, float]:
     sd = np.sqrt(np.diag(P))
     metres = np.array([name.startswith("com") for name in UNCERTAIN])
-    sd = np.where(metres, sd * units(model.means), sd)
+    sd = np.where(metres, sd * coordinate_units(model.means), sd)
     return {name: float(sd[UNCERTAIN.index(name)]) for name in wanted}
 
 
-def _lacking(known: Mapping[str, float], asked: Mapping[str, float]) -> float:
+def _missing_precision(known: Mapping[str, float], asked: Mapping[str, float]) -> float:
     """Σ log max(σ/asked, 1)."""
     return sum(float(np.log(max(known[name] / asked[name], 1.0))) for name in asked)

@@ -84,7 +84,7 @@ def require_names(parameters: Sequence[str]) -> None:
             )
 
 
-def identified(
+def identifiable_parameters(
     balance: Balance, at: Linear, belief: Array, parameters: Sequence[str] | None
 ) -> tuple[Mask, tuple[Missing, ...]]:
     """Which parameters to seek, and why not the others that the trials touch.
@@ -102,39 +102,42 @@ def identified(
     if parameters is not None:
         require_names(parameters)
         free = np.array([name in parameters for name in UNCERTAIN])
-        left_open = _open(balance, at, free)
-        wanting = left_open | _hanging(balance, at, free, belief, HANGS_WHEN_ASKED)
+        left_open = _open_parameters(balance, at, free)
+        wanting = left_open | _belief_dependent(balance, at, free, belief, HANGS_WHEN_ASKED)
         if wanting.any():
             kept = belief if not left_open.any() else None
-            raise refusal(
-                [missing(balance, at, int(k), free, kept) for k in np.flatnonzero(wanting)]
+            raise not_identifiable_error(
+                [
+                    missing_parameter(balance, at, int(k), free, kept)
+                    for k in np.flatnonzero(wanting)
+                ]
             )
         return free, ()
     free = np.ones(len(UNCERTAIN), dtype=bool)
     everything = free.copy()
-    unsure = belief + np.diag(np.where(np.diag(belief) > 0.0, 0.0, _weak(balance) ** 2))
+    unsure = belief + np.diag(np.where(np.diag(belief) > 0.0, 0.0, _weak_deviations(balance) ** 2))
     while True:
-        wanting = _open(balance, at, free)
+        wanting = _open_parameters(balance, at, free)
         if not wanting.any():
-            wanting = _hanging(balance, at, free, unsure, HANGS)
+            wanting = _belief_dependent(balance, at, free, unsure, HANGS)
         if not wanting.any():
             break
         free[next(k for k in _GIVEN_UP if wanting[k])] = False
-    lost = tuple(missing(balance, at, int(k), everything) for k in np.flatnonzero(~free))
+    lost = tuple(missing_parameter(balance, at, int(k), everything) for k in np.flatnonzero(~free))
     kinds = set(balance.touches.kind)
     if not free[[MASS, FRICTION]].any() and (kinds != {"slip"} or not free.any()):
-        relevant = [m for m in lost if _concerns(m.name, kinds)]
-        raise refusal(relevant)
+        relevant = [m for m in lost if _is_concerned(m.name, kinds)]
+        raise not_identifiable_error(relevant)
     return free, lost
 
 
-def _concerns(name: str, kinds: set[str]) -> bool:
+def _is_concerned(name: str, kinds: set[str]) -> bool:
     """Whether someone who made trials of such kinds may have meant to find a parameter."""
     by = {"topple": ("mass", "com_x"), "slide": ("mass", "friction"), "slip": ("finger_friction",)}
     return any(name in names for kind, names in by.items() if kind in kinds)
 
 
-def refusal(lost: Sequence[Missing]) -> ModelError:
+def not_identifiable_error(lost: Sequence[Missing]) -> ModelError:
     """The error that says what cannot be found, why, and what would tell it."""
     said = "; ".join(f"{m.name}: {m.reason}" for m in lost)
     names = dict.fromkeys(name for m in lost for name in m.experiments)
@@ -145,7 +148,7 @@ def refusal(lost: Sequence[Missing]) -> ModelError:
     )
 
 
-def _weak(balance: Balance) -> Array:
+def _weak_deviations(balance: Balance) -> Array:
     """Standard deviations of coordinates of which nothing is known, shape (7,)."""
     return np.where(LOGARITHMIC, _WEAK, balance.model.base.size)
 
@@ -153,10 +156,10 @@ def _weak(balance: Balance) -> Array:
 def open_covariance(balance: Balance, at: Linear, free: Mask) -> Array:
     """Covariance of the parameters sought, from the trials and almost no prior knowledge."""
     J = at.jacobian[:, free] / at.sd[:, None]
-    return np.asarray(np.linalg.inv(J.T @ J + np.diag(_weak(balance)[free] ** -2.0)))
+    return np.asarray(np.linalg.inv(J.T @ J + np.diag(_weak_deviations(balance)[free] ** -2.0)))
 
 
-def _open(balance: Balance, at: Linear, free: Mask) -> Mask:
+def _open_parameters(balance: Balance, at: Linear, free: Mask) -> Mask:
     """Which of the parameters sought the trials leave open."""
     wide = np.zeros(len(free), dtype=bool)
     limit = np.where(LOGARITHMIC, UNKNOWN, 0.5 * UNKNOWN * balance.model.base.size)
@@ -164,17 +167,19 @@ def _open(balance: Balance, at: Linear, free: Mask) -> Mask:
     return wide
 
 
-def _hanging(balance: Balance, at: Linear, free: Mask, belief: Array, limit: float) -> Mask:
+def _belief_dependent(
+    balance: Balance, at: Linear, free: Mask, belief: Array, limit: float
+) -> Mask:
     """Which of the parameters sought would hang too much on beliefs about the others."""
     hangs = np.zeros(len(free), dtype=bool)
-    shift = _shift(balance, at, free)
+    shift = _shift_by_beliefs(balance, at, free)
     variance = np.einsum("ij,jk,ik->i", shift, belief[np.ix_(~free, ~free)], shift)
     size = np.where(LOGARITHMIC, 1.0, balance.model.base.size)
     hangs[free] = np.sqrt(variance) > limit * size[free]
     return hangs
 
 
-def _shift(balance: Balance, at: Linear, free: Mask) -> Array:
+def _shift_by_beliefs(balance: Balance, at: Linear, free: Mask) -> Array:
     """By how much the parameters sought follow those that are kept, shape (sought, kept)."""
     J = at.jacobian / at.sd[:, None]
     return np.asarray(open_covariance(balance, at, free) @ J[:, free].T @ J[:, ~free])
@@ -183,11 +188,13 @@ def _shift(balance: Balance, at: Linear, free: Mask) -> Array:
 def _hung_on(balance: Balance, at: Linear, k: int, free: Mask, belief: Array) -> str:
     """The kept parameter on whose belief parameter k hangs most."""
     row = np.flatnonzero(free).tolist().index(k)
-    shares = np.abs(_shift(balance, at, free)[row]) * np.sqrt(np.diag(belief)[~free])
+    shares = np.abs(_shift_by_beliefs(balance, at, free)[row]) * np.sqrt(np.diag(belief)[~free])
     return UNCERTAIN[int(np.flatnonzero(~free)[np.argmax(shares)])]
 
 
-def missing(balance: Balance, at: Linear, k: int, free: Mask, kept: Array | None = None) -> Missing:
+def missing_parameter(
+    balance: Balance, at: Linear, k: int, free: Mask, kept: Array | None = None
+) -> Missing:
     """Why parameter k cannot be found, in words, from what its wide direction is made of.
 
     Args:
@@ -198,7 +205,7 @@ def missing(balance: Balance, at: Linear, k: int, free: Mask, kept: Array | None
         kept: covariance of what is believed, if nothing but that leaves k in doubt.
     """
     t, name = balance.touches, UNCERTAIN[k]
-    tied = _tied(balance, at, k, free)
+    tied = _tied_parameters(balance, at, k, free)
     tilts = t.kind == "topple"
     if k == FINGER:
         return Missing(name, "the finger never slipped", ("rub",))
@@ -226,7 +233,7 @@ def missing(balance: Balance, at: Linear, k: int, free: Mask, kept: Array | None
     if not _one_sided(balance) and k in (MASS, FRICTION):
         why = "the forces are too noisy, or too few, to tell it from the centre of mass"
         return Missing(name, why, ("tilt", "tilt from the opposite side"))
-    b = _lever(balance, at.values)
+    b = _least_lever(balance, at.values)
     return Missing(
         name,
         "tilts of one side give only mass times the weight's distance from the edge: 1 mm of "
@@ -235,9 +242,9 @@ def missing(balance: Balance, at: Linear, k: int, free: Mask, kept: Array | None
     )
 
 
-def _tied(balance: Balance, at: Linear, k: int, free: Mask) -> set[int]:
+def _tied_parameters(balance: Balance, at: Linear, k: int, free: Mask) -> set[int]:
     """Parameters that make up the widest direction in which parameter k is open."""
-    weak = _weak(balance)[free]
+    weak = _weak_deviations(balance)[free]
     variance, directions = np.linalg.eigh(open_covariance(balance, at, free) / np.outer(weak, weak))
     row = np.flatnonzero(free).tolist().index(k)
     widest = directions[:, np.argmax(variance * directions[row] ** 2)]
@@ -264,7 +271,7 @@ def _one_sided(balance: Balance) -> bool:
     return bool((n @ n.T).min() > -0.5)
 
 
-def _lever(balance: Balance, values: Array) -> float:
+def _least_lever(balance: Balance, values: Array) -> float:
     """Least distance of the weight from the edges tilted about [m]."""
     n = balance.normals[balance.touches.kind == "topple"]
     b = balance.model.base.extent(n) - n @ values[[COM_X, COM_Y]]

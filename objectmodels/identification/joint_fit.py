@@ -27,8 +27,12 @@ from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.geometry.support_points import Support, friction_radius
-from objectmodels.identification.identifiability import identified
-from objectmodels.identification.least_squares import Solution, require_possible, solve
+from objectmodels.identification.identifiability import identifiable_parameters
+from objectmodels.identification.least_squares import (
+    Solution,
+    require_possible,
+    solve_least_squares,
+)
 from objectmodels.identification.measurement_model import Balance
 from objectmodels.identification.parameter_coordinates import (
     COM_X,
@@ -36,9 +40,9 @@ from objectmodels.identification.parameter_coordinates import (
     LOGARITHMIC,
     RADIUS,
     Mask,
-    coordinates,
+    coordinate_units,
+    coordinates_of,
     correlation_of,
-    units,
     with_belief,
     with_values,
 )
@@ -114,7 +118,9 @@ class Fit:
         if name not in UNCERTAIN or not 0.0 < level < 1.0:
             raise ModelError("bad_value", f"no interval of {name!r} at the level {level}")
         k, s = UNCERTAIN.index(name), self._solution
-        half = _quantile(level, _freedom(s, k)) * float(np.sqrt(s.covariance[k, k]))
+        half = _interval_quantile(level, _degrees_of_freedom(s, k)) * float(
+            np.sqrt(s.covariance[k, k])
+        )
         value = self.values[name]
         if LOGARITHMIC[k]:
             return value * exp(-half), value * exp(half)
@@ -147,24 +153,26 @@ def fit(
             `bad_trial`, `impossible_trial`; `no_fit` or `not_possible` if the trials make no sense.
     """
     coarse = Balance(model, trials)
-    belief = model.covariance / np.outer(units(model.means), units(model.means))
+    belief = model.covariance / np.outer(
+        coordinate_units(model.means), coordinate_units(model.means)
+    )
     notes: list[str] = []
     if prior:
         wanted = UNCERTAIN if parameters is None else parameters
         free = np.array([name in wanted for name in UNCERTAIN]) & (np.diag(belief) > 0.0)
     else:
-        start = coarse.linear(model.means)
+        start = coarse.linear_predictions(model.means)
         require_possible(coarse, start)
-        free, lost = identified(coarse, start, belief, parameters)
+        free, lost = identifiable_parameters(coarse, start, belief, parameters)
         notes += [f"{m.name} is kept as believed: {m.reason}" for m in lost]
-    first = solve(coarse, model.means, free, belief, prior=prior)
+    first = solve_least_squares(coarse, model.means, free, belief, prior=prior)
     chosen, balance, doubt, told = _best_support(
         model, trials, first, belief, prior, exact, supports
     )
     notes += told
     solution, dropped = _without_outliers(balance, chosen, belief, prior)
     solution = replace(solution, covariance=solution.covariance + doubt)
-    return _result(balance, solution, dropped, notes)
+    return _fit_from(balance, solution, dropped, notes)
 
 
 def _best_support(
@@ -173,7 +181,7 @@ def _best_support(
 ) -> tuple[Solution, Balance, Array, list[str]]:  # fmt: skip
     """The solution of the support that predicts best, what doubt of it adds, what was compared."""
     coarse = Balance(model, trials)
-    if not exact or not _turns(coarse, first.values):
+    if not exact or not _has_turning_slide(coarse, first.values):
         return first, coarse, np.zeros((7, 7)), []
     tried = list(supports or (model.support, "uniform", "corners"))
     if not first.free[RADIUS] and supports is None:
@@ -181,17 +189,19 @@ def _best_support(
     found: list[_Tried] = []
     for support in dict.fromkeys(tried):
         balance = Balance(_standing_on(model, support), trials, exact=True)
-        solution = solve(balance, first.values, first.free, belief, prior=prior)
+        solution = solve_least_squares(balance, first.values, first.free, belief, prior=prior)
         rows = _robust_rows(balance, solution)
-        found.append((_misfit(balance, solution, rows), solution, balance))
+        found.append((_support_misfit(balance, solution, rows), solution, balance))
     best = min(found, key=lambda one: one[0])
-    return best[1], best[2], _between(found, best), _compared(found, best[2])
+    return best[1], best[2], _between_supports(found, best), _comparison_note(found, best[2])
 
 
-def _between(found: Sequence[_Tried], best: _Tried) -> Array:
+def _between_supports(found: Sequence[_Tried], best: _Tried) -> Array:
     """Covariance from not being sure of the support: how far off the others are, by likelihood."""
     weights = np.exp(-0.5 * (np.array([misfit for misfit, _, _ in found]) - best[0]))
-    apart = np.array([coordinates(s.values) - coordinates(best[1].values) for _, s, _ in found])
+    apart = np.array(
+        [coordinates_of(s.values) - coordinates_of(best[1].values) for _, s, _ in found]
+    )
     return np.asarray(apart.T @ (weights / weights.sum() * apart.T).T)
 
 
@@ -205,25 +215,24 @@ def _standing_on(model: ObjectModel, support: Support) -> ObjectModel:
     )
 
 
-def _compared(found: Sequence[_Tried], taken: Balance) -> list[str]:
+def _comparison_note(found: Sequence[_Tried], taken: Balance) -> list[str]:
     """What to say of the supports that were tried."""
     if len(found) < 2:
         return []
     misfits = sorted(misfit for misfit, _, _ in found)
-    said = ", ".join(f"{_called(b.model.support)} {misfit:.1f}" for misfit, _, b in found)
+    said = ", ".join(f"{_support_name(b.model.support)} {misfit:.1f}" for misfit, _, b in found)
     why = "it predicts better"
     if misfits[1] - misfits[0] < DIFFERENT:
         why = "though the trials hardly tell them apart"
-    return [
-        f"the support {_called(taken.model.support)} was taken, {why} (−2 log likelihood: {said})"
-    ]
+    name = _support_name(taken.model.support)
+    return [f"the support {name} was taken, {why} (−2 log likelihood: {said})"]
 
 
-def _called(support: Support) -> str:
+def _support_name(support: Support) -> str:
     return support if isinstance(support, str) else f"of {len(support)} points"
 
 
-def _turns(balance: Balance, values: Array) -> bool:
+def _has_turning_slide(balance: Balance, values: Array) -> bool:
     """Whether a slide is so far off-centre that the object turns."""
     t = balance.touches
     i = t.kind == "slide"
@@ -231,7 +240,7 @@ def _turns(balance: Balance, values: Array) -> bool:
     return bool((np.abs(arm) > _OFF_CENTRE * values[RADIUS]).any() or balance.turns.any())
 
 
-def _misfit(balance: Balance, solution: Solution, rows: Mask) -> float:
+def _support_misfit(balance: Balance, solution: Solution, rows: Mask) -> float:
     """Misfit of the rows that no support can be blamed for missing left out."""
     rest = (balance.observed - solution.at.predicted)[rows]
     return float((rest**2 / solution.variance[rows] + np.log(solution.variance[rows])).sum())
@@ -239,11 +248,11 @@ def _misfit(balance: Balance, solution: Solution, rows: Mask) -> float:
 
 def _robust_rows(balance: Balance, solution: Solution) -> Mask:
     """Rows of trials that are not suspected."""
-    suspects = [i for i, _ in _suspects(balance, solution)]
+    suspects = [i for i, _ in _suspected_outliers(balance, solution)]
     return ~np.isin(balance.trial, suspects)
 
 
-def _suspects(balance: Balance, solution: Solution) -> list[tuple[int, float]]:
+def _suspected_outliers(balance: Balance, solution: Solution) -> list[tuple[int, float]]:
     """Trials that may be outliers, the worst first, with their robust deviations."""
     z = (balance.observed - solution.at.predicted) / solution.at.sd
     worst = np.zeros(len(balance.touches.size))
@@ -262,21 +271,25 @@ def _without_outliers(
     balance: Balance, solution: Solution, belief: Array, prior: bool
 ) -> tuple[Solution, dict[int, float]]:
     """The fit without trials that the others contradict, and by how many deviations they do."""
-    suspects = dict(_suspects(balance, solution))
+    suspects = dict(_suspected_outliers(balance, solution))
     if not suspects:
         return solution, {}
     rows = ~np.isin(balance.trial, list(suspects))
-    without = solve(balance, solution.values, solution.free, belief, rows=rows, prior=prior)
-    z = np.abs(_studentised(balance, without))
+    without = solve_least_squares(
+        balance, solution.values, solution.free, belief, rows=rows, prior=prior
+    )
+    z = np.abs(_studentised_residuals(balance, without))
     dropped = {i: far for i in suspects if (far := float(z[balance.trial == i].max())) > OUTLIER}
     if len(dropped) == len(suspects):
         return without, dropped
     rows = ~np.isin(balance.trial, list(dropped))
-    again = solve(balance, without.values, without.free, belief, rows=rows, prior=prior)
+    again = solve_least_squares(
+        balance, without.values, without.free, belief, rows=rows, prior=prior
+    )
     return again, dropped
 
 
-def _studentised(balance: Balance, solution: Solution) -> Array:
+def _studentised_residuals(balance: Balance, solution: Solution) -> Array:
     """Residuals over their standard deviation, those of rows left out including the fit's own."""
     J = solution.at.jacobian
     of_fit = np.einsum("ij,jk,ik->i", J, solution.own, J)
@@ -285,11 +298,11 @@ def _studentised(balance: Balance, solution: Solution) -> Array:
     return np.asarray((balance.observed - solution.at.predicted) / np.sqrt(variance))
 
 
-def _result(
+def _fit_from(
     balance: Balance, solution: Solution, dropped: Mapping[int, float], notes: list[str]
 ) -> Fit:
     values, sources = solution.values, balance.touches.sources
-    per = units(values)
+    per = coordinate_units(values)
     covariance = solution.covariance * np.outer(per, per)
     sd = np.sqrt(np.diag(covariance))
     z = (balance.observed - solution.at.predicted) / np.sqrt(solution.variance)
@@ -304,7 +317,7 @@ def _result(
     if solution.spread >= TOLD_SPREAD:
         notes.append(f"the friction differs by {solution.spread:.1%} from slide to slide")
     return Fit(
-        model=_fitted(balance, solution, covariance, found),
+        model=_fitted_model(balance, solution, covariance, found),
         found=found,
         values=dict(zip(UNCERTAIN, values.tolist(), strict=True)),
         deviations=dict(zip(UNCERTAIN, sd.tolist(), strict=True)),
@@ -322,7 +335,7 @@ def _result(
     )
 
 
-def _fitted(
+def _fitted_model(
     balance: Balance, solution: Solution, covariance: Array, found: tuple[str, ...]
 ) -> ObjectModel:
     """The model as the fit leaves it; the next slide's friction differs from the mean."""
@@ -337,7 +350,7 @@ def _fitted(
     return fitted.model_copy(update={"provenance": provenance})
 
 
-def _freedom(solution: Solution, k: int) -> float:
+def _degrees_of_freedom(solution: Solution, k: int) -> float:
     """Degrees of freedom behind the standard deviation of parameter k.
 
     Those of the spread count by the share that it has in the variance (Satterthwaite 1946).
@@ -355,7 +368,7 @@ def _freedom(solution: Solution, k: int) -> float:
     return freedom
 
 
-def _quantile(level: float, freedom: float) -> float:
+def _interval_quantile(level: float, freedom: float) -> float:
     """Half-width of an interval in standard deviations: Student's t, or normal."""
     from scipy.special import ndtri, stdtrit
 

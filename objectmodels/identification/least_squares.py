@@ -25,7 +25,7 @@ from objectmodels.identification.parameter_coordinates import (
     FRICTION,
     LOGARITHMIC,
     Mask,
-    coordinates,
+    coordinates_of,
     values_at,
     with_values,
 )
@@ -78,7 +78,7 @@ class Solution:
         return self.at.values
 
 
-def solve(
+def solve_least_squares(
     balance: Balance,
     start: Array,
     free: Mask,
@@ -101,21 +101,21 @@ def solve(
         ModelError: `no_fit` if no parameters explain the trials.
     """
     rows = np.ones(len(balance.observed), dtype=bool) if rows is None else rows
-    believed = coordinates(balance.model.means)
-    information = _information(belief, free) if prior else np.zeros((free.sum(), free.sum()))
-    now = balance.linear(start)
+    believed = coordinates_of(balance.model.means)
+    information = _prior_information(belief, free) if prior else np.zeros((free.sum(), free.sum()))
+    now = balance.linear_predictions(start)
     require_possible(balance, now, rows)
     guess = 0.0, 1.0
     for _ in range(_STEPS):
-        offset = (believed - coordinates(now.values))[free]
-        step, state = _weighted(balance, now, free, rows, information, offset, guess)
+        offset = (believed - coordinates_of(now.values))[free]
+        step, state = _weighted_step(balance, now, free, rows, information, offset, guess)
         guess = state.spread, state.noise
         sd = np.sqrt(np.diag(state.own))
         if (np.abs(step) <= _SETTLED * sd).all():
-            return _solution(balance, now, free, rows, belief, information, state)
+            return _solution_at(balance, now, free, rows, belief, information, state)
         change = np.zeros(len(free))
         change[free] = step
-        now = damped_step(balance, now, change, balance.linear, rows=rows, hints=_HINTS)
+        now = damped_step(balance, now, change, balance.linear_predictions, rows=rows, hints=_HINTS)
     raise ModelError(
         "no_fit",
         "the trials contradict each other so much that no parameters explain them",
@@ -147,12 +147,12 @@ class _Variances:
     own: Array
 
 
-def _information(belief: Array, free: Mask) -> Array:
+def _prior_information(belief: Array, free: Mask) -> Array:
     """Inverse covariance of the beliefs on the parameters sought, given that the others hold."""
     return np.asarray(np.linalg.pinv(belief[np.ix_(free, free)], rcond=1e-12, hermitian=True))
 
 
-def _weighted(
+def _weighted_step(
     balance: Balance, at: Linear, free: Mask, rows: Mask, information: Array, offset: Array,
     guess: tuple[float, float],
 ) -> tuple[Array, _Variances]:  # fmt: skip
@@ -169,9 +169,9 @@ def _weighted(
         left = rest - J @ step
         used = np.einsum("ij,jk,ik->i", J, own, J) / variance
         freedom = float((~slides).sum() - used[~slides].sum())
-        new_noise, noise_freedom = _excess((left / at.sd[rows])[~slides], freedom)
+        new_noise, noise_freedom = _excess_noise((left / at.sd[rows])[~slides], freedom)
         slide_freedom = float(slides.sum() - used[slides].sum())
-        new_spread = _spread(
+        new_spread = _friction_spread(
             left[slides], (new_noise * at.sd[rows])[slides], per_friction[slides], slide_freedom
         )
         change = max(abs(new_spread**2 - spread**2) / (spread**2 + 1e-6), abs(new_noise - noise))
@@ -183,7 +183,7 @@ def _weighted(
     return step, _Variances(spread, noise, slide_freedom, noise_freedom, whole, own)
 
 
-def _excess(z: Array, freedom: float) -> tuple[float, float]:
+def _excess_noise(z: Array, freedom: float) -> tuple[float, float]:
     """Factor of the stated noise, and the degrees of freedom behind it."""
     from scipy.special import chdtrc
 
@@ -193,7 +193,7 @@ def _excess(z: Array, freedom: float) -> tuple[float, float]:
     return float(np.sqrt(squares / freedom)), freedom
 
 
-def _spread(left: Array, sd: Array, per_friction: Array, freedom: float) -> float:
+def _friction_spread(left: Array, sd: Array, per_friction: Array, freedom: float) -> float:
     """τ with Σ left² / (sd² + τ² D²) equal to the degrees of freedom; 0 if noise explains it."""
     if freedom < 0.5:
         return 0.0
@@ -233,7 +233,7 @@ def damped_step(
     longest = np.where(LOGARITHMIC, _LONGEST, 0.3 * balance.model.base.size)
     share = 1.0 / max(1.0, float((np.abs(step) / longest).max()))
     for _ in range(_HALVINGS):
-        values = values_at(coordinates(at.values) + share * step)
+        values = values_at(coordinates_of(at.values) + share * step)
         values = np.where(step == 0.0, at.values, values)
         share *= 0.5
         try:
@@ -250,7 +250,7 @@ def damped_step(
     )
 
 
-def _solution(
+def _solution_at(
     balance: Balance, at: Linear, free: Mask, rows: Mask, belief: Array, information: Array,
     state: _Variances,
 ) -> Solution:  # fmt: skip

@@ -41,7 +41,7 @@ from objectmodels.identification.parameter_coordinates import (
     LOGARITHMIC,
     MASS,
     RADIUS,
-    coordinates,
+    coordinates_of,
     values_at,
     with_values,
 )
@@ -88,7 +88,7 @@ class Touches:
     sources: tuple[str, ...]
 
     @classmethod
-    def of(cls, trials: Sequence[Trial]) -> Touches:
+    def from_trials(cls, trials: Sequence[Trial]) -> Touches:
         """Arrays of some trials.
 
         Raises:
@@ -100,7 +100,7 @@ class Touches:
             _require_sense(trial)
         force = np.array([trial.force for trial in trials])
         size = np.linalg.norm(force, axis=1)
-        ratios = np.array([_ratio(trial) for trial in trials])
+        ratios = np.array([_slip_ratio(trial) for trial in trials])
         rates = [(trial.turn_rate, trial.turn_rate_sd) for trial in trials]
         return cls(
             kind=np.array([trial.moved for trial in trials]),
@@ -128,7 +128,7 @@ def _require_sense(trial: Trial) -> None:
         wrong = "has no force"
     elif trial.force_sd <= 0.0 or trial.tilt_sd < 0.0 or trial.turn_rate_sd == 0.0:
         wrong = "needs positive standard deviations"
-    elif trial.moved == "slip" and (trial.normal is None or _ratio(trial)[0] <= 0.0):
+    elif trial.moved == "slip" and (trial.normal is None or _slip_ratio(trial)[0] <= 0.0):
         wrong = "is a slip, which needs the face's normal and a force that presses on it aslant"
     elif trial.moved != "slip" and not any(trial.force[:2]):
         wrong = "has a vertical force, which neither slides nor tilts anything"
@@ -136,7 +136,7 @@ def _require_sense(trial: Trial) -> None:
         raise ModelError("bad_trial", f"{trial.source} {wrong}")
 
 
-def _ratio(trial: Trial) -> tuple[float, float]:
+def _slip_ratio(trial: Trial) -> tuple[float, float]:
     """Tangential over normal force of a slip, and its standard deviation."""
     if trial.moved != "slip" or trial.normal is None:
         return np.nan, np.nan
@@ -183,7 +183,7 @@ class Balance:
 
     def __init__(self, model: ObjectModel, trials: Sequence[Trial], *, exact: bool = False) -> None:
         self.model, self.exact = model, exact
-        self.touches = t = Touches.of(trials)
+        self.touches = t = Touches.from_trials(trials)
         (turned,) = np.nonzero((t.kind == "slide") & np.isfinite(t.turn))
         first = np.where(t.kind == "slip", t.ratio, t.size)
         self.observed = np.concatenate((first, t.turn[turned]))
@@ -191,7 +191,7 @@ class Balance:
         self.turns = np.arange(len(self.observed)) >= len(first)
         self.slides = (t.kind[self.trial] == "slide") & ~self.turns
         self._turned = turned
-        self.normals = _edges(model, t)
+        self.normals = _tipping_normals(model, t)
 
     @property
     def groups(self) -> list[NDArray[np.intp]]:
@@ -216,23 +216,23 @@ class Balance:
             if not i.size:
                 continue
             if kind == "slide":
-                force[..., i], turn[..., i] = slide(t.p[i], t.u[i], values)
+                force[..., i], turn[..., i] = slide_force(t.p[i], t.u[i], values)
             elif kind == "topple":
-                force[..., i] = topple(
+                force[..., i] = topple_force(
                     self.model.base, self.normals[i], t.p[i], t.u[i], t.tilt[i], values
                 )
             else:
                 force[..., i] = values[..., FINGER, None]
         return np.concatenate((force, turn[..., self._turned]), axis=-1)
 
-    def linear(self, values: Array) -> Linear:
+    def linear_predictions(self, values: Array) -> Linear:
         """Predictions near some values, of the exact tier if that is meant; shapes as in `Linear`.
 
         Args:
             values: the parameters in the order of `UNCERTAIN`, shape (7,).
         """
         steps = _STEP * np.where(LOGARITHMIC, 1.0, self.model.base.size)
-        around = coordinates(values) + np.vstack((np.diag(steps), -np.diag(steps)))
+        around = coordinates_of(values) + np.vstack((np.diag(steps), -np.diag(steps)))
         predicted = self.predict(np.vstack((values, values_at(around))))
         k = len(steps)
         with np.errstate(invalid="ignore"):  # infinite where nothing would move
@@ -240,7 +240,7 @@ class Balance:
         now = predicted[0]
         if self.exact:
             self._take_exact(values, now, jacobian)
-        return Linear(values, now, jacobian, self._deviations(values))
+        return Linear(values, now, jacobian, self._stated_deviations(values))
 
     def _take_exact(self, values: Array, predicted: Array, jacobian: Array) -> None:
         """Puts the exact tier's slides in place of the closed form's."""
@@ -257,19 +257,19 @@ class Balance:
         rows = turned[i[has]]
         predicted[rows], jacobian[rows] = found.turn[has], found.turn_change[has]
 
-    def _deviations(self, values: Array) -> Array:
+    def _stated_deviations(self, values: Array) -> Array:
         """Stated standard deviations; an error of the tilt counts by the force it makes."""
         t = self.touches
         sd = np.where(t.kind == "slip", t.ratio_sd, t.size_sd)
         (i,) = np.nonzero(t.tilt_sd > 0.0)
         if i.size:
             place = self.model.base, self.normals[i], t.p[i], t.u[i]
-            more, less = (topple(*place, t.tilt[i] + d, values) for d in (_STEP, -_STEP))
+            more, less = (topple_force(*place, t.tilt[i] + d, values) for d in (_STEP, -_STEP))
             sd[i] = np.hypot(sd[i], (more - less) / (2.0 * _STEP) * t.tilt_sd[i])
         return np.concatenate((sd, t.turn_sd[self._turned]))
 
 
-def slide(p: Array, u: Array, values: Array) -> tuple[Array, Array]:
+def slide_force(p: Array, u: Array, values: Array) -> tuple[Array, Array]:
     """Force that slides [N] and turn rate [rad/m] of the closed form, shape (..., n) each.
 
     Args:
@@ -286,7 +286,7 @@ def slide(p: Array, u: Array, values: Array) -> tuple[Array, Array]:
     return weight * share, turn
 
 
-def topple(base: Base, n: Array, p: Array, u: Array, tilt: Array, values: Array) -> Array:
+def topple_force(base: Base, n: Array, p: Array, u: Array, tilt: Array, values: Array) -> Array:
     """Force that holds the object at a tilt, shape (..., n) [N]; inf if it cannot.
 
     Args:
@@ -299,7 +299,7 @@ def topple(base: Base, n: Array, p: Array, u: Array, tilt: Array, values: Array)
     """
     weight, c = GRAVITY * values[..., MASS, None], values[..., None, COM_X:]
     if isinstance(base, Disc):
-        n = _rim(base, n, p, u, c)
+        n = _rim_normals(base, n, p, u, c)
     lever, d = tilt_arms(base, n, p, u, tilt)
     holding = (d - dot(n, c)) * np.cos(tilt) - c[..., 2] * np.sin(tilt)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -322,16 +322,16 @@ def tilt_arms(base: Base, n: Array, p: Array, u: Array, tilt: Array) -> tuple[Ar
     return dot(n, u) * h - u[:, 2] * x, d
 
 
-def _rim(base: Disc, n: Array, p: Array, u: Array, c: Array) -> Array:
+def _rim_normals(base: Disc, n: Array, p: Array, u: Array, c: Array) -> Array:
     """Directions in which the load reaches the rim, n where it never does, shape (..., n, 2)."""
-    s = base.topple(c[..., :2], push_moment(p, u), u[:, 2], 1.0)
+    s = base.topple_force(c[..., :2], push_moment(p, u), u[:, 2], 1.0)
     q = c[..., :2] + np.where(np.isfinite(s), s, 0.0)[..., None] * push_moment(p, u)
     found = q / np.maximum(np.hypot(q[..., 0], q[..., 1]), 1e-300)[..., None]
     return np.where(np.isfinite(s)[..., None], found, n)
 
 
-def _edges(model: ObjectModel, t: Touches) -> Array:
+def _tipping_normals(model: ObjectModel, t: Touches) -> Array:
     """Outward normals of the edges that the object would topple over first, shape (n, 2)."""
     normals = model.thresholds(t.p, t.u).tipping_normal
-    facing = [model.base.facing(u[:2] / max(np.hypot(*u[:2]), 1e-300)) for u in t.u]
+    facing = [model.base.facing_normal(u[:2] / max(np.hypot(*u[:2]), 1e-300)) for u in t.u]
     return np.where(np.isfinite(normals), normals, facing)

@@ -19,8 +19,8 @@ from objectmodels.identification.belief_update import SURPRISING, Update, belief
 from objectmodels.identification.measurement_model import Balance
 from objectmodels.identification.parameter_coordinates import (
     COM_X,
-    coordinates,
-    units,
+    coordinate_units,
+    coordinates_of,
     values_at,
     with_belief,
     with_values,
@@ -33,7 +33,7 @@ _WAYS: tuple[Moved, ...] = ("slide", "topple")
 _FAR = 6.0  # standard deviations from which on the hazard is taken from its asymptote
 
 
-def withstood(model: ObjectModel, trial: Trial) -> Update:
+def update_without_motion(model: ObjectModel, trial: Trial) -> Update:
     """What is believed after a push that moved nothing.
 
     A belief by which the object should have moved was too sure: its covariance is widened first,
@@ -43,13 +43,13 @@ def withstood(model: ObjectModel, trial: Trial) -> Update:
         model: the belief before.
         trial: the force that moved nothing.
     """
-    surprise = max(0.0, *(_distance(model, trial, moved)[0] for moved in _WAYS))
+    surprise = max(0.0, *(_force_distance(model, trial, moved)[0] for moved in _WAYS))
     for moved in _WAYS:
-        model = _above(model, trial, moved)
+        model = _belief_above(model, trial, moved)
     return Update(model, surprise)
 
 
-def widened(model: ObjectModel, surprise: float) -> ObjectModel:
+def widen_belief(model: ObjectModel, surprise: float) -> ObjectModel:
     """The belief, so much less sure that a trial of that surprise is no more than just surprising.
 
     Args:
@@ -60,23 +60,23 @@ def widened(model: ObjectModel, surprise: float) -> ObjectModel:
     return model if factor == 1.0 else with_belief(model, factor * model.covariance)
 
 
-def _above(model: ObjectModel, trial: Trial, moved: Moved) -> ObjectModel:
+def _belief_above(model: ObjectModel, trial: Trial, moved: Moved) -> ObjectModel:
     """The belief if the force of one way to move is above that of the trial."""
-    z, *_ = _distance(model, trial, moved)
-    model = widened(model, z)
-    cut, gain, P = _distance(model, trial, moved)
+    z, *_ = _force_distance(model, trial, moved)
+    model = widen_belief(model, z)
+    cut, gain, P = _force_distance(model, trial, moved)
     if not np.isfinite(cut):
         return model
-    hazard = _hazard(cut)
-    raised = _standing(model, hazard * gain)
+    hazard = _normal_hazard(cut)
+    raised = _shift_while_standing(model, hazard * gain)
     P = P - hazard * (hazard - cut) * np.outer(gain, gain)
-    per = units(raised.means)
+    per = coordinate_units(raised.means)
     return with_belief(raised, P * np.outer(per, per))
 
 
-def _standing(model: ObjectModel, step: Array) -> ObjectModel:
+def _shift_while_standing(model: ObjectModel, step: Array) -> ObjectModel:
     """The model after a step, of which the centre of mass goes as far as the object stands."""
-    x, place = coordinates(model.means), np.arange(len(step)) >= COM_X
+    x, place = coordinates_of(model.means), np.arange(len(step)) >= COM_X
     for number in range(_HALVINGS):
         try:
             return with_values(model, values_at(x + np.where(place, 0.5**number, 1.0) * step))
@@ -85,9 +85,9 @@ def _standing(model: ObjectModel, step: Array) -> ObjectModel:
     return with_values(model, values_at(x + np.where(place, 0.0, step)))
 
 
-def _distance(model: ObjectModel, trial: Trial, moved: Moved) -> tuple[float, Array, Array]:
+def _force_distance(model: ObjectModel, trial: Trial, moved: Moved) -> tuple[float, Array, Array]:
     """z, the gain P hᵀ / σ, and the belief's covariance P in coordinates."""
-    at = Balance(model, [replace(trial, moved=moved)]).linear(model.means)
+    at = Balance(model, [replace(trial, moved=moved)]).linear_predictions(model.means)
     P, size = belief_of(model), float(np.linalg.norm(trial.force))
     predicted = float(at.predicted[0])
     if not np.isfinite(predicted):
@@ -97,7 +97,7 @@ def _distance(model: ObjectModel, trial: Trial, moved: Moved) -> tuple[float, Ar
     return (log(size) - log(predicted)) / sd, P @ h / sd, P
 
 
-def _hazard(z: float) -> float:
+def _normal_hazard(z: float) -> float:
     """λ = φ(z) / (1 − Φ(z))."""
     if z > _FAR:
         return z + 1.0 / z

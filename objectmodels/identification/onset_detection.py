@@ -68,7 +68,7 @@ def detect_onset(time: ArrayLike, force: ArrayLike, travel: ArrayLike) -> Onset:
         )
     if not (np.isfinite([t, f, x]).all() and (np.diff(t) > 0.0).all()):
         raise ModelError("bad_array", "a recording must be finite, its times increasing")
-    smooth = _averaged(f, max(len(f) // 50, 3))
+    smooth = _running_mean(f, max(len(f) // 50, 3))
     first = int(np.argmax(smooth > _TOUCHED * smooth.max()))
     first = min(first, len(t) - LEAST_SAMPLES)
     kink, before, after = _two_lines(t[first:], x[first:])
@@ -79,10 +79,10 @@ def detect_onset(time: ArrayLike, force: ArrayLike, travel: ArrayLike) -> Onset:
         spread = float(np.std(f - smooth)) / np.sqrt(max(len(f) // 50, 3))
         return Onset(top, float(t[top]), float(smooth[top]), spread, moved=False)
     later = slice(begin, max(int(np.searchsorted(x, x[begin] + _AFTER)), begin + 4))
-    sliding, sliding_sd = _at(x[later], f[later], x[begin])
+    sliding, sliding_sd = _line_value(x[later], f[later], x[begin])
     rising = slice(begin - max(int(_RISE * (begin - first)), 4), begin)
     if rising.start >= first:
-        sticking, sticking_sd = _at(t[rising], f[rising], kink)
+        sticking, sticking_sd = _line_value(t[rising], f[rising], kink)
         # The averaged force shows a drop without relying on where exactly the kink is.
         drop = min(sticking, float(smooth[first : later.stop].max())) - sliding
         sd = float(np.hypot(sticking_sd, sliding_sd))
@@ -91,7 +91,7 @@ def detect_onset(time: ArrayLike, force: ArrayLike, travel: ArrayLike) -> Onset:
     return Onset(begin, kink, sliding, sliding_sd, moved=True)
 
 
-def _averaged(f: Array, width: int) -> Array:
+def _running_mean(f: Array, width: int) -> Array:
     """Running mean; the ends repeat their outermost value."""
     padded = np.pad(f, (width // 2, width - 1 - width // 2), mode="edge")
     return np.convolve(padded, np.full(width, 1.0 / width), mode="valid")
@@ -114,7 +114,7 @@ def _two_lines(t: Array, x: Array) -> tuple[float, float, float]:
     return float(kinks[best]), float(slope), float(slope + bend)
 
 
-def _at(x: Array, y: Array, place: float) -> tuple[float, float]:
+def _line_value(x: Array, y: Array, place: float) -> tuple[float, float]:
     """Value at a place of the straight line through y(x), and its standard deviation."""
     A = np.column_stack([np.ones_like(x), x - place])
     solution, *_ = np.linalg.lstsq(A, y, rcond=None)

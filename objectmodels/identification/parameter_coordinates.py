@@ -11,7 +11,7 @@ from math import isclose
 import numpy as np
 from numpy.typing import NDArray
 
-from objectmodels.containers.contents_update import reweighed
+from objectmodels.containers.contents_update import container_with_mass
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.mechanical import UNCERTAIN
@@ -26,7 +26,7 @@ LOGARITHMIC = np.array([name not in ("com_x", "com_y") for name in UNCERTAIN])
 """Which coordinates are logarithms."""
 
 
-def coordinates(values: Array) -> Array:
+def coordinates_of(values: Array) -> Array:
     """Coordinates of parameters (..., 7): logarithms, or metres for com_x and com_y."""
     safe = np.where(LOGARITHMIC, values, 1.0)
     return np.where(LOGARITHMIC, np.log(safe), values)
@@ -37,7 +37,7 @@ def values_at(x: Array) -> Array:
     return np.where(LOGARITHMIC, np.exp(np.where(LOGARITHMIC, x, 0.0)), x)
 
 
-def units(values: Array) -> Array:
+def coordinate_units(values: Array) -> Array:
     """By how much the parameters change for each unit of their coordinates, shape (7,)."""
     return np.where(LOGARITHMIC, values, 1.0)
 
@@ -53,7 +53,7 @@ def with_values(model: ObjectModel, values: Array) -> ObjectModel:
     """
     m, friction, finger, radius, *com = (float(value) for value in values)
     c = np.array(com)
-    room = model.base.topple(np.zeros(2), c[:2], np.zeros(()), 1.0)
+    room = model.base.topple_force(np.zeros(2), c[:2], np.zeros(()), 1.0)
     if not (room > 1.0 and 0.0 < c[2] < model.top):
         raise ModelError(
             "not_possible",
@@ -68,7 +68,7 @@ def with_values(model: ObjectModel, values: Array) -> ObjectModel:
             "finger_friction": finger,
             "friction_radius": radius,
             "com": tuple(com),
-            "container": reweighed(model, m, model.mass_sd),
+            "container": container_with_mass(model, m, model.mass_sd),
             "friction_kinetic": _in_ratio(model.friction_kinetic, friction, model.friction),
             "finger_friction_kinetic": _in_ratio(
                 model.finger_friction_kinetic, finger, model.finger_friction
@@ -98,7 +98,7 @@ def with_belief(model: ObjectModel, covariance: Array) -> ObjectModel:
             "finger_friction_sd": finger,
             "friction_radius_sd": radius,
             "com_sd": tuple(com),
-            "container": reweighed(model, model.mass, mass),
+            "container": container_with_mass(model, model.mass, mass),
             "correlations": tuple(pairs),
         }
     )

@@ -58,7 +58,7 @@ def contact_objection(model: ObjectModel, point: Vector) -> Objection | None:
         if not least - SLACK <= value <= most + SLACK:
             what = f"{value:g} lies beside the object, which reaches from {least:g} to {most:g} m"
             return Objection(quantity, what, _length_hint(abs(value), max(-least, most)))
-    if _beyond(model, point).max() > SLACK:
+    if _distances_beyond(model, point).max() > SLACK:
         return Objection("x", f"({x:g}, {y:g}) lies beside the object")
     if np.linalg.norm(point) < _NEAR_ZERO * max(model.extents):
         what = "the contact lies in the middle of the base, inside the object"
@@ -83,7 +83,7 @@ def force_objection(model: ObjectModel, trial: Trial) -> Objection | None:
     if trial.force_sd > size:
         what = f"{trial.force_sd:g} is larger than the force itself, {size:.3g} N"
         return Objection("force_sd", what, ("is it in millinewtons?",))
-    beyond = _beyond(model, trial.point)
+    beyond = _distances_beyond(model, trial.point)
     normals = Polygon.convex(model.outline).normals[beyond > -SLACK]
     if len(normals) and (normals @ u[:2]).min() > _PULLS:
         what = "the force pulls the object towards the finger"
@@ -111,7 +111,7 @@ def _believed_force(model: ObjectModel, trial: Trial, u: Array) -> float:
     return force if np.isfinite(force) else model.weight
 
 
-def _beyond(model: ObjectModel, point: Vector) -> Array:
+def _distances_beyond(model: ObjectModel, point: Vector) -> Array:
     """How far a point lies beyond each side of the outline seen from above [m]."""
     outline = Polygon.convex(model.outline)
     return np.asarray(outline.normals @ np.array(point[:2]) - outline.offsets)

@@ -20,8 +20,13 @@ import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.outcome_probability import worst_probability
-from objectmodels.mechanics.push_outcomes import gap
-from objectmodels.mechanics.worst_cases import Case, contact_forces, directions, refined
+from objectmodels.mechanics.push_outcomes import force_gap
+from objectmodels.mechanics.worst_cases import (
+    Case,
+    cone_directions,
+    contact_forces,
+    refine_directions,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -104,33 +109,38 @@ def cone_thresholds(
     at = at.reshape(-1)
     foot, facing = np.column_stack((spots[:, :2], np.zeros(len(spots)))), spots[:, 2:]
     reach = model.finger_friction + sigmas * model.finger_friction_sd
-    tippy, slippery = Case.of(model, sigmas, yaw=yaw), Case.of(model, -sigmas, yaw=yaw)
+    tippy, slippery = (
+        Case.from_model(model, sigmas, yaw=yaw),
+        Case.from_model(model, -sigmas, yaw=yaw),
+    )
 
-    shares = directions(foot, facing, tippy.com, reach, FINE_RING)
+    shares = cone_directions(foot, facing, tippy.com, reach, FINE_RING)
     f = contact_forces(facing[:, None, :], reach * shares)
-    slide_most = tippy.slide(foot[:, None, :], f)
+    slide_most = tippy.slide_force(foot[:, None, :], f)
     below = _height_below(tippy, foot[:, None, :], f, slide_most)
-    slide_least = slippery.slide(foot[:, None, :], f)
+    slide_least = slippery.slide_force(foot[:, None, :], f)
     above = slippery.equal_height(foot[:, None, :], f, slide_least).max(axis=1)
 
-    shares = directions(foot, facing, tippy.com, reach, RING)
+    shares = cone_directions(foot, facing, tippy.com, reach, RING)
     f = contact_forces(facing[:, None, :], reach * shares)
-    slide_gap = gap(tippy.slide(foot[:, None, :], f)[at], tippy.topple(p[:, None, :], f[at]))
-    topple_most = slippery.topple(p[:, None, :], f[at])
-    topple_gap = gap(topple_most, slippery.slide(foot[:, None, :], f)[at])
+    slide_gap = force_gap(
+        tippy.slide_force(foot[:, None, :], f)[at], tippy.topple_force(p[:, None, :], f[at])
+    )
+    topple_most = slippery.topple_force(p[:, None, :], f[at])
+    topple_gap = force_gap(topple_most, slippery.slide_force(foot[:, None, :], f)[at])
 
     def slide_margin(i: Index, x: Array) -> Array:
         slide, topple = tippy.thresholds(p[i, None], contact_forces(normals[i, None], reach * x))
-        return gap(slide, topple)
+        return force_gap(slide, topple)
 
     def topple_margin(i: Index, x: Array) -> Array:
         slide, topple = slippery.thresholds(p[i, None], contact_forces(normals[i, None], reach * x))
-        return gap(topple, slide)
+        return force_gap(topple, slide)
 
-    slides_by = _certain(slide_gap, shares[at], slide_margin, model.weight)
-    topples_by = _certain(topple_gap, shares[at], topple_margin, model.weight)
-    nominal = Case.of(model, 0.0, yaw=yaw)
-    critical = nominal.equal_height(foot, -facing, nominal.slide(foot, -facing))
+    slides_by = _refined_margins(slide_gap, shares[at], slide_margin, model.weight)
+    topples_by = _refined_margins(topple_gap, shares[at], topple_margin, model.weight)
+    nominal = Case.from_model(model, 0.0, yaw=yaw)
+    critical = nominal.equal_height(foot, -facing, nominal.slide_force(foot, -facing))
     return ConeThresholds(
         slides=slides_by > 0.0,
         topples=topples_by > 0.0,
@@ -138,22 +148,22 @@ def cone_thresholds(
         topple_margin=topples_by,
         slide_max=slide_most.max(axis=1)[at],
         topple_max=topple_most.max(axis=1),
-        height_below=_on_it(below, model.top)[at],
-        height_above=_on_it(above, model.top)[at],
-        critical_height=_on_it(critical, model.top)[at],
-        slides_most=_unit(f[at], slide_gap.argmax(axis=1)),
-        topples_most=_unit(f[at], slide_gap.argmin(axis=1)),
+        height_below=_contact_height(below, model.top)[at],
+        height_above=_contact_height(above, model.top)[at],
+        critical_height=_contact_height(critical, model.top)[at],
+        slides_most=_chosen_directions(f[at], slide_gap.argmax(axis=1)),
+        topples_most=_chosen_directions(f[at], slide_gap.argmin(axis=1)),
         _contacts=(model, p, normals, yaw),
     )
 
 
-def _unit(f: Array, chosen: Index) -> Array:
+def _chosen_directions(f: Array, chosen: Index) -> Array:
     """The chosen ones of forces (n, j, 3) as unit directions, shape (n, 3)."""
     picked = f[np.arange(len(f)), chosen]
     return np.asarray(picked / np.linalg.norm(picked, axis=1, keepdims=True))
 
 
-def _certain(
+def _refined_margins(
     margins: Array, shares: Array, value: Callable[[Index, Array], Array], weight: float
 ) -> Array:
     """Least of the margins (n, j) of each contact, refined where it is positive, shape (n,).
@@ -169,7 +179,7 @@ def _certain(
         j = inside.argmin(axis=1)
         start = inside[np.arange(len(inside)), j]
         (i,) = np.nonzero((least > 0.0) & (start <= near))
-        found = refined(partial(value, i), shares[i, j[i]], 1.0 / np.cos(np.pi / RING))
+        found = refine_directions(partial(value, i), shares[i, j[i]], 1.0 / np.cos(np.pi / RING))
         least[i] = np.minimum(least[i], found)
     return least
 
@@ -178,10 +188,10 @@ def _height_below(case: Case, foot: Array, f: Array, slide: Array) -> Array:
     """Height below which every direction slides first, shape (u,) [m]."""
     height = case.equal_height(foot, f, slide).min(axis=1)
     # Directions that jam, or that tip the object even with the contact on the table.
-    jams, tips = np.isinf(slide).any(axis=1), (case.topple(foot, f) <= slide).any(axis=1)
+    jams, tips = np.isinf(slide).any(axis=1), (case.topple_force(foot, f) <= slide).any(axis=1)
     return np.where(jams | tips, 0.0, height)
 
 
-def _on_it(height: Array, top: float) -> Array:
+def _contact_height(height: Array, top: float) -> Array:
     """Heights that a contact can have, inf for those above the object."""
     return np.where(height > top, np.inf, np.maximum(height, 0.0))

@@ -57,18 +57,18 @@ class Limit:
     residual: Array
 
     @classmethod
-    def empty(cls, k: int, n: int) -> Limit:
+    def empty_limit(cls, k: int, n: int) -> Limit:
         """Not yet found."""
         one, each = np.zeros(n), np.zeros((k, n))
         return cls(one, one.copy(), one.copy(), each, each.copy(), np.full(n, np.inf))
 
-    def put(self, i: NDArray[np.intp] | NDArray[np.bool_], other: Limit) -> None:
+    def take_over(self, i: NDArray[np.intp] | NDArray[np.bool_], other: Limit) -> None:
         """Takes over the limits of some pushes."""
         for name in ("ratio", "across", "turn", "residual"):
             getattr(self, name)[i] = getattr(other, name)
         self.along_i[:, i], self.across_i[:, i] = other.along_i, other.across_i
 
-    def slip(self, along: Array, left: Array) -> tuple[Array, Array]:
+    def slip_velocities(self, along: Array, left: Array) -> tuple[Array, Array]:
         """Slip velocities of the points, along and across the push, each (k, n)."""
         return 1.0 - self.turn * left, self.across + self.turn * along
 
@@ -81,7 +81,7 @@ def friction_limit(loads: Array, along: Array, left: Array) -> Limit:
         along: ξ_i, places of the points along the push, shape (k, n) [m].
         left: η_i, their distances to the left of its line of action, shape (k, n) [m].
     """
-    found = Limit.empty(*loads.shape)
+    found = Limit.empty_limit(*loads.shape)
     # Few points carry the centre of rotation often, one of many hardly ever.
     methods = about_a_point, _by_newton, _by_descent
     if len(loads) > _FEW:
@@ -90,7 +90,7 @@ def friction_limit(loads: Array, along: Array, left: Array) -> Limit:
         (rest,) = np.nonzero(~(found.residual <= PRECISE))
         if not rest.size:
             break
-        found.put(rest, method(loads[:, rest], along[:, rest], left[:, rest]))
+        found.take_over(rest, method(loads[:, rest], along[:, rest], left[:, rest]))
     return found
 
 
@@ -101,7 +101,7 @@ def about_a_point(loads: Array, along: Array, left: Array) -> Limit:
     its limit. Others keep an infinite residual.
     """
     k, n = loads.shape
-    found = Limit.empty(k, n)
+    found = Limit.empty_limit(k, n)
     for j in range(k):
         x, y = along - along[j], left - left[j]
         r = np.hypot(x, y)
@@ -119,7 +119,7 @@ def about_a_point(loads: Array, along: Array, left: Array) -> Limit:
         (i,) = np.nonzero(holds)
         if i.size:
             d_x[j], d_y[j] = missing_x, missing_y
-            found.put(
+            found.take_over(
                 i,
                 Limit(ratio[i], -along[j, i] * turn[i], turn[i], d_x[:, i], d_y[:, i],
                       np.zeros(i.size)),
@@ -127,7 +127,7 @@ def about_a_point(loads: Array, along: Array, left: Array) -> Limit:
     return found
 
 
-def _start(loads: Array, along: Array, left: Array) -> tuple[Array, Array]:
+def _start_motion(loads: Array, along: Array, left: Array) -> tuple[Array, Array]:
     """The ellipsoid's motion, β and ω, for a start."""
     m, o = (loads * left).sum(axis=0), (loads * along).sum(axis=0)
     spread = (loads * ((left - m) ** 2 + (along - o) ** 2)).sum(axis=0)
@@ -140,19 +140,19 @@ def _by_newton(loads: Array, along: Array, left: Array) -> Limit:
     # Lengths in units of the support's size keep the equations well scaled.
     unit = np.sqrt(along.var(axis=0) + left.var(axis=0))
     along, left = along / unit, left / unit
-    across, turn = _start(loads, along, left)
-    found = Limit.empty(*loads.shape)
+    across, turn = _start_motion(loads, along, left)
+    found = Limit.empty_limit(*loads.shape)
     left_over = np.arange(loads.shape[1])
     v_x, v_y = 1.0 - turn * left, across + turn * along
     speed = np.hypot(v_x, v_y) + 1e-3
     d_x, d_y = v_x / speed, v_y / speed
     smooth = _SMOOTH
     for _ in range(_STEPS if len(loads) <= _FEW else _STEPS_MANY):
-        across, turn, d_x, d_y = _step(loads, along, left, across, turn, d_x, d_y, smooth)
+        across, turn, d_x, d_y = _newton_step(loads, along, left, across, turn, d_x, d_y, smooth)
         smooth = max(_SHARPER * smooth, _SHARPEST)
-        found_now, done = _certified(loads, along, left, across, turn, d_x, d_y)
+        found_now, done = _certified_limit(loads, along, left, across, turn, d_x, d_y)
         if done.any():
-            found.put(left_over[done], _only(found_now, done))
+            found.take_over(left_over[done], _chosen_pushes(found_now, done))
             keep = ~done
             left_over = left_over[keep]
             loads, along, left = loads[:, keep], along[:, keep], left[:, keep]
@@ -163,7 +163,7 @@ def _by_newton(loads: Array, along: Array, left: Array) -> Limit:
     return found
 
 
-def _step(
+def _newton_step(
     loads: Array, along: Array, left: Array, across: Array, turn: Array,
     d_x: Array, d_y: Array, smooth: float,
 ) -> tuple[Array, Array, Array, Array]:  # fmt: skip
@@ -188,7 +188,7 @@ def _step(
     return across + more_across, turn + more_turn, new_x / limit, new_y / limit
 
 
-def _certified(
+def _certified_limit(
     loads: Array, along: Array, left: Array, across: Array, turn: Array, d_x: Array, d_y: Array
 ) -> tuple[Limit, NDArray[np.bool_]]:
     """The limit that motion and forces make out, and which ones are precise enough."""
@@ -204,7 +204,7 @@ def _certified(
     return Limit(upper, across, turn, d_x, d_y, residual), residual <= PRECISE
 
 
-def _only(limit: Limit, i: NDArray[np.bool_] | NDArray[np.intp]) -> Limit:
+def _chosen_pushes(limit: Limit, i: NDArray[np.bool_] | NDArray[np.intp]) -> Limit:
     return Limit(
         limit.ratio[i], limit.across[i], limit.turn[i],
         limit.along_i[:, i], limit.across_i[:, i], limit.residual[i],
@@ -215,16 +215,18 @@ def _by_descent(loads: Array, along: Array, left: Array) -> Limit:
     """The few that Newton's method does not settle, by a slower continuation."""
     unit = np.sqrt(along.var(axis=0) + left.var(axis=0))
     along, left = along / unit, left / unit
-    across, turn = _start(loads, along, left)
+    across, turn = _start_motion(loads, along, left)
     d_x, d_y = np.zeros_like(loads), np.zeros_like(loads)
-    smooth, best = 1.0, Limit.empty(*loads.shape)
+    smooth, best = 1.0, Limit.empty_limit(*loads.shape)
     while smooth > _SHARPEST:
         for _ in range(3):
-            across, turn, d_x, d_y = _step(loads, along, left, across, turn, d_x, d_y, smooth)
+            across, turn, d_x, d_y = _newton_step(
+                loads, along, left, across, turn, d_x, d_y, smooth
+            )
         smooth *= 0.6
-        now, _ = _certified(loads, along, left, across, turn, d_x, d_y)
+        now, _ = _certified_limit(loads, along, left, across, turn, d_x, d_y)
         better = now.residual < best.residual
         if better.any():
-            best.put(better, _only(now, better))
+            best.take_over(better, _chosen_pushes(now, better))
     best.turn /= unit
     return best

@@ -59,7 +59,7 @@ class Contacts:
     shares: Array
 
     @classmethod
-    def of(cls, places: ArrayLike, shares: ArrayLike) -> Contacts:
+    def from_arrays(cls, places: ArrayLike, shares: ArrayLike) -> Contacts:
         """Checked contacts.
 
         Raises:
@@ -192,7 +192,7 @@ class Lifted:
     down_B: Array
     acceleration: float = 0.0
 
-    def hold(self, squeeze: float, *, sigmas: float = 2.0) -> Hold:
+    def hold_by(self, squeeze: float, *, sigmas: float = 2.0) -> Hold:
         """Whether it holds.
 
         Args:
@@ -201,15 +201,15 @@ class Lifted:
         """
         model = self.model
         mass, com = np.array([model.mass]), np.array([model.com])
-        nominal = self._needed(mass, com, np.array([model.finger_friction]))
+        nominal = self._needed_squeeze(mass, com, np.array([model.finger_friction]))
         signs = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
         heavy = np.full(len(signs), model.mass + sigmas * model.mass_sd)
         slippery = max(model.finger_friction - sigmas * model.finger_friction_sd, 1e-3)
         off = np.array(model.com) + sigmas * signs * np.array(model.com_sd)
-        worst = self._needed(heavy, off, np.full(len(signs), slippery))
-        return Hold(float(nominal[0]), float(worst.max()), self.probability(squeeze))
+        worst = self._needed_squeeze(heavy, off, np.full(len(signs), slippery))
+        return Hold(float(nominal[0]), float(worst.max()), self.hold_probability(squeeze))
 
-    def probability(self, squeeze: float) -> float:
+    def hold_probability(self, squeeze: float) -> float:
         """Probability that a squeeze holds over the whole motion.
 
         Mass and centre of mass are averaged over a fixed sequence; given these, it holds if the
@@ -219,7 +219,7 @@ class Lifted:
         z = normal_nodes(NODES)
         mass = np.maximum(model.mass + model.mass_sd * z[:, 0], SMALLEST_SHARE * model.mass)
         com = np.array(model.com) + np.array(model.com_sd) * z[:, 1:]
-        force, place = self._loads(mass, com)
+        force, place = self._weights_in_grasp(mass, com)
         critical = critical_friction(self.contacts, squeeze, force, place)
         critical = critical.reshape(NODES, -1).max(axis=1)
         mean, sd = model.finger_friction, model.finger_friction_sd
@@ -227,14 +227,14 @@ class Lifted:
             return float(np.mean(critical <= mean))
         return float(np.mean(normal_cdf((mean - critical) / sd)))
 
-    def _needed(self, mass: Array, com: Array, friction: Array) -> Array:
+    def _needed_squeeze(self, mass: Array, com: Array, friction: Array) -> Array:
         """Squeeze needed over the whole motion by each of n cases, shape (n,) [N]."""
-        force, place = self._loads(mass, com)
+        force, place = self._weights_in_grasp(mass, com)
         each = np.repeat(friction, len(self.down_B))
         needed = squeeze_needed(self.contacts, each, force, place)
         return np.asarray(needed.reshape(len(mass), -1).max(axis=1))
 
-    def _loads(self, mass: Array, com: Array) -> tuple[Array, Array]:
+    def _weights_in_grasp(self, mass: Array, com: Array) -> tuple[Array, Array]:
         """Weights and where they act in G, for n cases and m directions, shapes (n m, 3)."""
         m = len(self.down_B)
         down = self.down_B @ self.R_BG

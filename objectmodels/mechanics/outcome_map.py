@@ -104,7 +104,7 @@ class OutcomeMap:
         names = np.where(self.slide < self.topple, "slide", "topple")
         return np.select([np.isinf(self.force), close], ["none", "undecided"], names)
 
-    def safe(self, outcome: str, probability: float) -> NDArray[np.bool_]:
+    def is_safe(self, outcome: str, probability: float) -> NDArray[np.bool_]:
         """Contacts whose outcome is as asked with a probability or more, shape (n,).
 
         Args:
@@ -145,7 +145,7 @@ def outcome_map(
     _require_sense(face, spacing, band, level)
     margin = min(MARGIN, face.width / 4.0, face.height / 4.0)
     lateral, height = face.grid(spacing, margin)
-    points, normals = face.at(lateral, height)
+    points, normals = face.points_at(lateral, height)
     u = -normals if direction is None else _all_along(direction, normals)
     if not turning:
         # No moment about the vertical turns an object of infinite friction radius.

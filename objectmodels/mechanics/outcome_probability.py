@@ -27,7 +27,7 @@ from objectmodels.mechanics.push_thresholds import (
     topple_threshold,
     yaw_arm,
 )
-from objectmodels.mechanics.worst_cases import contact_forces, directions
+from objectmodels.mechanics.worst_cases import cone_directions, contact_forces
 
 if TYPE_CHECKING:
     from objectmodels.geometry.mechanical import Mechanical
@@ -92,17 +92,17 @@ class Draws:
 _CONDITIONS = ("com_x", "com_y", "friction_radius", "finger_friction")
 
 
-def draws(model: Mechanical, z: Array, *, yaw: bool = True) -> Draws:
+def draw_parameters(model: Mechanical, z: Array, *, yaw: bool = True) -> Draws:
     """Parameters at standard normal deviates z, shape (k, 4): com x, com y, radius, finger.
 
     Without yaw the friction radius is infinite.
     """
     order = [UNCERTAIN.index(name) for name in (*_CONDITIONS, "friction")]
-    root = _root(model.correlation[np.ix_(order, order)])
+    root = _triangular_root(model.correlation[np.ix_(order, order)])
     sd, mean = model.deviations[order], model.means[order]
     values = mean[:4] + sd[:4] * (z @ root[:4, :4].T)
     com = np.tile(np.array(model.com), (len(z), 1))
-    com[:, :2] = _inside(model, values[:, :2])
+    com[:, :2] = _drawn_inside(model, values[:, :2])
     smallest = SMALLEST_SHARE * model.friction_radius
     return Draws(
         com=com,
@@ -113,53 +113,55 @@ def draws(model: Mechanical, z: Array, *, yaw: bool = True) -> Draws:
     )
 
 
-def _root(correlation: Array) -> Array:
+def _triangular_root(correlation: Array) -> Array:
     """Lower triangular root of a correlation matrix that may be singular."""
     shifted = correlation + 1e-12 * np.eye(len(correlation))
     return np.asarray(np.linalg.cholesky(shifted), dtype=np.float64)
 
 
-def _inside(model: Mechanical, com: Array) -> Array:
+def _drawn_inside(model: Mechanical, com: Array) -> Array:
     """Centres of mass (k, 2) drawn back along rays from the origin until they are on the base."""
     length = np.hypot(*com.T)
     rays = com / np.maximum(length, 1e-300)[:, None]
     # Along a ray the base ends where the moment of a unit push along it would leave it.
     none = np.zeros_like(com)
-    room = (1.0 - SMALLEST_SHARE) * model.base.topple(none, rays, np.zeros(len(com)), 1.0)
+    room = (1.0 - SMALLEST_SHARE) * model.base.topple_force(none, rays, np.zeros(len(com)), 1.0)
     return np.asarray(rays * np.minimum(length, room)[:, None])
 
 
-def likelihood(
+def outcome_likelihood(
     model: Mechanical, p: Array, u: Array, force: float | None = None, seed: int = 0
 ) -> Likelihood:
     """See `ObjectModel.likelihood`, which checks its arrays."""
     if force is None:
-        draw = draws(model, normal_nodes(NODES))
+        draw = draw_parameters(model, normal_nodes(NODES))
         slide, topple = (
             np.concatenate(parts)
-            for parts in zip(*(_at_onset(model, *b, draw) for b in _blocks(p, u)), strict=True)
+            for parts in zip(
+                *(_at_onset(model, *b, draw) for b in _contact_blocks(p, u)), strict=True
+            )
         )
         none = np.clip(1.0 - slide - topple, 0.0, 1.0)
         return Likelihood(none, slide, topple, "closed form", NODES, None)
     if not 0.0 <= force < np.inf:
         raise ModelError("bad_value", f"force must be a number from 0 on, not {force}")
-    counts = np.vstack([_sampled(model, *b, force, seed) for b in _blocks(p, u)])
+    counts = np.vstack([_sample_outcomes(model, *b, force, seed) for b in _contact_blocks(p, u)])
     none, slide, topple = counts.T
     return Likelihood(none, slide, topple, "sampled", SAMPLES, seed)
 
 
-def _blocks(p: Array, u: Array) -> list[tuple[Array, Array]]:
+def _contact_blocks(p: Array, u: Array) -> list[tuple[Array, Array]]:
     starts = range(0, max(len(p), 1), BLOCK)
     return [(p[i : i + BLOCK], u[i : i + BLOCK]) for i in starts]
 
 
 def _at_onset(model: Mechanical, p: Array, u: Array, draw: Draws) -> tuple[Array, Array]:
     """Probabilities of sliding and of toppling first, shape (n,) each."""
-    slide, topple = _classes(model, p[:, None, :], u[:, None, :], draw)
+    slide, topple = _class_probabilities(model, p[:, None, :], u[:, None, :], draw)
     return slide.mean(axis=-1), topple.mean(axis=-1)
 
 
-def _classes(model: Mechanical, p: Array, f: Array, draw: Draws) -> tuple[Array, Array]:
+def _class_probabilities(model: Mechanical, p: Array, f: Array, draw: Draws) -> tuple[Array, Array]:
     """Probabilities over the friction alone, for each draw in the last axis."""
     topple = topple_threshold(model.base, p, f, draw.com, model.weight)
     arm = yaw_arm(p, f, draw.com)
@@ -188,24 +190,24 @@ class Sample:
     com: Array
 
 
-def sampled(model: Mechanical, samples: int, seed: int) -> Sample:
+def sample_parameters(model: Mechanical, samples: int, seed: int) -> Sample:
     """Draws all uncertain parameters of an object."""
     z = np.random.default_rng(seed).standard_normal((samples, len(UNCERTAIN)))
     mean = model.means
-    x = mean + model.deviations * (z @ _root(model.correlation).T)
+    x = mean + model.deviations * (z @ _triangular_root(model.correlation).T)
     x[:, :4] = np.maximum(x[:, :4], SMALLEST_SHARE * mean[:4])
     return Sample(
         weight=model.weight / model.mass * x[:, UNCERTAIN.index("mass")],
         friction=x[:, UNCERTAIN.index("friction")],
         finger_friction=x[:, UNCERTAIN.index("finger_friction")],
         friction_radius=x[:, UNCERTAIN.index("friction_radius")],
-        com=np.column_stack((_inside(model, x[:, 4:6]), x[:, 6])),
+        com=np.column_stack((_drawn_inside(model, x[:, 4:6]), x[:, 6])),
     )
 
 
-def _sampled(model: Mechanical, p: Array, u: Array, force: float, seed: int) -> Array:
+def _sample_outcomes(model: Mechanical, p: Array, u: Array, force: float, seed: int) -> Array:
     """Shares of none, slide, topple among samples of all parameters, shape (n, 3)."""
-    drawn = sampled(model, SAMPLES, seed)
+    drawn = sample_parameters(model, SAMPLES, seed)
     weight, com = drawn.weight, drawn.com
     p, u = p[:, None, :], u[:, None, :]
     arm = yaw_arm(p, u, com)
@@ -229,25 +231,25 @@ def worst_probability(
         yaw: whether the object may turn as it slides.
         outcome: what is asked for.
     """
-    shares = directions(p, normals, np.array(model.com), model.finger_friction, SEARCH_RING)
-    few, many = (draws(model, normal_nodes(k), yaw=yaw) for k in (SEARCH_NODES, NODES))
+    shares = cone_directions(p, normals, np.array(model.com), model.finger_friction, SEARCH_RING)
+    few, many = (draw_parameters(model, normal_nodes(k), yaw=yaw) for k in (SEARCH_NODES, NODES))
     worst = np.empty(len(p))
     for i in range(0, len(p), BLOCK):
         block = slice(i, i + BLOCK)
         q, n, tried = p[block], normals[block], shares[block]
-        rough = _probability(model, q, n, tried, outcome, few)
+        rough = _direction_probability(model, q, n, tried, outcome, few)
         chosen = tried[np.arange(len(q)), rough.argmin(axis=1)]
-        worst[block] = _probability(model, q, n, chosen[:, None, :], outcome, many)[:, 0]
+        worst[block] = _direction_probability(model, q, n, chosen[:, None, :], outcome, many)[:, 0]
     return worst
 
 
-def _probability(
+def _direction_probability(
     model: Mechanical, p: Array, normals: Array, shares: Array, outcome: str, draw: Draws
 ) -> Array:
     """Probability of an outcome for the directions of given shares (n, j, 2), shape (n, j)."""
     tangential = shares[:, :, None, :] * draw.finger_friction[:, None]
     f = contact_forces(normals[:, None, None, :], tangential)  # (n, j, k, 3)
-    slide, topple = _classes(model, p[:, None, None, :], f, draw)
+    slide, topple = _class_probabilities(model, p[:, None, None, :], f, draw)
     return np.asarray((slide if outcome == "slide" else topple).mean(axis=-1))
 
 

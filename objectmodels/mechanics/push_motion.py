@@ -52,11 +52,11 @@ class Stroke:
     stable: NDArray[np.bool_]
 
 
-def stroke(
+def integrate_stroke(
     model: Mechanical, points: ArrayLike, normals: ArrayLike, direction: ArrayLike, travel: float
 ) -> Stroke:
     """See `ObjectModel.stroke`."""
-    p, n, d = _checked(points, normals, direction, travel)
+    p, n, d = _checked_stroke(points, normals, direction, travel)
     faces = touched_faces(model, p.mean(axis=1), n)
     if p.shape[1] == 2 and faces[:, 2].any():
         raise ModelError("bad_value", "strokes of two fingers on a round side are not modelled")
@@ -77,7 +77,7 @@ def stroke(
     return Stroke(pose, np.array(path), slipped[:, 0], np.asarray(MODES[mode]), stable)
 
 
-def _checked(
+def _checked_stroke(
     points: ArrayLike, normals: ArrayLike, direction: ArrayLike, travel: float
 ) -> tuple[Array, Array, Array]:
     """Contacts (n, k, 2), normals (n, 2) and directions (n, 2) in the table plane."""
@@ -147,14 +147,14 @@ class _Pushes:
         # In B: fingers travel along d turned back, contacts have moved along the face.
         d = rotate(self.d, -pose[:, 2])
         at, half, curvature = self.face.T
-        here = self.carried(curvature * slipped[:, 0])
+        here = self.carry_around(curvature * slipped[:, 0])
         flat = (curvature == 0.0)[:, None, None]
         r = here.p + np.where(flat, slipped[..., None] * here.tangent[:, None, :], 0.0) - self.c
         if r.shape[1] == 1:
-            v, w, slip, mode = here._one(r[:, 0], d)
+            v, w, slip, mode = here._one_finger(r[:, 0], d)
             slips = slip[:, None]
         else:
-            v, w, slips, mode = here._two(r, d)
+            v, w, slips, mode = here._two_fingers(r, d)
         # On a round side there is always more of it.
         lost = (np.abs(at + slipped[:, 0]) > half) & (curvature == 0.0)
         v[lost], w[lost], slips[lost], mode[lost] = 0.0, 0.0, 0.0, 3
@@ -163,7 +163,7 @@ class _Pushes:
         rate = np.column_stack((rotate(origin, pose[:, 2]), w))
         return rate, slips, mode
 
-    def carried(self, angle: Array) -> _Pushes:
+    def carry_around(self, angle: Array) -> _Pushes:
         """With contacts and normals carried around a round side by angles (n,)."""
         if not angle.any():
             return self
@@ -172,40 +172,46 @@ class _Pushes:
             + self.inward / np.where(self.face[:, 2] > 0.0, self.face[:, 2], 1.0)[:, None]
         )
         moved = centre + rotate(self.p[:, 0] - centre, angle)
-        turned = self.picked(np.arange(len(angle)))
+        turned = self.pick_strokes(np.arange(len(angle)))
         turned.p, turned.inward = moved[:, None, :], rotate(self.inward, angle)
         turned.tangent = rotate(self.tangent, angle)
         return turned
 
-    def _one(self, r: Array, d: Array) -> tuple[Array, Array, Array, NDArray[np.intp]]:
+    def _one_finger(self, r: Array, d: Array) -> tuple[Array, Array, Array, NDArray[np.intp]]:
         """One finger: velocity of the centre of mass, turning rate, slip rate, mode."""
-        force = self._sticking(r, d)
+        force = self._sticking_force(r, d)
         pressing = np.sum(force * self.inward, axis=1)
         aside = np.sum(force * self.tangent, axis=1)
         slips = np.abs(aside) > self.mu * pressing
         edge = self.inward + self.mu * np.sign(aside)[:, None] * self.tangent
         edge *= (
-            np.sum(d * self.inward, axis=1) / np.sum(self._moved(r, edge) * self.inward, axis=1)
+            np.sum(d * self.inward, axis=1)
+            / np.sum(self._contact_velocity(r, edge) * self.inward, axis=1)
         )[:, None]
         force = np.where(slips[:, None], edge, force)
-        contact = self._moved(r, force)
+        contact = self._contact_velocity(r, force)
         slip = np.sum((d - contact) * self.tangent, axis=1)
-        return force, self._turning(r, force), np.where(slips, slip, 0.0), slips.astype(np.intp)
+        return (
+            force,
+            self._turning_rate(r, force),
+            np.where(slips, slip, 0.0),
+            slips.astype(np.intp),
+        )
 
-    def _turning(self, r: Array, force: Array) -> Array:
+    def _turning_rate(self, r: Array, force: Array) -> Array:
         return cross(r, force) / self.radius**2
 
-    def _moved(self, r: Array, force: Array) -> Array:
+    def _contact_velocity(self, r: Array, force: Array) -> Array:
         """Velocity of the contact under a force at it: v + ω ẑ × r."""
-        return np.asarray(force + self._turning(r, force)[:, None] * left_of(r))
+        return np.asarray(force + self._turning_rate(r, force)[:, None] * left_of(r))
 
-    def _sticking(self, r: Array, d: Array) -> Array:
+    def _sticking_force(self, r: Array, d: Array) -> Array:
         """The force under which the contact moves as the finger does: M F = d, M = I + l lᵀ/c̄²."""
         left = left_of(r) / self.radius
         share = np.sum(left * d, axis=1) / (1.0 + np.sum(left * left, axis=1))
         return np.asarray(d - share[:, None] * left)
 
-    def _two(self, r: Array, d: Array) -> tuple[Array, Array, Array, NDArray[np.intp]]:
+    def _two_fingers(self, r: Array, d: Array) -> tuple[Array, Array, Array, NDArray[np.intp]]:
         """Two fingers on one face: as one body, slipping both, or turning about one of them."""
         n, t = self.inward, self.tangent
         zero = np.zeros(len(d))
@@ -229,12 +235,12 @@ class _Pushes:
             # It turns away from one finger: the one that the line of force leaves behind.
             target = np.where(np.abs(aside) > self.mu * speed, edge_at, at)
             stays = np.where(target > along.max(axis=1), along.argmax(axis=1), along.argmin(axis=1))
-            alone = self.picked(i)
-            one = alone._one(r[i, stays[i]], d[i])
+            alone = self.pick_strokes(i)
+            one = alone._one_finger(r[i, stays[i]], d[i])
             v[i], w[i], both[i], mode[i] = one[0], one[1], one[2][:, None], 2
         return v, w, both, mode
 
-    def picked(self, i: NDArray[np.intp]) -> _Pushes:
+    def pick_strokes(self, i: NDArray[np.intp]) -> _Pushes:
         """Some of the strokes."""
         some = object.__new__(_Pushes)
         some.c, some.radius, some.mu = self.c, self.radius, self.mu

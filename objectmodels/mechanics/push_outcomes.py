@@ -72,7 +72,7 @@ class Thresholds:
         return np.asarray(OUTCOMES[self.code])
 
     @cached_property
-    def _tipping(self) -> tuple[Array, NDArray[np.int64]]:
+    def _tipping_edges(self) -> tuple[Array, NDArray[np.int64]]:
         """Outward normals of the edges it would topple about, and their indices."""
         (p, u), (base, c, _, weight) = self.push, self.body
         s = np.where(np.isfinite(self.topple), self.topple, 0.0)
@@ -86,12 +86,12 @@ class Thresholds:
     @property
     def edge(self) -> NDArray[np.int64]:
         """Base edge about which it would topple first, −1 if never or on a round base, (n,)."""
-        return self._tipping[1]
+        return self._tipping_edges[1]
 
     @property
     def tipping_normal(self) -> Array:
         """Outward normal in B of the edge about which it would topple, nan if never, (n, 2)."""
-        return self._tipping[0]
+        return self._tipping_edges[0]
 
     @cached_property
     def twist(self) -> Array:
@@ -103,7 +103,7 @@ class Thresholds:
         (p, u), (base, _, _, _) = self.push, self.body
         twist = np.full((len(p), 6), np.nan)
         i = self.code == 1
-        twist[i] = self._sliding(i)
+        twist[i] = self._sliding_twists(i)
         i = self.code == 2
         n = self.tipping_normal[i]
         twist[i] = toppling_twist(p[i], u[i], n, base.extent(n))
@@ -122,7 +122,7 @@ class Thresholds:
         centre = np.where(still[:, None], np.inf, centre)
         return np.where((self.code == 1)[:, None], centre, np.nan)
 
-    def _sliding(self, i: NDArray[np.bool_]) -> Array:
+    def _sliding_twists(self, i: NDArray[np.bool_]) -> Array:
         (p, u), (_, c, radius, weight) = self.push, self.body
         return sliding_twist(p[i], u[i], c, self.slide[i], radius, weight)
 
@@ -177,7 +177,7 @@ def closed_form_thresholds(
     c, weight = np.array(model.com), model.weight
     # One component after the other: numpy is much faster on arrays that lie in a row.
     p, u = np.asfortranarray(p), np.asfortranarray(u)
-    mu, radius = model.coefficient(friction), model.friction_radius
+    mu, radius = model.friction_coefficient(friction), model.friction_radius
     return Thresholds(
         slide=slide_threshold(u, yaw_arm(p, u, c), mu, radius, weight),
         topple=topple_threshold(model.base, p, u, c, weight),
@@ -193,7 +193,7 @@ def size_and_direction(f: Array) -> tuple[Array, Array]:
     return size, f / np.maximum(size, np.finfo(float).tiny)[:, None]
 
 
-def gap(first: Array, other: Array) -> Array:
+def force_gap(first: Array, other: Array) -> Array:
     """How much later `other` comes than `first` [N]; −inf where `first` never comes."""
     with np.errstate(invalid="ignore"):
         return np.where(np.isinf(first), -np.inf, other - first)

@@ -51,7 +51,7 @@ def topple_threshold(
         weight: G [N].
         shift: the centre of mass may be nearer to every edge by this, along x and y [m].
     """
-    return base.topple(weight * c[..., :2], push_moment(p, u), u[..., 2], weight, shift)
+    return base.topple_force(weight * c[..., :2], push_moment(p, u), u[..., 2], weight, shift)
 
 
 def yaw_arm(p: Array, u: Array, c: Array) -> Array:
@@ -214,7 +214,7 @@ def sliding_twist(p: Array, u: Array, c: Array, s: Array, radius: float, weight:
     twist[:, 2] = omega
     twist[:, 3] = u[:, 0] + omega * q[:, 1]
     twist[:, 4] = u[:, 1] - omega * q[:, 0]
-    return twist / _power(twist, p, u)[:, None]
+    return twist / _contact_speed(twist, p, u)[:, None]
 
 
 def toppling_twist(p: Array, u: Array, n: Array, d: Array) -> Array:
@@ -229,10 +229,10 @@ def toppling_twist(p: Array, u: Array, n: Array, d: Array) -> Array:
     twist = np.zeros((len(p), 6))
     twist[:, 0], twist[:, 1] = -n[:, 1], n[:, 0]  # ω = ẑ × n
     twist[:, 5] = d  # ω × (0 − d n)
-    return twist / _power(twist, p, u)[:, None]
+    return twist / _contact_speed(twist, p, u)[:, None]
 
 
-def _power(twist: Array, p: Array, u: Array) -> Array:
+def _contact_speed(twist: Array, p: Array, u: Array) -> Array:
     """Velocity of the contact along u under each twist, shape (n,)."""
     velocity = twist[:, 3:] + np.cross(twist[:, :3], p)
     return np.asarray(np.sum(velocity * u, axis=1))

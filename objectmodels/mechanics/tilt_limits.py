@@ -36,7 +36,7 @@ def return_probability(model: Mechanical, direction: ArrayLike, angle: float) ->
 
     It does while b − c_z tan θ is positive, which is normal as b and c_z are.
     """
-    b, b_sd, c_z, c_z_sd = _lever(model, direction)
+    b, b_sd, c_z, c_z_sd = _weight_lever(model, direction)
     t = tan(angle)
     left, unsure = b - c_z * t, hypot(b_sd, c_z_sd * t)
     return NormalDist().cdf(left / unsure) if unsure > 0.0 else float(left > 0.0)
@@ -44,7 +44,7 @@ def return_probability(model: Mechanical, direction: ArrayLike, angle: float) ->
 
 def largest_return(model: Mechanical, direction: ArrayLike, probability: float) -> float:
     """Largest tilt from which it falls back with at least a probability above a half [rad]."""
-    b, b_sd, c_z, c_z_sd = _lever(model, direction)
+    b, b_sd, c_z, c_z_sd = _weight_lever(model, direction)
     z = NormalDist().inv_cdf(probability)
     if b <= z * b_sd:
         return 0.0
@@ -108,7 +108,7 @@ def length_along(model: Mechanical, direction: ArrayLike) -> float:
     return float(model.base.extent(n)) + float((model.outline @ -n).max())
 
 
-def _lever(model: Mechanical, direction: ArrayLike) -> tuple[float, float, float, float]:
+def _weight_lever(model: Mechanical, direction: ArrayLike) -> tuple[float, float, float, float]:
     """Lengths b and c_z, each with its standard deviation [m]."""
     n = _leading_edge(model, direction)
     b = float(model.base.extent(n)) - float(n @ np.array(model.com[:2]))
@@ -120,4 +120,4 @@ def _leading_edge(model: Mechanical, direction: ArrayLike) -> Array:
     u = np.asarray(direction, dtype=np.float64)
     if u.shape not in ((2,), (3,)) or not np.isfinite(u).all() or not u[:2].any():
         raise ModelError("bad_array", f"direction {u} is not a horizontal direction")
-    return model.base.facing(u[:2] / np.hypot(*u[:2]))
+    return model.base.facing_normal(u[:2] / np.hypot(*u[:2]))

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from objectmodels.errors import ModelError
-from objectmodels.geometry.array_checks import pairs, require_normals
+from objectmodels.geometry.array_checks import checked_pairs, require_normals
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.planar_vectors import cross, left_of, rotate
 from objectmodels.geometry.support_points import friction_radius
@@ -77,7 +77,7 @@ class Turning:
     sticks: NDArray[np.bool_]
 
     @property
-    def works(self) -> NDArray[np.bool_]:
+    def is_successful(self) -> NDArray[np.bool_]:
         """Whether the object turns as asked while the finger sticks, shape (n,)."""
         return self.turns & self.sticks
 
@@ -105,7 +105,7 @@ class TurningPush:
     pose: Vector3
 
 
-def turning(
+def turning_motion(
     model: Mechanical,
     points: ArrayLike,
     normals: ArrayLike,
@@ -136,11 +136,14 @@ def turning(
     if not 0.0 <= sigmas < np.inf:
         raise ModelError("bad_value", f"sigmas must be a number from 0 on, not {sigmas}")
     d = np.column_stack((np.cos(beta), np.sin(beta)))
-    force, rate = contact.moved(d, model.friction_radius)
-    turns, sticks = rate * np.sign(phi) > _STRAIGHT, contact.sticks(force, sigmas)
+    force, rate = contact.sticking_force(d, model.friction_radius)
+    turns, sticks = rate * np.sign(phi) > _STRAIGHT, contact.is_sticking(force, sigmas)
     for doubt in (-sigmas, sigmas) if sigmas else ():
-        other, other_rate = contact.moved(d, _radius(model, doubt))
-        turns, sticks = turns & (other_rate * phi > 0.0), sticks & contact.sticks(other, sigmas)
+        other, other_rate = contact.sticking_force(d, _shifted_radius(model, doubt))
+        turns, sticks = (
+            turns & (other_rate * phi > 0.0),
+            sticks & contact.is_sticking(other, sigmas),
+        )
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         travel = np.where(turns, phi / rate, np.inf)
         arm = (
@@ -183,31 +186,31 @@ def best_turn(
     """
     sense = float(np.sign(angle))
     farthest = 0.0 if face.curvature else max(face.width / 2.0 - edge, 0.0)
-    p, n = face.at(sense * farthest * _OFFSETS, height)
+    p, n = face.points_at(sense * farthest * _OFFSETS, height)
     contacts = _Contacts(model, p, n)
     holds = CONE_SHARE * max(model.finger_friction - sigmas * model.finger_friction_sd, 0.0)
     # A force square to its lever arm turns best; more slant than that is of no use.
     along, across = np.abs(contacts.r.T)
     slope = -sense * np.minimum(holds, along / np.maximum(across, 1e-9))
     force = np.column_stack((np.ones(len(p)), slope))
-    widest = _radius(model, RADIUS_SIGMAS)
-    d = contacts.motion(force, widest)
+    widest = _shifted_radius(model, RADIUS_SIGMAS)
+    d = contacts.contact_velocity(force, widest)
     d /= np.linalg.norm(d, axis=1)[:, None]
-    predicted = turning(model, p, n, np.arctan2(d[:, 1], d[:, 0]), angle, sigmas=sigmas)
-    if not predicted.works.any():
+    predicted = turning_motion(model, p, n, np.arctan2(d[:, 1], d[:, 0]), angle, sigmas=sigmas)
+    if not predicted.is_successful.any():
         return None
     lever = np.abs(cross(contacts.r, force)) / np.linalg.norm(force, axis=1)
-    best = int(np.argmax(np.where(predicted.works, lever, -1.0)))
-    slowest = contacts.moved(d, widest)[1][best]
+    best = int(np.argmax(np.where(predicted.is_successful, lever, -1.0)))
+    slowest = contacts.sticking_force(d, widest)[1][best]
     direction = contacts.in_B(d)[best]
     return TurningPush(
-        point=_vector(p[best]),
-        normal=_vector(n[best]),
-        direction=_vector(np.append(direction, 0.0)),
+        point=_vector_tuple(p[best]),
+        normal=_vector_tuple(n[best]),
+        direction=_vector_tuple(np.append(direction, 0.0)),
         turn=angle,
         travel=float(predicted.travel[best]),
         stroke=float(max(angle / slowest, predicted.travel[best])) + STROKE_SLACK,
-        pose=_vector(predicted.pose[best]),
+        pose=_vector_tuple(predicted.pose[best]),
     )
 
 
@@ -240,7 +243,7 @@ def learned_radius(
     # With arm ρ = 1 / ω: from ω = (ẑ × r) · d / (c̄² + r²).
     arm = float(left_of(d) @ (pivot - np.array(model.com[:2]) - r))
     squared = arm * float(left_of(r) @ d) - float(r @ r)
-    least, most = _radius(model, -np.inf), _radius(model, np.inf)
+    least, most = _shifted_radius(model, -np.inf), _shifted_radius(model, np.inf)
     return float(np.sqrt(np.clip(squared, least**2, most**2)))
 
 
@@ -252,7 +255,7 @@ class _Contacts:
     """
 
     def __init__(self, model: Mechanical, points: ArrayLike, normals: ArrayLike) -> None:
-        p, n = pairs(points, normals)
+        p, n = checked_pairs(points, normals)
         require_normals(n)
         self._model = model
         level = -n[:, :2] / np.hypot(n[:, 0], n[:, 1])[:, None]
@@ -263,25 +266,25 @@ class _Contacts:
         """Vectors of shape (n, 2) brought into B."""
         return np.asarray(np.einsum("nij,nj->ni", self._axes, vectors))
 
-    def motion(self, force: Array, radius: float) -> Array:
+    def contact_velocity(self, force: Array, radius: float) -> Array:
         """Velocity of the contacts under forces at them, F + ω ẑ × r, shape (n, 2)."""
         rate = cross(self.r, force) / radius**2
         return np.asarray(force + rate[:, None] * left_of(self.r))
 
-    def moved(self, d: Array, radius: float) -> tuple[Array, Array]:
+    def sticking_force(self, d: Array, radius: float) -> tuple[Array, Array]:
         """Forces under which the contacts move with velocities d, and the rates of turning."""
         left = left_of(self.r) / radius
         share = np.sum(left * d, axis=1) / (1.0 + np.sum(left * left, axis=1))
         force = d - share[:, None] * left
         return force, cross(self.r, force) / radius**2
 
-    def sticks(self, force: Array, sigmas: float) -> NDArray[np.bool_]:
+    def is_sticking(self, force: Array, sigmas: float) -> NDArray[np.bool_]:
         """Whether forces lie inside the friction cone of the finger."""
         mu = self._model.finger_friction - sigmas * self._model.finger_friction_sd
         return np.asarray((force[:, 0] > 0.0) & (np.abs(force[:, 1]) <= mu * force[:, 0]))
 
 
-def _radius(model: Mechanical, sigmas: float) -> float:
+def _shifted_radius(model: Mechanical, sigmas: float) -> float:
     """The friction radius with so many deviations more, or less if negative [m].
 
     No pressure turns harder than that of an object which stands on its corners.
@@ -292,6 +295,6 @@ def _radius(model: Mechanical, sigmas: float) -> float:
     return float(np.clip(believed + sigmas * model.friction_radius_sd, least, most))
 
 
-def _vector(v: Array) -> Vector3:
+def _vector_tuple(v: Array) -> Vector3:
     x, y, z = v.tolist()
     return x, y, z

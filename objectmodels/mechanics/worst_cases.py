@@ -56,7 +56,7 @@ class Case:
     weight: float
 
     @classmethod
-    def of(cls, model: Mechanical, sigmas: float, *, yaw: bool = True) -> Case:
+    def from_model(cls, model: Mechanical, sigmas: float, *, yaw: bool = True) -> Case:
         """The object that slides late and topples early (σ > 0), or the other way round (σ < 0).
 
         Without yaw it may only slide straight: its friction radius is infinite.
@@ -72,20 +72,20 @@ class Case:
             weight=model.weight,
         )
 
-    def slide(self, p: Array, f: Array) -> Array:
+    def slide_force(self, p: Array, f: Array) -> Array:
         """Force along the inward normal at which it slides, shape (...) [N]."""
         arm = np.abs(yaw_arm(p, f, self.com))
         # The arms of forces along y and x are shorter where it shall slide late.
         arm = arm - self.shift[0] * np.abs(f[..., 1]) - self.shift[1] * np.abs(f[..., 0])
         return slide_threshold(f, np.maximum(arm, 0.0), self.friction, self.radius, self.weight)
 
-    def topple(self, p: Array, f: Array) -> Array:
+    def topple_force(self, p: Array, f: Array) -> Array:
         """Force along the inward normal at which it topples, shape (...) [N]."""
         return topple_threshold(self.base, p, f, self.com, self.weight, self.shift)
 
     def thresholds(self, p: Array, f: Array) -> tuple[Array, Array]:
         """Slide and topple thresholds, each (...) [N]."""
-        return self.slide(p, f), self.topple(p, f)
+        return self.slide_force(p, f), self.topple_force(p, f)
 
     def equal_height(self, foot: Array, f: Array, slide: Array) -> Array:
         """Contact height from which on it topples by the force that makes it slide, (...) [m].
@@ -124,7 +124,7 @@ def contact_forces(normals: Array, tangential: Array) -> Array:
     return np.stack(np.broadcast_arrays(x, y, z), axis=-1)
 
 
-def directions(p: Array, normals: Array, c: Array, reach: float, ring: int) -> Array:
+def cone_directions(p: Array, normals: Array, c: Array, reach: float, ring: int) -> Array:
     """Shares of fixed directions in the cone over each contact, shape (n, ring · 3/2 + 4, 2).
 
     A ring around the cone's boundary (corners of a polygon that encloses it), one half-way out, the
@@ -137,8 +137,8 @@ def directions(p: Array, normals: Array, c: Array, reach: float, ring: int) -> A
         reach: largest friction coefficient of the finger.
         ring: number of directions on the outer ring, even.
     """
-    outer = circle(ring) / np.cos(np.pi / ring)
-    fixed = np.vstack((outer, 0.5 * circle(ring // 2), np.zeros((1, 2))))
+    outer = circle_corners(ring) / np.cos(np.pi / ring)
+    fixed = np.vstack((outer, 0.5 * circle_corners(ring // 2), np.zeros((1, 2))))
     along = yaw_arm(p, -normals, c)
     across = yaw_arm(p, contact_forces(normals, np.array([1.0, 0.0])), c) - along
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -148,13 +148,13 @@ def directions(p: Array, normals: Array, c: Array, reach: float, ring: int) -> A
     return np.concatenate((np.broadcast_to(fixed, (len(p), *fixed.shape)), through), axis=1)
 
 
-def circle(k: int) -> Array:
+def circle_corners(k: int) -> Array:
     """The corners of a regular k-gon in the unit circle, shape (k, 2)."""
     phi = 2.0 * np.pi * np.arange(k) / k
     return np.column_stack((np.cos(phi), np.sin(phi)))
 
 
-def refined(value: Callable[[Array], Array], shares: Array, limit: float) -> Array:
+def refine_directions(value: Callable[[Array], Array], shares: Array, limit: float) -> Array:
     """Smallest value near given directions, by a compass search with shrinking steps, (n,).
 
     Args:
@@ -162,7 +162,7 @@ def refined(value: Callable[[Array], Array], shares: Array, limit: float) -> Arr
         shares: where to begin, shape (n, 2).
         limit: radius of the disc that shares must stay in.
     """
-    compass, rows = circle(8), np.arange(len(shares))
+    compass, rows = circle_corners(8), np.arange(len(shares))
     best = value(shares[:, None, :])[:, 0]
     for step in STEPS:
         tries = shares[:, None, :] + step * compass

@@ -53,16 +53,16 @@ class BoxModel(ObjectModel):
     @cached_property
     def rests(self) -> tuple[Resting, ...]:
         """On all six faces, named as if B's axes were the robot's."""
-        return tuple(self._resting(face, turn) for face, turn in _TURNED.items())
+        return tuple(self._resting_on(face, turn) for face, turn in _TURNED.items())
 
-    def _resting(self, face: str, turn: Array) -> Resting:
+    def _resting_on(self, face: str, turn: Array) -> Resting:
         if face == "bottom":
             return Resting(face, self, np.eye(3), np.zeros(3))
         middle = np.array([0.0, 0.0, self.size[2] / 2.0])
         size = np.abs(turn @ np.array(self.size))
         up = np.array([0.0, 0.0, size[2] / 2.0])
         model = type(self)(
-            **self._changed(
+            **self._fields_on_face(
                 size=tuple(size.tolist()),
                 com=tuple((turn @ (np.array(self.com) - middle) + up).tolist()),
                 com_sd=tuple(np.abs(turn @ np.array(self.com_sd)).tolist()),

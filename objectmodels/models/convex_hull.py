@@ -17,7 +17,7 @@ from objectmodels.errors import ModelError
 from objectmodels.geometry.array_checks import as_tuples
 from objectmodels.geometry.base_shapes import Array, Polygon
 from objectmodels.geometry.side_faces import AXES, Face
-from objectmodels.geometry.support_points import hull
+from objectmodels.geometry.support_points import hull_polygon
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.resting_faces import Resting
 
@@ -52,19 +52,19 @@ class HullModel(ObjectModel):
     kind: Literal["hull"] = "hull"
 
     @model_validator(mode="after")
-    def _stands(self) -> Self:
+    def _check_standing(self) -> Self:
         if not (self.footprint.offsets > 0.0).all():
             raise ModelError("bad_value", "the base does not enclose B's origin", path="vertices")
         return self
 
     @cached_property
-    def _points(self) -> Array:
+    def _vertex_array(self) -> Array:
         return np.array(self.vertices)
 
     @cached_property
     def footprint(self) -> Polygon:
         """The face at z = 0."""
-        v = self._points
+        v = self._vertex_array
         low = v[:, 2].min()
         if abs(low) > _FLAT * np.ptp(v, axis=0).max():
             raise ModelError(
@@ -77,12 +77,12 @@ class HullModel(ObjectModel):
                 f"only {len(on_table)} vertices at z = 0: it does not stand on a face",
                 path="vertices",
             )
-        return hull(on_table)
+        return hull_polygon(on_table)
 
     @property
     def top(self) -> float:
         """Height of the highest vertex."""
-        return float(self._points[:, 2].max())
+        return float(self._vertex_array[:, 2].max())
 
     @property
     def section(self) -> Polygon:
@@ -97,27 +97,27 @@ class HullModel(ObjectModel):
     @cached_property
     def outline(self) -> Array:
         """The hull seen from above."""
-        return hull(self._points[:, :2]).vertices
+        return hull_polygon(self._vertex_array[:, :2]).vertices
 
     @cached_property
-    def _solid(self) -> tuple[float, Array]:
-        return volume_and_centre(self._points)
+    def _volume_and_centre(self) -> tuple[float, Array]:
+        return volume_and_centre(self._vertex_array)
 
     @property
     def centre(self) -> tuple[float, float, float]:
         """Centre of its volume."""
-        x, y, z = self._solid[1].tolist()
+        x, y, z = self._volume_and_centre[1].tolist()
         return (x, y, z)
 
     @property
     def volume(self) -> float:
         """Its volume [m³]."""
-        return self._solid[0]
+        return self._volume_and_centre[0]
 
     @cached_property
-    def _planes(self) -> tuple[tuple[Array, Array], ...]:
+    def _side_planes(self) -> tuple[tuple[Array, Array], ...]:
         """Outward normal and vertices of each face, the largest first."""
-        return facets(self._points)
+        return hull_facets(self._vertex_array)
 
     def faces(self, headings: ArrayLike | None = None) -> tuple[Face, ...]:
         """Its sides that are wide enough to be pushed, the largest first.
@@ -125,57 +125,59 @@ class HullModel(ObjectModel):
         Where none of them looks against a heading, because the side is curved, what bulges out
         most that way counts as a face.
         """
-        flat = [_face(*plane) for plane in self._planes if abs(plane[0][2]) <= SIDEWAYS]
+        flat = [
+            _outlined_face(*plane) for plane in self._side_planes if abs(plane[0][2]) <= SIDEWAYS
+        ]
         found = [face for face in flat if face.width >= WIDE]
         looks = [np.arctan2(-face.normal[1], -face.normal[0]) for face in found]
         pushed = np.atleast_1d(AXES if headings is None else np.asarray(headings, float))
         for heading in pushed:
             off = [abs(np.angle(np.exp(1j * (heading - other)))) for other in looks]
             if min(off, default=np.pi) > _STRAIGHT:
-                found += self._bulge(float(heading))
+                found += self._bulging_face(float(heading))
         return tuple(found)
 
-    def _bulge(self, heading: float) -> list[Face]:
+    def _bulging_face(self, heading: float) -> list[Face]:
         """What lies within a small depth of a plane against a heading, if it is wide enough.
 
         The plane leans as the side does there.
         """
         level = -np.array([np.cos(heading), np.sin(heading), 0.0])
-        sides = [normal for normal, _ in self._planes if abs(normal[2]) <= SIDEWAYS]
+        sides = [normal for normal, _ in self._side_planes if abs(normal[2]) <= SIDEWAYS]
         nearest = max(sides, key=lambda n: float(n @ level), default=level)
         slope = nearest[2] if nearest @ level > _BESIDE else 0.0
         normal = np.sqrt(1.0 - slope**2) * level + np.array([0.0, 0.0, slope])
-        depth = self._points @ normal
-        near = self._points[depth >= depth.max() - _BULGE]
+        depth = self._vertex_array @ normal
+        near = self._vertex_array[depth >= depth.max() - _BULGE]
         across = near @ np.array([-level[1], level[0], 0.0])
         if np.ptp(across) < WIDE or np.ptp(near[:, 2]) < WIDE:
             return []
-        return [_face(normal, near + (depth.max() - near @ normal)[:, None] * normal)]
+        return [_outlined_face(normal, near + (depth.max() - near @ normal)[:, None] * normal)]
 
     @cached_property
     def rests(self) -> tuple[Resting, ...]:
         """On `bottom` and `face 1`, `face 2`, … by size, those off which it does not topple."""
         found = [Resting("bottom", self, np.eye(3), np.zeros(3))]
-        others = [plane for plane in self._planes if plane[0][2] > -1.0 + _FLAT]
+        others = [plane for plane in self._side_planes if plane[0][2] > -1.0 + _FLAT]
         for k, (normal, _) in enumerate(others, start=1):
             try:
-                found.append(self._resting(f"face {k}", normal))
+                found.append(self._resting_on(f"face {k}", normal))
             except ValueError:  # its centre of mass is not above that face
                 continue
         return tuple(found)
 
-    def _resting(self, face: str, normal: Array) -> Resting:
+    def _resting_on(self, face: str, normal: Array) -> Resting:
         """The hull with the face of that outward normal on the table."""
         R_NB = turning_down(normal)
-        turned = self._points @ R_NB.T
+        turned = self._vertex_array @ R_NB.T
         low = turned[:, 2].min()
         on_table = turned[turned[:, 2] <= low + _FLAT * np.ptp(turned[:, 2]), :2]
-        origin = np.append(hull(on_table).centroid, low)
+        origin = np.append(hull_polygon(on_table).centroid, low)
         turned = turned - origin
         turned[np.abs(turned[:, 2]) < _FLAT * self.top, 2] = 0.0
         sd = np.sqrt((R_NB**2) @ np.array(self.com_sd) ** 2)
         model = HullModel(
-            **self._changed(
+            **self._fields_on_face(
                 vertices=turned.tolist(),
                 com=(R_NB @ np.array(self.com) - origin).tolist(),
                 com_sd=sd.tolist(),
@@ -194,7 +196,7 @@ def turning_down(normal: Array) -> Array:
     return np.asarray(np.eye(3) + K + K @ K / (1.0 + c))
 
 
-def facets(points: Array) -> tuple[tuple[Array, Array], ...]:
+def hull_facets(points: Array) -> tuple[tuple[Array, Array], ...]:
     """Faces of the convex hull of points (k, 3): outward normals and their vertices.
 
     Triangles in one plane are one face. The largest comes first.
@@ -202,7 +204,7 @@ def facets(points: Array) -> tuple[tuple[Array, Array], ...]:
     Raises:
         ModelError: `bad_value` if the points lie in a plane.
     """
-    solid = _hull(points)
+    solid = _scipy_hull(points)
     size = np.ptp(points, axis=0).max()
     planes: list[tuple[Array, Array, float]] = []
     left = np.arange(len(solid.simplices))
@@ -221,7 +223,7 @@ def facets(points: Array) -> tuple[tuple[Array, Array], ...]:
 
 def volume_and_centre(points: Array) -> tuple[float, Array]:
     """Volume [m³] and its centre, shape (3,) [m], of the convex hull of points (k, 3)."""
-    solid = _hull(points)
+    solid = _scipy_hull(points)
     middle = points.mean(axis=0)
     corners = points[solid.simplices] - middle
     volumes = np.abs(np.linalg.det(corners)) / 6.0
@@ -229,7 +231,7 @@ def volume_and_centre(points: Array) -> tuple[float, Array]:
     return float(volumes.sum()), middle + centre
 
 
-def _hull(points: Array):  # type: ignore[no-untyped-def]  # scipy's class, imported late
+def _scipy_hull(points: Array):  # type: ignore[no-untyped-def]  # scipy's class, imported late
     from scipy.spatial import ConvexHull, QhullError
 
     try:
@@ -240,7 +242,7 @@ def _hull(points: Array):  # type: ignore[no-untyped-def]  # scipy's class, impo
         ) from error
 
 
-def _face(normal: Array, corners: Array) -> Face:
+def _outlined_face(normal: Array, corners: Array) -> Face:
     """A face with its outline."""
     level = np.hypot(*normal[:2])
     tangent = np.array([-normal[1], normal[0], 0.0]) / level
@@ -251,7 +253,7 @@ def _face(normal: Array, corners: Array) -> Face:
     outward = normal[:2] / level
     out = (corners[0] @ normal - normal[2] * z) / level
     centre = np.append(out * outward + middle * tangent[:2], z)
-    outline = hull(np.column_stack((lateral - middle, corners[:, 2]))).vertices
+    outline = hull_polygon(np.column_stack((lateral - middle, corners[:, 2]))).vertices
     return Face(
         normal=tuple(normal.tolist()),
         centre=tuple(centre.tolist()),

@@ -20,11 +20,11 @@ from numpy.typing import ArrayLike
 from pydantic import model_validator
 
 from objectmodels.errors import ModelError
-from objectmodels.geometry.array_checks import pairs, require_normals, require_units
+from objectmodels.geometry.array_checks import checked_pairs, require_normals, require_units
 from objectmodels.geometry.base_shapes import Array, Base, Polygon
 from objectmodels.geometry.mechanical import Friction
 from objectmodels.geometry.side_faces import Face
-from objectmodels.geometry.support_points import carrying_base, friction_radius, within
+from objectmodels.geometry.support_points import carrying_base, friction_radius, is_within
 from objectmodels.mechanics import tilt_limits
 from objectmodels.mechanics.friction_cone import ConeThresholds, cone_thresholds
 from objectmodels.mechanics.push_outcomes import (
@@ -35,7 +35,7 @@ from objectmodels.mechanics.push_outcomes import (
 )
 from objectmodels.mechanics.push_thresholds import push_moment
 from objectmodels.models.parameters import RADIUS_SHARE_SD, Parameters
-from objectmodels.models.resting_faces import Resting, lying
+from objectmodels.models.resting_faces import Resting, rest_on_face
 from objectmodels.models.vessel import Vessel
 
 if TYPE_CHECKING:
@@ -106,7 +106,7 @@ class ObjectModel(Parameters, ABC):
         """The ways in which it may lie on the table, the one it stands in first."""
         return (Resting("bottom", self, np.eye(3), np.zeros(3)),)
 
-    def standing(self, face: str) -> ObjectModel:
+    def model_on_face(self, face: str) -> ObjectModel:
         """The object lying on another of its faces: a model in the frame of that one.
 
         What was fitted for the base (points to stand on, friction radius) does not go along; the
@@ -125,7 +125,7 @@ class ObjectModel(Parameters, ABC):
             suggestions=(f"it rests on: {names}",),
         )
 
-    def lying(self, R_WB: ArrayLike) -> Resting:
+    def resting_face(self, R_WB: ArrayLike) -> Resting:
         """How it lies if it is seen in some orientation: the pose picks the base.
 
         Args:
@@ -134,9 +134,9 @@ class ObjectModel(Parameters, ABC):
         Raises:
             ModelError: `bad_array`; `not_resting` if no face of it is below.
         """
-        return lying(self, R_WB)
+        return rest_on_face(self, R_WB)
 
-    def _changed(self, **changes: object) -> dict[str, Any]:
+    def _fields_on_face(self, **changes: object) -> dict[str, Any]:
         """Fields of a model that lies on another face: all but what was fitted for the base."""
         kept = {name: getattr(self, name) for name in type(self).model_fields if name != "kind"}
         for name in ("friction_radius", "friction_radius_sd", "correlations", *_OF_ITS_STANDING):
@@ -148,7 +148,7 @@ class ObjectModel(Parameters, ABC):
     # -- what follows from it ------------------------------------------------------------------
 
     @model_validator(mode="after")
-    def _complete(self) -> Self:
+    def _fill_derived(self) -> Self:
         """Fills in what depends on the shape, and checks what must fit it."""
         base = self.base
         known = self.__dict__
@@ -159,7 +159,7 @@ class ObjectModel(Parameters, ABC):
         if np.isnan(known["friction_radius_sd"]):
             known["friction_radius_sd"] = RADIUS_SHARE_SD * known["friction_radius"]
         c = np.array(self.com)
-        if not within(base, c[None, :2], -1e-9 * base.size):
+        if not is_within(base, c[None, :2], -1e-9 * base.size):
             raise ModelError(
                 "bad_value",
                 f"found {list(self.com)}, expected a place over the base: it topples by itself",
@@ -196,7 +196,7 @@ class ObjectModel(Parameters, ABC):
         """Its cavity, as a function of how it leans; None if it is not hollow."""
         if self.container is None:
             return None
-        return Vessel.inside(self.section, self.top, self.container)
+        return Vessel.from_shape(self.section, self.top, self.container)
 
     # -- predictions ---------------------------------------------------------------------------
 
@@ -221,11 +221,11 @@ class ObjectModel(Parameters, ABC):
         Raises:
             ModelError: `bad_array` if a shape or a value is wrong.
         """
-        p, u = pairs(points, directions)
+        p, u = checked_pairs(points, directions)
         require_units(u)
-        return self._thresholds(p, u, exact, friction)
+        return self._thresholds_by_tier(p, u, exact, friction)
 
-    def _thresholds(
+    def _thresholds_by_tier(
         self, p: Array, u: Array, exact: bool | Literal["border"], friction: Friction
     ) -> Thresholds:
         if not exact:
@@ -241,7 +241,7 @@ class ObjectModel(Parameters, ABC):
         Raises:
             ModelError: `bad_array`; `no_edges` on a round base.
         """
-        p, u = pairs(points, directions)
+        p, u = checked_pairs(points, directions)
         if not isinstance(self.base, Polygon):
             raise ModelError("no_edges", f"the base of the {self.name} is round")
         m = self.weight * np.array(self.com[:2])
@@ -266,9 +266,9 @@ class ObjectModel(Parameters, ABC):
         Raises:
             ModelError: `bad_array` if a shape or a value is wrong.
         """
-        p, f = pairs(points, forces)
+        p, f = checked_pairs(points, forces)
         force, u = size_and_direction(f)
-        return Prediction(force, self._thresholds(p, u, exact, friction))
+        return Prediction(force, self._thresholds_by_tier(p, u, exact, friction))
 
     def cone_thresholds(
         self, points: ArrayLike, normals: ArrayLike, *, sigmas: float = 0.0, yaw: bool = True
@@ -285,7 +285,7 @@ class ObjectModel(Parameters, ABC):
         Raises:
             ModelError: `bad_array` if a shape or a value is wrong.
         """
-        p, n = pairs(points, normals)
+        p, n = checked_pairs(points, normals)
         require_normals(n)
         if not 0.0 <= sigmas < np.inf:
             raise ModelError("bad_value", f"sigmas must be a number from 0 on, not {sigmas}")
@@ -304,12 +304,14 @@ class ObjectModel(Parameters, ABC):
         Raises:
             ModelError: `bad_array`, `bad_value`.
         """
-        from objectmodels.mechanics.outcome_probability import likelihood
+        from objectmodels.mechanics.outcome_probability import outcome_likelihood
 
-        p, u = pairs(points, directions)
-        return likelihood(self, p, u, force)
+        p, u = checked_pairs(points, directions)
+        return outcome_likelihood(self, p, u, force)
 
-    def slips(self, normals: ArrayLike, forces: ArrayLike, *, friction: Friction = "static") -> Any:
+    def is_slipping(
+        self, normals: ArrayLike, forces: ArrayLike, *, friction: Friction = "static"
+    ) -> Any:
         """Whether a finger that presses so slips along the face, booleans of shape (n,).
 
         Args:
@@ -320,7 +322,7 @@ class ObjectModel(Parameters, ABC):
         Raises:
             ModelError: `bad_array`; `unknown_parameter`.
         """
-        n, f = pairs(normals, forces)
+        n, f = checked_pairs(normals, forces)
         mu: float | None = self.finger_friction
         if friction == "kinetic":
             mu = self.finger_friction_kinetic
@@ -341,7 +343,7 @@ class ObjectModel(Parameters, ABC):
         """
         from objectmodels.mechanics.exact.step_force import sudden_push
 
-        return sudden_push(self, *pairs(points, forces))
+        return sudden_push(self, *checked_pairs(points, forces))
 
     def stroke(
         self,
@@ -363,9 +365,9 @@ class ObjectModel(Parameters, ABC):
         Raises:
             ModelError: `bad_array`, `bad_value`.
         """
-        from objectmodels.mechanics.push_motion import stroke
+        from objectmodels.mechanics.push_motion import integrate_stroke
 
-        return stroke(self, points, normals, direction, travel)
+        return integrate_stroke(self, points, normals, direction, travel)
 
     def angle_of_no_return(self, direction: ArrayLike, *, sigmas: float = 0.0) -> float:
         """Tilt past which it falls by itself, when tipped along a horizontal direction [rad].

@@ -150,13 +150,13 @@ class Parameters(BaseModel):
 
     def __eq__(self, other: object) -> bool:
         """Equal beliefs of one kind; what was computed from them does not count."""
-        return isinstance(other, type(self)) and self._beliefs == other._beliefs
+        return isinstance(other, type(self)) and self._field_values == other._field_values
 
     def __hash__(self) -> int:
-        return hash((type(self), self._beliefs))
+        return hash((type(self), self._field_values))
 
     @property
-    def _beliefs(self) -> tuple[object, ...]:
+    def _field_values(self) -> tuple[object, ...]:
         return tuple(getattr(self, name) for name in type(self).model_fields)
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
@@ -171,7 +171,7 @@ class Parameters(BaseModel):
         """G = m g [N]."""
         return self.mass * GRAVITY
 
-    def coefficient(self, friction: Friction) -> float:
+    def friction_coefficient(self, friction: Friction) -> float:
         """The friction coefficient at the table, of one kind or the other.
 
         Raises:

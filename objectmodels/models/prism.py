@@ -72,7 +72,7 @@ class PrismModel(ObjectModel):
     def rests(self) -> tuple[Resting, ...]:
         """On `bottom`, and as a hull on its other faces: `face 1`, `face 2`, … by size."""
         ends = [(x, y, z) for z in (0.0, self.height) for x, y in self.corners]
-        kept = self._changed(vertices=tuple(ends))
+        kept = self._fields_on_face(vertices=tuple(ends))
         solid = HullModel(**{k: v for k, v in kept.items() if k not in ("corners", "height")})
         upright = Resting("bottom", self, np.eye(3), np.zeros(3))
         return (upright, *solid.rests[1:])

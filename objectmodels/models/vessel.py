@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon
-from objectmodels.geometry.support_points import within
+from objectmodels.geometry.support_points import is_within
 from objectmodels.models.object_parts import Container, Opening
 
 _STRIPS = 48
@@ -70,7 +70,7 @@ class Vessel:
     opening: Opening
 
     @classmethod
-    def inside(cls, section: Base, top: float, container: Container) -> Vessel:
+    def from_shape(cls, section: Base, top: float, container: Container) -> Vessel:
         """The cavity of a container of this outer shape.
 
         Args:
@@ -82,40 +82,42 @@ class Vessel:
             ModelError: `bad_value` if the walls leave no cavity, the opening lies outside it, or
                 the contents are more than it holds.
         """
-        inner = _inset(section, container.wall)
+        inner = _inset_section(section, container.wall)
         if inner is None or container.wall >= top:
-            raise _bad("wall_m", f"walls of {container.wall} m leave no room inside")
+            raise _container_error("wall_m", f"walls of {container.wall} m leave no room inside")
         opening = container.opening
-        if not within(inner, np.array([opening.centre]), container.wall - opening.radius):
-            raise _bad("opening", "the opening is not inside the walls")
+        if not is_within(inner, np.array([opening.centre]), container.wall - opening.radius):
+            raise _container_error("opening", "the opening is not inside the walls")
         vessel = cls(inner, container.wall, top, opening)
         if container.contents > vessel.capacity:
             litres = 1e3 * vessel.capacity
-            raise _bad("contents_l", f"found {container.contents_l}, but it holds {litres:.3f} l")
+            raise _container_error(
+                "contents_l", f"found {container.contents_l}, but it holds {litres:.3f} l"
+            )
         return vessel
 
     @cached_property
     def capacity(self) -> float:
         """What it holds standing upright [m³]."""
-        return self._area * (self.top - self.floor)
+        return self._section_area * (self.top - self.floor)
 
     @property
-    def _area(self) -> float:
+    def _section_area(self) -> float:
         if isinstance(self.section, Disc):
             return float(np.pi * self.section.radius**2)
         return self.section.area
 
     # -- the lip ---------------------------------------------------------------------------------
 
-    def lip(self, heading: ArrayLike) -> Array:
+    def lip_point(self, heading: ArrayLike) -> Array:
         """The lowest point of the opening's rim when it leans, in B, shape (..., 3) [m]."""
-        u = _unit(heading)
+        u = _unit_vector(heading)
         rim = np.array(self.opening.centre) + self.opening.radius * u
         return np.concatenate([rim, np.full((*rim.shape[:-1], 1), self.top)], axis=-1)
 
     def lip_height(self, tilt: ArrayLike, heading: ArrayLike) -> Array:
         """Height of the lip above B's origin [m]."""
-        u, tilt = _unit(heading), np.asarray(tilt, float)
+        u, tilt = _unit_vector(heading), np.asarray(tilt, float)
         along = u @ np.array(self.opening.centre) + self.opening.radius
         return np.asarray(self.top * np.cos(tilt) - along * np.sin(tilt))
 
@@ -124,43 +126,43 @@ class Vessel:
     def brim(self, tilt: ArrayLike, heading: ArrayLike) -> Array:
         """Volume that it holds when it leans so [m³]."""
         tilt, heading = np.broadcast_arrays(np.asarray(tilt, float), np.asarray(heading, float))
-        strips = self._strips(heading)
-        return self._below(self.lip_height(tilt, heading), tilt, strips)[0]
+        strips = self._section_strips(heading)
+        return self._volume_below(self.lip_height(tilt, heading), tilt, strips)[0]
 
-    def level(self, volume: ArrayLike, tilt: ArrayLike, heading: ArrayLike) -> Array:
+    def surface_level(self, volume: ArrayLike, tilt: ArrayLike, heading: ArrayLike) -> Array:
         """Height of the surface of a volume above B's origin [m].
 
         What does not fit into the cavity stands on top of its opening.
         """
-        volume, tilt, heading = _together(volume, tilt, heading)
+        volume, tilt, heading = _broadcast_arrays(volume, tilt, heading)
         inside = np.clip(volume, 0.0, self.capacity)
-        level = self._level(inside, tilt, self._strips(heading))
+        level = self._solve_level(inside, tilt, self._section_strips(heading))
         over = (volume - inside) / (np.pi * self.opening.radius**2)
         return np.asarray(level + over)
 
-    def head(self, volume: ArrayLike, tilt: ArrayLike, heading: ArrayLike) -> Array:
+    def liquid_head(self, volume: ArrayLike, tilt: ArrayLike, heading: ArrayLike) -> Array:
         """How far the surface stands above the lip; nothing runs out up to zero [m]."""
-        return self.level(volume, tilt, heading) - self.lip_height(tilt, heading)
+        return self.surface_level(volume, tilt, heading) - self.lip_height(tilt, heading)
 
     def centroid(self, volume: ArrayLike, tilt: ArrayLike, heading: ArrayLike) -> Array:
         """Centre of a volume that it holds, in B, shape (..., 3) [m].
 
         Of no volume at all: the lowest place.
         """
-        volume, tilt, heading = _together(volume, tilt, heading)
-        strips = self._strips(heading)
+        volume, tilt, heading = _broadcast_arrays(volume, tilt, heading)
+        strips = self._section_strips(heading)
         least = 1e-9 * self.capacity
-        level = self._level(np.clip(volume, least, self.capacity), tilt, strips)
-        x, d, cos = self._depths(level, tilt, strips)
-        length = self._height
-        filled = strips.area * _mean(_ramp, x, d, length)
+        level = self._solve_level(np.clip(volume, least, self.capacity), tilt, strips)
+        x, d, cos = self._strip_depths(level, tilt, strips)
+        length = self._inner_height
+        filled = strips.area * _strip_mean(_ramp_integral, x, d, length)
         total = filled.sum(axis=-1)
         s = (strips.along * filled).sum(axis=-1) / total
         t = (strips.across * filled).sum(axis=-1) / total
         # Filled from the end that is lower.
-        rise = (strips.area * _mean(_moment, x, d, length)).sum(axis=-1) / total
+        rise = (strips.area * _strip_mean(_moment_integral, x, d, length)).sum(axis=-1) / total
         z = np.where(cos[..., 0] > 0.0, self.floor + rise, self.top - rise)
-        u = _unit(heading)
+        u = _unit_vector(heading)
         return np.stack([s * u[..., 0] - t * u[..., 1], s * u[..., 1] + t * u[..., 0], z], axis=-1)
 
     def spill_angle(self, volume: ArrayLike, heading: ArrayLike) -> Array:
@@ -171,33 +173,35 @@ class Vessel:
     def tilt_holding(self, volume: ArrayLike, heading: ArrayLike) -> Array:
         """Least tilt at which it holds no more than a volume [rad]."""
         volume, heading = np.broadcast_arrays(np.asarray(volume, float), np.asarray(heading, float))
-        strips = self._strips(heading)
+        strips = self._section_strips(heading)
 
         def holds_more(tilt: Array) -> NDArray[np.bool_]:
-            brim = self._below(self.lip_height(tilt, heading), tilt, strips)[0]
+            brim = self._volume_below(self.lip_height(tilt, heading), tilt, strips)[0]
             return brim > volume * (1.0 + 1e-12)
 
-        tilt = _halved(holds_more, np.zeros(volume.shape), np.full(volume.shape, np.pi))
+        tilt = _bisect(holds_more, np.zeros(volume.shape), np.full(volume.shape, np.pi))
         return np.where(volume >= self.capacity, 0.0, tilt)
 
     # -- strips ----------------------------------------------------------------------------------
 
     @property
-    def _height(self) -> float:
+    def _inner_height(self) -> float:
         return self.top - self.floor
 
-    def _strips(self, heading: Array) -> _Strips:
-        u = _unit(heading)
+    def _section_strips(self, heading: Array) -> _Strips:
+        u = _unit_vector(heading)
         ahead, behind = self.section.extent(u), self.section.extent(-u)
         edges = -behind[..., None] + (ahead + behind)[..., None] * _EDGES
         along = 0.5 * (edges[..., 1:] + edges[..., :-1])
         half = 0.5 * np.diff(edges)
-        width, across = _chords(self.section, along, u)
+        width, across = _section_chords(self.section, along, u)
         area = 2.0 * width * half
-        area *= self._area / area.sum(axis=-1, keepdims=True)
+        area *= self._section_area / area.sum(axis=-1, keepdims=True)
         return _Strips(along, across, half, area)
 
-    def _depths(self, level: Array, tilt: Array, strips: _Strips) -> tuple[Array, Array, Array]:
+    def _strip_depths(
+        self, level: Array, tilt: Array, strips: _Strips
+    ) -> tuple[Array, Array, Array]:
         """Length of each strip below a level, half its difference over the strip, and cos tilt."""
         cos = np.cos(tilt)[..., None]
         cos = np.where(cos < 0.0, np.minimum(cos, -_STEEP), np.maximum(cos, _STEEP))
@@ -206,15 +210,15 @@ class Vessel:
         x = (level[..., None] + strips.along * sin - lower * cos) / np.abs(cos)
         return x, np.maximum(strips.half * sin / np.abs(cos), _LEAST_SLOPE), cos
 
-    def _below(self, level: Array, tilt: Array, strips: _Strips) -> tuple[Array, Array]:
+    def _volume_below(self, level: Array, tilt: Array, strips: _Strips) -> tuple[Array, Array]:
         """Volume below a level [m³], and how it grows with that: the area of the surface [m²]."""
-        x, d, cos = self._depths(level, tilt, strips)
-        length = self._height
-        volume = (strips.area * _mean(_ramp, x, d, length)).sum(axis=-1)
+        x, d, cos = self._strip_depths(level, tilt, strips)
+        length = self._inner_height
+        volume = (strips.area * _strip_mean(_ramp_integral, x, d, length)).sum(axis=-1)
         clipped = np.clip(x + d, 0.0, length) - np.clip(x - d, 0.0, length)
         return volume, (strips.area * clipped / (2.0 * d * np.abs(cos))).sum(axis=-1)
 
-    def _level(self, volume: Array, tilt: Array, strips: _Strips) -> Array:
+    def _solve_level(self, volume: Array, tilt: Array, strips: _Strips) -> Array:
         """Newton's method inside a bracket that shrinks with every step."""
         ends = np.stack((strips.along[..., 0] - strips.half[..., 0],
                          strips.along[..., -1] + strips.half[..., -1]))  # fmt: skip
@@ -224,7 +228,7 @@ class Vessel:
         low, high = np.min(heights, axis=0), np.max(heights, axis=0)
         level = low + (high - low) * volume / self.capacity
         for _ in range(_MOST_STEPS):
-            below, area = self._below(level, tilt, strips)
+            below, area = self._volume_below(level, tilt, strips)
             high = np.where(below > volume, level, high)
             low = np.where(below > volume, low, level)
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -238,33 +242,33 @@ class Vessel:
         return np.asarray(level)
 
 
-def _bad(path: str, message: str) -> ModelError:
+def _container_error(path: str, message: str) -> ModelError:
     return ModelError("bad_value", message, path=f"container.{path}")
 
 
-def _unit(heading: ArrayLike) -> Array:
+def _unit_vector(heading: ArrayLike) -> Array:
     heading = np.asarray(heading, dtype=np.float64)
     return np.stack([np.cos(heading), np.sin(heading)], axis=-1)
 
 
-def _together(*values: ArrayLike) -> tuple[Array, ...]:
+def _broadcast_arrays(*values: ArrayLike) -> tuple[Array, ...]:
     return tuple(np.broadcast_arrays(*(np.asarray(value, dtype=np.float64) for value in values)))
 
 
-def _inset(section: Base, wall: float) -> Disc | Polygon | None:
+def _inset_section(section: Base, wall: float) -> Disc | Polygon | None:
     """A section without its walls; None if nothing is left."""
     if isinstance(section, Disc):
         return Disc(section.radius - wall) if section.radius > wall else None
     assert isinstance(section, Polygon)
     corners = section.vertices
     for normal, offset in zip(section.normals, section.offsets - wall, strict=True):
-        corners = _cut(corners, corners @ normal - offset)
+        corners = _cut_polygon(corners, corners @ normal - offset)
         if len(corners) < 3:
             return None
     return Polygon(corners)
 
 
-def _cut(corners: Array, outside: Array) -> Array:
+def _cut_polygon(corners: Array, outside: Array) -> Array:
     """The part of a convex polygon at whose points `outside` is not positive."""
     kept = []
     for a, b, p, q in zip(
@@ -277,7 +281,7 @@ def _cut(corners: Array, outside: Array) -> Array:
     return np.array(kept).reshape(-1, 2)
 
 
-def _chords(section: Disc | Polygon, along: Array, u: Array) -> tuple[Array, Array]:
+def _section_chords(section: Disc | Polygon, along: Array, u: Array) -> tuple[Array, Array]:
     """Widths of a section across unit directions u (..., 2) and their middles, shape (..., k)."""
     if isinstance(section, Disc):
         half = np.sqrt(np.maximum(section.radius**2 - along * along, 0.0))
@@ -291,24 +295,26 @@ def _chords(section: Disc | Polygon, along: Array, u: Array) -> tuple[Array, Arr
     return np.maximum(left - right, 0.0), 0.5 * (left + right)
 
 
-def _mean(integral: Callable[[Array, float], Array], x: Array, d: Array, length: float) -> Array:
+def _strip_mean(
+    integral: Callable[[Array, float], Array], x: Array, d: Array, length: float
+) -> Array:
     """Mean of a function between x − d and x + d, from its integral."""
     return np.asarray((integral(x + d, length) - integral(x - d, length)) / (2.0 * d))
 
 
-def _ramp(x: Array, length: float) -> Array:
+def _ramp_integral(x: Array, length: float) -> Array:
     """Integral of clip(x, 0, length)."""
     inside = np.clip(x, 0.0, length)
     return np.asarray(0.5 * inside * inside + length * np.maximum(x - length, 0.0))
 
 
-def _moment(x: Array, length: float) -> Array:
+def _moment_integral(x: Array, length: float) -> Array:
     """Integral of clip(x, 0, length)² / 2."""
     inside = np.clip(x, 0.0, length)
     return np.asarray(inside**3 / 6.0 + 0.5 * length**2 * np.maximum(x - length, 0.0))
 
 
-def _halved(beyond: Callable[[Array], NDArray[np.bool_]], low: Array, high: Array) -> Array:
+def _bisect(beyond: Callable[[Array], NDArray[np.bool_]], low: Array, high: Array) -> Array:
     """Where a condition that holds at first stops to hold, by halving."""
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)

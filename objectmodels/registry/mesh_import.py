@@ -15,8 +15,8 @@ import numpy as np
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.support_points import hull, within
-from objectmodels.models.convex_hull import HullModel, facets, turning_down, volume_and_centre
+from objectmodels.geometry.support_points import hull_polygon, is_within
+from objectmodels.models.convex_hull import HullModel, hull_facets, turning_down, volume_and_centre
 from objectmodels.models.parameters import Provenance
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
@@ -58,7 +58,7 @@ class Solid:
     closed: bool
     stood: str
 
-    def told(self) -> str:
+    def method_text(self) -> str:
         """How shape and centre of mass were found."""
         hull_only = "" if self.closed else " of the convex hull"
         return (
@@ -79,7 +79,7 @@ def read_mesh(path: Path, *, unit: str = "m", up: str = "+z") -> Solid:
         ModelError: `missing_extra` without trimesh; `unreadable_file`; `bad_mesh` if nothing solid
             is in it, or its size is that of a mistaken unit.
     """
-    mesh = _loaded(path)
+    mesh = _load_mesh(path)
     points = np.asarray(mesh.vertices, dtype=np.float64) * UNITS[unit]
     if len(points) < 4 or not np.isfinite(points).all():
         raise ModelError("bad_mesh", f"holds {len(points)} usable vertices", path=str(path))
@@ -104,11 +104,11 @@ def read_mesh(path: Path, *, unit: str = "m", up: str = "+z") -> Solid:
     points, com = points @ R.T, R @ com
     low = points[:, 2].min()
     on_table = points[points[:, 2] <= low + _FLAT * np.ptp(points[:, 2]), :2]
-    origin = np.append(hull(on_table).centroid, low)
-    return Solid(_thinned(points - origin), com - origin, volume, closed, stood)
+    origin = np.append(hull_polygon(on_table).centroid, low)
+    return Solid(_thin_vertices(points - origin), com - origin, volume, closed, stood)
 
 
-def _loaded(path: Path) -> Any:
+def _load_mesh(path: Path) -> Any:
     """The one mesh of a file."""
     try:
         import trimesh
@@ -135,7 +135,7 @@ def _loaded(path: Path) -> Any:
 
 def _standing_face(points: Array, com: Array, path: Path) -> tuple[Array, str]:
     """Outward normal of the face that it stands on, and how that was found."""
-    faces = [face for face in facets(points) if _rests_on(face, com)]
+    faces = [face for face in hull_facets(points) if _rests_on(face, com)]
     if not faces:
         raise ModelError("bad_mesh", "has no flat face that it could stand on", path=str(path))
     down = max(faces, key=lambda face: -face[0][2])[0]
@@ -148,11 +148,11 @@ def _rests_on(face: tuple[Array, Array], com: Array) -> bool:
     """Whether the centre of mass lies over a face, well inside."""
     normal, corners = face
     R = turning_down(normal)
-    base = hull((corners @ R.T)[:, :2])
-    return within(base, (R @ com)[None, :2], -0.02 * base.size)
+    base = hull_polygon((corners @ R.T)[:, :2])
+    return is_within(base, (R @ com)[None, :2], -0.02 * base.size)
 
 
-def _thinned(points: Array) -> Array:
+def _thin_vertices(points: Array) -> Array:
     """The vertices of the hull, or those extreme in many directions if they are very many."""
     from scipy.spatial import ConvexHull
 
@@ -224,5 +224,7 @@ def import_mesh(
         com=tuple(np.round(solid.com, 6).tolist()),
         com_sd=tuple(np.round(COM_SHARE_SD * np.ptp(solid.vertices, axis=0), 6).tolist()),
         vertices=tuple(map(tuple, solid.vertices.tolist())),
-        provenance=Provenance(source=f"mesh {path.name}", method=f"{solid.told()}; {how}; {sure}"),
+        provenance=Provenance(
+            source=f"mesh {path.name}", method=f"{solid.method_text()}; {how}; {sure}"
+        ),
     )

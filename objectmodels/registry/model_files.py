@@ -78,7 +78,7 @@ def load_model(path: Path, kinds: Kinds = BUILT_IN_KINDS) -> ObjectModel:
     try:
         return cls.model_validate(stated, by_alias=True, by_name=False)
     except ValidationError as error:
-        raise _explained(error, path, cls) from error
+        raise _explain_error(error, path, cls) from error
 
 
 def save_model(model: ObjectModel, path: Path) -> None:
@@ -118,18 +118,18 @@ def _class_of(content: dict[str, Any], path: Path, kinds: Kinds) -> type[ObjectM
     )
 
 
-def _explained(error: ValidationError, path: Path, cls: type[ObjectModel]) -> ModelError:
+def _explain_error(error: ValidationError, path: Path, cls: type[ObjectModel]) -> ModelError:
     """The first complaint of pydantic in the words of a model file's author."""
     # A key that is unknown is often the one that is missing, misspelt: that helps most.
     complaints = error.errors(include_url=False)
     first = min(complaints, key=lambda e: e["type"] != "extra_forbidden")
-    key = ".".join(str(part) for part in _loc(first)) or "file"
+    key = ".".join(str(part) for part in _error_location(first)) or "file"
     where = f"{path}: {key}"
     found: Any = first["input"]
     if first["type"] == "missing":
         return ModelError("missing_key", "is required, but not given", path=where)
     if first["type"] == "extra_forbidden":
-        known = Provenance.model_fields if "." in key else keys(cls)
+        known = Provenance.model_fields if "." in key else file_keys(cls)
         wrong = key.split(".")[-1]
         near = suggest(wrong, known) or [name for name in known if name.startswith(wrong + "_")]
         hints = tuple(f"did you mean '{name}'?" for name in near[:1])
@@ -140,7 +140,9 @@ def _explained(error: ValidationError, path: Path, cls: type[ObjectModel]) -> Mo
             suggestions=hints or (f"known: {', '.join(known)}",),
         )
     if key == "support":  # a union, of which pydantic names one branch only
-        return ModelError("bad_value", f"found {_short(found)}, expected {_SUPPORTS}", path=where)
+        return ModelError(
+            "bad_value", f"found {_short_text(found)}, expected {_SUPPORTS}", path=where
+        )
     inner = first.get("ctx", {}).get("error")
     if isinstance(inner, ModelError) and inner.path is not None:
         field = cls.model_fields[inner.path]
@@ -150,21 +152,21 @@ def _explained(error: ValidationError, path: Path, cls: type[ObjectModel]) -> Mo
         expected = inner.message
     if not first["loc"] or isinstance(found, dict):
         return ModelError("bad_value", expected, path=where)
-    return ModelError("bad_value", f"found {_short(found)}, expected {expected}", path=where)
+    return ModelError("bad_value", f"found {_short_text(found)}, expected {expected}", path=where)
 
 
-def _loc(complaint: Any) -> tuple[Any, ...]:
+def _error_location(complaint: Any) -> tuple[Any, ...]:
     """Where a complaint is; in a union that is the whole of it."""
     parts: tuple[Any, ...] = complaint["loc"]
     return parts[:1] if parts[:1] == ("support",) else parts
 
 
-def _short(value: object) -> str:
+def _short_text(value: object) -> str:
     text = repr(value)
     return text if len(text) <= 80 else text[:77] + "..."
 
 
-def keys(cls: type[ObjectModel]) -> list[str]:
+def file_keys(cls: type[ObjectModel]) -> list[str]:
     """Keys of a kind's model files."""
     names = [field.alias or name for name, field in cls.model_fields.items() if name != "kind"]
     return ["format", *names]

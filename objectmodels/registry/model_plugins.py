@@ -27,26 +27,26 @@ Offer = type[ObjectModel] | ObjectModel | Path
 """What a plug-in brings, one at a time."""
 
 
-def offers() -> Iterator[tuple[str, Offer | ModelError]]:
+def plugin_offers() -> Iterator[tuple[str, Offer | ModelError]]:
     """What the installed plug-ins bring, with the place it comes from; errors of the broken ones.
 
     Kinds come first, so that model files of one plug-in may be of a kind of another one.
     """
     found: list[tuple[str, Offer | ModelError]] = []
-    for point in sorted(entry_points(group=GROUP), key=lambda p: (_package(p), p.name)):
-        place = f"plug-in {point.name!r} of {_package(point)}"
+    for point in sorted(entry_points(group=GROUP), key=lambda p: (_package_name(p), p.name)):
+        place = f"plug-in {point.name!r} of {_package_name(point)}"
         try:
-            found += [(place, offer) for offer in _opened(point.load())]
+            found += [(place, offer) for offer in _offers_from(point.load())]
         except Exception as error:  # a plug-in may fail in any way
-            found.append((place, _failed(place, error)))
+            found.append((place, _plugin_error(place, error)))
     yield from sorted(found, key=lambda offer: not isinstance(offer[1], type))
 
 
-def _package(point: EntryPoint) -> str:
+def _package_name(point: EntryPoint) -> str:
     return point.dist.name if point.dist else point.value.partition(":")[0]
 
 
-def _opened(thing: object) -> Iterator[Offer]:
+def _offers_from(thing: object) -> Iterator[Offer]:
     """The offers in what an entry point names."""
     if isinstance(thing, type):
         if not issubclass(thing, ObjectModel):
@@ -57,17 +57,17 @@ def _opened(thing: object) -> Iterator[Offer]:
     elif isinstance(thing, str | PathLike):
         yield Path(thing)
     elif callable(thing):
-        yield from _opened(thing())
+        yield from _offers_from(thing())
     elif isinstance(thing, Iterable):
         for each in thing:
-            yield from _opened(each)
+            yield from _offers_from(each)
     else:
         raise TypeError(
             f"expected a class, a model, a path or a function, found {type(thing).__name__}"
         )
 
 
-def _failed(place: str, error: Exception) -> ModelError:
+def _plugin_error(place: str, error: Exception) -> ModelError:
     if isinstance(error, ModelError):
         return ModelError(
             error.code, f"{place}: {error.message}", path=error.path, suggestions=error.suggestions

@@ -20,7 +20,7 @@ from types import MappingProxyType
 
 from objectmodels.errors import ModelError
 from objectmodels.models.object_model import ObjectModel
-from objectmodels.name_suggestions import fold, suggest
+from objectmodels.name_suggestions import fold_text, suggest
 from objectmodels.registry import model_plugins as plugins
 from objectmodels.registry.model_files import BUILT_IN_KINDS, kind_of, load_model
 
@@ -86,7 +86,7 @@ class Registry:
 
     def load_plugins(self) -> None:
         """Adds kinds and models of the installed plug-ins; the broken ones go to `problems`."""
-        for place, offer in plugins.offers():
+        for place, offer in plugins.plugin_offers():
             try:
                 if isinstance(offer, ModelError):
                     raise offer
@@ -148,15 +148,15 @@ class Registry:
         Raises:
             ModelError: `duplicate_name`, with both places.
         """
-        name = fold(model.name)
-        taken_over = name in map(fold, over)
-        words = {name: model.name, **{fold(word): word for word in model.synonyms}}
+        name = fold_text(model.name)
+        taken_over = name in map(fold_text, over)
+        words = {name: model.name, **{fold_text(word): word for word in model.synonyms}}
         for other in self:
-            taken = fold(other.name)
+            taken = fold_text(other.name)
             if taken_over and taken == name:
                 continue
             clash = words.get(taken)
-            if clash is None and name in map(fold, other.synonyms):
+            if clash is None and name in map(fold_text, other.synonyms):
                 clash = model.name
             if clash is not None:
                 raise ModelError(
@@ -195,7 +195,7 @@ class Registry:
             return
         for file in sorted(path.glob("*.yaml")):
             try:
-                free = [name for name in over if self.replaced(name) is None]
+                free = [name for name in over if self.replaced_place(name) is None]
                 self.load(file, place=place, over=free)
             except ModelError as error:
                 self._problems.append(error)
@@ -207,7 +207,7 @@ class Registry:
             ModelError: `unknown_object`, with suggestions.
         """
         try:
-            return self._models[fold(name)]
+            return self._models[fold_text(name)]
         except KeyError:
             raise ModelError(
                 "unknown_object",
@@ -226,10 +226,12 @@ class Registry:
         Case and the amount of white space do not count. Several if they share a synonym, none if
         nothing fits.
         """
-        wanted = fold(text)
-        return [model.name for model in self if wanted in map(fold, (model.name, *model.synonyms))]
+        wanted = fold_text(text)
+        return [
+            model.name for model in self if wanted in map(fold_text, (model.name, *model.synonyms))
+        ]
 
-    def called(self, text: str) -> ObjectModel:
+    def find_one(self, text: str) -> ObjectModel:
         """The one model of that name or synonym.
 
         Raises:
@@ -247,11 +249,11 @@ class Registry:
 
     def place(self, name: str) -> str:
         """Where the model of that name comes from; raises as `get` does."""
-        return self._places[fold(self.get(name).name)]
+        return self._places[fold_text(self.get(name).name)]
 
-    def replaced(self, name: str) -> str | None:
+    def replaced_place(self, name: str) -> str | None:
         """Where the model comes from whose place that of this name took; None if it took none."""
-        return self._replaced.get(fold(name))
+        return self._replaced.get(fold_text(name))
 
     @property
     def models(self) -> Mapping[str, ObjectModel]:
@@ -270,4 +272,4 @@ class Registry:
         return len(self._models)
 
     def __contains__(self, name: str) -> bool:
-        return fold(name) in self._models
+        return fold_text(name) in self._models

@@ -209,7 +209,7 @@ class _Known:
         lifted = bearing.lifted(self._model)
         key = self._key(lifted)
         if key not in self._needed:
-            found = lifted.hold(STRONGEST)
+            found = lifted.hold_by(STRONGEST)
             self._needed[key] = found.needed, found.worst
         return self._needed[key]
 
@@ -218,7 +218,7 @@ class _Known:
         lifted = bearing.lifted(self._model)
         key = self._key(lifted) + f"{squeeze:.6g}".encode()
         if key not in self._likely:
-            self._likely[key] = lifted.probability(squeeze)
+            self._likely[key] = lifted.hold_probability(squeeze)
         return self._likely[key]
 
     @staticmethod
@@ -279,7 +279,7 @@ def _experiment(
     then = {}
     for name, mean in sd.items():
         known = model.model_copy(update={name: min(getattr(model, name), found_to * mean)})
-        then[name] = bearing.lifted(known).probability(squeeze)
+        then[name] = bearing.lifted(known).hold_probability(squeeze)
     best = max(then, key=lambda name: then[name])
     return words[best], then[best]
 

@@ -18,7 +18,7 @@ import numpy as np
 from objectmodels.containers.lid_forces import FlipArc, Loosening, flip, lift_off, unscrew
 from objectmodels.containers.lid_geometry import is_off
 from objectmodels.geometry.base_shapes import Array, Disc
-from objectmodels.geometry.support_points import hull
+from objectmodels.geometry.support_points import hull_polygon
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
 from planner.geometry.footprints import footprint, gap, travel_to_edge
@@ -153,7 +153,7 @@ def _force_limit(task: Task, arc: FlipArc) -> float:
 
 
 def _arc_prediction(arc: FlipArc, end: float) -> FlipPrediction:
-    near = arc.nearest
+    near = arc.weakest_index
     slide, topple = (float(force[near]) for force in (arc.slide, arc.topple))
     return FlipPrediction(
         lid_force=arc.largest_force,
@@ -306,7 +306,7 @@ def _is_free(task: Task, at: Array, radius: float) -> bool:
 
 def _tallest_on_way(task: Task, at: Array, radius: float) -> float:
     start = _disc(task.target.pose.p_WB[:2], radius)
-    way = hull(np.vstack([start, _disc(at, radius)])).vertices
+    way = hull_polygon(np.vstack([start, _disc(at, radius)])).vertices
     return max(
         seen.bulk()[1]
         for seen in task.state.objects.values()

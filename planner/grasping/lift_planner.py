@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from grammar.frames import command as g
-from objectmodels.geometry.support_points import hull
+from objectmodels.geometry.support_points import hull_polygon
 from planner.geometry.footprints import footprint, gap, travel_to_edge
 from planner.grasping.grasp_sampling import of_body
 from planner.grasping.grasp_selection import (
@@ -131,7 +131,7 @@ def require_liftable(task: Task) -> None:
 def over(task: Task, to: Aim) -> float:
     """Height at which it passes over everything between where it is and an aim [m]."""
     start, end = footprint(task.target), footprint(moved(task.target, np.array([to.x, to.y])))
-    way = hull(np.vstack([start, end])).vertices
+    way = hull_polygon(np.vstack([start, end])).vertices
     kept = dict(task.how.clear_of)
     tops = [
         seen.bulk()[1]

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.containers.pour_dynamics import Catch, Poured, pour, predict, tilt_for
+from objectmodels.containers.pour_dynamics import Catch, Poured, pour, predict_pour, tilt_for
 from planner.geometry.directions import heading_of, unit
 from planner.grasping.grasp_sampling import of_body
 from planner.grasping.grasp_selection import Bearing, Draft, first_way, held_already, holds
@@ -173,7 +173,7 @@ class _Pouring:
         )  # fmt: skip
         # What is not known of either content counts where it runs over.
         sd = math.hypot(container.contents_sd, basin.contents_sd)
-        poured = predict(vessel, container.contents, catch, contents_sd=sd, **motion)
+        poured = predict_pour(vessel, container.contents, catch, contents_sd=sd, **motion)
         if not wanted.all:
             poured = _stopped(poured, wanted.volume)
         return Motion(lean, angle, wait, ahead, poured, self._probability(poured))
@@ -197,7 +197,7 @@ class _Pouring:
         pose, held = task.target.pose, task.state.held is not None
         heading = math.remainder(pose.yaw + turn + motion.lean, math.tau)
         lip = self._opening_W() - motion.ahead * unit(heading)
-        behind = float(np.linalg.norm(self._source.vessel.lip(motion.lean)[:2]))
+        behind = float(np.linalg.norm(self._source.vessel.lip_point(motion.lean)[:2]))
         x, y, _ = (lip - behind * unit(heading)).tolist()
         up = max(over(task, Aim(x=x, y=y)), into.model.top + d.carry_clearance)
         out = PourOut(
@@ -235,7 +235,7 @@ class _Pouring:
         return (DefaultUsed(name="pour_rate", value=rate, unit="rad/s", reason="no rate said"),)
 
     def _prediction(self, poured: Poured) -> PourPrediction:
-        mean = {name: float(value) for name, value in poured.mean().items()}
+        mean = {name: float(value) for name, value in poured.mean_volumes().items()}
         filled = self._into.container.contents + mean["received"]
         return PourPrediction(**mean, level_after=filled / self._into.vessel.capacity)
 
@@ -255,8 +255,8 @@ def _all_of_it(vessel: Vessel, volume: float, lean: float, rate: float) -> tuple
     nearly = (1.0 - _LEAST_LEFT) * volume
     angles = float(tilt_for(vessel, volume, nearly, lean)) + _ANGLES
     running = pour(vessel, volume, heading=lean, angle=angles, rate=rate, wait=2.0 * _SOON)
-    late = running.finished - angles / rate
-    good = (running.total >= nearly) & (late <= _SOON)
+    late = running.end_time - angles / rate
+    good = (running.total_volume >= nearly) & (late <= _SOON)
     first = int(good.argmax()) if good.any() else len(angles) - 1
     return float(angles[first]), max(float(late[first]), 0.0)
 
@@ -267,7 +267,7 @@ def _part_of_it(
     """Least tilt at which a part runs out soon, and how long to wait there."""
     angles = float(tilt_for(vessel, volume, part, lean)) + 0.5 * _ANGLES
     running = pour(vessel, volume, heading=lean, angle=angles, rate=rate, wait=_PART_WAIT)
-    good = running.total >= part
+    good = running.total_volume >= part
     first = int(good.argmax()) if good.any() else len(angles) - 1
     return float(angles[first]), _PART_WAIT
 

@@ -159,7 +159,7 @@ def _places(face: Face, fingers: int, allowed: _Allowed) -> tuple[Array, Array, 
     heights = np.linspace(low, high, max(1, round((high - low) / _HEIGHT_STEP)) + 1)
     z, y = (a.ravel() for a in np.meshgrid(heights, lateral, indexing="ij"))
     on = face.contains(y, z)
-    points, _ = face.at(y[on], z[on])
+    points, _ = face.points_at(y[on], z[on])
     return points, room - np.abs(y[on]), np.abs(y[on] - aim)
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Disc
-from objectmodels.mechanics.worst_cases import circle, contact_forces
+from objectmodels.mechanics.worst_cases import circle_corners, contact_forces
 from planner.types.actions import Margins, Prediction, Vector3
 
 if TYPE_CHECKING:
@@ -112,7 +112,7 @@ def _within_the_cone(contacts: Contacts, i: int, model: ObjectModel, reach: Reac
 @functools.lru_cache(maxsize=1024)
 def _exactly(model: ObjectModel, point: Vector3, normal: Vector3, grip: float) -> Thresholds:
     """Kept, since models never change and the same contacts are asked for again and again."""
-    shares = np.vstack((np.zeros((1, 2)), circle(_CONFIRMING)))
+    shares = np.vstack((np.zeros((1, 2)), circle_corners(_CONFIRMING)))
     forces = contact_forces(np.array([normal]), grip * shares)
     u = forces / np.linalg.norm(forces, axis=1, keepdims=True)
     return model.thresholds(np.tile(point, (len(u), 1)), u, exact=True)

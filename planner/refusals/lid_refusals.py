@@ -77,7 +77,7 @@ def may_give_way(task: Task, arc: FlipArc) -> NoPlanError:
 
 
 def _over_the_arc(task: Task, arc: FlipArc) -> str:
-    near, name = arc.nearest, task.target.name
+    near, name = arc.weakest_index, task.target.name
     slides = bool(arc.slide[near] < arc.topple[near])
     verb, limit = ("slides", arc.slide) if slides else ("tips", arc.topple)
     return (
@@ -88,7 +88,7 @@ def _over_the_arc(task: Task, arc: FlipArc) -> str:
 
 
 def _forces(arc: FlipArc) -> dict[str, float]:
-    near = arc.nearest
+    near = arc.weakest_index
     found = {
         "lid_force": float(arc.force[near]),
         "largest_lid_force": arc.largest_force,

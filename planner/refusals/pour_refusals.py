@@ -98,7 +98,7 @@ def wrong_side(task: Task) -> NoPlanError:
 
 def may_spill(task: Task, into: SeenObject, wanted: Amount, motion: Motion) -> NoPlanError:
     """Too much may miss or run over, or too little run out."""
-    mean = {name: float(value) for name, value in motion.poured.mean().items()}
+    mean = {name: float(value) for name, value in motion.poured.mean_volumes().items()}
     asked = task.defaults.probability
     return refused(
         "too_uncertain",

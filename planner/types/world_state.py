@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.containers.lid_geometry import rise
+from objectmodels.containers.lid_geometry import lid_rise
 from objectmodels.errors import ModelError
-from objectmodels.geometry.support_points import hull
+from objectmodels.geometry.support_points import hull_polygon
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -112,7 +112,7 @@ class SeenObject:
         if pose.attitude is None:
             return cls(name, pose, model, colour=colour, fragile=fragile, fixed=fixed, lid=lid)
         try:
-            rest = model.lying(pose.R_WB)
+            rest = model.resting_face(pose.R_WB)
         except ModelError:
             here = PlanarPose(pose.x, pose.y, pose.yaw)
             attitude = tuple(pose.R_WB.ravel().tolist())
@@ -129,12 +129,14 @@ class SeenObject:
         """
         outline, top = self.model.outline, self.model.top
         if self.lid is not None and self.lid_at is None:
-            top += rise(self.model, self.lid)
+            top += lid_rise(self.model, self.lid)
         if self.attitude is None:
             return outline @ self.pose.R_WB[:2, :2].T + self.pose.p_WB[:2], top
         corners = np.array([[x, y, z] for z in (0.0, top) for x, y in outline])
         turned = corners @ np.reshape(self.attitude, (3, 3)).T
-        return hull(turned[:, :2] + self.pose.p_WB[:2]).vertices, float(np.ptp(turned[:, 2]))
+        return hull_polygon(turned[:, :2] + self.pose.p_WB[:2]).vertices, float(
+            np.ptp(turned[:, 2])
+        )
 
 
 @dataclass(frozen=True)

@@ -92,7 +92,7 @@ class HeldObject:
 
 def _lying(target: SeenObject, pitch: float) -> tuple[SeenObject, float]:
     """A lid as an object of its own, and the height of its base [m]."""
-    model = lids.loose(target.model, target.name)
+    model = lids.detached_lid(target.model, target.name)
     assert model is not None, "a lid that is held comes off"
     pose, height = target.pose, target.model.top + pitch * (target.lid or 0.0) / THREAD
     if target.lid_at is not None:

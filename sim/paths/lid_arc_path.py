@@ -150,7 +150,7 @@ class LidPath:
 def lid_shape(step: FlipOver, target: SeenObject, tip_radius: float) -> LidShape:
     """The lid of an object that is seen, for a fingertip of a radius [m]."""
     lid, hinge = _lid(target)
-    rim = lids.rim(target.model)
+    rim = lids.lid_rim(target.model)
     across = np.array([-hinge.out[1], hinge.out[0]])
     return LidShape(
         length=round(hinge.reach, 5),
@@ -174,7 +174,7 @@ def _lid(target: SeenObject) -> tuple[FlipLid, lids.Hinge]:
     """Of an object that has a flip lid."""
     lid = target.model.lid
     assert isinstance(lid, FlipLid), "only a flip lid is flipped over"
-    return lid, lids.hinge(lid, lids.rim(target.model), target.model.top)
+    return lid, lids.lid_hinge(lid, lids.lid_rim(target.model), target.model.top)
 
 
 def _rounded(angle: float) -> float:

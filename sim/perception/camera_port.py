@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from objectmodels.containers.lid_geometry import called, loose
+from objectmodels.containers.lid_geometry import detached_lid, lid_name
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.object_parts import Lid, LiftOffLid
 from objectmodels.models.resting_faces import LEVEL
@@ -119,7 +119,7 @@ class VisionPort:
                 for name, noise in self._lid_noise.items()
             }
             for name, pose in (loose or {}).items():
-                seen[called(name)] = self._seen(name, *pose, self._lid_rng)
+                seen[lid_name(name)] = self._seen(name, *pose, self._lid_rng)
             self._frames.append(Frame(time, time + self.vision.delay_s, seen, opened))
 
     def arrived(self, time: float) -> list[Frame]:
@@ -217,7 +217,7 @@ def beheld(
         for item in scene.objects
     }
     for name, seen_object in list(found.items()):
-        lid = loose(models[name], name)
+        lid = detached_lid(models[name], name)
         if lid is not None and lid.name in poses:
             found[name] = replace(seen_object, lid_at=_lid_at(seen, lid.name, poses[lid.name]))
             found[lid.name] = SeenObject.lying(lid.name, poses[lid.name], lid)

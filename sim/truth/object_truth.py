@@ -105,7 +105,7 @@ class Truth(Part):
         """Its cavity, as a function of how it leans; None if it is not hollow."""
         if self.container is None:
             return None
-        return Vessel.inside(self.rim, self.height, self.container)
+        return Vessel.from_shape(self.rim, self.height, self.container)
 
     def _contains(self, p_B: Point3) -> bool:
         x, y, z = p_B
@@ -156,7 +156,7 @@ class Truth(Part):
         if self.lid is None:
             return self
         left = self.mass_kg - self.lid.mass
-        p_BL = lids.middle(self.lid, self.rim, self.height)
+        p_BL = lids.lid_centre(self.lid, self.rim, self.height)
         com = (self.mass_kg * np.array(self.centre_of_mass) - self.lid.mass * p_BL) / left
         return self.model_copy(
             update={"mass_kg": left, "centre_of_mass_m": tuple(com.tolist()), "lid": None}

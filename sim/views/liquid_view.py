@@ -90,7 +90,7 @@ def _standing(vessel: Vessel, volume: float, R_WB: Array) -> Array:
     """Corners of what of a cavity is below the level, in B."""
     ring = vessel.section.corners
     low, high = (np.column_stack([ring, np.full(len(ring), z)]) for z in (vessel.floor, vessel.top))
-    level = float(vessel.level(min(volume, vessel.capacity), *leaning(R_WB)))
+    level = float(vessel.surface_level(min(volume, vessel.capacity), *leaning(R_WB)))
     starts = np.concatenate([low, high, low])
     ends = np.concatenate([np.roll(low, -1, axis=0), np.roll(high, -1, axis=0), high])
     a, b = starts @ R_WB[2] - level, ends @ R_WB[2] - level
@@ -107,7 +107,7 @@ def _landing_height(trace: Trace, scene: Scene, source: str, sample: int) -> flo
             vessel = scene.object(name).truth.vessel
             assert vessel is not None
             R_WB, p_WB = _pose(trace, name, sample)
-            return float(p_WB[2] + vessel.level(volumes[sample], *leaning(R_WB)))
+            return float(p_WB[2] + vessel.surface_level(volumes[sample], *leaning(R_WB)))
     return 0.0
 
 
@@ -117,8 +117,8 @@ def _stream(
     """A stream from the lip down to a height."""
     R_WB, p_WB = X_WB
     tilt, heading = leaning(R_WB)
-    p_WL = p_WB + R_WB @ vessel.lip(heading)
-    head = max(float(vessel.head(volume, tilt, heading)), 1e-4)
+    p_WL = p_WB + R_WB @ vessel.lip_point(heading)
+    head = max(float(vessel.liquid_head(volume, tilt, heading)), 1e-4)
     ahead, down = (float(v) for v in exit_velocity(head, tilt))
     t = np.linspace(0.0, float(fall_time(down, p_WL[2] - below)), _PIECES + 1)
     out = R_WB[:2, 2] / max(float(np.hypot(*R_WB[:2, 2])), 1e-9)

@@ -108,7 +108,7 @@ def test_the_report_in_words_and_a_name_of_its_own(
     assert "instead of" not in out
     registry = Registry.default()
     assert registry.get("my carton").synonyms == ()
-    assert registry.called("ice tea box").finger_friction == 0.693
+    assert registry.find_one("ice tea box").finger_friction == 0.693
 
 
 @pytest.mark.slow

@@ -96,7 +96,7 @@ def test_a_saved_model_is_the_one_that_is_used(
     assert found["instead_of"] == "built in (ice_tea_box.yaml)"
     registry = Registry.default()
     assert registry.problems == ()
-    model = registry.called("large ice tea carton")
+    model = registry.find_one("large ice tea carton")
     assert model.mass == found["parameters"]["mass"]["value"]
     assert model.com_sd[0] == pytest.approx(found["parameters"]["com_x"]["sd"])
     assert model.provenance.source == "fitted to ice_tea_trials.csv"
@@ -110,9 +110,9 @@ def test_a_saved_model_is_the_one_that_is_used(
     # Fitted anew it is written over, and taken away it leaves the built-in one.
     status, found = answer(capsys, "fit", "ice tea box", SERIES, "--save")
     assert (status, found["saved"], found["instead_of"]) == (0, str(path), None)
-    assert Registry.default().called("ice tea box").mass == found["parameters"]["mass"]["value"]
+    assert Registry.default().find_one("ice tea box").mass == found["parameters"]["mass"]["value"]
     assert answer(capsys, "objects", "remove", "ice tea box")[0] == 0
-    assert Registry.default().called("ice tea box").mass == 0.9952
+    assert Registry.default().find_one("ice tea box").mass == 0.9952
 
 
 def test_saved_under_another_name(
@@ -124,7 +124,7 @@ def test_saved_under_another_name(
     assert (status, found["saved"]) == (0, str(objects_folder / "my_carton.yaml"))
     assert (found["instead_of"], found["output"]) == (None, str(output))
     registry = Registry.default()
-    assert registry.called("ice tea box").mass == 0.9952
+    assert registry.find_one("ice tea box").mass == 0.9952
     assert registry.get("my carton").synonyms == ()
     # A model file can be fitted as well.
     status, again = answer(capsys, "fit", str(output), TRIALS)

@@ -18,7 +18,7 @@ from objectmodels.models.object_parts import (
     Opening,
     ScrewCap,
 )
-from objectmodels.registry.model_files import BUILT_IN_KINDS, keys, load_model
+from objectmodels.registry.model_files import BUILT_IN_KINDS, file_keys, load_model
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "models.md").read_text(encoding="utf-8")
 
@@ -121,5 +121,5 @@ def _told(table: str) -> dict[str, str]:
 
 
 def test_every_key_of_the_format_is_explained() -> None:
-    wanted = {key for cls in BUILT_IN_KINDS.values() for key in keys(cls)}
+    wanted = {key for cls in BUILT_IN_KINDS.values() for key in file_keys(cls)}
     assert {key for key in wanted if key not in GUIDE} == set()

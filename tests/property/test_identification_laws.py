@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from objectmodels import BoxModel
 from objectmodels.geometry.mechanical import UNCERTAIN
-from objectmodels.identification import Trial, estimates, fit
+from objectmodels.identification import Trial, estimates_from_trials, fit
 from tests.unit.objectmodels.identification.touching import everything, touched
 
 PLAN = everything(1)
@@ -53,7 +53,7 @@ def test_the_fit_gives_back_what_was_shown(both: tuple[BoxModel, BoxModel]) -> N
 @settings(deadline=None)
 def test_the_closed_form_gives_back_what_was_shown(both: tuple[BoxModel, BoxModel]) -> None:
     truth, believed = both
-    found = estimates(believed, touched(truth, PLAN))
+    found = estimates_from_trials(believed, touched(truth, PLAN))
     values = [found.value(name) for name in UNCERTAIN]
     np.testing.assert_allclose(np.array(values, dtype=float), truth.means, rtol=1e-6, atol=1e-9)
 

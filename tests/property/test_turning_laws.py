@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from objectmodels import BoxModel
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.mechanics.turning_push import Turning, turning
+from objectmodels.mechanics.turning_push import Turning, turning_motion
 
 ANGLES = st.floats(0.01, 3.0)
 SLANTS = st.floats(-1.2, 1.2)
@@ -28,7 +28,7 @@ def box(scale: float = 1.0) -> BoxModel:
 
 def pushed(slant: float, lateral: float, angle: float, scale: float = 1.0) -> Turning:
     point = [[-0.03 * scale, 0.05 * scale * lateral, 0.05]]
-    return turning(box(scale), point, [[-1.0, 0.0, 0.0]], slant, angle, sigmas=1.0)
+    return turning_motion(box(scale), point, [[-1.0, 0.0, 0.0]], slant, angle, sigmas=1.0)
 
 
 def after(first: Array, second: Array) -> Array:
@@ -53,7 +53,7 @@ def test_two_turns_make_one(slant: float, lateral: float, one: float, two: float
 @given(SLANTS, LATERALS, ANGLES)
 def test_a_mirror_turns_it_the_other_way(slant: float, lateral: float, angle: float) -> None:
     this, other = pushed(slant, lateral, angle), pushed(-slant, -lateral, -angle)
-    assert this.works.tolist() == other.works.tolist()
+    assert this.is_successful.tolist() == other.is_successful.tolist()
     np.testing.assert_allclose(this.pose * [1.0, -1.0, -1.0], other.pose, atol=1e-12)
     np.testing.assert_allclose(this.travel, other.travel, rtol=1e-12)
 
@@ -71,7 +71,7 @@ def test_a_larger_box_moves_farther_by_as_much(
 @given(SLANTS, LATERALS)
 def test_it_turns_in_exactly_one_sense(slant: float, lateral: float) -> None:
     nominal = [
-        turning(box(), [[-0.03, 0.05 * lateral, 0.05]], [[-1.0, 0.0, 0.0]], slant, angle)
+        turning_motion(box(), [[-0.03, 0.05 * lateral, 0.05]], [[-1.0, 0.0, 0.0]], slant, angle)
         for angle in (-0.3, 0.3)
     ]
     turns = [bool(each.turns[0]) for each in nominal]

@@ -80,7 +80,7 @@ def _find_model(registry: Registry, name: str) -> ObjectModel:
 
     if name.endswith((".yaml", ".yml")):
         return load_model(Path(name), registry.kinds)
-    return registry.called(name)
+    return registry.find_one(name)
 
 
 def _path_text(path: Path | None) -> str | None:

@@ -44,7 +44,7 @@ def list_models(as_json: bool) -> int:
 def show_model(name: str, as_json: bool) -> int:
     """Show what is believed about the object NAME, and where the figures come from."""
     registry = open_registry()
-    model = registry.called(name)
+    model = registry.find_one(name)
     if as_json:
         print_json(_document(registry, model))
         return OK
@@ -163,7 +163,7 @@ def remove_model(name: str, as_json: bool) -> int:
     from objectmodels.registry.model_registry import user_folder
 
     registry = open_registry()
-    model = registry.called(name)
+    model = registry.find_one(name)
     place = Path(registry.place(model.name))
     if place.parent != user_folder():
         message = f"the {model.name} is not one of your own models: it comes from {place}"
@@ -189,12 +189,15 @@ def _keep_model(registry: Registry, model: ObjectModel, as_json: bool) -> int:
 
 def _document(registry: Registry, model: ObjectModel) -> dict[str, Any]:
     """A model with where it comes from and whose place it took, for JSON."""
-    origin = {"place": registry.place(model.name), "instead_of": registry.replaced(model.name)}
+    origin = {
+        "place": registry.place(model.name),
+        "instead_of": registry.replaced_place(model.name),
+    }
     return {**model.model_dump(mode="json"), **origin}
 
 
 def _origin_text(registry: Registry, name: str) -> str:
-    replaced = registry.replaced(name)
+    replaced = registry.replaced_place(name)
     return registry.place(name) + (f", instead of: {replaced}" if replaced else "")
 
 
@@ -257,7 +260,7 @@ def _critical_heights(model: ObjectModel) -> list[tuple[str, str]]:
 
     rows = []
     for name, face in face_names(model).items():
-        points, normals = face.at([0.0], [0.5 * (face.bottom + face.top)])
+        points, normals = face.points_at([0.0], [0.5 * (face.bottom + face.top)])
         height = float(model.cone_thresholds(points, normals).critical_height[0])
         verdict = f"topples above {1e3 * height:.0f} mm" if height < face.top else "never topples"
         rows.append((f"pushed on {name}", f"{verdict}, level in the middle"))

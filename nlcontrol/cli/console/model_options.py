@@ -116,7 +116,7 @@ def find_model_and_face(
     from objectmodels.registry.model_files import load_model
 
     registry = open_registry()
-    model = load_model(file, registry.kinds) if file else registry.called(name)
+    model = load_model(file, registry.kinds) if file else registry.find_one(name)
     if lying_on != "bottom":
-        model = model.standing(lying_on)
+        model = model.model_on_face(lying_on)
     return model, face_of(model, face)

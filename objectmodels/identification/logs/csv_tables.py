@@ -64,7 +64,7 @@ class Row:
         value = float(plain) if _NUMBER.fullmatch(plain) else math.nan
         if not abs(value) <= LARGEST:
             expected = f"expected a finite number, at most {LARGEST:g} in size"
-            raise self.error(column, f"found {shortened(text)}, {expected}")
+            raise self.error(column, f"found {short_quote(text)}, {expected}")
         return value
 
     def value(self, column: str) -> float:
@@ -102,7 +102,7 @@ class Table:
         """An error about the table as a whole."""
         return ModelError("bad_data", message, path=self.file, suggestions=suggestions)
 
-    def require(self, columns: tuple[str, ...], known: tuple[str, ...]) -> None:
+    def require_columns(self, columns: tuple[str, ...], known: tuple[str, ...]) -> None:
         """Checks that it has the columns it must have, and no unknown ones.
 
         Raises:
@@ -113,7 +113,7 @@ class Table:
                 near = suggest(column, known)
                 hints = tuple(f"did you mean '{name}'?" for name in near[:1])
                 raise self.error(
-                    f"{shortened(column)} is not a column of such a file",
+                    f"{short_quote(column)} is not a column of such a file",
                     *(hints or (f"known: {', '.join(known)}",)),
                 )
         missing = [column for column in columns if column not in self.columns]
@@ -130,15 +130,15 @@ def read_table(path: Path) -> Table:
     Raises:
         ModelError: `unreadable_file`; `bad_data` if it is no table, or has no rows.
     """
-    lines = list(_lines(path))
+    lines = list(_numbered_lines(path))
     if not lines:
         raise ModelError("bad_data", "holds no table", path=str(path))
     separator = ";" if ";" in lines[0][1] else ","
-    (first, header), *rest = ((n, _cells(path, n, line, separator)) for n, line in lines)
+    (first, header), *rest = ((n, _line_cells(path, n, line, separator)) for n, line in lines)
     columns = tuple(" ".join(name.casefold().split()) for name in header)
     odd = next((name for name in columns if not name or columns.count(name) > 1), None)
     if odd is not None:
-        what = f"the column {shortened(odd)} is given twice" if odd else "a column has no name"
+        what = f"the column {short_quote(odd)} is given twice" if odd else "a column has no name"
         raise ModelError("bad_data", what, path=f"{path}: row {first}")
     rows = []
     for number, cells in rest:
@@ -159,12 +159,12 @@ def read_table(path: Path) -> Table:
     return table
 
 
-def shortened(text: str) -> str:
+def short_quote(text: str) -> str:
     """A text in quotes, cut if it is long."""
     return repr(text if len(text) <= 40 else text[:37] + "...")
 
 
-def _lines(path: Path) -> Iterator[tuple[int, str]]:
+def _numbered_lines(path: Path) -> Iterator[tuple[int, str]]:
     """The lines with something in them, and their numbers."""
     try:
         if path.stat().st_size > MAX_BYTES:
@@ -180,7 +180,7 @@ def _lines(path: Path) -> Iterator[tuple[int, str]]:
             yield number, line
 
 
-def _cells(path: Path, number: int, line: str, separator: str) -> list[str]:
+def _line_cells(path: Path, number: int, line: str, separator: str) -> list[str]:
     try:
         (cells,) = csv.reader([line], delimiter=separator, strict=True)
     except csv.Error as error:

@@ -17,7 +17,7 @@ import numpy as np
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.identification.logs.csv_tables import Row, Table, shortened
+from objectmodels.identification.logs.csv_tables import Row, Table, short_quote
 from objectmodels.identification.onset_detection import (
     LEAST_SAMPLES,
     LEAST_TRAVEL,
@@ -86,19 +86,19 @@ def trial_from_series(recording: Recording) -> tuple[Trial, Onset] | None:
     onset = detect_onset(recording.time, force @ d, travel)
     if not onset.moved:
         return None
-    way = _way(travel, onset.index)
+    way = _samples_after_onset(travel, onset.index)
     mean = force[way].mean(axis=0)
     if mean @ d <= 0.0 or onset.force <= 0.0:
         raise ModelError("bad_array", "the force is against the travel of the finger")
     # The size is the onset's; what acts across the push is the mean on the way.
     found = onset.force * mean / (mean @ d)
     size = float(np.linalg.norm(found))
-    moved = recording.moved or ("topple" if _tilted(recording) else "slide")
+    moved = recording.moved or ("topple" if _held_tilt(recording) else "slide")
     rate, rate_sd = _turn_rate(recording, travel, way) if moved == "slide" else (None, None)
     trial = Trial(
         moved=moved,
-        point=_vector(tip[onset.index]),
-        force=_vector(found),
+        point=_vector_tuple(tip[onset.index]),
+        force=_vector_tuple(found),
         force_sd=float(np.hypot(onset.force_sd * size / onset.force, _SD * size)),
         turn_rate=rate,
         turn_rate_sd=rate_sd,
@@ -116,13 +116,13 @@ def tilted_trial(recording: Recording, onset: Trial, model: ObjectModel) -> Tria
         onset: its trial at the onset, a topple.
         model: the object; its base has the edge about which it tilts.
     """
-    if recording.tilt is None or onset.moved != "topple" or not _tilted(recording):
+    if recording.tilt is None or onset.moved != "topple" or not _held_tilt(recording):
         return None
     last = slice(-max(int(_LAST * len(recording.time)), 3), None)
     tilt = float(recording.tilt[last].mean())
     force = recording.force[last].mean(axis=0)
     u = np.array(onset.force[:2])
-    n = np.append(model.base.facing(u / np.linalg.norm(u)), 0.0)
+    n = np.append(model.base.facing_normal(u / np.linalg.norm(u)), 0.0)
     d = float(model.base.extent(n[:2]))
     # The point of the object where the finger now is: turned back about the edge.
     tip = recording.tip[last].mean(axis=0)
@@ -133,8 +133,8 @@ def tilted_trial(recording: Recording, onset: Trial, model: ObjectModel) -> Tria
     scatter = float(recording.force[last].std(axis=0).max())
     return replace(
         onset,
-        point=_vector(point),
-        force=_vector(force),
+        point=_vector_tuple(point),
+        force=_vector_tuple(force),
         force_sd=float(np.hypot(scatter, _SD * np.linalg.norm(force))),
         tilt=tilt,
         tilt_sd=_ANGLE_SD,
@@ -153,7 +153,7 @@ def read_recordings(table: Table, model: ObjectModel, prefix: str) -> tuple[list
     Raises:
         ModelError: `bad_data`.
     """
-    table.require(("trial", "time_s", *FORCE, *CONTACT), COLUMNS)
+    table.require_columns(("trial", "time_s", *FORCE, *CONTACT), COLUMNS)
     if "moved" not in table.columns and "tilt_deg" not in table.columns:
         raise table.error(
             "lacks the column moved: force and place of the finger do not tell what moved",
@@ -162,8 +162,8 @@ def read_recordings(table: Table, model: ObjectModel, prefix: str) -> tuple[list
     trials: list[Trial] = []
     unused: list[str] = []
     for label, rows in _by_trial(table).items():
-        recording = _recording(label, rows, prefix)
-        require_none(rows[0], contact_objection(model, _vector(recording.tip[0])))
+        recording = _recording_from(label, rows, prefix)
+        require_none(rows[0], contact_objection(model, _vector_tuple(recording.tip[0])))
         try:
             found = trial_from_series(recording)
         except ModelError as error:
@@ -210,7 +210,7 @@ def _by_trial(table: Table) -> Mapping[str, list[Row]]:
     return trials
 
 
-def _recording(label: str, rows: list[Row], prefix: str) -> Recording:
+def _recording_from(label: str, rows: list[Row], prefix: str) -> Recording:
     """One trial's rows as arrays."""
     first = rows[0]
     time = np.array([row.value("time_s") for row in rows])
@@ -229,7 +229,7 @@ def _recording(label: str, rows: list[Row], prefix: str) -> Recording:
                 raise row.error(column, f"is not the same all through trial {label}")
     moved = first.text("moved").casefold()
     if moved not in ("slide", "topple") and (moved or not first.text("tilt_deg")):
-        found = shortened(first.text("moved"))
+        found = short_quote(first.text("moved"))
         raise first.error("moved", f"found {found}, expected slide or topple in a recording")
     repetition = first.number_or_none("repetition") or 0.0
     if repetition != int(repetition) or not 0 <= repetition < 1e6:
@@ -238,15 +238,15 @@ def _recording(label: str, rows: list[Row], prefix: str) -> Recording:
         time=time,
         force=np.array([row.vector(FORCE) for row in rows]),
         tip=np.array([row.vector(CONTACT) for row in rows]),
-        yaw=_angles(rows, "yaw_deg", 180.0),
-        tilt=_angles(rows, "tilt_deg", 90.0),
+        yaw=_angle_column(rows, "yaw_deg", 180.0),
+        tilt=_angle_column(rows, "tilt_deg", 90.0),
         moved=cast(Moved, moved) if moved else None,
         repetition=int(repetition),
         source=f"{prefix}trial {label}",
     )
 
 
-def _angles(rows: list[Row], column: str, most: float) -> Array | None:
+def _angle_column(rows: list[Row], column: str, most: float) -> Array | None:
     """A column of angles, counted from the first; None if it is empty there [rad]."""
     if not rows[0].text(column):
         return None
@@ -268,7 +268,7 @@ def _push_direction(recording: Recording) -> Array:
     return np.asarray(way / length)
 
 
-def _way(travel: Array, begin: int) -> slice:
+def _samples_after_onset(travel: Array, begin: int) -> slice:
     """Samples from the onset on, over the way that is looked at."""
     beyond = np.flatnonzero(travel[begin:] > travel[begin] + _WAY)
     return slice(begin, max(begin + int(beyond[0]) if beyond.size else len(travel), begin + 3))
@@ -291,10 +291,10 @@ def _turn_rate(
     return rate, float(np.hypot(scatter, 0.2 * _ANGLE_SD / max(float(np.ptp(travel[way])), 1e-3)))
 
 
-def _tilted(recording: Recording) -> bool:
+def _held_tilt(recording: Recording) -> bool:
     return recording.tilt is not None and float(recording.tilt[-1]) > LEAST_TILT
 
 
-def _vector(values: Array) -> Vector:
+def _vector_tuple(values: Array) -> Vector:
     x, y, z = (float(v) for v in values)
     return (x, y, z)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from objectmodels.identification.logs.csv_tables import Row, Table, read_table, shortened
+from objectmodels.identification.logs.csv_tables import Row, Table, read_table, short_quote
 from objectmodels.identification.logs.force_recordings import (
     CONTACT,
     FORCE,
@@ -85,13 +85,13 @@ def read_data(paths: Sequence[Path], model: ObjectModel) -> Reading:
             unused += left
             assumed += [False] * len(found)  # theirs is the scatter of their samples
         else:
-            found = _touches(table, model, prefix)
+            found = _touch_trials(table, model, prefix)
             assumed += [not row.text("force_sd_n") for row in table.rows]
         trials += found
     return Reading(tuple(trials), tuple(assumed), tuple(unused))
 
 
-def _touches(table: Table, model: ObjectModel, prefix: str) -> list[Trial]:
+def _touch_trials(table: Table, model: ObjectModel, prefix: str) -> list[Trial]:
     """The trials of a table with a row for each."""
     by_size = any(column in table.columns for column in ("force_n", *DIRECTION))
     if by_size and any(column in table.columns for column in FORCE):
@@ -100,29 +100,29 @@ def _touches(table: Table, model: ObjectModel, prefix: str) -> list[Trial]:
             "leave one of the two out",
         )
     force = ("force_n", *DIRECTION) if by_size else FORCE
-    table.require(("moved", *CONTACT, *force), COLUMNS)
-    return [_touch(row, model, prefix, by_size) for row in table.rows]
+    table.require_columns(("moved", *CONTACT, *force), COLUMNS)
+    return [_touch_trial(row, model, prefix, by_size) for row in table.rows]
 
 
-def _touch(row: Row, model: ObjectModel, prefix: str, by_size: bool) -> Trial:
-    moved = _moved(row)
+def _touch_trial(row: Row, model: ObjectModel, prefix: str, by_size: bool) -> Trial:
+    moved = _motion_kind(row)
     point = row.vector(CONTACT)
     require_none(row, contact_objection(model, point))
-    force = _sized(row) if by_size else row.vector(FORCE)
+    force = _sized_force(row) if by_size else row.vector(FORCE)
     size = hypot(*force)
-    tilt, tilt_sd = _tilt(row, moved)
+    tilt, tilt_sd = _tilt_angle(row, moved)
     turn_rate, turn_rate_sd = _turn_rate(row, moved)
     trial = Trial(
         moved=moved,
         point=point,
         force=force,
-        force_sd=_deviation(row, "force_sd_n", FORCE_SHARE * size, _FINEST * size),
+        force_sd=_deviation_or_default(row, "force_sd_n", FORCE_SHARE * size, _FINEST * size),
         tilt=tilt,
         tilt_sd=tilt_sd,
         turn_rate=turn_rate,
         turn_rate_sd=turn_rate_sd,
-        normal=_normal(row, force) if moved == "slip" else None,
-        repetition=_repetition(row),
+        normal=_face_normal(row, force) if moved == "slip" else None,
+        repetition=_repetition_number(row),
         source=f"{prefix}row {row.number}",
     )
     largest = FORCE[int(np.argmax(np.abs(force)))]
@@ -130,26 +130,26 @@ def _touch(row: Row, model: ObjectModel, prefix: str, by_size: bool) -> Trial:
     return trial
 
 
-def _moved(row: Row) -> Moved:
+def _motion_kind(row: Row) -> Moved:
     text = row.text("moved").casefold()
     for moved in _MOVED:
         if text == moved:
             return moved
     hints = tuple(f"did you mean '{name}'?" for name in suggest(text, _MOVED)[:1])
     expected = "expected slide, topple or slip"
-    raise row.error("moved", f"found {shortened(row.text('moved'))}, {expected}", *hints)
+    raise row.error("moved", f"found {short_quote(row.text('moved'))}, {expected}", *hints)
 
 
-def _sized(row: Row) -> Vector:
+def _sized_force(row: Row) -> Vector:
     """A force given by its size and direction [N]."""
     size = row.value("force_n")
     if size <= 0.0:
         raise row.error("force_n", f"found {size:g}, expected a size above 0", "turn its direction")
-    x, y, z = _unit(row, DIRECTION)
+    x, y, z = _unit_vector(row, DIRECTION)
     return (size * x, size * y, size * z)
 
 
-def _unit(row: Row, columns: tuple[str, str, str]) -> Vector:
+def _unit_vector(row: Row, columns: tuple[str, str, str]) -> Vector:
     x, y, z = row.vector(columns)
     length = hypot(x, y, z)
     if not abs(length - 1.0) <= _ROUNDED:
@@ -157,7 +157,7 @@ def _unit(row: Row, columns: tuple[str, str, str]) -> Vector:
     return (x / length, y / length, z / length)
 
 
-def _deviation(row: Row, column: str, default: float, least: float) -> float:
+def _deviation_or_default(row: Row, column: str, default: float, least: float) -> float:
     """A standard deviation, or its default."""
     value = row.number_or_none(column)
     if value is not None and value < least:
@@ -165,10 +165,10 @@ def _deviation(row: Row, column: str, default: float, least: float) -> float:
     return default if value is None else value
 
 
-def _tilt(row: Row, moved: Moved) -> tuple[float, float]:
+def _tilt_angle(row: Row, moved: Moved) -> tuple[float, float]:
     """Tilt and its standard deviation [rad]."""
     tilt = row.number_or_none("tilt_deg") or 0.0
-    sd = _deviation(row, "tilt_sd_deg", 0.0, _FINEST_ANGLE)
+    sd = _deviation_or_default(row, "tilt_sd_deg", 0.0, _FINEST_ANGLE)
     if tilt and moved != "topple":
         raise row.error("tilt_deg", f"what did {moved} has no tilt", "leave the cell empty")
     if not 0.0 <= tilt < 90.0:
@@ -193,13 +193,13 @@ def _turn_rate(row: Row, moved: Moved) -> tuple[float | None, float | None]:
         hints = ("is it in millimetres? the column is in metres",) if travel > _LONGEST else ()
         expected = f"expected {_SHORTEST:g} to {_LONGEST:g} m"
         raise row.error("travel_m", f"found {travel:g}, {expected}", *hints)
-    sd = radians(_deviation(row, "turn_sd_deg", 0.0, _FINEST_ANGLE)) or ANGLE_SD
+    sd = radians(_deviation_or_default(row, "turn_sd_deg", 0.0, _FINEST_ANGLE)) or ANGLE_SD
     return radians(turn) / travel, sd / travel
 
 
-def _normal(row: Row, force: Vector) -> Vector:
+def _face_normal(row: Row, force: Vector) -> Vector:
     """Outward normal of the face on which the finger slipped."""
-    normal = _unit(row, NORMAL)
+    normal = _unit_vector(row, NORMAL)
     pressing = -float(np.dot(normal, force))
     if pressing <= 0.0:
         what = "the force does not press on the face of this normal"
@@ -209,7 +209,7 @@ def _normal(row: Row, force: Vector) -> Vector:
     return normal
 
 
-def _repetition(row: Row) -> int:
+def _repetition_number(row: Row) -> int:
     value = row.number_or_none("repetition") or 0.0
     if value != int(value) or not 0 <= value < 1e6:
         raise row.error("repetition", f"found {value:g}, expected a whole number from 0 on")

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from objectmodels.geometry.base_shapes import Array, Base, Disc
 from objectmodels.geometry.support_points import (
     friction_radius,
-    hull,
+    hull_polygon,
     mean_distance,
     support_points,
 )
@@ -89,9 +89,9 @@ class ExactThresholds(Thresholds):
         Raises:
             ModelError: `no_bounds` if the friction radius was fitted: its points are not known.
         """
-        from objectmodels.mechanics.exact.load_sharing_bounds import optimistic
+        from objectmodels.mechanics.exact.load_sharing_bounds import best_case_onset
 
-        return optimistic(self)
+        return best_case_onset(self)
 
     @cached_property
     def pessimistic(self) -> Array:
@@ -100,13 +100,13 @@ class ExactThresholds(Thresholds):
         Raises:
             ModelError: `no_bounds`, as for `optimistic`.
         """
-        from objectmodels.mechanics.exact.load_sharing_bounds import pessimistic
+        from objectmodels.mechanics.exact.load_sharing_bounds import worst_case_onset
 
-        return pessimistic(self)
+        return worst_case_onset(self)
 
-    def _sliding(self, i: NDArray[np.bool_]) -> Array:
+    def _sliding_twists(self, i: NDArray[np.bool_]) -> Array:
         p, u = (v[i] for v in self.push)
-        h, along, across = axes(u)
+        h, along, across = push_axes(u)
         beta, omega = self.motion[:, i]
         left = np.sum(p[:, :2] * across, axis=1)
         v = (1.0 + omega * left)[:, None] * along + beta[:, None] * across
@@ -114,7 +114,7 @@ class ExactThresholds(Thresholds):
         return np.asarray(np.column_stack((zero, omega, v, zero[:, 0])) / h[:, None])
 
 
-def axes(u: Array) -> tuple[Array, Array, Array]:
+def push_axes(u: Array) -> tuple[Array, Array, Array]:
     """Horizontal part of directions, shape (n,), and unit vectors along and to the left, (n, 2)."""
     h = np.hypot(u[:, 0], u[:, 1])
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -124,7 +124,7 @@ def axes(u: Array) -> tuple[Array, Array, Array]:
 
 def exact_thresholds(model: Mechanical, p: Array, u: Array, friction: Friction) -> ExactThresholds:
     """See `ObjectModel.thresholds`, which checks its arguments."""
-    c, weight, mu = np.array(model.com), model.weight, model.coefficient(friction)
+    c, weight, mu = np.array(model.com), model.weight, model.friction_coefficient(friction)
     points, weights = support_points(model.support, model.footprint)
     scale = model.friction_radius / mean_distance(points, weights)
     topple = topple_threshold(model.base, p, u, c, weight)
@@ -138,7 +138,7 @@ def exact_thresholds(model: Mechanical, p: Array, u: Array, friction: Friction) 
             model.base, Springs(points, weights), scale, mu, c[:2], p[b], u[b],
             ratio_at(topple[b], u[b, 2], weight),
         )  # fmt: skip
-        answer = search.first(ratio_at(ellipsoid[b], u[b, 2], weight))
+        answer = search.first_slides(ratio_at(ellipsoid[b], u[b, 2], weight))
         r, residual[b], motion[:, b] = answer.ratio, answer.residual, answer.motion
         jams = 1.0 + np.where(np.isfinite(r), r, 0.0) * u[b, 2] <= 0.0
         slide[b] = force_at(np.where(jams, np.inf, r), u[b, 2], weight)
@@ -196,8 +196,8 @@ class _Search:
     ) -> None:  # fmt: skip
         self.springs, self.scale, self.mu = springs, scale, mu
         # On a round base the points are a polygon; the centre of pressure is kept on that.
-        self.inside = hull(springs.points) if isinstance(base, Disc) else None
-        self.h, self.along, across = axes(u)
+        self.inside = hull_polygon(springs.points) if isinstance(base, Disc) else None
+        self.h, self.along, across = push_axes(u)
         self.line = np.sum(p[:, :2] * across, axis=1)
         self.across = across
         self.start = np.tile(com[:, None], (1, len(p)))
@@ -208,23 +208,23 @@ class _Search:
         self.leaves = np.full(len(p), np.inf)
         if self.inside is not None:
             level = np.zeros(len(p))
-            leaves = self.inside.topple(self.start.T, self.moves.T, level, 1.0)
+            leaves = self.inside.topple_force(self.start.T, self.moves.T, level, 1.0)
             self.leaves = leaves * (1.0 - _SHORT)
         self.last = np.minimum(tips * (1.0 - _SHORT), straight * (1.0 + _SHORT))
         self.loaded = np.ones((len(springs.points), len(p)), dtype=bool)
 
-    def first(self, guess: Array) -> Answer:
+    def first_slides(self, guess: Array) -> Answer:
         """The first ratios at which the pushes slide, from guesses, shape (n,)."""
         n = len(guess)
         answer = Answer(np.full(n, np.inf), np.zeros(n), np.full((2, n), np.nan))
         (i,) = np.nonzero((self.h > 0.0) & (self.last > 0.0) & np.isfinite(self.last))
         zero, last = np.zeros(i.size), self.last[i]
-        self._solve(i, zero, last, np.minimum(guess[i], last), answer)
-        lo, hi, earlier = self._earlier(i, np.minimum(answer.ratio[i], last))
-        self._solve(i[earlier], lo, hi, 0.5 * (lo + hi), answer)
+        self._solve_brackets(i, zero, last, np.minimum(guess[i], last), answer)
+        lo, hi, earlier = self._earlier_brackets(i, np.minimum(answer.ratio[i], last))
+        self._solve_brackets(i[earlier], lo, hi, 0.5 * (lo + hi), answer)
         return answer
 
-    def _solve(self, i: Index, lo: Array, hi: Array, at: Array, answer: Answer) -> None:
+    def _solve_brackets(self, i: Index, lo: Array, hi: Array, at: Array, answer: Answer) -> None:
         """Newton's method inside brackets, where the push holds at the lower end.
 
         It holds at the upper end too if it never slides; that is learned there, at the last ratio.
@@ -235,7 +235,7 @@ class _Search:
             if not open_.size:
                 return
             x, pushes = at[open_], i[open_]
-            value, slope, limit = self.excess(x, pushes)
+            value, slope, limit = self.friction_excess(x, pushes)
             done = np.abs(value) <= _PRECISE * self.h[pushes] * x
             slides = (value < 0.0) | done
             never = ~slides & (x >= self.last[pushes])
@@ -256,7 +256,7 @@ class _Search:
             open_ = open_[~done & ~never]
         answer.residual[i[open_]] = np.inf
 
-    def _earlier(self, i: Index, found: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    def _earlier_brackets(self, i: Index, found: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
         """Brackets of slides before those found, and which pushes have them.
 
         While the same points are loaded the loads are linear in r and S is concave in them: a push
@@ -265,7 +265,7 @@ class _Search:
         """
         if len(self.springs.points) <= _FEW:
             last = np.minimum(found, self.leaves[i])
-            ends = [*self.springs.changes(self.start[:, i], self.moves[:, i], last), last]
+            ends = [*self.springs.load_changes(self.start[:, i], self.moves[:, i], last), last]
         else:
             ends = list(np.arange(1, _LOOKS)[:, None] / _LOOKS * found)
         lo, hi, earlier = np.zeros(i.size), found.copy(), np.zeros(i.size, dtype=bool)
@@ -273,12 +273,12 @@ class _Search:
             (k,) = np.nonzero((end < found * (1.0 - _SHORT)) & ~earlier)
             if not k.size:
                 continue
-            slides = self.excess(end[k], i[k])[0] < -_PRECISE * self.h[i[k]] * end[k]
+            slides = self.friction_excess(end[k], i[k])[0] < -_PRECISE * self.h[i[k]] * end[k]
             hi[k[slides]], lo[k[~slides]] = end[k[slides]], end[k[~slides]]
             earlier[k[slides]] = True
         return lo[earlier], hi[earlier], earlier
 
-    def places(self, r: Array, i: Index) -> tuple[Array, Array]:
+    def pressure_centres(self, r: Array, i: Index) -> tuple[Array, Array]:
         """Centres of pressure and how they move with r, each (2, n)."""
         q, dq = self.start[:, i] + r * self.moves[:, i], self.moves[:, i]
         if self.inside is not None:
@@ -287,42 +287,42 @@ class _Search:
             q, dq = q / beyond, np.where(beyond > 1.0, 0.0, dq)
         return q, dq
 
-    def excess(self, r: Array, i: Index) -> tuple[Array, Array, Limit]:
+    def friction_excess(self, r: Array, i: Index) -> tuple[Array, Array, Limit]:
         """μ S − r |u_xy| at load ratios, its slope, and the friction limit."""
-        q, dq = self.places(r, i)
+        q, dq = self.pressure_centres(r, i)
         loaded = self.loaded[:, i]
         loads, change = self.springs.loads(q, dq, loaded)
         self.loaded[:, i] = loaded
-        along, left = self.seen(q, i)
+        along, left = self.friction_points(q, i)
         limit = friction_limit(loads, along, left)
-        slope = (change * np.hypot(*limit.slip(along, left))).sum(axis=0)
+        slope = (change * np.hypot(*limit.slip_velocities(along, left))).sum(axis=0)
         if self.scale != 1.0:
-            ahead, aside = self.turned((1.0 - self.scale) * dq, i)
+            ahead, aside = self.in_push_axes((1.0 - self.scale) * dq, i)
             slope += limit.turn * (loads * (limit.across_i * ahead - limit.along_i * aside)).sum(
                 axis=0
             )
         return self.mu * limit.ratio - r * self.h[i], self.mu * slope - self.h[i], limit
 
-    def turned(self, q: Array, i: Index) -> tuple[Array, Array]:
+    def in_push_axes(self, q: Array, i: Index) -> tuple[Array, Array]:
         """Vectors (2, n) of B along the pushes and to their left."""
         a, b = self.along[i].T, self.across[i].T
         return a[0] * q[0] + a[1] * q[1], b[0] * q[0] + b[1] * q[1]
 
-    def seen(self, q: Array, i: Index) -> tuple[Array, Array]:
+    def friction_points(self, q: Array, i: Index) -> tuple[Array, Array]:
         """The points where friction acts, along the pushes and left of their lines, each (k, n)."""
         points = self.springs.points
         along, left = points @ self.along[i].T, points @ self.across[i].T - self.line[i]
         if self.scale != 1.0:
-            ahead, aside = self.turned(q, i)
+            ahead, aside = self.in_push_axes(q, i)
             along = ahead + self.scale * (along - ahead)
             left = (aside - self.line[i]) + self.scale * (left - (aside - self.line[i]))
         return along, left
 
     def _residual(self, r: Array, i: Index, limit: Limit, done: NDArray[np.bool_]) -> Array:
         """Largest relative violation of what must hold, from the forces themselves."""
-        q, dq = self.places(r, i)
+        q, dq = self.pressure_centres(r, i)
         loads, _ = self.springs.loads(q, dq, self.loaded[:, i])
-        along, left = self.seen(q, i)
+        along, left = self.friction_points(q, i)
         d_x, d_y = limit.along_i[:, done], limit.across_i[:, done]
         size = np.sqrt((loads * (along**2 + left**2)).sum(axis=0))
         push = r * self.h[i] / self.mu

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array, Disc
 from objectmodels.geometry.planar_vectors import cross
-from objectmodels.mechanics.exact.exact_thresholds import axes
+from objectmodels.mechanics.exact.exact_thresholds import push_axes
 from objectmodels.mechanics.friction_limit import friction_limit
 from objectmodels.mechanics.push_thresholds import force_at, push_moment, ratio_at
 
@@ -47,7 +47,7 @@ _NO_LOAD = 1e-12
 _STEPS, _ROOT = 60, 1e-11
 
 
-def optimistic(t: ExactThresholds) -> Array:
+def best_case_onset(t: ExactThresholds) -> Array:
     """Onset under the best sharing of the load, shape (n,) [N]."""
     (p, u), (_, c, _, weight) = t.push, t.body
     points, base = _resting_on(t), t.body[0]
@@ -90,7 +90,7 @@ def _largest_ratio(points: Array, com: Array, p: Array, u: Array, mu: float) -> 
     v_i = (1 + κ b·g − ω η_i, β + ω ξ_i), κ = μ/|u_xy| and g = u_z c + p_z u_xy − u_z p_xy.
     """
     size = float(np.hypot(*np.ptp(points, axis=0)))
-    h, along, across = axes(u)
+    h, along, across = push_axes(u)
     kappa = mu / h
     g = (u[:, 2:] * com + push_moment(p, u)) / size
     place, c = points / size, com / size
@@ -112,24 +112,24 @@ def _largest_ratio(points: Array, com: Array, p: Array, u: Array, mu: float) -> 
     while 2.0 * k / weight > _PRECISE:
         weight *= _STEEPER
         for _ in range(_CENTRING):
-            step, decrement = _newton(x, weight, cost, lift, v_x, v_y)
-            x = x + _inside(x, step, lift, v_x, v_y) * step
+            step, decrement = _newton_step(x, weight, cost, lift, v_x, v_y)
+            x = x + _interior_shares(x, step, lift, v_x, v_y) * step
             if decrement.max() < 1e-3:
                 break
     return np.asarray(kappa * (x * cost).sum(axis=1))
 
 
-def _cone(x: Array, lift: Array, v_x: Array, v_y: Array) -> tuple[Array, Array, Array, Array]:
+def _cone_slack(x: Array, lift: Array, v_x: Array, v_y: Array) -> tuple[Array, Array, Array, Array]:
     """Lift and slip of the points, and lift² − slip², each (k, n)."""
     z, a, b = (lift * x).sum(-1), 1.0 + (v_x * x).sum(-1), (v_y * x).sum(-1)
     return z, a, b, z * z - a * a - b * b
 
 
-def _newton(
+def _newton_step(
     x: Array, weight: float, cost: Array, lift: Array, v_x: Array, v_y: Array
 ) -> tuple[Array, Array]:
     """Newton step of weight · cost − Σ log(lift² − slip²), and its decrement."""
-    z, a, b, d = _cone(x, lift, v_x, v_y)
+    z, a, b, d = _cone_slack(x, lift, v_x, v_y)
     grown = (z[..., None] * lift - a[..., None] * v_x - b[..., None] * v_y) * (2.0 / d)[..., None]
     gradient = weight * cost - grown.sum(axis=0)
     root = np.sqrt(2.0 / d)[..., None]
@@ -144,11 +144,11 @@ def _newton(
     return step, -(gradient * step).sum(axis=1)
 
 
-def _inside(x: Array, step: Array, lift: Array, v_x: Array, v_y: Array) -> Array:
+def _interior_shares(x: Array, step: Array, lift: Array, v_x: Array, v_y: Array) -> Array:
     """Shares of steps that stay well inside all cones, shape (n, 1)."""
     share = np.ones(len(x))
     for _ in range(40):
-        z, _, _, d = _cone(x + share[:, None] * step, lift, v_x, v_y)
+        z, _, _, d = _cone_slack(x + share[:, None] * step, lift, v_x, v_y)
         out = ((d <= 0.0) | (z <= 0.0)).any(axis=0)
         if not out.any():
             break
@@ -156,11 +156,11 @@ def _inside(x: Array, step: Array, lift: Array, v_x: Array, v_y: Array) -> Array
     return np.where(share < 1.0, 0.9 * share, share)[:, None]
 
 
-def pessimistic(t: ExactThresholds) -> Array:
+def worst_case_onset(t: ExactThresholds) -> Array:
     """Onset under the worst sharing of the load, shape (n,) [N]."""
     (p, u), (_, c, _, weight) = t.push, t.body
     points = _resting_on(t)
-    threes = _triangles(points)
+    threes = _support_triangles(points)
     worst = np.full(len(p), np.inf)
     block = max(TRIANGLES // len(threes), 1)
     for start in range(0, len(p), block):
@@ -171,7 +171,7 @@ def pessimistic(t: ExactThresholds) -> Array:
     return np.asarray(np.minimum(np.where(found > 0.0, found, np.inf), t.topple))
 
 
-def _triangles(points: Array) -> NDArray[np.intp]:
+def _support_triangles(points: Array) -> NDArray[np.intp]:
     """Indices of all triples of points that are not on a line, shape (m, 3)."""
     threes = np.array(list(combinations(range(len(points)), 3)))
     a, b, c = (points[threes[:, k]] for k in range(3))
@@ -188,7 +188,7 @@ def _smallest_ratio(
     is concave in them. So on the stretch where all three press a push first slides at its start, or
     at the one root on it, or nowhere.
     """
-    h, along, across = axes(u)
+    h, along, across = push_axes(u)
     e = u[:, 2:] * com + push_moment(p, u)
     corners = points[threes]  # (m, 3, 2)
     share = np.linalg.inv(
@@ -198,7 +198,7 @@ def _smallest_ratio(
     n1 = np.einsum("mij,nj->imn", share[:, :, 1:], e)  # (3, m, n)
     with np.errstate(divide="ignore"):
         kappa = mu / h
-    first, end = _pressing(n0.T[:, :, None], n1, np.minimum(tips, kappa))
+    first, end = _pressing_ratios(n0.T[:, :, None], n1, np.minimum(tips, kappa))
     triangle, push = np.nonzero((first < end) & (h > 0.0))
     n0, n1 = n0.T[:, triangle], n1[:, triangle, push]
     first, end, kappa = first[triangle, push], end[triangle, push], kappa[push]
@@ -211,7 +211,7 @@ def _smallest_ratio(
     return worst
 
 
-def _pressing(n0: Array, n1: Array, last: Array) -> tuple[Array, Array]:
+def _pressing_ratios(n0: Array, n1: Array, last: Array) -> tuple[Array, Array]:
     """Between which load ratios three loads n0 + r n1 all press, shape (m, n) each."""
     with np.errstate(divide="ignore", invalid="ignore"):
         zero = -n0 / n1
@@ -230,7 +230,7 @@ def _first_root(
         # A point without load has no friction, yet the equations need all three.
         loads = np.maximum(n0[:, i] + r * n1[:, i], _NO_LOAD)
         limit = friction_limit(loads, xi[:, i], eta[:, i])
-        slope = (n1[:, i] * np.hypot(*limit.slip(xi[:, i], eta[:, i]))).sum(axis=0)
+        slope = (n1[:, i] * np.hypot(*limit.slip_velocities(xi[:, i], eta[:, i]))).sum(axis=0)
         return kappa[i] * limit.ratio - r, kappa[i] * slope - 1.0
 
     everywhere = np.arange(len(first))

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.mechanics.exact.exact_thresholds import axes
+from objectmodels.mechanics.exact.exact_thresholds import push_axes
 from objectmodels.mechanics.push_outcomes import (
     OUTCOMES,
     closed_form_thresholds,
@@ -49,7 +49,7 @@ def sudden_push(model: Mechanical, p: Array, f: Array) -> SuddenPush:
     force, u = size_and_direction(f)
     t = closed_form_thresholds(model, p, u)
     c, m, mu = np.array(model.com), model.mass, model.friction
-    _, level, _ = axes(f)
+    _, level, _ = push_axes(f)
     # Across the edge that it would topple over first, if it topples first; else along the force.
     tips = (t.code == 2)[:, None]
     along = np.where(tips, t.tipping_normal, level)
@@ -70,9 +70,9 @@ def sudden_push(model: Mechanical, p: Array, f: Array) -> SuddenPush:
     ways = [
         (force < t.onset, "none", zero, zero),
         (rests, "", zero, zero),
-        *_tips(fx, load, torque, inertia, m, mu, c_z, ahead),
+        *_tipping_ways(fx, load, torque, inertia, m, mu, c_z, ahead),
         (slides, "slide", (fx - mu * load) / m, zero),
-        *_tips(-fx, load, -torque, inertia, m, mu, c_z, behind, sign=-1.0),
+        *_tipping_ways(-fx, load, -torque, inertia, m, mu, c_z, behind, sign=-1.0),
         (np.ones(len(fx), dtype=bool), "lift", fx / m, torque / inertia),
     ]
     which = np.argmax([way[0] for way in ways], axis=0)
@@ -94,7 +94,7 @@ def _both_edges(moment: Array, load: Array, ahead: Array, behind: Array) -> NDAr
 Way = tuple[NDArray[np.bool_], str, Array, Array]
 
 
-def _tips(
+def _tipping_ways(
     fx: Array, load: Array, torque: Array, inertia: Array,
     m: float, mu: float, c_z: float, b: Array, sign: float = 1.0,
 ) -> list[Way]:  # fmt: skip

@@ -54,30 +54,30 @@ class Springs:
         Returns:
             Loads N_i and their derivatives along dq, each of shape (k, n).
         """
-        _, middle, to_units = self._units
-        return self._loads(to_units.T @ (q - middle[:, None]), to_units.T @ dq, loaded)
+        _, middle, to_units = self._scaled_points
+        return self._scaled_loads(to_units.T @ (q - middle[:, None]), to_units.T @ dq, loaded)
 
-    def _loads(self, q: Array, dq: Array, loaded: NDArray[np.bool_]) -> tuple[Array, Array]:
+    def _scaled_loads(self, q: Array, dq: Array, loaded: NDArray[np.bool_]) -> tuple[Array, Array]:
         """`loads` in the units of `_units`."""
-        gap = self._carried(q, loaded)
-        wrong = np.flatnonzero(self._wrong(gap, q, loaded))
+        gap = self._carried_depth(q, loaded)
+        wrong = np.flatnonzero(self._are_wrong(gap, q, loaded))
         # Mostly the points that a set of points presses are the next better set.
         for _ in range(_QUICK):
             if not wrong.size:
                 break
-            new = _pressing(gap[:, wrong])
+            new = _is_pressing(gap[:, wrong])
             loaded[:, wrong] = new
-            gap[:, wrong] = self._carried(q[:, wrong], new)
-            wrong = wrong[self._wrong(gap[:, wrong], q[:, wrong], new)]
+            gap[:, wrong] = self._carried_depth(q[:, wrong], new)
+            wrong = wrong[self._are_wrong(gap[:, wrong], q[:, wrong], new)]
         if wrong.size:
-            loaded[:, wrong] = self._search(q[:, wrong])
-            gap[:, wrong] = self._carried(q[:, wrong], loaded[:, wrong])
-        change = self._depth(self._solved(loaded, np.zeros(q.shape[1]), dq[0], dq[1]))
+            loaded[:, wrong] = self._search_loaded(q[:, wrong])
+            gap[:, wrong] = self._carried_depth(q[:, wrong], loaded[:, wrong])
+        change = self._plane_depth(self._solve_plane(loaded, np.zeros(q.shape[1]), dq[0], dq[1]))
         stiffness = np.broadcast_to(self.weights[:, None], loaded.shape)
         loads = np.where(loaded, stiffness * np.maximum(gap, 0.0), 0.0)
         return loads, np.where(loaded, stiffness * change, 0.0)
 
-    def changes(self, start: Array, moves: Array, last: Array) -> list[Array]:
+    def load_changes(self, start: Array, moves: Array, last: Array) -> list[Array]:
         """Where the set of loaded points changes as q = start + r·moves moves, r from 0 to last.
 
         Args:
@@ -88,18 +88,18 @@ class Springs:
         Returns:
             For each change its r, shape (n,), in rising order; inf for pushes that have no more.
         """
-        _, middle, to_units = self._units
+        _, middle, to_units = self._scaled_points
         start, moves = to_units.T @ (start - middle[:, None]), to_units.T @ moves
         n = last.size
         loaded = np.ones((len(self.points), n), dtype=bool)
-        self._loads(start, moves, loaded)
+        self._scaled_loads(start, moves, loaded)
         r, found = np.zeros(n), []
         open_ = np.arange(n)
         for _ in range(_MOST_CHANGES * len(self.points)):
             here, on = r[open_], loaded[:, open_]
-            depth = self._carried(start[:, open_], on)
+            depth = self._carried_depth(start[:, open_], on)
             zero = np.zeros(open_.size)
-            rate = self._depth(self._solved(on, zero, *moves[:, open_]))
+            rate = self._plane_depth(self._solve_plane(on, zero, *moves[:, open_]))
             with np.errstate(divide="ignore", invalid="ignore"):
                 change = -depth / rate
             step = _AFTER * last[open_]
@@ -114,16 +114,16 @@ class Springs:
                 break
             found.append(end)
             guess = loaded[:, open_]
-            self._loads(start[:, open_] + r[open_] * moves[:, open_], moves[:, open_], guess)
+            self._scaled_loads(start[:, open_] + r[open_] * moves[:, open_], moves[:, open_], guess)
             loaded[:, open_] = guess
         return found
 
-    def _carried(self, q: Array, loaded: NDArray[np.bool_]) -> Array:
+    def _carried_depth(self, q: Array, loaded: NDArray[np.bool_]) -> Array:
         """How far each point is pressed in if the given ones carry the load, shape (k, n)."""
-        return self._depth(self._solved(loaded, np.ones(q.shape[1]), q[0], q[1]))
+        return self._plane_depth(self._solve_plane(loaded, np.ones(q.shape[1]), q[0], q[1]))
 
     @cached_property
-    def _units(self) -> tuple[Array, Array, Array]:
+    def _scaled_points(self) -> tuple[Array, Array, Array]:
         """Points about their middle with equal spread along all axes, middle, and the map to that.
 
         Planes stay planes under it, and the equations keep their digits even for points that are
@@ -135,21 +135,23 @@ class Springs:
         to_units = axes.T / spread * np.sqrt(len(off))
         return off @ to_units, middle, to_units
 
-    def _wrong(self, depth: Array, q: Array, loaded: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def _are_wrong(self, depth: Array, q: Array, loaded: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Which sets of points do not carry the loads, or press others than themselves, (n,)."""
-        others = (_pressing(depth) != loaded).any(axis=0)
+        others = (_is_pressing(depth) != loaded).any(axis=0)
         # Two points, or some on a line, make equations that only rounding seems to solve.
         with np.errstate(invalid="ignore"):
-            off = np.abs(self._off(depth, np.vstack((np.ones(q.shape[1]), q)))).max(axis=0)
+            off = np.abs(self._depth_imbalance(depth, np.vstack((np.ones(q.shape[1]), q)))).max(
+                axis=0
+            )
         return np.asarray(others | ~(off <= _BALANCED))
 
-    def _depth(self, plane: Array) -> Array:
+    def _plane_depth(self, plane: Array) -> Array:
         """How far each point is pressed in, a + b·r_i, shape (k, n)."""
-        x, y = self._units[0].T[:, :, None]
+        x, y = self._scaled_points[0].T[:, :, None]
         with np.errstate(invalid="ignore", over="ignore"):  # of sets that carry nothing
             return np.asarray(plane[0] + x * plane[1] + y * plane[2])
 
-    def _search(self, q: Array) -> NDArray[np.bool_]:
+    def _search_loaded(self, q: Array) -> NDArray[np.bool_]:
         """The points that are loaded, shape (k, n)."""
         target = np.vstack((np.ones(q.shape[1]), q))
         plane = np.zeros_like(target)
@@ -157,44 +159,48 @@ class Springs:
         open_ = np.arange(q.shape[1])
         for _ in range(_STEPS):
             here, aim = plane[:, open_], target[:, open_]
-            down = -self._imbalance(here, aim)
+            down = -self._plane_imbalance(here, aim)
             settled = np.abs(down).max(axis=0) <= _SETTLED
-            step = self._solved(self._depth(here) > 0.0, down[0], down[1], down[2], soft=_SOFT)
-            plane[:, open_] = here + np.where(settled, 0.0, self._share(here, step, aim) * step)
+            step = self._solve_plane(
+                self._plane_depth(here) > 0.0, down[0], down[1], down[2], soft=_SOFT
+            )
+            plane[:, open_] = here + np.where(
+                settled, 0.0, self._step_share(here, step, aim) * step
+            )
             open_ = open_[~settled]
             if not open_.size:
                 break
-        return _pressing(self._depth(plane))
+        return _is_pressing(self._plane_depth(plane))
 
-    def _imbalance(self, plane: Array, target: Array) -> Array:
+    def _plane_imbalance(self, plane: Array, target: Array) -> Array:
         """Slope of the energy: Σ N_i (1, r_i) − (1, q), shape (3, n)."""
-        return self._off(self._depth(plane), target)
+        return self._depth_imbalance(self._plane_depth(plane), target)
 
-    def _off(self, depth: Array, target: Array) -> Array:
+    def _depth_imbalance(self, depth: Array, target: Array) -> Array:
         loads = self.weights[:, None] * np.maximum(depth, 0.0)
-        return np.vstack((loads.sum(axis=0), self._units[0].T @ loads)) - target
+        return np.vstack((loads.sum(axis=0), self._scaled_points[0].T @ loads)) - target
 
-    def _energy(self, plane: Array, target: Array) -> Array:
-        depth = np.maximum(self._depth(plane), 0.0)
+    def _plane_energy(self, plane: Array, target: Array) -> Array:
+        depth = np.maximum(self._plane_depth(plane), 0.0)
         return np.asarray(0.5 * self.weights @ depth**2 - (plane * target).sum(axis=0))
 
-    def _share(self, plane: Array, step: Array, target: Array) -> Array:
+    def _step_share(self, plane: Array, step: Array, target: Array) -> Array:
         """Share of each step that lowers the energy, shape (n,)."""
-        share, before = np.ones(plane.shape[1]), self._energy(plane, target)
+        share, before = np.ones(plane.shape[1]), self._plane_energy(plane, target)
         # Rounding of the energy must not stop a step that is as good as at its end.
         allowed = before + 1e-15 * np.abs(before)
         for _ in range(_HALVINGS):
-            worse = self._energy(plane + share * step, target) > allowed
+            worse = self._plane_energy(plane + share * step, target) > allowed
             if not worse.any():
                 break
             share[worse] *= 0.5
         return share
 
-    def _solved(
+    def _solve_plane(
         self, loaded: NDArray[np.bool_], r0: Array, r1: Array, r2: Array, soft: float = 0.0
     ) -> Array:
         """(a, b) with Σ w_i (1, r_i)(1, r_i)ᵀ (a, b) = rhs over the loaded points, (3, n)."""
-        (x, y), w = self._units[0].T, self.weights
+        (x, y), w = self._scaled_points[0].T, self.weights
         m, mx, my, xx, xy, yy = (
             np.stack((w, w * x, w * y, w * x * x, w * x * y, w * y * y)) @ loaded
         )
@@ -212,6 +218,6 @@ class Springs:
             )
 
 
-def _pressing(depth: Array) -> NDArray[np.bool_]:
+def _is_pressing(depth: Array) -> NDArray[np.bool_]:
     """Which points are loaded; those that just touch count, so that three or more always are."""
     return np.asarray(depth > -_TOUCHING * np.minimum(np.abs(depth).max(axis=0), _DEEP))

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from objectmodels.containers.lid_geometry import called
+from objectmodels.containers.lid_geometry import lid_name
 from planner.types.world_state import SeenObject
 from sim.perception.camera_port import Frame
 from sim.rotations import wrap, yaw_of
@@ -43,7 +43,7 @@ class LidView:
         """Takes in what arrived."""
         for frame in frames:
             pose = frame.poses[self._name]
-            self.is_off = called(self._name) in frame.poses
+            self.is_off = lid_name(self._name) in frame.poses
             self.lid += _LID_SHARE * (frame.lids[self._name] - self.lid)
             self._up = self._up + _POSE_SHARE * (pose.R_WB[:, 2] - self._up)
             self._p_WB = self._p_WB + _POSE_SHARE * (pose.p_WB - self._p_WB)

@@ -12,7 +12,7 @@ import numpy as np
 
 from objectmodels import ObjectModel
 from objectmodels.mechanics.push_motion import touched_faces
-from objectmodels.mechanics.turning_push import turning
+from objectmodels.mechanics.turning_push import turning_motion
 from sim.control.pushing.force_control import Errand, PlannedControl
 from sim.control.pushing.push_guards import MOVED, Guards
 from sim.control.pushing.turn_estimator import TurnedObject, TurnKeeper
@@ -121,7 +121,7 @@ class TurnControl(PlannedControl):
         inward, u = self.way.inward, self._direction
         slant = float(np.arctan2(inward[0] * u[1] - inward[1] * u[0], inward @ u))
         turn = self.plan.push.turn
-        predicted = turning(self._target.model, self._point, self._normal, slant, turn)
+        predicted = turning_motion(self._target.model, self._point, self._normal, slant, turn)
         travel = float(predicted.travel[0])
         return turn / (travel if np.isfinite(travel) else self.plan.push.stroke)
 

@@ -96,7 +96,7 @@ def add_lid(
     lid = item.truth.lid
     if lid is None:
         return None
-    name = lids.called(item.name)
+    name = lids.lid_name(item.name)
     model = plant.AddModelInstance(name)
     if isinstance(lid, FlipLid):
         return _add_flip_lid(plant, item, lid, body, solid, model)
@@ -124,8 +124,8 @@ def _add_flip_lid(
     from pydrake.math import RigidTransform, RotationMatrix
     from pydrake.multibody.tree import RevoluteJoint
 
-    name, rim = lids.called(item.name), item.truth.rim
-    hinge = lids.hinge(lid, rim, item.truth.height)
+    name, rim = lids.lid_name(item.name), item.truth.rim
+    hinge = lids.lid_hinge(lid, rim, item.truth.height)
     covering = plant.AddRigidBody(name, model, _disc_inertia(lid, hinge))
     axis = np.cross(hinge.out, [0.0, 0.0, 1.0])
     joint = plant.AddJoint(
@@ -237,7 +237,7 @@ def _add_feet(
 
 
 def _disc_inertia(lid: FlipLid, hinge: lids.Hinge) -> SpatialInertia:
-    p_LLcm = hinge.middle(0.0) - hinge.p_BH
+    p_LLcm = hinge.centre_of_mass(0.0) - hinge.p_BH
     return _cylinder_inertia(lid.mass, 0.5 * hinge.reach, lids.THICKNESS, p_LLcm)
 
 

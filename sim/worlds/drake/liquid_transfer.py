@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.containers.pour_dynamics import outflow, throw
+from objectmodels.containers.pour_dynamics import landing_distance, outflow_rate
 from sim.rotations import Array
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene
@@ -132,13 +132,13 @@ class Liquid:
         filled.restless = above > 0.0
         if not filled.restless:
             return
-        head = float(vessel.head(filled.volume, tilt, heading))
-        flow = float(outflow(head, tilt, vessel.opening.radius))
+        head = float(vessel.liquid_head(filled.volume, tilt, heading))
+        flow = float(outflow_rate(head, tilt, vessel.opening.radius))
         volume = min(flow * self._period, above)
         filled.volume -= volume
         into = None
         if tilt > _LEVEL:
-            p_WL = p_WB + R_WB @ vessel.lip(heading)
+            p_WL = p_WB + R_WB @ vessel.lip_point(heading)
             into = self._catching(name, p_WL, _level(R_WB[:, 2]), head, tilt, poses)
         if into is None:
             self.spilled += volume
@@ -166,7 +166,7 @@ class Liquid:
             fall = p_WL[2] - p_WO[2]
             if fall <= 0.0 or R_WB[2, 2] < _OPEN_ABOVE:
                 continue
-            lands = p_WL[:2] + ahead * float(throw(head, tilt, fall))
+            lands = p_WL[:2] + ahead * float(landing_distance(head, tilt, fall))
             if math.dist(lands, p_WO[:2]) < opening.radius:
                 found.append((p_WO[2], name))
         return max(found)[1] if found else None

@@ -25,7 +25,7 @@ def _asked(text: str) -> Asked:
 def _pushed(asked: Asked, height: float) -> Found:
     """10 cm straight on, so high above the table [m]."""
     before = DrakeBench(world(), OBJECT).poses()
-    place = asked.model.faces()[0].at(0.0, height)
+    place = asked.model.faces()[0].points_at(0.0, height)
     stroke = at(OBJECT, place, before[OBJECT], slant=0.0, length=0.1)
     return Found((stroke,), (before,), 2)
 

@@ -24,7 +24,7 @@ def stroke(*, height: float, length: float, face: int = 0) -> Stroke:
     """Straight into the middle of a face of the box as it stands in `world`."""
     bench = DrakeBench(world(), OBJECT)
     side: Face = MODEL.faces()[face]
-    return at(OBJECT, side.at(0.0, height), bench.poses()[OBJECT], slant=0.0, length=length)
+    return at(OBJECT, side.points_at(0.0, height), bench.poses()[OBJECT], slant=0.0, length=length)
 
 
 def asked(text: str) -> Asked:

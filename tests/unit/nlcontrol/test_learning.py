@@ -20,7 +20,7 @@ from objectmodels import BoxModel
 from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification import Trial
 from objectmodels.identification.belief_update import SURPRISING
-from objectmodels.mechanics.turning_push import turning
+from objectmodels.mechanics.turning_push import turning_motion
 from planner.types.plan import Plan
 from planner.types.world_state import SeenObject
 from sim.traces.trace import EndReason, Trace
@@ -46,7 +46,7 @@ def test_a_slide_as_believed_makes_surer() -> None:
 
 def test_a_slide_that_contradicts_is_believed_more_than_one_that_does_not() -> None:
     near, far = taken(BELIEF, slid(1.1 * SLIDES)), taken(BELIEF, slid(3.0 * SLIDES))
-    assert not near.contradicts
+    assert not near.is_contradiction
     assert far.surprise > SURPRISING
     # The belief was too sure: widened, it gets there but for a tenth.
     assert far.model.mass * far.model.friction * 9.81 == pytest.approx(3.0 * SLIDES, rel=0.1)
@@ -56,7 +56,7 @@ def test_a_slide_that_contradicts_is_believed_more_than_one_that_does_not() -> N
 
 def test_what_moved_nothing_raises_the_belief() -> None:
     update = taken(BELIEF, Trial("none", (-0.045, 0.0, 0.03), (2.0 * SLIDES, 0.0, 0.0), 0.05))
-    assert update.contradicts
+    assert update.is_contradiction
     onset = update.model.thresholds([(-0.045, 0.0, 0.03)], [(1.0, 0.0, 0.0)]).onset[0]
     assert onset > 1.9 * SLIDES
 
@@ -184,7 +184,7 @@ def test_a_turn_shows_the_friction_radius(make_trace: TraceMaker) -> None:
     normal = target.pose.R_WB.T @ np.array(push.normal_W)
     direction = target.pose.R_WB.T @ np.array(push.direction_W)
     slant = np.arctan2(direction[1], direction[0]) - np.arctan2(-normal[1], -normal[0])
-    after = turning(truly, [push.p_BC], [normal], slant, push.turn).pose[0]
+    after = turning_motion(truly, [push.p_BC], [normal], slant, push.turn).pose[0]
     there = target.pose.R_WB @ np.array([after[0], after[1], 0.0]) + target.pose.p_WB
 
     trace = make_trace(force=2.0, end="turned")

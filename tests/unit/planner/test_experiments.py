@@ -132,7 +132,7 @@ def test_what_is_expected_agrees_with_the_model(name: str, yaw: float, arm: Reac
     for e in experiments(seen(model, yaw), arm):
         trials = expected(e, model)
         balance = Balance(model, trials)
-        predicted = balance.linear(model.means).predicted
+        predicted = balance.linear_predictions(model.means).predicted
         assert np.isfinite(predicted).all()
         for trial in trials:
             # It presses on the object, in the object's own axes.

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from benchmarks.pouring import Prescribed
-from objectmodels.containers.pour_dynamics import Catch, caught, pour
+from objectmodels.containers.pour_dynamics import Catch, caught_volume, pour
 from sim.errors import SceneError
 from sim.truth.scene_file import parse_scene
 from sim.worlds.drake.drake_world import DrakeWorld
@@ -83,7 +83,7 @@ def test_it_pours_as_predicted() -> None:
         moved = Moved(parse_scene(SCENE))
         moved.pour_out(_over_the_mug(aim), angle, 2.0)
         running = pour(vessel, FULL, heading=FORWARDS, angle=angle, rate=RATE, wait=2.0)
-        expected = caught(running, FULL, Catch(aim, 0.0, 0.04, 0.037, 1.0))
+        expected = caught_volume(running, FULL, Catch(aim, 0.0, 0.04, 0.037, 1.0))
         # Steps of 10 ms against some of 20 ms and more.
         assert moved.liquid.contents["mug"] == pytest.approx(expected.received[0], abs=0.01 * FULL)
         assert moved.liquid.spilled == pytest.approx(expected.spilled[0], abs=0.01 * FULL)

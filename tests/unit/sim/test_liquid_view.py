@@ -81,7 +81,7 @@ def test_the_stream_goes_from_the_lip_into_the_mug(poured: tuple[Moved, Trace]) 
     first, last = stream.pieces[0], stream.pieces[-1]
     assert np.linalg.norm(first[:8].mean(axis=0) - LIP) < 1e-6
     end = last[8:].mean(axis=0)
-    level = float(_vessel(poured, "mug").level(poured[1].contents["mug"][220], 0.0, 0.0))
+    level = float(_vessel(poured, "mug").surface_level(poured[1].contents["mug"][220], 0.0, 0.0))
     assert end[2] == pytest.approx(level, abs=1e-6)
     assert np.hypot(*(end[:2] - [0.5, 0.15])) < 0.037
 

@@ -63,7 +63,7 @@ def _push(
     faces = seen.model.faces(np.array([heading - seen.pose.yaw]))
     inward = np.array([np.cos(heading), np.sin(heading), 0.0])
     face = min(faces, key=lambda f: float(seen.pose.R_WB @ np.array(f.normal) @ inward))
-    point, normal = face.at(0.0, height)
+    point, normal = face.points_at(0.0, height)
     n_x, n_y, _ = (seen.pose.R_WB @ normal).tolist()
     return Push(
         object=seen.name,

@@ -100,7 +100,7 @@ def test_closing_is_helped_by_the_lids_weight_and_by_its_catch() -> None:
 def test_the_tab_of_a_box_lies_over_the_side_that_it_looks_to() -> None:
     lid = LID.model_copy(update={"tab_heading_deg": 90.0})
     box = BoxModel(name="box", size=(0.06, 0.08, 0.1), mass=0.3, friction=0.4, lid=lid)
-    hinge = lids.hinge(lid, lids.rim(box), box.top)
+    hinge = lids.lid_hinge(lid, lids.lid_rim(box), box.top)
     np.testing.assert_allclose(hinge.p_BH, [0.0, -0.04, 0.1], atol=1e-15)
     assert hinge.reach == pytest.approx(0.08)
     assert lids.grip_distance(lid, hinge) == pytest.approx(0.094)

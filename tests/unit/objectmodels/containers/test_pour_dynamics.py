@@ -13,12 +13,12 @@ from objectmodels.containers.pour_dynamics import (
     DISCHARGE,
     Catch,
     angle_for,
-    caught,
-    followed,
-    outflow,
+    caught_volume,
+    landing_distance,
+    outflow_rate,
     pour,
-    predict,
-    throw,
+    predict_pour,
+    simulate_pour,
     tilt_for,
     volume_out,
 )
@@ -45,29 +45,29 @@ def test_an_upright_opening_is_the_circular_weir(head: float) -> None:
 
     flow, _ = quad(layer, 0.0, min(head, 2.0 * r))
     # Twelve nodes for an arc that ends as a root.
-    assert outflow(head, np.pi / 2.0, r) == pytest.approx(DISCHARGE * flow, rel=2e-3)
+    assert outflow_rate(head, np.pi / 2.0, r) == pytest.approx(DISCHARGE * flow, rel=2e-3)
 
 
 def test_a_level_opening_overflows_all_round() -> None:
     weir = 2.0 / 3.0 * DISCHARGE * np.sqrt(2.0 * GRAVITY) * 2.0 * np.pi * 0.03 * 0.004**1.5
-    assert outflow(0.004, 0.0, 0.03) == pytest.approx(weir, rel=1e-9)
+    assert outflow_rate(0.004, 0.0, 0.03) == pytest.approx(weir, rel=1e-9)
 
 
 def test_no_more_than_the_whole_hole_lets_through() -> None:
     hole = DISCHARGE * np.pi * 0.01**2 * np.sqrt(2.0 * GRAVITY * 0.1)
-    assert outflow(0.1, np.pi, 0.01) == pytest.approx(hole)
-    assert outflow(-0.01, 1.0, 0.01) == 0.0
+    assert outflow_rate(0.1, np.pi, 0.01) == pytest.approx(hole)
+    assert outflow_rate(-0.01, 1.0, 0.01) == 0.0
 
 
 def test_the_stream_falls_freely() -> None:
-    level = throw(0.006, np.radians(80.0), 0.05)
+    level = landing_distance(0.006, np.radians(80.0), 0.05)
     assert level == pytest.approx(np.sqrt(4.0 * GRAVITY / 6.0 * 0.006) * np.sqrt(0.1 / GRAVITY))
-    steep = throw(0.006, np.radians(150.0), 0.05)
+    steep = landing_distance(0.006, np.radians(150.0), 0.05)
     speed, t = np.sqrt(2.0 / 3.0 * GRAVITY * 0.006), steep / (0.5 * 0.19809)
     # By the slope of the wall: cos 60° of the speed ahead, sin 60° down.
     assert speed == pytest.approx(0.19809, abs=1e-5)
     assert speed * np.sin(np.pi / 3.0) * t + 0.5 * GRAVITY * t * t == pytest.approx(0.05, rel=1e-3)
-    assert throw(0.006, 1.0, -0.01) == 0.0
+    assert landing_distance(0.006, 1.0, -0.01) == 0.0
 
 
 @pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 1.0])
@@ -83,21 +83,21 @@ def test_a_pour_ends_where_the_brim_says() -> None:
     running = pour(CARTON, FULL, heading=FORWARDS, angle=angles, rate=0.3, wait=300.0)
     held = volume_out(CARTON, FULL, angles, FORWARDS)
     # The last of it drips through the narrow opening for minutes.
-    assert running.total == pytest.approx(held, abs=0.01 * FULL)
-    assert running.total[0] == 0.0
+    assert running.total_volume == pytest.approx(held, abs=0.01 * FULL)
+    assert running.total_volume[0] == 0.0
     assert (np.diff(running.poured) >= 0.0).all()
-    assert running.parts.sum(axis=-1) == pytest.approx(running.total)
+    assert running.volume_steps.sum(axis=-1) == pytest.approx(running.total_volume)
 
 
 def test_a_pour_takes_the_time_that_fine_steps_take() -> None:
     coarse = pour(CARTON, FULL, **OVER)
     time = np.linspace(0.0, float(coarse.time[-1]), 4000)
     tilt = np.interp(time, coarse.time, coarse.tilt)
-    fine = followed(CARTON, FULL, FORWARDS, time, tilt)
-    assert coarse.total == pytest.approx(fine.total, abs=0.003 * FULL)
+    fine = simulate_pour(CARTON, FULL, FORWARDS, time, tilt)
+    assert coarse.total_volume == pytest.approx(fine.total_volume, abs=0.003 * FULL)
     # Two steps of the coarse one.
-    assert coarse.started == pytest.approx(fine.started, abs=0.1)
-    assert coarse.finished == pytest.approx(fine.finished, abs=0.1)
+    assert coarse.start_time == pytest.approx(fine.start_time, abs=0.1)
+    assert coarse.end_time == pytest.approx(fine.end_time, abs=0.1)
     assert coarse.landing(0.05)[0] == pytest.approx(fine.landing(0.05)[0], abs=5e-4)
 
 
@@ -107,7 +107,7 @@ def test_the_angle_for_a_volume_lets_it_out_in_time(share: float) -> None:
     angle = angle_for(CARTON, FULL, share * FULL, **motion)
     running = pour(CARTON, FULL, angle=angle, **motion)
     # Interpolated over 2° or so.
-    assert running.total == pytest.approx(share * FULL, abs=0.01 * FULL)
+    assert running.total_volume == pytest.approx(share * FULL, abs=0.01 * FULL)
 
 
 def test_what_is_aimed_well_is_caught() -> None:
@@ -115,21 +115,23 @@ def test_what_is_aimed_well_is_caught() -> None:
     ahead, spread = running.landing(0.04)
     catch = Catch(float(ahead), 0.0, 0.04, radius=0.036, free=0.4e-3)
     assert spread < 0.012
-    result = caught(running, FULL, catch)
-    assert result.received[0] == pytest.approx(running.total)
+    result = caught_volume(running, FULL, catch)
+    assert result.received[0] == pytest.approx(running.total_volume)
     assert (result.left + result.poured)[0] == pytest.approx(FULL)
-    beside = caught(running, FULL, Catch(float(ahead), 0.05, 0.04, radius=0.036, free=0.4e-3))
-    assert beside.spilled[0] == pytest.approx(running.total)
-    below = caught(running, FULL, Catch(float(ahead), 0.0, -0.01, radius=0.036, free=0.4e-3))
+    beside = caught_volume(
+        running, FULL, Catch(float(ahead), 0.05, 0.04, radius=0.036, free=0.4e-3)
+    )
+    assert beside.spilled[0] == pytest.approx(running.total_volume)
+    below = caught_volume(running, FULL, Catch(float(ahead), 0.0, -0.01, radius=0.036, free=0.4e-3))
     assert below.received[0] == pytest.approx(0.0)
 
 
 def test_what_does_not_fit_is_spilled() -> None:
     running = pour(CARTON, FULL, **OVER)
     ahead, _ = running.landing(0.04)
-    result = caught(running, FULL, Catch(float(ahead), 0.0, 0.04, radius=0.036, free=0.1e-3))
+    result = caught_volume(running, FULL, Catch(float(ahead), 0.0, 0.04, radius=0.036, free=0.1e-3))
     assert result.received[0] == pytest.approx(0.1e-3)
-    assert result.spilled[0] == pytest.approx(running.total - 0.1e-3)
+    assert result.spilled[0] == pytest.approx(running.total_volume - 0.1e-3)
 
 
 def test_chances_are_those_of_drawn_aims() -> None:
@@ -139,7 +141,7 @@ def test_chances_are_those_of_drawn_aims() -> None:
     ahead, _ = running.landing(0.0)  # at the lip it lands on one point
     catch = Catch(float(ahead), 0.0, 1e-9, radius=0.02, free=1.0, sd=0.02)
     inside = np.hypot(*rng.normal(0.0, 0.02, (2, 100_000))) < 0.02
-    likely = caught(running, FULL, catch).probability(received=0.9 * FULL)
+    likely = caught_volume(running, FULL, catch).probability(received=0.9 * FULL)
     # 225 nodes: a ring of them more or less.
     assert likely == pytest.approx(inside.mean(), abs=0.05)
 
@@ -147,11 +149,11 @@ def test_chances_are_those_of_drawn_aims() -> None:
 def test_unknown_contents_make_unknown_volumes() -> None:
     catch = Catch(0.03, 0.0, 0.04, radius=0.036, free=1.0)
     angles = np.radians([70.0, 80.0])
-    result = predict(
+    result = predict_pour(
         CARTON, FULL, catch, contents_sd=0.03e-3,
         heading=FORWARDS, angle=angles, rate=0.3, wait=3.0,
     )  # fmt: skip
-    means = result.mean()
+    means = result.mean_volumes()
     assert means["poured"].shape == (2,)
     assert means["poured"] + means["left"] == pytest.approx(FULL, rel=1e-6)
     # At 70° it begins to run for half of what may be in it.
@@ -162,5 +164,5 @@ def test_unknown_contents_make_unknown_volumes() -> None:
 def test_a_mug_can_be_poured_from_any_side() -> None:
     running = pour(MUG, 0.2e-3, heading=[0.0, 1.0, 2.0], angle=1.9, rate=0.5, wait=1.0)
     # It is round: all of it, and alike.
-    assert running.total == pytest.approx(0.2e-3, rel=0.01)
-    assert np.ptp(running.finished) < 1e-6
+    assert running.total_volume == pytest.approx(0.2e-3, rel=0.01)
+    assert np.ptp(running.end_time) < 1e-6

@@ -13,8 +13,8 @@ from objectmodels.geometry.base_shapes import Array, Base
 from objectmodels.geometry.support_points import (
     carrying_base,
     friction_radius,
+    is_within,
     support_points,
-    within,
 )
 
 HEXAGON = Polygon.convex(
@@ -52,7 +52,7 @@ def test_the_centre_of_pressure_leaves_the_base_at_the_force_given(name: str, se
     base, rng = BASES[name], np.random.default_rng(seed)
     weight, w = 9.81, rng.uniform(-0.9, 0.9)
     m, e = weight * rng.uniform(-0.015, 0.015, 2), rng.uniform(-0.2, 0.2, 2)
-    s = float(base.topple(m, e, np.array(w), weight))
+    s = float(base.topple_force(m, e, np.array(w), weight))
     assert s >= 0.0
     last = min(s, 1e3)  # a push of a hundred weights is as good as endless
     for share in (0.1, 0.5, 0.999):
@@ -107,11 +107,11 @@ def test_uniform_radius_of_a_hexagon_by_quadrature() -> None:
 @pytest.mark.parametrize("name", BASES)
 def test_nodes_stand_for_uniform_pressure(name: str) -> None:
     base = BASES[name]
-    points, weights = base.nodes()
+    points, weights = base.quadrature_nodes()
     centre = base.centroid if isinstance(base, Polygon) else np.zeros(2)
     assert weights.sum() == pytest.approx(1.0, rel=1e-12)  # rounding
     np.testing.assert_allclose(weights @ points, centre, atol=1e-12)
-    assert within(base, points, 1e-12)
+    assert is_within(base, points, 1e-12)
     # Cells are a sixteenth of the base: 3 % of the mean distance at most.
     mean = weights @ np.hypot(*(points - centre).T)
     assert mean == pytest.approx(base.uniform_radius, rel=0.03)

@@ -9,7 +9,12 @@ import pytest
 
 from objectmodels import CylinderModel, ModelError
 from objectmodels.geometry.mechanical import UNCERTAIN
-from objectmodels.identification import Estimates, estimates, estimates_by_repetition, table
+from objectmodels.identification import (
+    Estimates,
+    estimates_by_repetition,
+    estimates_from_trials,
+    repetition_table,
+)
 from tests.unit.objectmodels.identification.touching import (
     BELIEF,
     TRUTH,
@@ -22,7 +27,7 @@ from tests.unit.objectmodels.identification.touching import (
 
 
 def test_noise_free_trials_give_back_the_truth() -> None:
-    found = estimates(BELIEF, touched(TRUTH, everything()))
+    found = estimates_from_trials(BELIEF, touched(TRUTH, everything()))
     assert [found.value(name) for name in UNCERTAIN] == pytest.approx(TRUTH.means.tolist())
     assert found.notes == ()
 
@@ -30,13 +35,13 @@ def test_noise_free_trials_give_back_the_truth() -> None:
 def test_the_force_ratio_gives_the_radius_without_turn_rates() -> None:
     plan = [*(tilt(side) for side in ("front", "back")), slide(turn=False), slide(0.03, turn=False)]
     truth = TRUTH.model_copy(update={"com": (0.003, 0.0, 0.08)})  # as believed along y
-    found = estimates(BELIEF, touched(truth, plan))
+    found = estimates_from_trials(BELIEF, touched(truth, plan))
     assert found.friction_radius == pytest.approx(TRUTH.friction_radius)
     assert found.friction == pytest.approx(TRUTH.friction)
 
 
 def test_one_side_gives_mass_times_distance_and_says_so() -> None:
-    found = estimates(BELIEF, touched(TRUTH, [tilt()]))
+    found = estimates_from_trials(BELIEF, touched(TRUTH, [tilt()]))
     assert found.mass == pytest.approx(TRUTH.mass * (0.045 - TRUTH.com[0]) / 0.045)
     assert (found.com_x, found.com_z, found.friction) == (None, None, None)
     assert any("one side" in note for note in found.notes)
@@ -44,7 +49,7 @@ def test_one_side_gives_mass_times_distance_and_says_so() -> None:
 
 def test_two_angles_give_the_height() -> None:
     at_places = BELIEF.model_copy(update={"com": (0.003, -0.002, 0.115)})
-    found = estimates(at_places, touched(TRUTH, [tilt(), tilt(angle=0.15)]))
+    found = estimates_from_trials(at_places, touched(TRUTH, [tilt(), tilt(angle=0.15)]))
     assert found.com_z == pytest.approx(TRUTH.com[2])
     assert found.mass == pytest.approx(TRUTH.mass)
 
@@ -52,7 +57,7 @@ def test_two_angles_give_the_height() -> None:
 def test_one_angle_takes_the_believed_height_and_says_so() -> None:
     at_height = BELIEF.model_copy(update={"com": (0.0, 0.0, 0.08)})
     plan = [tilt(side, 0.1) for side in ("front", "back")]
-    found = estimates(at_height, touched(TRUTH, plan))
+    found = estimates_from_trials(at_height, touched(TRUTH, plan))
     assert (found.mass, found.com_x) == pytest.approx((TRUTH.mass, TRUTH.com[0]))
     assert found.com_z is None
     assert any("height" in note for note in found.notes)
@@ -61,7 +66,7 @@ def test_one_angle_takes_the_believed_height_and_says_so() -> None:
 def test_slides_alone_give_the_friction_of_the_believed_mass() -> None:
     plan = [slide()]
     truth = TRUTH.model_copy(update={"com": (0.0, 0.0, 0.08)})
-    found = estimates(BELIEF, touched(truth, plan))
+    found = estimates_from_trials(BELIEF, touched(truth, plan))
     assert found.friction == pytest.approx(TRUTH.friction * TRUTH.mass / BELIEF.mass)
     assert found.mass is None
     assert any("believed mass" in note for note in found.notes)
@@ -72,7 +77,7 @@ def test_a_straight_slide_counts_by_how_it_turned() -> None:
     truth = TRUTH.model_copy(update={"com": (0.0, 0.03, 0.08)})
     believed = BELIEF.model_copy(update={"friction_radius": TRUTH.friction_radius})
     plan = [*(tilt(side) for side in ("front", "back")), slide()]
-    found = estimates(believed, touched(truth, plan))
+    found = estimates_from_trials(believed, touched(truth, plan))
     assert found.friction == pytest.approx(TRUTH.friction)
 
 
@@ -80,13 +85,13 @@ def test_a_push_aslant_counts_by_the_load_it_leaves() -> None:
     """The paper's friction: F_xy / (G − F_z)."""
     trial = replace(slide(turn=False), force=(3.0, 0.0, -1.0))
     middle = BELIEF.model_copy(update={"com": (0.0, 0.0, 0.115)})
-    found = estimates(middle, [trial])
+    found = estimates_from_trials(middle, [trial])
     assert found.friction == pytest.approx(3.0 / (middle.weight + 1.0))
 
 
 def test_round_bases_are_estimated_too() -> None:
     can = CylinderModel(name="c", radius=0.045, height=0.23, mass=0.7, friction=0.3)
-    found = estimates(can.model_copy(update={"mass": 1.0}), touched(can, everything(1)))
+    found = estimates_from_trials(can.model_copy(update={"mass": 1.0}), touched(can, everything(1)))
     assert (found.mass, found.friction) == pytest.approx((0.7, 0.3))
 
 
@@ -100,7 +105,7 @@ def test_tilts_one_way_do_not_tell_the_place_across() -> None:
         ("back", -1.0, -0.02),
     ]
     aslant = [replace(tilt(side), force=(x, y, 0.0)) for side, x, y in ways]
-    found = estimates(can, touched(can, aslant))
+    found = estimates_from_trials(can, touched(can, aslant))
     assert found.com_x == pytest.approx(0.0, abs=1e-9)
     assert found.com_y is None
 
@@ -108,13 +113,13 @@ def test_tilts_one_way_do_not_tell_the_place_across() -> None:
 def test_a_negative_weight_is_refused() -> None:
     beyond = replace(tilt(), tilt=1.0)  # where it would fall, yet it had to be pushed
     with pytest.raises(ModelError) as caught:
-        estimates(BELIEF, [beyond])
+        estimates_from_trials(BELIEF, [beyond])
     assert caught.value.code == "not_possible"
 
 
 def test_a_pull_that_would_lift_is_refused_by_name() -> None:
     with pytest.raises(ModelError, match="row 9") as caught:
-        estimates(BELIEF, [replace(slide(), force=(1.0, 0.0, 100.0), source="row 9")])
+        estimates_from_trials(BELIEF, [replace(slide(), force=(1.0, 0.0, 100.0), source="row 9")])
     assert caught.value.code == "not_possible"
 
 
@@ -124,7 +129,7 @@ def test_the_table_counts_repetitions() -> None:
         for number in range(10)
         for trial in touched(TRUTH, everything(1), seed=number)
     ]
-    lines = table(estimates_by_repetition(BELIEF, trials))
+    lines = repetition_table(estimates_by_repetition(BELIEF, trials))
     assert set(lines) == set(UNCERTAIN)
     mass = lines["mass"]
     assert mass.n == 10
@@ -138,7 +143,7 @@ def test_the_table_counts_repetitions() -> None:
 
 
 def test_the_table_leaves_out_what_was_not_found() -> None:
-    lines = table([Estimates(mass=1.0), Estimates(mass=3.0, friction=0.3)])
+    lines = repetition_table([Estimates(mass=1.0), Estimates(mass=3.0, friction=0.3)])
     assert set(lines) == {"mass", "friction"}
     mass, friction = lines["mass"], lines["friction"]
     assert (mass.mean, mass.least, mass.most, mass.n) == (2.0, 1.0, 3.0, 2)
@@ -147,4 +152,6 @@ def test_the_table_leaves_out_what_was_not_found() -> None:
 
 
 def test_slips_give_the_fingers_friction() -> None:
-    assert estimates(BELIEF, touched(TRUTH, [slip()])).finger_friction == pytest.approx(0.7)
+    assert estimates_from_trials(BELIEF, touched(TRUTH, [slip()])).finger_friction == pytest.approx(
+        0.7
+    )

@@ -11,7 +11,7 @@ from objectmodels import BoxModel, CylinderModel, ModelError, ObjectModel
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.identification import Trial
 from objectmodels.identification.measurement_model import Balance
-from objectmodels.identification.parameter_coordinates import LOGARITHMIC, coordinates, values_at
+from objectmodels.identification.parameter_coordinates import LOGARITHMIC, coordinates_of, values_at
 from tests.unit.objectmodels.identification.touching import slide, slip, tilt
 
 BOX = BoxModel(
@@ -40,7 +40,7 @@ def pushes(model: ObjectModel, moved: str) -> list[Trial]:
 def test_slides_are_the_models_thresholds_and_twists(model: ObjectModel, exact: bool) -> None:
     balance = Balance(model, pushes(model, "slide"), exact=exact)
     t = model.thresholds(balance.touches.p, balance.touches.u, exact=exact)
-    shown = balance.linear(model.means).predicted
+    shown = balance.linear_predictions(model.means).predicted
     np.testing.assert_allclose(shown[:4], t.slide, rtol=1e-9)  # one formula, written twice
     np.testing.assert_allclose(shown[4:], t.twist[:, 2], rtol=1e-6)  # limits precise to 1e-10
 
@@ -79,11 +79,13 @@ def test_a_slip_shows_the_ratio_of_forces() -> None:
 def test_derivatives_are_those_of_differences(model: ObjectModel, exact: bool) -> None:
     trials = [*pushes(model, "slide"), tilt(angle=0.1), tilt("left"), slip()]
     balance = Balance(model, trials, exact=exact)
-    x, steps = coordinates(model.means), 1e-4 * np.where(LOGARITHMIC, 1.0, 0.06)
-    found = balance.linear(model.means).jacobian
+    x, steps = coordinates_of(model.means), 1e-4 * np.where(LOGARITHMIC, 1.0, 0.06)
+    found = balance.linear_predictions(model.means).jacobian
 
     def near(k: int, sign: float) -> Array:
-        return balance.linear(values_at(x + sign * steps * (np.arange(7) == k))).predicted
+        return balance.linear_predictions(
+            values_at(x + sign * steps * (np.arange(7) == k))
+        ).predicted
 
     expected = np.stack([(near(k, 1.0) - near(k, -1.0)) / (2.0 * steps[k]) for k in range(7)], 1)
     scale = np.abs(expected).max(axis=0) + 1e-12
@@ -92,7 +94,7 @@ def test_derivatives_are_those_of_differences(model: ObjectModel, exact: bool) -
 
 def test_an_error_of_the_tilt_counts_by_the_force_it_makes() -> None:
     trial = replace(tilt(angle=0.1), tilt_sd=0.01)
-    sd = Balance(BOX, [trial]).linear(BOX.means).sd.item()
+    sd = Balance(BOX, [trial]).linear_predictions(BOX.means).sd.item()
     held = [Balance(BOX, [replace(trial, tilt=a)]).predict(BOX.means).item() for a in (0.09, 0.11)]
     slope = abs(held[1] - held[0]) / 0.02
     assert sd == pytest.approx(np.hypot(trial.force_sd, 0.01 * slope), rel=1e-3)  # curvature

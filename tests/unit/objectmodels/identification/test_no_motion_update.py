@@ -11,7 +11,7 @@ from objectmodels import BoxModel, ObjectModel
 from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification import Trial
 from objectmodels.identification.belief_update import SURPRISING, belief_of
-from objectmodels.identification.no_motion_update import widened, withstood
+from objectmodels.identification.no_motion_update import update_without_motion, widen_belief
 
 BELIEF = BoxModel(
     name="b", size=(0.09, 0.09, 0.23), mass=1.0, mass_sd=0.04, friction=0.35, friction_sd=0.06,
@@ -56,7 +56,7 @@ def test_the_onset_that_is_believed_never_falls(
     belief: BoxModel, height: float, lateral: float, share: float
 ) -> None:
     before = onset(belief, height, lateral)
-    taught = withstood(belief, bound(share * before, height, lateral))
+    taught = update_without_motion(belief, bound(share * before, height, lateral))
     # The means are those to first order in the parameters; a hair is what that may cost.
     assert onset(taught.model, height, lateral) >= (1.0 - 1e-3) * before
     assert taught.surprise >= 0.0
@@ -70,7 +70,7 @@ def test_the_onset_that_is_believed_never_falls(
 def test_a_force_far_below_the_believed_one_tells_next_to_nothing(
     belief: BoxModel, height: float
 ) -> None:
-    taught = withstood(belief, bound(0.05 * onset(belief, height), height))
+    taught = update_without_motion(belief, bound(0.05 * onset(belief, height), height))
     assert taught.surprise == 0.0
     # log 20 is six deviations or more of what is believed here: λ < 1e-8. Of ten deviations of 0.5.
     change = (taught.model.means - belief.means) / belief.deviations
@@ -81,7 +81,7 @@ def test_a_force_far_below_the_believed_one_tells_next_to_nothing(
 def test_a_bound_at_the_believed_force_is_half_a_normal_distribution() -> None:
     """Oracle: samples of the belief, those left out that would have moved."""
     force = onset(BELIEF)
-    taught = withstood(BELIEF, bound(force)).model
+    taught = update_without_motion(BELIEF, bound(force)).model
     rng = np.random.default_rng(0)
     # Logarithms of mass and friction; the low push slides, whatever the rest is.
     x = rng.normal([0.0, np.log(0.35)], [0.04, 0.06 / 0.35], (400_000, 2))
@@ -96,15 +96,15 @@ def test_a_bound_at_the_believed_force_is_half_a_normal_distribution() -> None:
 
 def test_what_could_be_makes_surer_what_could_not_be_makes_less_sure() -> None:
     mass, friction = UNCERTAIN.index("mass"), UNCERTAIN.index("friction")
-    expected = withstood(BELIEF, bound(onset(BELIEF)))
+    expected = update_without_motion(BELIEF, bound(onset(BELIEF)))
     assert expected.surprise == pytest.approx(0.0, abs=1e-9)
-    assert not expected.contradicts
+    assert not expected.is_contradiction
     assert expected.model.deviations[friction] < BELIEF.deviations[friction]
-    shocking = withstood(BELIEF, bound(3.0 * onset(BELIEF)))
+    shocking = update_without_motion(BELIEF, bound(3.0 * onset(BELIEF)))
     # log 3 over what is believed of mass and friction, and of the force.
     sd = np.sqrt(0.04**2 + (0.06 / 0.35) ** 2 + 0.03**2)
     assert shocking.surprise == pytest.approx(np.log(3.0) / sd, rel=1e-6)
-    assert shocking.contradicts
+    assert shocking.is_contradiction
     assert shocking.model.deviations[friction] > BELIEF.deviations[friction]
     # The mass has little part in it: it is widened, and hardly learned.
     wider = shocking.surprise / SURPRISING
@@ -115,25 +115,25 @@ def test_what_could_be_makes_surer_what_could_not_be_makes_less_sure() -> None:
 def test_a_bound_far_beyond_leaves_an_object_that_stands() -> None:
     """Its centre of mass would have to lie outside of its base for that lever."""
     light = BELIEF.model_copy(update={"friction": 0.5, "mass_sd": 0.03, "com_sd": (0.01,) * 3})
-    taught = withstood(light, bound(4.0 * onset(light, 0.125), 0.125)).model
+    taught = update_without_motion(light, bound(4.0 * onset(light, 0.125), 0.125)).model
     assert abs(taught.com[0]) < 0.045
     assert onset(taught, 0.125) > 1.5 * onset(light, 0.125)
 
 
 def test_a_high_bound_tells_of_the_weight_not_of_the_friction() -> None:
     slippery = BELIEF.model_copy(update={"friction": 0.6})
-    taught = withstood(slippery, bound(1.2 * onset(slippery, HIGH), HIGH)).model
+    taught = update_without_motion(slippery, bound(1.2 * onset(slippery, HIGH), HIGH)).model
     assert taught.mass > slippery.mass
     assert taught.friction / slippery.friction == pytest.approx(1.0, abs=1e-3)
 
 
 @pytest.mark.parametrize("surprise", [0.0, 1.0, SURPRISING])
 def test_what_does_not_surprise_widens_nothing(surprise: float) -> None:
-    assert widened(BELIEF, surprise) is BELIEF
+    assert widen_belief(BELIEF, surprise) is BELIEF
 
 
 def test_widened_by_as_much_as_it_takes() -> None:
-    wide = widened(BELIEF, 4.0 * SURPRISING)
+    wide = widen_belief(BELIEF, 4.0 * SURPRISING)
     assert wide.deviations == pytest.approx(4.0 * BELIEF.deviations)
     assert wide.means == pytest.approx(BELIEF.means)
     assert wide.correlation == pytest.approx(BELIEF.correlation)
@@ -147,7 +147,7 @@ def test_a_belief_three_times_too_low_gets_there_soon(belief: ObjectModel, heigh
     true = 3.0 * onset(model, height)
     bounds = 0
     while (limit := 1.5 * onset(model, height)) < true:
-        model = withstood(model, bound(limit, height)).model
+        model = update_without_motion(model, bound(limit, height)).model
         bounds += 1
         assert bounds <= 4
     assert limit < 6.0 * true  # and does not run away

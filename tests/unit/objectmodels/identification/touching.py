@@ -9,7 +9,7 @@ import numpy as np
 
 from objectmodels import BoxModel, ObjectModel
 from objectmodels.identification import Trial
-from objectmodels.identification.measurement_model import Balance, topple
+from objectmodels.identification.measurement_model import Balance, topple_force
 
 TRUTH = BoxModel(
     name="b", size=(0.09, 0.09, 0.23), mass=1.06, friction=0.345, finger_friction=0.7,
@@ -80,7 +80,7 @@ def touched(
     """
     plan = list(plan)
     balance = Balance(model, plan, exact=exact)
-    shown = balance.linear(model.means).predicted
+    shown = balance.linear_predictions(model.means).predicted
     rng = np.random.default_rng(seed)
     loud = 0.0 if seed is None else noise
     turned = dict(zip(balance.trial[balance.turns], shown[balance.turns], strict=True))
@@ -98,7 +98,7 @@ def touched(
         if trial.tilt_sd:
             angle = np.array([trial.tilt + loud * trial.tilt_sd * rng.standard_normal()])
             t, one = balance.touches, slice(i, i + 1)
-            size = topple(
+            size = topple_force(
                 model.base, balance.normals[one], t.p[one], t.u[one], angle, model.means
             ).item()
         force = gain * (size + error) * balance.touches.u[i]

@@ -17,7 +17,7 @@ from objectmodels.mechanics.grasp_stability import (
 from objectmodels.models.box import BoxModel
 
 HALF = 0.027
-CONTACTS = Contacts.of(
+CONTACTS = Contacts.from_arrays(
     [[0.0, 0.0], [0.0, HALF], [0.0, 0.0], [0.0, -HALF]], [1.0, 1 / 3, 1 / 3, 1 / 3]
 )
 WEIGHT = 3.0
@@ -84,7 +84,7 @@ def test_more_squeeze_never_holds_less(
 
 def test_contacts_that_do_not_fit_are_refused() -> None:
     with pytest.raises(ModelError) as error:
-        Contacts.of([[0.0, 0.0]], [1.0, 1.0])
+        Contacts.from_arrays([[0.0, 0.0]], [1.0, 1.0])
     assert error.value.code == "bad_array"
 
 
@@ -106,22 +106,24 @@ def _lifted(tilts: np.ndarray) -> Lifted:
 
 
 def test_the_worst_case_needs_more_and_holds_surely() -> None:
-    hold = _lifted(np.zeros(1)).hold(8.0)
+    hold = _lifted(np.zeros(1)).hold_by(8.0)
     assert hold.needed == pytest.approx(0.34 * 9.81 / 1.2, rel=1e-6)
     assert hold.worst > hold.needed
     assert hold.probability > 0.999
-    assert _lifted(np.zeros(1)).probability(hold.worst) > 0.95  # two standard deviations of each
+    assert (
+        _lifted(np.zeros(1)).hold_probability(hold.worst) > 0.95
+    )  # two standard deviations of each
 
 
 def test_what_just_holds_is_a_toss_up() -> None:
     lifted = _lifted(np.zeros(1))
     # Off the middle it only holds less, so that a little less than a half is left.
-    assert 0.3 < lifted.probability(lifted.hold(8.0).needed) < 0.52
+    assert 0.3 < lifted.hold_probability(lifted.hold_by(8.0).needed) < 0.52
 
 
 def test_a_motion_needs_what_its_worst_pose_needs() -> None:
     tilts = np.linspace(0.0, 2.0, 9)
-    whole = _lifted(tilts).hold(8.0)
-    each = [_lifted(np.array([tilt])).hold(8.0) for tilt in tilts]
+    whole = _lifted(tilts).hold_by(8.0)
+    each = [_lifted(np.array([tilt])).hold_by(8.0) for tilt in tilts]
     assert whole.needed == pytest.approx(max(one.needed for one in each), rel=1e-6)
     assert whole.probability <= min(one.probability for one in each) + 1e-9

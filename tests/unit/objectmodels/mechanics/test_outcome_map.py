@@ -48,16 +48,16 @@ def test_a_level_asks_for_probability_instead() -> None:
     m = chart(turning=False, level=0.9)
     sure = np.maximum(m.likelihood.slide, m.likelihood.topple) >= 0.9
     np.testing.assert_array_equal(m.outcome == "undecided", ~sure)
-    np.testing.assert_array_equal(m.safe("slide", 0.9), (m.outcome == "slide"))
+    np.testing.assert_array_equal(m.is_safe("slide", 0.9), (m.outcome == "slide"))
 
 
 def test_safe_regions_shrink_as_more_is_asked() -> None:
     m = chart()
-    sizes = [int(m.safe("slide", p).sum()) for p in (0.5, 0.8, 0.95, 0.999)]
+    sizes = [int(m.is_safe("slide", p).sum()) for p in (0.5, 0.8, 0.95, 0.999)]
     assert sizes == sorted(sizes, reverse=True)
     assert sizes[0] > sizes[-1] > 0
     with pytest.raises(ModelError, match="slide or topple"):
-        m.safe("lift", 0.9)
+        m.is_safe("lift", 0.9)
 
 
 def test_contacts_are_spread_as_asked_and_stay_on_the_face() -> None:

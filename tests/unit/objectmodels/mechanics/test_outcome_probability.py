@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from objectmodels import BoxModel, ModelError, Registry
-from objectmodels.mechanics.outcome_probability import draws, normal_cdf
+from objectmodels.mechanics.outcome_probability import draw_parameters, normal_cdf
 
 BOX = BoxModel(
     name="b",
@@ -90,7 +90,7 @@ def test_probabilities_of_the_built_in_models_match_sampling(name: str) -> None:
     c = box.cone_thresholds(points, normals)
     slide, topple = np.ones(len(points)), np.ones(len(points))
     k = 400
-    d = draws(box, rng.standard_normal((k, 4)))
+    d = draw_parameters(box, rng.standard_normal((k, 4)))
     mu = np.maximum(box.friction + box.friction_sd * rng.standard_normal(k), 1e-6)
     boxes = [
         box.model_copy(
@@ -127,7 +127,7 @@ def test_probabilities_of_the_built_in_models_match_sampling(name: str) -> None:
 
 def test_drawn_parameters_stay_sensible() -> None:
     box = Registry.default().get("ice tea box").model_copy(update={"com_sd": (0.1, 0.1, 0.0)})
-    d = draws(box, np.array([[9.0, -9.0, -9.0, -99.0], [0.0] * 4]))
+    d = draw_parameters(box, np.array([[9.0, -9.0, -9.0, -99.0], [0.0] * 4]))
     assert (np.abs(d.com[:, :2]) < 0.045).all()
     assert (d.friction_radius > 0).all()
     assert (d.finger_friction >= 0).all()
@@ -197,7 +197,7 @@ def test_a_given_force_moves_it_with_the_probability_that_the_onset_is_smaller()
 
 def test_a_round_object_keeps_drawn_centres_over_its_base() -> None:
     mug = Registry.built_in().get("mug").model_copy(update={"com_sd": (0.2, 0.2, 0.0)})
-    drawn = draws(mug, np.random.default_rng(0).normal(size=(500, 4)))
+    drawn = draw_parameters(mug, np.random.default_rng(0).normal(size=(500, 4)))
     assert np.hypot(*drawn.com[:, :2].T).max() <= 0.95 * 0.03 + 1e-12
 
 

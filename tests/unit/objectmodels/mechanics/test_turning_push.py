@@ -12,7 +12,7 @@ from objectmodels.mechanics.turning_push import (
     STROKE_SLACK,
     best_turn,
     learned_radius,
-    turning,
+    turning_motion,
 )
 
 BOX = BoxModel(
@@ -68,8 +68,8 @@ def test_it_is_what_many_short_strokes_add_up_to(
     slant: float,
     angle: float,
 ) -> None:
-    found = turning(model, [point], [normal], slant, angle)
-    assert found.works.all()
+    found = turning_motion(model, [point], [normal], slant, angle)
+    assert found.is_successful.all()
     p, n = np.array(point), np.array(normal)
     pose, travel = stepwise(model, p, n, slant, angle, 40)
     # Each short stroke lets the direction swing in B by a fortieth of the turn: second order.
@@ -78,7 +78,7 @@ def test_it_is_what_many_short_strokes_add_up_to(
 
 
 def test_the_pivot_stays_where_it_is() -> None:
-    found = turning(BOX, [[-0.04, 0.04, 0.05]], [[-1.0, 0.0, 0.0]], 0.4, [-0.7])
+    found = turning_motion(BOX, [[-0.04, 0.04, 0.05]], [[-1.0, 0.0, 0.0]], 0.4, [-0.7])
     x, y, angle = found.pose[0]
     pivot = found.pivot[0]
     np.testing.assert_allclose(np.array([x, y]) + rotated(angle) @ pivot, pivot, atol=1e-12)
@@ -94,12 +94,17 @@ def test_the_pivot_stays_where_it_is() -> None:
 def test_a_round_side_is_turned_by_friction_alone() -> None:
     slants = np.radians([-30.0, 0.0, 30.0, 75.0])
     p, n = np.tile([-0.035, 0.0, 0.05], (4, 1)), np.tile([-1.0, 0.0, 0.0], (4, 1))
-    found = turning(CAN, p, n, slants, 0.5)
+    found = turning_motion(CAN, p, n, slants, 0.5)
     assert found.turns.tolist() == [True, False, False, False]
     assert found.sticks.tolist() == [True, True, True, False]
     assert np.isnan(found.pose[~found.turns]).all()
     assert np.isinf(found.travel[~found.turns]).all()
-    assert turning(CAN, p, n, slants, -0.5).works.tolist() == [False, False, True, False]
+    assert turning_motion(CAN, p, n, slants, -0.5).is_successful.tolist() == [
+        False,
+        False,
+        True,
+        False,
+    ]
     lever = 0.035 * abs(np.sin(found.slant[0]))
     distance = np.linalg.norm(found.pivot[0])
     assert distance == pytest.approx(CAN.friction_radius**2 / lever, rel=1e-9)
@@ -108,8 +113,8 @@ def test_a_round_side_is_turned_by_friction_alone() -> None:
 def test_doubt_may_take_the_finger_off_its_friction_cone() -> None:
     unsure = BOX.model_copy(update={"finger_friction_sd": 0.2})
     contact = ([[-0.04, 0.04, 0.05]], [[-1.0, 0.0, 0.0]], 0.6, -0.5)
-    assert turning(unsure, *contact).works.all()
-    assert not turning(unsure, *contact, sigmas=1.0).sticks.any()
+    assert turning_motion(unsure, *contact).is_successful.all()
+    assert not turning_motion(unsure, *contact, sigmas=1.0).sticks.any()
 
 
 @pytest.mark.parametrize("sense", [-1.0, 1.0])
@@ -129,8 +134,10 @@ def test_the_best_push_turns_with_least_translation(sense: float) -> None:
         )
     )
     p = np.column_stack((np.full(len(y), -0.04), y, np.full(len(y), 0.05)))
-    others = turning(BOX, p, np.tile(face.normal, (len(y), 1)), slant, 0.4 * sense, sigmas=1.0)
-    sure = others.works & (np.abs(np.tan(others.slant)) <= 0.9 * BOX.finger_friction)
+    others = turning_motion(
+        BOX, p, np.tile(face.normal, (len(y), 1)), slant, 0.4 * sense, sigmas=1.0
+    )
+    sure = others.is_successful & (np.abs(np.tan(others.slant)) <= 0.9 * BOX.finger_friction)
     assert np.hypot(*others.pose[sure, :2].T).min() > 0.99 * moved
 
 
@@ -154,9 +161,9 @@ def test_what_makes_no_sense_is_refused() -> None:
     contact = ([[-0.04, 0.04, 0.05]], [[-1.0, 0.0, 0.0]])
     for slant, angle, sigmas in ((0.1, 0.0, 0.0), (np.nan, 0.1, 0.0), (0.1, 0.1, -1.0)):
         with pytest.raises(ModelError, match="must be"):
-            turning(BOX, *contact, slant, angle, sigmas=sigmas)
+            turning_motion(BOX, *contact, slant, angle, sigmas=sigmas)
     with pytest.raises(ModelError, match="side faces"):
-        turning(BOX, [[0.0, 0.0, 0.2]], [[0.0, 0.0, 1.0]], 0.1, 0.1)
+        turning_motion(BOX, [[0.0, 0.0, 0.2]], [[0.0, 0.0, 1.0]], 0.1, 0.1)
 
 
 @pytest.mark.parametrize("true_radius", [0.03, 0.05, 0.07])
@@ -168,7 +175,7 @@ def test_a_turn_shows_the_friction_radius(true_radius: float, angle: float) -> N
     assert best is not None
     n, d = np.array(best.normal), np.array(best.direction)
     slant = np.arctan2(-n[0] * d[1] + n[1] * d[0], -n @ d)
-    shown = turning(true, [best.point], [n], slant, angle).pose[0]
+    shown = turning_motion(true, [best.point], [n], slant, angle).pose[0]
     assert learned_radius(believed, best.point, d, shown) == pytest.approx(true_radius, rel=1e-9)
     # Never more than an object on its corners has, nor nothing.
     assert learned_radius(believed, best.point, d, [10.0, 10.0, angle]) <= np.hypot(0.04, 0.06)

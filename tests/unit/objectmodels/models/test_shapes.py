@@ -84,7 +84,7 @@ def test_a_round_base_is_the_limit_of_polygons() -> None:
 
 def test_critical_height_of_a_can_is_radius_over_friction_all_around() -> None:
     for face in CAN.faces(np.linspace(-3.0, 3.0, 9)):
-        p, n = face.at([0.0], [0.05])
+        p, n = face.points_at([0.0], [0.05])
         cone = CAN.cone_thresholds(p, n)
         assert cone.critical_height.item() == pytest.approx(0.033 / 0.3, rel=1e-9)  # b/μ
         np.testing.assert_allclose(np.hypot(*p[0, :2]), 0.033, rtol=1e-12)
@@ -95,7 +95,7 @@ def test_faces_lie_on_the_outside(name: str) -> None:
     model = Registry.built_in().get(name)
     for face in model.faces():
         lateral, height = face.grid(0.007)
-        p, n = face.at(lateral, height)
+        p, n = face.points_at(lateral, height)
         assert face.contains(lateral, height).all()
         np.testing.assert_allclose(np.linalg.norm(n, axis=1), 1.0)
         beyond = (model.outline @ n[:, :2].T).max(axis=0) - np.sum(p[:, :2] * n[:, :2], axis=1)
@@ -121,7 +121,7 @@ def test_slanted_faces_of_a_hull() -> None:
     assert len(faces) == 4
     for face in faces:
         assert face.normal[2] == pytest.approx(np.sin(np.arctan(0.2)), rel=1e-9)
-        p, n = face.at([0.0, 0.0], [0.0, 0.1])
+        p, n = face.points_at([0.0, 0.0], [0.0, 0.1])
         np.testing.assert_allclose(np.abs(p[:, :2]).max(axis=1), [0.06, 0.04], atol=1e-12)
         assert not face.contains(0.055, 0.09)
         assert face.contains(0.055, 0.005)
@@ -136,21 +136,21 @@ def test_slanted_faces_of_a_hull() -> None:
 def test_a_box_lies_on_any_face() -> None:
     tea = Registry.built_in().get("ice tea box")
     assert isinstance(tea, BoxModel)
-    lying = tea.standing("front")
+    lying = tea.model_on_face("front")
     assert lying.extents == pytest.approx((0.23, 0.09, 0.09), rel=1e-12)
     np.testing.assert_allclose(lying.com, (0.0, 0.0, 0.045), atol=1e-12)
     assert lying.com_sd[0] == tea.com_sd[2]
     # Lying it cannot be tilted along either way (h* > 0.09 m at μ = 0.378).
     for face in lying.faces():
-        p, n = face.at([0.0], [0.085])
+        p, n = face.points_at([0.0], [0.085])
         assert np.isinf(lying.cone_thresholds(p, n).critical_height).all()
-    assert tea.standing("bottom") is tea
+    assert tea.model_on_face("bottom") is tea
     off = BoxModel(name="b", size=(0.1, 0.2, 0.3), mass=1.0, friction=0.4, com=(0.02, -0.03, 0.1))
     # On its left side what was up looks left… the centre of mass keeps its distance to each face.
     for side, height in (("front", 0.07), ("back", 0.03), ("left", 0.13), ("right", 0.07)):
-        assert off.standing(side).com[2] == pytest.approx(height, rel=1e-9)
+        assert off.model_on_face(side).com[2] == pytest.approx(height, rel=1e-9)
     with pytest.raises(ModelError, match="cannot rest"):
-        tea.standing("lid")
+        tea.model_on_face("lid")
 
 
 def test_a_hull_lies_like_the_box_that_it_is() -> None:
@@ -207,8 +207,8 @@ def test_finger_slips_outside_its_cone() -> None:
     n = np.tile([-1.0, 0.0, 0.0], (4, 1))
     forces = [[1.0, 0.0, 0.5], [1.0, 0.5, 0.5], [1.0, 0.0, -0.7], [-1.0, 0.0, 0.0]]
     rough = BOX.model_copy(update={"finger_friction": 0.6, "finger_friction_kinetic": 0.4})
-    assert rough.slips(n, forces).tolist() == [False, True, True, True]
-    assert rough.slips(n, forces, friction="kinetic").tolist() == [True, True, True, True]
+    assert rough.is_slipping(n, forces).tolist() == [False, True, True, True]
+    assert rough.is_slipping(n, forces, friction="kinetic").tolist() == [True, True, True, True]
 
 
 @pytest.mark.parametrize("model", [BOX, HULL, PRISM, Registry.built_in().get("tea tin")])
@@ -218,7 +218,7 @@ def test_the_pose_picks_the_base(model: ObjectModel) -> None:
     for number, rest in enumerate(model.rests):
         yaw = Rotation.from_euler("z", 0.7 * number).as_matrix()
         R_WB = yaw @ rest.R_BN.T
-        found = model.lying(R_WB)
+        found = model.resting_face(R_WB)
         assert found.face == rest.face
         np.testing.assert_allclose(R_WB @ found.R_BN, yaw, atol=1e-9)  # N is upright in W
         # The same centre of mass, once in each frame.
@@ -227,13 +227,13 @@ def test_the_pose_picks_the_base(model: ObjectModel) -> None:
         assert found.model.extents[2] == pytest.approx(found.model.top)
         leaning = Rotation.from_euler("x", np.radians(25.0)).as_matrix() @ R_WB
         with pytest.raises(ModelError, match="leans"):
-            model.lying(leaning)
+            model.resting_face(leaning)
 
 
 def test_a_can_lies_nowhere_else_than_on_its_base() -> None:
     assert [rest.face for rest in CAN.rests] == ["bottom"]
     with pytest.raises(ModelError, match="rests on: bottom"):
-        CAN.lying(Rotation.from_euler("x", np.pi / 2).as_matrix())
+        CAN.resting_face(Rotation.from_euler("x", np.pi / 2).as_matrix())
     for wrong in (np.eye(2), 2 * np.eye(3), np.diag([1.0, 1.0, -1.0])):
         with pytest.raises(ModelError, match="rotation matrix"):
-            CAN.lying(wrong)
+            CAN.resting_face(wrong)

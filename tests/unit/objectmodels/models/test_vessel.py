@@ -59,7 +59,7 @@ def test_points_thrown_into_the_cavity(vessel: Vessel, degrees: float) -> None:
         volume = 0.37 * vessel.capacity
         level = np.quantile(heights, 0.37)
         # Of the quantile, with the points' mean distance in a cavity of some 100 mm.
-        assert vessel.level(volume, tilt, heading) == pytest.approx(level, abs=5e-4)
+        assert vessel.surface_level(volume, tilt, heading) == pytest.approx(level, abs=5e-4)
         middle = points[heights < level].mean(axis=0)
         assert vessel.centroid(volume, tilt, heading) == pytest.approx(middle, abs=5e-4)
 
@@ -106,7 +106,7 @@ def test_the_level_of_the_brim_is_the_lip(
 ) -> None:
     volume = share * vessel.capacity
     held = float(vessel.brim(tilt, heading))
-    head = float(vessel.head(volume, tilt, heading))
+    head = float(vessel.liquid_head(volume, tilt, heading))
     # The level is found to 0.1 nm; an area of 100 cm² makes 1e-12 m³ of that.
     if abs(held - volume) > 1e-11:
         assert (head > 0.0) == (volume > held)
@@ -120,12 +120,15 @@ def test_arrays_are_what_their_elements_are(vessel: Vessel) -> None:
     rng = np.random.default_rng(0)
     volume, tilt = rng.uniform(0.0, vessel.capacity, (4, 3)), rng.uniform(0.0, np.pi, 3)
     heading = rng.uniform(-3.0, 3.0, (4, 1))
-    level, middle = vessel.level(volume, tilt, heading), vessel.centroid(volume, tilt, heading)
+    level, middle = (
+        vessel.surface_level(volume, tilt, heading),
+        vessel.centroid(volume, tilt, heading),
+    )
     assert level.shape == (4, 3)
     assert middle.shape == (4, 3, 3)
     i, j = 2, 1
     one: tuple[Any, ...] = (volume[i, j], tilt[j], heading[i, 0])
-    assert vessel.level(*one) == pytest.approx(level[i, j], abs=1e-9)
+    assert vessel.surface_level(*one) == pytest.approx(level[i, j], abs=1e-9)
     assert vessel.centroid(*one) == pytest.approx(middle[i, j], abs=1e-8)
 
 
@@ -134,8 +137,8 @@ def test_the_ends_of_the_scale() -> None:
     assert MUG.brim(np.pi, 0.3) == pytest.approx(0.0, abs=1e-9)
     assert MUG.spill_angle(0.0, 0.0) == np.pi
     assert MUG.spill_angle(MUG.capacity, 0.0) == 0.0
-    assert MUG.level(0.0, 0.0, 0.0) == pytest.approx(MUG.floor, abs=1e-6)
-    over = MUG.level(MUG.capacity + 1e-6, 0.0, 0.0) - MUG.top
+    assert MUG.surface_level(0.0, 0.0, 0.0) == pytest.approx(MUG.floor, abs=1e-6)
+    over = MUG.surface_level(MUG.capacity + 1e-6, 0.0, 0.0) - MUG.top
     assert over == pytest.approx(1e-6 / (np.pi * 0.037**2), rel=1e-6)
     # A hole in front leaves what lies behind it and above.
     behind = CARTON.brim(np.radians(100.0), -np.pi / 2.0)
@@ -186,5 +189,5 @@ def test_a_thick_wall_swallows_a_short_side() -> None:
     """A bevel of 1 mm is gone behind a wall of 5 mm; the square inside is left."""
     a = 0.05
     bevelled = Polygon.convex([(a, -a), (a, a - 1e-3), (a - 1e-3, a), (-a, a), (-a, -a)])
-    vessel = Vessel.inside(bevelled, 0.1, Container(wall=0.005, opening=Opening(radius=0.02)))
+    vessel = Vessel.from_shape(bevelled, 0.1, Container(wall=0.005, opening=Opening(radius=0.02)))
     assert vessel.capacity == pytest.approx(0.09**2 * 0.095)

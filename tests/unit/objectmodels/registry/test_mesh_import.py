@@ -193,7 +193,7 @@ def test_a_cone_is_pushed_on_its_leaning_side(tmp_path: Path) -> None:
     assert len(faces) == 4
     for face in faces:
         assert face.normal[2] == pytest.approx(np.sin(np.arctan(0.05 / 0.12)), abs=0.01)
-        p, n = face.at([0.0], [0.03])
+        p, n = face.points_at([0.0], [0.03])
         # The side at a quarter of the height; the plane stands off by the bulge at most.
         assert np.hypot(*p[0, :2]) == pytest.approx(0.05 * 0.75, abs=0.003)
         assert np.isfinite(model.cone_thresholds(p, n).slide_max).all()

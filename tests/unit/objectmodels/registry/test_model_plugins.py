@@ -151,7 +151,7 @@ def test_a_model_of_the_user_takes_the_place_of_a_built_in_one(
     registry = install()
     assert registry.place("crate") == str(objects_folder / "crate.yaml")
     assert registry.place("mug") == str(objects_folder / "mug.yaml")
-    assert registry.replaced("mug") == "built in (mug.yaml)"
+    assert registry.replaced_place("mug") == "built in (mug.yaml)"
     assert [problem.code for problem in registry.problems] == ["missing_key"]
 
 
@@ -165,9 +165,9 @@ def test_a_copy_is_a_registry_of_its_own() -> None:
 
 def test_one_name_or_synonym_calls_one_model() -> None:
     registry = Registry.built_in()
-    assert registry.called("tomato soup").name == "soup can"
+    assert registry.find_one("tomato soup").name == "soup can"
     registry.add(BOX.model_copy(update={"synonyms": ("can",)}))
     with pytest.raises(ModelError) as error:
-        registry.called("can")
+        registry.find_one("can")
     assert error.value.code == "ambiguous_object"
     assert "soup can or crate" in str(error.value)

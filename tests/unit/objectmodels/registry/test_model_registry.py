@@ -105,16 +105,16 @@ def test_a_users_model_takes_the_place_of_a_built_in_one_of_its_name(objects_fol
     (objects_folder / "c.yaml").write_text(FILE.format(name="crate", synonyms="mug"))
     registry = Registry.default()
     assert len(registry) == len(Registry.built_in())
-    assert registry.called("tea box").mass == 1.0
+    assert registry.find_one("tea box").mass == 1.0
     assert registry.place("ice tea box") == str(objects_folder / "a.yaml")
-    assert registry.replaced("ice tea box") == "built in (ice_tea_box.yaml)"
-    assert registry.replaced("mug") is None
+    assert registry.replaced_place("ice tea box") == "built in (ice_tea_box.yaml)"
+    assert registry.replaced_place("mug") is None
     # A second one of that name is one too many, and a synonym takes over nothing.
     assert [problem.code for problem in registry.problems] == ["duplicate_name"] * 2
-    assert registry.copy().replaced("ice tea box") == registry.replaced("ice tea box")
+    assert registry.copy().replaced_place("ice tea box") == registry.replaced_place("ice tea box")
     (objects_folder / "a.yaml").unlink()
     (objects_folder / "b.yaml").unlink()
-    assert Registry.default().called("ice tea box").mass == 0.9952
+    assert Registry.default().find_one("ice tea box").mass == 0.9952
 
 
 @pytest.mark.parametrize("name", ["../crate", "a/b", "..", "C:\\x", "soup can", "Dose für Suppe"])

@@ -65,7 +65,7 @@ def test_the_centre_of_rotation_may_be_a_point_that_carries() -> None:
     n = np.array([[0.94], [0.02], [0.02], [0.02]])
     left = CORNERS[:, 1:] - 0.3
     found = friction_limit(n, CORNERS[:, :1].copy(), left)
-    slip = found.slip(CORNERS[:, :1], left)
+    slip = found.slip_velocities(CORNERS[:, :1], left)
     np.testing.assert_allclose(np.hypot(*slip)[0], 0.0, atol=1e-12)
     assert np.hypot(found.along_i, found.across_i).max() <= 1.0 + 1e-12
     others = np.hypot(*(CORNERS - CORNERS[0]).T)
