@@ -80,7 +80,7 @@ for _tag, _pattern, _first in (
 
 
 def parse_yaml(text: str) -> object:
-    """What a YAML text holds.
+    """Contents of a YAML text.
 
     Raises:
         yaml.YAMLError: it is not YAML, or a key is given twice or is not text.

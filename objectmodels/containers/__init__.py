@@ -1,1 +1,1 @@
-"""What pouring and lids do: forces, flow, places."""
+"""Pouring and lids: forces, flow, places."""

@@ -1,4 +1,4 @@
-"""What is believed to be in a container, once it holds another volume, or weighs otherwise.
+"""Contents of a container that holds another volume, or weighs otherwise, than believed.
 
 Contents and shell are believed independently of each other. So what all of it weighs otherwise than
 believed is put down to the contents by their share of the variance, and what is known better of the

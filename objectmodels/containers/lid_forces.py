@@ -1,4 +1,4 @@
-"""Forces that open lids, and whether the object stands still meanwhile.
+"""Forces that open lids, and forces at which the object would move meanwhile.
 
 Model: slow forces on an object that stands on a table by itself. A lid resists by Coulomb friction
 τ_f, a flip lid's catch besides by a torque τ_s that fades linearly over its snap angle, and the
@@ -101,7 +101,7 @@ class FlipArc:
 
     @property
     def outcome(self) -> Literal["moves", "slides", "topples"]:
-        """What happens first on the way."""
+        """First event on the way."""
         given_way = np.flatnonzero(self.margin < 1.0)
         if given_way.size == 0:
             return "moves"
@@ -111,7 +111,7 @@ class FlipArc:
 
 @dataclass(frozen=True)
 class Loosening:
-    """What a lid that is pulled or turned off needs, and what the standing object bears.
+    """Force or torque that takes a lid off, and the one that the standing object bears.
 
     Attributes:
         needed: that moves the lid: force [N] or torque [N·m].
@@ -138,7 +138,7 @@ def flip(
     distance: float | None = None,
     fixed: bool = False,
 ) -> FlipArc:
-    """Moves a flip lid with a fingertip from one angle to another.
+    """Arc of a fingertip that moves a flip lid from one angle to another.
 
     Args:
         model: the object with its lid.
@@ -182,7 +182,7 @@ def flip(
 
 
 def lift_off(model: ObjectModel, lid: LiftOffLid, *, fixed: bool = False) -> Loosening:
-    """Pulls a lid straight up by its knob, off an object that stands.
+    """Force that pulls a lid straight up by its knob, off an object that stands.
 
     Args:
         model: the object with its lid.
@@ -209,7 +209,7 @@ def lift_off(model: ObjectModel, lid: LiftOffLid, *, fixed: bool = False) -> Loo
 def unscrew(
     model: ObjectModel, cap: ScrewCap, *, down: float = 0.0, fixed: bool = False
 ) -> Loosening:
-    """Turns a screw cap on an object that stands.
+    """Torque that turns a screw cap on an object that stands.
 
     Args:
         model: the object with its cap.
@@ -240,7 +240,7 @@ def _yield_forces(
 
 
 def _believed_sample(model: ObjectModel) -> Sample:
-    """The object as it is believed to be most likely, as a sample of one."""
+    """Sample of one: the object's most likely parameters."""
     return Sample(
         weight=np.array([model.weight]),
         friction=np.array([model.friction]),

@@ -1,4 +1,4 @@
-"""Where lids are on their objects, closed and open.
+"""Places of lids on their objects, closed and open.
 
 A closed lid lies on the object's top: a flip lid is a disc of `THICKNESS` with a tab, a lift-off
 lid a disc with a knob, a screw cap a cylinder. The hinge of a flip lid lies on the rim at the
@@ -81,7 +81,7 @@ def lid_rim(model: ObjectModel) -> Base:
 
 
 def lid_hinge(lid: FlipLid, rim: Base, top: float) -> Hinge:
-    """Where a flip lid is.
+    """Hinge of a flip lid on an object.
 
     Args:
         lid: the lid.
@@ -100,14 +100,14 @@ def grip_distance(lid: FlipLid, hinge: Hinge) -> float:
 
 
 def lid_height(lid: Lid) -> float:
-    """How far a closed lid rises above the object's top [m]."""
+    """Height of a closed lid above the object's top [m]."""
     if isinstance(lid, FlipLid):
         return THICKNESS
     return lid.height + (lid.knob_height if isinstance(lid, LiftOffLid) else 0.0)
 
 
 def lid_rise(model: ObjectModel, opened: float) -> float:
-    """How far the object's lid, if it has one, rises above its top [m].
+    """Height of the object's lid above its top, 0 without a lid [m].
 
     Args:
         model: the object.
@@ -123,13 +123,13 @@ def lid_rise(model: ObjectModel, opened: float) -> float:
 
 
 def is_off(lid: LiftOffLid | ScrewCap, opened: float) -> bool:
-    """Whether a lid is off, by how far it is seen to be open [m], or turned [rad]."""
+    """Return True if a lid is off, by its opening [m] or turn [rad] as seen."""
     # A camera sees the whole turn of a cap a little wrongly.
     return opened > (lid.travel if isinstance(lid, LiftOffLid) else 0.97 * math.tau * lid.turns)
 
 
 def lid_name(name: str) -> str:
-    """What the lid of an object of a name is called."""
+    """Name of the lid of an object."""
     return f"{name} lid"
 
 

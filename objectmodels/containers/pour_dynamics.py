@@ -83,7 +83,7 @@ def fall_time(down: ArrayLike, fall: ArrayLike) -> Array:
 
 
 def landing_distance(head: ArrayLike, tilt: ArrayLike, fall: ArrayLike) -> Array:
-    """How far ahead of the lip the stream lands, along the heading [m].
+    """Distance along the heading from the lip to where the stream lands [m].
 
     Args:
         head: height of the surface above the lip [m].
@@ -98,7 +98,7 @@ def landing_distance(head: ArrayLike, tilt: ArrayLike, fall: ArrayLike) -> Array
 
 
 def volume_out(vessel: Vessel, volume: ArrayLike, tilt: ArrayLike, heading: ArrayLike) -> Array:
-    """What has run out in the end of a vessel that is tilted so far and kept there [m³]."""
+    """Volume that has run out in the end of a vessel that is kept at a tilt [m³]."""
     return np.maximum(np.asarray(volume, float) - vessel.brim(tilt, heading), 0.0)
 
 
@@ -119,7 +119,7 @@ def tilt_for(vessel: Vessel, volume: ArrayLike, out: ArrayLike, heading: ArrayLi
 
 @dataclass(frozen=True)
 class Pour:
-    """What runs out of a vessel over time, each case a row of samples.
+    """Outflow of a vessel over time, each case a row of samples.
 
     Attributes:
         time: shape (..., m) [s].
@@ -145,12 +145,12 @@ class Pour:
 
     @property
     def start_time(self) -> Array:
-        """When it began to run out; at the end if never, shape (...) [s]."""
+        """Time of the first outflow, the end if there is none, shape (...) [s]."""
         return self._time_beyond(0.0)
 
     @property
     def end_time(self) -> Array:
-        """When it had run out but for a hundredth, shape (...) [s]."""
+        """Time when all but a hundredth has run out, shape (...) [s]."""
         return self._time_beyond(RUN_OUT)
 
     def _time_beyond(self, share: float) -> Array:
@@ -159,7 +159,7 @@ class Pour:
         return np.take_along_axis(self.time, first[..., None], axis=-1)[..., 0]
 
     def landing(self, fall: ArrayLike) -> tuple[Array, Array]:
-        """How far ahead of the lip it lands: mean and standard deviation over the volume [m].
+        """Mean and standard deviation, over the volume, of the distance where it lands [m].
 
         Args:
             fall: height of the lip above where it lands, shape (...) [m].
@@ -171,7 +171,7 @@ class Pour:
         return mean, np.sqrt(spread)
 
     def landing_distances(self, fall: ArrayLike) -> Array:
-        """How far ahead of the lip each part lands, shape (..., m) [m]."""
+        """Distance ahead of the lip at which each part lands, shape (..., m) [m]."""
         # A part has the head and the tilt at the start of its step.
         head, tilt = (np.concatenate([x[..., :1], x[..., :-1]], axis=-1) for x in
                       (self.head, self.tilt))  # fmt: skip
@@ -181,7 +181,7 @@ class Pour:
 def simulate_pour(
     vessel: Vessel, volume: ArrayLike, heading: ArrayLike, time: ArrayLike, tilt: ArrayLike
 ) -> Pour:
-    """What runs out during a motion.
+    """Outflow during a motion.
 
     Args:
         vessel: that is tilted.
@@ -217,7 +217,7 @@ def pour(
     rate: ArrayLike,
     wait: ArrayLike,
 ) -> Pour:
-    """What runs out of a vessel that is tilted at a steady rate, kept so, and tilted back.
+    """Outflow of a vessel that is tilted at a steady rate, kept so, and tilted back.
 
     Args:
         vessel: that is tilted.
@@ -288,7 +288,7 @@ class Catch:
 
 @dataclass(frozen=True)
 class Poured:
-    """What a pour comes to, over equally likely cases of contents and aim, shape (..., k).
+    """Result of a pour, over equally likely cases of contents and aim, shape (..., k).
 
     Attributes:
         contents: that there were [m³].
@@ -302,12 +302,12 @@ class Poured:
 
     @property
     def spilled(self) -> Array:
-        """What runs out and is not kept [m³]."""
+        """Volume that runs out and is not kept [m³]."""
         return self.poured - self.received
 
     @property
     def left(self) -> Array:
-        """What stays in the vessel [m³]."""
+        """Volume that stays in the vessel [m³]."""
         return self.contents - self.poured
 
     def mean_volumes(self) -> dict[str, Array]:
@@ -316,13 +316,13 @@ class Poured:
         return {name: getattr(self, name).mean(axis=-1) for name in names}
 
     def probability(self, *, received: ArrayLike = 0.0, spilled: ArrayLike = np.inf) -> Array:
-        """How likely at least so much is received, and at most so much spilled, shape (...)."""
+        """Probability of receiving at least, and spilling at most, given volumes, shape (...)."""
         enough = self.received >= np.asarray(received, float)[..., None]
         return np.asarray((enough & (self.spilled <= np.asarray(spilled)[..., None])).mean(axis=-1))
 
 
 def caught_volume(running: Pour, contents: ArrayLike, catch: Catch) -> Poured:
-    """What of a pour is caught, over the cases of an uncertain aim.
+    """Volumes that another vessel catches of a pour, over the cases of an uncertain aim.
 
     Args:
         running: what runs out, shape (...).
@@ -353,7 +353,7 @@ def predict_pour(
     rate: ArrayLike,
     wait: ArrayLike,
 ) -> Poured:
-    """What comes of pouring, with what is not known about contents and aim.
+    """Predicted result of a pour with uncertain contents and aim.
 
     Args:
         vessel: that is tilted.

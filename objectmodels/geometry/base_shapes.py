@@ -32,7 +32,7 @@ ROUND_CORNERS = 24
 
 
 class Base(Protocol):
-    """What the mechanics asks of a base."""
+    """Base of an object, as the mechanics needs it."""
 
     @property
     def corners(self) -> Array:
@@ -50,7 +50,7 @@ class Base(Protocol):
         ...
 
     def extent(self, normals: Array) -> Array:
-        """How far it reaches along unit vectors (..., 2), shape (...) [m]."""
+        """Reach along unit vectors (..., 2), shape (...) [m]."""
         ...
 
     def topple_force(

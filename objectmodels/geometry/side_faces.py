@@ -1,4 +1,4 @@
-"""Side faces: where a finger may push an object.
+"""Side faces, on which a finger may push an object.
 
 Frame: B, origin at the centre of the base, z up. A place on a face is (lateral, height): along its
 tangent from the middle, and above the table [m].
@@ -95,7 +95,7 @@ class Face:
     def contains(
         self, lateral: ArrayLike, height: ArrayLike, margin: float = 0.0
     ) -> NDArray[np.bool_]:
-        """Whether places lie on it, at least a margin from its border [m]."""
+        """Return True for places on it, at least a margin from its border [m]."""
         y, z = np.broadcast_arrays(np.asarray(lateral, float), np.asarray(height, float))
         if self.outline is None:
             inside = (np.abs(y) <= self.width / 2.0 - margin + 1e-12) & (z <= self.top - margin)

@@ -1,4 +1,4 @@
-"""How a base carries its object: points on which it stands, and its friction radius.
+"""Support of an object: the points on which it stands, and its friction radius.
 
 Model: the points are springs of given weights (`objectmodels.mechanics.exact.support_springs`), so
 their loads follow from the centre of pressure. The ellipsoidal limit surface needs to know one
@@ -67,7 +67,7 @@ def mean_distance(points: Array, weights: Array) -> float:
 
 
 def is_within(base: Base, points: Array, tolerance: float = 0.0) -> bool:
-    """Whether all points (n, 2) lie in a base, or beyond it by at most a tolerance [m]."""
+    """Return True if all points (n, 2) lie in a base, or beyond it by at most a tolerance [m]."""
     if isinstance(base, Polygon):
         return bool((points @ base.normals.T <= base.offsets + tolerance).all())
     return bool((np.hypot(*points.T) <= base.size + tolerance).all())

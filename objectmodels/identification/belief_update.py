@@ -1,4 +1,4 @@
-"""Guess, touch, update: what one more trial changes in what is believed.
+"""Update of a belief by trials: guess, touch, update.
 
 The belief is a model's values with their covariance, normal in the `coordinates`:
 logarithms of the positive parameters. Trials enter one after the other by an iterated extended
@@ -43,7 +43,7 @@ _SETTLED = 1e-4  # step in standard deviations
 
 @dataclass(frozen=True)
 class Update:
-    """What is believed after a touch.
+    """Belief after a touch.
 
     Attributes:
         model: the belief with the trials taken in.
@@ -56,7 +56,7 @@ class Update:
 
     @property
     def is_contradiction(self) -> bool:
-        """Whether the trials contradict what was believed."""
+        """Return True if the trials contradict the belief before."""
         return self.surprise > SURPRISING
 
 
@@ -65,7 +65,7 @@ def initial_belief(
     factor: float = 2.0,
     names: Sequence[str] = ("mass", "friction", "finger_friction"),
 ) -> ObjectModel:
-    """The model with parameters that are only guessed.
+    """Model whose parameters are only guessed.
 
     Args:
         model: whose values are the guess.
@@ -91,14 +91,14 @@ def initial_belief(
 def belief_after_trial(
     model: ObjectModel, trial: Trial, *, exact: bool = True, spread: float = 0.0
 ) -> ObjectModel:
-    """What is believed after one more trial; see `update`."""
+    """Belief after one more trial; see `update_belief`."""
     return update_belief(model, [trial], exact=exact, spread=spread).model
 
 
 def update_belief(
     model: ObjectModel, trials: Sequence[Trial], *, exact: bool = True, spread: float = 0.0
 ) -> Update:
-    """Takes trials into what is believed.
+    """Return the belief after some trials.
 
     Args:
         model: the belief before.
@@ -159,7 +159,7 @@ def _given_others(P: Array) -> float:
 
 
 def _logarithmic_observations(balance: Balance) -> Array:
-    """What was measured, forces by their logarithm."""
+    """Measured values, forces by their logarithm."""
     return np.where(balance.turns, balance.observed, np.log(np.abs(balance.observed)))
 
 

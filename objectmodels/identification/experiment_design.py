@@ -1,4 +1,4 @@
-"""Which experiment to do next, and when to stop.
+"""Choice of the next experiment, and of when to stop.
 
 A candidate is an experiment with the trials that it would yield: where, in which direction, what
 would move, how precisely it is felt. By the Kalman filter's covariance (`update`), which does not
@@ -50,7 +50,7 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Worth:
-    """What an experiment would tell.
+    """Worth of an experiment.
 
     Attributes:
         candidate: the experiment.
@@ -66,7 +66,7 @@ class Worth:
 def parameter_precisions(
     model: ObjectModel, wanted: Sequence[str] = UNCERTAIN, *, spread: float = 0.0
 ) -> dict[str, float]:
-    """How well parameters are known: relative standard deviations, of the centre of mass in metres.
+    """Relative standard deviations of parameters, of the centre of mass in metres.
 
     Args:
         model: what is believed.
@@ -80,7 +80,7 @@ def parameter_precisions(
 def is_precise_enough(
     model: ObjectModel, asked: Mapping[str, float], *, spread: float = 0.0
 ) -> bool:
-    """Whether all parameters are known as precisely as asked: time to stop.
+    """Return True if all parameters are known as precisely as asked: time to stop.
 
     Args:
         model: what is believed.
@@ -98,7 +98,7 @@ def rank_candidates(
     *,
     spread: float = 0.0,
 ) -> list[Worth]:
-    """The candidates, the one that tells most first.
+    """Candidates in the order of their worth, the best first.
 
     Args:
         model: what is believed, with its uncertainty.

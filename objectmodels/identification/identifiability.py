@@ -1,4 +1,4 @@
-"""What trials can tell about an object, and which experiment is missing for the rest.
+"""Parameters that trials identify, and the experiments that are missing for the others.
 
 A parameter counts as identified if the trials alone, with everything else that is sought unknown
 too, leave less of it open than `UNKNOWN`: the covariance of a fit from almost no prior knowledge
@@ -48,7 +48,7 @@ _GIVEN_UP = (FINGER, COM_Z, COM_Y, COM_X, RADIUS, FRICTION, MASS)
 
 @dataclass(frozen=True)
 class Missing:
-    """Why a parameter cannot be found.
+    """Reason that a parameter cannot be found, and what would find it.
 
     Attributes:
         name: of the parameter.
@@ -74,7 +74,11 @@ HOW = {
 
 
 def require_names(parameters: Sequence[str]) -> None:
-    """Refuses names of parameters that do not exist."""
+    """Raise an error if a parameter does not exist.
+
+    Raises:
+        ModelError: `bad_value`.
+    """
     for name in parameters:
         if name not in UNCERTAIN:
             raise ModelError(
@@ -87,7 +91,7 @@ def require_names(parameters: Sequence[str]) -> None:
 def identifiable_parameters(
     balance: Balance, at: Linear, belief: Array, parameters: Sequence[str] | None
 ) -> tuple[Mask, tuple[Missing, ...]]:
-    """Which parameters to seek, and why not the others that the trials touch.
+    """Parameters to seek, and reasons against the others that the trials touch.
 
     Args:
         balance: the trials and their model.
@@ -132,13 +136,13 @@ def identifiable_parameters(
 
 
 def _is_concerned(name: str, kinds: set[str]) -> bool:
-    """Whether someone who made trials of such kinds may have meant to find a parameter."""
+    """Return True if trials of such kinds may have been meant to find a parameter."""
     by = {"topple": ("mass", "com_x"), "slide": ("mass", "friction"), "slip": ("finger_friction",)}
     return any(name in names for kind, names in by.items() if kind in kinds)
 
 
 def not_identifiable_error(lost: Sequence[Missing]) -> ModelError:
-    """The error that says what cannot be found, why, and what would tell it."""
+    """Error that says which parameters cannot be found, why, and what would find them."""
     said = "; ".join(f"{m.name}: {m.reason}" for m in lost)
     names = dict.fromkeys(name for m in lost for name in m.experiments)
     return ModelError(
@@ -160,7 +164,7 @@ def open_covariance(balance: Balance, at: Linear, free: Mask) -> Array:
 
 
 def _open_parameters(balance: Balance, at: Linear, free: Mask) -> Mask:
-    """Which of the parameters sought the trials leave open."""
+    """Parameters sought that the trials leave open."""
     wide = np.zeros(len(free), dtype=bool)
     limit = np.where(LOGARITHMIC, UNKNOWN, 0.5 * UNKNOWN * balance.model.base.size)
     wide[free] = np.sqrt(np.diag(open_covariance(balance, at, free))) > limit[free]
@@ -170,7 +174,7 @@ def _open_parameters(balance: Balance, at: Linear, free: Mask) -> Mask:
 def _belief_dependent(
     balance: Balance, at: Linear, free: Mask, belief: Array, limit: float
 ) -> Mask:
-    """Which of the parameters sought would hang too much on beliefs about the others."""
+    """Parameters sought that would hang too much on beliefs about the others."""
     hangs = np.zeros(len(free), dtype=bool)
     shift = _shift_by_beliefs(balance, at, free)
     variance = np.einsum("ij,jk,ik->i", shift, belief[np.ix_(~free, ~free)], shift)
@@ -180,7 +184,7 @@ def _belief_dependent(
 
 
 def _shift_by_beliefs(balance: Balance, at: Linear, free: Mask) -> Array:
-    """By how much the parameters sought follow those that are kept, shape (sought, kept)."""
+    """Change of the parameters sought with those that are kept, shape (sought, kept)."""
     J = at.jacobian / at.sd[:, None]
     return np.asarray(open_covariance(balance, at, free) @ J[:, free].T @ J[:, ~free])
 
@@ -195,7 +199,7 @@ def _hung_on(balance: Balance, at: Linear, k: int, free: Mask, belief: Array) ->
 def missing_parameter(
     balance: Balance, at: Linear, k: int, free: Mask, kept: Array | None = None
 ) -> Missing:
-    """Why parameter k cannot be found, in words, from what its wide direction is made of.
+    """Reason that parameter k cannot be found, from what its wide direction is made of.
 
     Args:
         balance: the trials and their model.
@@ -252,7 +256,7 @@ def _tied_parameters(balance: Balance, at: Linear, k: int, free: Mask) -> set[in
 
 
 def _of_radius(balance: Balance, values: Array) -> tuple[str, tuple[str, ...]]:
-    """Why slides do not tell the friction radius."""
+    """Reason that slides do not show the friction radius."""
     t = balance.touches
     i = t.kind == "slide"
     r = t.p[i] - values[COM_X:]
@@ -266,7 +270,7 @@ def _of_radius(balance: Balance, values: Array) -> tuple[str, tuple[str, ...]]:
 
 
 def _one_sided(balance: Balance) -> bool:
-    """Whether no two tilts went to opposite sides."""
+    """Return True if no two tilts went to opposite sides."""
     n = balance.normals[balance.touches.kind == "topple"]
     return bool((n @ n.T).min() > -0.5)
 

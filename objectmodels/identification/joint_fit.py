@@ -106,7 +106,7 @@ class Fit:
     _solution: Solution = field(repr=False)
 
     def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
-        """Where a parameter lies with some probability.
+        """Interval in which a parameter lies with some probability.
 
         Args:
             name: of the parameter, one of `UNCERTAIN`.
@@ -216,7 +216,7 @@ def _standing_on(model: ObjectModel, support: Support) -> ObjectModel:
 
 
 def _comparison_note(found: Sequence[_Tried], taken: Balance) -> list[str]:
-    """What to say of the supports that were tried."""
+    """Notes on the supports that were tried."""
     if len(found) < 2:
         return []
     misfits = sorted(misfit for misfit, _, _ in found)
@@ -233,7 +233,7 @@ def _support_name(support: Support) -> str:
 
 
 def _has_turning_slide(balance: Balance, values: Array) -> bool:
-    """Whether a slide is so far off-centre that the object turns."""
+    """Return True if a slide is so far off-centre that the object turns."""
     t = balance.touches
     i = t.kind == "slide"
     arm = yaw_arm(t.p[i], t.u[i], values[COM_X:])
@@ -338,7 +338,7 @@ def _fit_from(
 def _fitted_model(
     balance: Balance, solution: Solution, covariance: Array, found: tuple[str, ...]
 ) -> ObjectModel:
-    """The model as the fit leaves it; the next slide's friction differs from the mean."""
+    """Model with the values found; the next slide's friction differs from the mean."""
     covariance = covariance.copy()
     covariance[FRICTION, FRICTION] += (solution.spread * solution.values[FRICTION]) ** 2
     fitted = with_belief(with_values(balance.model, solution.values), covariance)

@@ -44,7 +44,7 @@ _ROOTS = 40
 
 @dataclass(frozen=True)
 class Solution:
-    """What a fit found.
+    """Result of a fit.
 
     Attributes:
         at: predictions at the values found.
@@ -87,7 +87,7 @@ def solve_least_squares(
     rows: Mask | None = None,
     prior: bool = False,
 ) -> Solution:
-    """Finds the parameters sought by Gauss and Newton's method.
+    """Find the parameters sought by Gauss and Newton's method.
 
     Args:
         balance: the trials and their model.
@@ -124,7 +124,11 @@ def solve_least_squares(
 
 
 def require_possible(balance: Balance, at: Linear, rows: Mask | bool = True) -> None:
-    """Refuses rows that the model has no prediction for."""
+    """Raise an error if the model has no prediction for a row.
+
+    Raises:
+        ModelError: `impossible_trial`.
+    """
     (wrong,) = np.nonzero(rows & ~np.isfinite(at.predicted))
     if wrong.size:
         raise ModelError(

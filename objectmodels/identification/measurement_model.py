@@ -1,4 +1,4 @@
-"""What a model says that touches of it should show: the measurement model of identification.
+"""Measurement model of identification: values that touches of an object should show.
 
 Model, with F = s u the force on the object in the level axes of B, G its weight:
 
@@ -166,7 +166,7 @@ class Linear:
 
 
 class Balance:
-    """What a model predicts of some trials.
+    """Predictions of a model for some trials.
 
     Rows are what was measured: one for what made each trial move, in their order (a force [N], or
     for a slip the ratio of forces), then one for each turn rate [rad/m].
@@ -203,7 +203,7 @@ class Balance:
         return [*forces, np.flatnonzero(self.turns)]
 
     def predict(self, values: Array) -> Array:
-        """What the rows should show by the closed form, shape (..., r).
+        """Predicted values of the rows by the closed form, shape (..., r).
 
         Args:
             values: the parameters in the order of `UNCERTAIN`, shape (..., 7).
@@ -243,7 +243,7 @@ class Balance:
         return Linear(values, now, jacobian, self._stated_deviations(values))
 
     def _take_exact(self, values: Array, predicted: Array, jacobian: Array) -> None:
-        """Puts the exact tier's slides in place of the closed form's."""
+        """Put the exact tier's slides in place of the closed form's."""
         t = self.touches
         (i,) = np.nonzero(t.kind == "slide")
         if not i.size:

@@ -1,4 +1,4 @@
-"""What it tells that a push moved nothing: the object takes more force than that.
+"""Update of a belief by a push that moved nothing: the object takes more force than that.
 
 The logarithm of the force that would move it is normal by what is believed, with mean m and
 standard deviation σ; that it withstood F leaves the part above log F. Mean and covariance of the
@@ -34,7 +34,7 @@ _FAR = 6.0  # standard deviations from which on the hazard is taken from its asy
 
 
 def update_without_motion(model: ObjectModel, trial: Trial) -> Update:
-    """What is believed after a push that moved nothing.
+    """Belief after a push that moved nothing.
 
     A belief by which the object should have moved was too sure: its covariance is widened first,
     until the trial is no more than just surprising.
@@ -50,7 +50,7 @@ def update_without_motion(model: ObjectModel, trial: Trial) -> Update:
 
 
 def widen_belief(model: ObjectModel, surprise: float) -> ObjectModel:
-    """The belief, so much less sure that a trial of that surprise is no more than just surprising.
+    """Belief widened so far that a trial of that surprise is just surprising.
 
     Args:
         model: the belief.
@@ -61,7 +61,7 @@ def widen_belief(model: ObjectModel, surprise: float) -> ObjectModel:
 
 
 def _belief_above(model: ObjectModel, trial: Trial, moved: Moved) -> ObjectModel:
-    """The belief if the force of one way to move is above that of the trial."""
+    """Belief if the force of one way to move is above that of the trial."""
     z, *_ = _force_distance(model, trial, moved)
     model = widen_belief(model, z)
     cut, gain, P = _force_distance(model, trial, moved)

@@ -1,4 +1,4 @@
-"""When a pressed object begins to move, from force and travel over time.
+"""Onset of motion of a pressed object, from force and travel over time.
 
 Model: while the object stands, the pressing finger hardly moves and the force rises as the finger's
 stiffness is loaded; once it moves, the finger travels and the force stays (a slide) or falls slowly

@@ -1,4 +1,4 @@
-"""Whether measurements can be of an object at all: places on it, forces of its order.
+"""Plausibility of measurements: contacts on the object, forces of its order.
 
 Wrong units are wrong by a factor of 1000 as a rule, and a belief is hardly ever; so what lies
 beside the object, or is off by a factor of `FAR` from what is believed, is refused, with a guess at
@@ -112,7 +112,7 @@ def _believed_force(model: ObjectModel, trial: Trial, u: Array) -> float:
 
 
 def _distances_beyond(model: ObjectModel, point: Vector) -> Array:
-    """How far a point lies beyond each side of the outline seen from above [m]."""
+    """Distances of a point beyond each side of the outline seen from above [m]."""
     outline = Polygon.convex(model.outline)
     return np.asarray(outline.normals @ np.array(point[:2]) - outline.offsets)
 

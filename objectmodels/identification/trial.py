@@ -1,4 +1,4 @@
-"""What one touch of an object showed: where it was pressed, how hard, and what moved.
+"""Trial: one touch of an object, with its contact, its force and what moved.
 
 Frame: B is the object's, origin at the centre of its base, z up. Forces are given in the axes that
 B has while the object stands upright with its heading of that moment: a tilt does not turn them.

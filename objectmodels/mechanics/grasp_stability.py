@@ -1,4 +1,4 @@
-"""Whether a grasp between thumb and fingers holds: how hard it must squeeze, and how surely.
+"""Stability of a grasp between thumb and fingers: the squeeze it needs, and its probability.
 
 Model: point contacts with Coulomb friction on two parallel sides. The part of the weight along the
 closing direction, and the moment that it has there, is borne by equally stiff fingers beside the
@@ -48,7 +48,7 @@ _LEAST_PRESS = 1e-6  # share of the squeeze with which each contact must press
 
 @dataclass(frozen=True)
 class Contacts:
-    """Where thumb and fingers touch; see `planner.types.hand_reach.Grip`.
+    """Contacts of thumb and fingers; see `planner.types.hand_reach.Grip`.
 
     Attributes:
         places: along the approach, and along approach × closing, shape (k, 2) [m].
@@ -85,7 +85,7 @@ class Contacts:
 
 
 def normal_loads(contacts: Contacts, squeeze: ArrayLike, force: Array, place: Array) -> Array:
-    """How hard each contact presses, shape (k, n) [N]; negative: it would open.
+    """Normal loads of the contacts, shape (k, n) [N]; negative where one would open.
 
     Args:
         contacts: of the grasp.
@@ -130,7 +130,7 @@ def critical_friction(contacts: Contacts, squeeze: ArrayLike, force: Array, plac
 def slip_multiplier(
     contacts: Contacts, squeeze: ArrayLike, friction: ArrayLike, force: Array, place: Array
 ) -> Array:
-    """How many times the friction that it needs a grasp has, shape (n,); below 1 it slips."""
+    """Friction of a grasp over the friction that it needs, shape (n,); below 1 it slips."""
     with np.errstate(divide="ignore"):
         needed = critical_friction(contacts, squeeze, force, place)
         return np.asarray(np.broadcast_to(friction, needed.shape) / needed)
@@ -159,7 +159,7 @@ def squeeze_needed(contacts: Contacts, friction: ArrayLike, force: Array, place:
 
 @dataclass(frozen=True)
 class Hold:
-    """What is believed of a grasp over a motion.
+    """Belief about a grasp over a motion.
 
     Attributes:
         needed: least squeeze with everything as believed [N].
@@ -193,7 +193,7 @@ class Lifted:
     acceleration: float = 0.0
 
     def hold_by(self, squeeze: float, *, sigmas: float = 2.0) -> Hold:
-        """Whether it holds.
+        """Squeeze needed over the motion, and the probability that a given squeeze holds.
 
         Args:
             squeeze: that is asked about [N].

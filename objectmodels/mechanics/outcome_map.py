@@ -1,4 +1,4 @@
-"""Outcome maps: what a push at every place of a face does, and the force that it needs.
+"""Outcome maps: class and force of a push at every place of a face.
 
 This is the paper's Fig. 7 for any model: for a grid of contacts on a face, pushed one way, the
 force at which the object moves and whether it then slides or topples. Where that is too close to

@@ -1,4 +1,4 @@
-"""Where an object goes when one or two fingers push it along the table.
+"""Motion of an object that one or two fingers push along the table.
 
 Model: quasi-static sliding on the ellipsoidal limit surface, so the motion is normal to it at the
 friction wrench: v ∝ F, ω ∝ m_z / c̄² about the centre of pressure (Howe and Cutkosky 1996). Fingers
@@ -34,7 +34,7 @@ MODES = np.array(["stick", "slip", "turn", "lost"])
 
 @dataclass(frozen=True)
 class Stroke:
-    """What strokes do; arrays over n strokes.
+    """Motion by strokes; arrays over n strokes.
 
     Attributes:
         pose: x, y [m], θ [rad] of B at the end, in B at the start, shape (n, 3).

@@ -1,4 +1,4 @@
-"""What the object models answer with: thresholds and predictions, over whole arrays."""
+"""Thresholds and predictions of pushes, over whole arrays."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ class Prediction:
 
     @cached_property
     def moves(self) -> NDArray[np.bool_]:
-        """Whether the force reaches the onset."""
+        """Return True where the force reaches the onset."""
         return self.force >= self.thresholds.onset
 
     @cached_property
@@ -194,6 +194,6 @@ def size_and_direction(f: Array) -> tuple[Array, Array]:
 
 
 def force_gap(first: Array, other: Array) -> Array:
-    """How much later `other` comes than `first` [N]; −inf where `first` never comes."""
+    """Force by which `other` comes later than `first` [N]; −inf where `first` never comes."""
     with np.errstate(invalid="ignore"):
         return np.where(np.isinf(first), -np.inf, other - first)

@@ -1,4 +1,4 @@
-"""How far an object can be tilted, and how far a finger travels to tilt it.
+"""Limits of tilting an object, and the travel of a finger that tilts it.
 
 Model: the object pivots about a base edge that does not slide. Seen along that edge: base length L
 along the push, the finger on the rear face at height h, the pivot at the leading edge, b from the

@@ -58,7 +58,7 @@ _SMALLEST_RADIUS = 0.3  # share of the friction radius that no doubt takes away
 
 @dataclass(frozen=True)
 class Turning:
-    """What pushes that turn an object do; arrays over n pushes.
+    """Motion by pushes that turn an object; arrays over n pushes.
 
     Attributes:
         pose: x, y [m], θ [rad] of B after the turn, shape (n, 3); NaN where it does not turn so.
@@ -78,7 +78,7 @@ class Turning:
 
     @property
     def is_successful(self) -> NDArray[np.bool_]:
-        """Whether the object turns as asked while the finger sticks, shape (n,)."""
+        """Return True where the object turns as asked while the finger sticks, shape (n,)."""
         return self.turns & self.sticks
 
 
@@ -114,7 +114,7 @@ def turning_motion(
     *,
     sigmas: float = 0.0,
 ) -> Turning:
-    """What pushes do that turn an object by an angle.
+    """Motion by pushes that turn an object by an angle.
 
     Args:
         model: of the object.
@@ -279,7 +279,7 @@ class _Contacts:
         return force, cross(self.r, force) / radius**2
 
     def is_sticking(self, force: Array, sigmas: float) -> NDArray[np.bool_]:
-        """Whether forces lie inside the friction cone of the finger."""
+        """Return True for forces inside the friction cone of the finger."""
         mu = self._model.finger_friction - sigmas * self._model.finger_friction_sd
         return np.asarray((force[:, 0] > 0.0) & (np.abs(force[:, 1]) <= mu * force[:, 0]))
 

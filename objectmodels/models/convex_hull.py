@@ -138,7 +138,7 @@ class HullModel(ObjectModel):
         return tuple(found)
 
     def _bulging_face(self, heading: float) -> list[Face]:
-        """What lies within a small depth of a plane against a heading, if it is wide enough.
+        """Face of what lies within a small depth of a plane against a heading, if wide enough.
 
         The plane leans as the side does there.
         """

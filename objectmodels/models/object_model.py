@@ -1,4 +1,4 @@
-"""An object that stands on a table, and what pushes do to it: the engine of all kinds of model.
+"""Object that stands on a table and is pushed: the base of all kinds of model.
 
 Model: a rigid object with a flat convex base on a horizontal table, Coulomb friction at the table
 and at the finger; see `objectmodels.mechanics.push_thresholds` for the formulae. Frame B has its
@@ -47,7 +47,7 @@ _OF_ITS_STANDING = ("container", "lid", "grasp")  # stated for the base that it 
 
 
 class ObjectModel(Parameters, ABC):
-    """What is believed about an object, and what that says of pushes.
+    """Belief about an object, and its predictions for pushes.
 
     Attributes: see `objectmodels.models.parameters.Parameters`.
     """
@@ -75,7 +75,7 @@ class ObjectModel(Parameters, ABC):
 
     @property
     def outline(self) -> Array:
-        """What it covers of the table seen from above, a convex polygon, shape (k, 2) [m]."""
+        """Convex polygon that it covers of the table seen from above, shape (k, 2) [m]."""
         return self.footprint.corners
 
     @property
@@ -126,7 +126,7 @@ class ObjectModel(Parameters, ABC):
         )
 
     def resting_face(self, R_WB: ArrayLike) -> Resting:
-        """How it lies if it is seen in some orientation: the pose picks the base.
+        """Face on which it rests in an orientation: the pose picks the base.
 
         Args:
             R_WB: orientation of B in W, shape (3, 3).
@@ -182,7 +182,7 @@ class ObjectModel(Parameters, ABC):
 
     @cached_property
     def base(self) -> Base:
-        """What it would topple over: its footprint, or the hull of the points it stands on."""
+        """Base that it would topple over: its footprint, or the hull of its support points."""
         return carrying_base(self.support, self.footprint)
 
     @property
@@ -312,7 +312,7 @@ class ObjectModel(Parameters, ABC):
     def is_slipping(
         self, normals: ArrayLike, forces: ArrayLike, *, friction: Friction = "static"
     ) -> Any:
-        """Whether a finger that presses so slips along the face, booleans of shape (n,).
+        """Return True where a finger that presses so slips along the face, shape (n,).
 
         Args:
             normals: outward unit normals of the faces in B, shape (n, 3).
@@ -332,7 +332,7 @@ class ObjectModel(Parameters, ABC):
         return np.linalg.norm(f + pressing[:, None] * n, axis=1) > mu * pressing
 
     def sudden(self, points: ArrayLike, forces: ArrayLike) -> SuddenPush:
-        """What forces that are applied at once do at that instant, inertia included.
+        """Motion at the instant at which forces are applied suddenly, inertia included.
 
         Args:
             points: contact points p_BC, shape (n, 3) [m].
@@ -352,7 +352,7 @@ class ObjectModel(Parameters, ABC):
         direction: ArrayLike,
         travel: float,
     ) -> Stroke:
-        """Where it comes to rest after slow strokes of one finger each, or of two; see `motion`.
+        """Motion by slow strokes of one finger each, or of two; see `push_motion`.
 
         Args:
             points: contact points p_BC at the start, shape (n, 3) [m], or (n, 2, 3) for two fingers

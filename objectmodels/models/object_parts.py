@@ -1,4 +1,4 @@
-"""What an object may have besides its shape: contents, a lid, places to hold it by.
+"""Parts of an object besides its shape: contents, a lid, places to hold it by.
 
 Model files state them in blocks of their own (`container:`, `lid:`, `grasp:`), strictly and with
 units in the keys, on whatever kind of shape. What follows from them is computed elsewhere:
@@ -126,7 +126,7 @@ class FlipLid(Part):
         return math.radians(self.opens_to_deg)
 
     def leaves_free(self, angle: float) -> bool:
-        """Whether contents get past it when it is open by an angle [rad]."""
+        """Return True if contents get past it when it is open by an angle [rad]."""
         return angle > self.snap_angle
 
 
@@ -154,7 +154,7 @@ class LiftOffLid(Part):
     knob_height: PositiveFloat = Field(alias="knob_height_m")
 
     def leaves_free(self, height: float) -> bool:
-        """Whether contents get past it when it is lifted by a height [m]."""
+        """Return True if contents get past it when it is lifted by a height [m]."""
         return height > self.travel
 
 
@@ -179,7 +179,7 @@ class ScrewCap(Part):
     height: PositiveFloat = Field(alias="height_m")
 
     def leaves_free(self, angle: float) -> bool:
-        """Whether contents get past it when it is turned by an angle [rad]: once it is off."""
+        """Return True if contents get past it, turned by an angle [rad]: once it is off."""
         return angle >= 2.0 * math.pi * self.turns
 
 
@@ -187,7 +187,7 @@ Lid = Annotated[FlipLid | LiftOffLid | ScrewCap, Field(discriminator="kind")]
 
 
 class Graspable(Part):
-    """Where a hand may hold the object between thumb and fingers, and how hard.
+    """Places by which a hand may hold the object, and the squeeze that it bears.
 
     Attributes:
         lowest, highest: heights between which it may be touched [m].

@@ -1,4 +1,4 @@
-"""What is believed about an object that stands on a table, whatever its shape.
+"""Beliefs about an object that stands on a table, whatever its shape.
 
 Every parameter has a standard deviation; a fit may add correlations. Keys of model files carry
 units; they are the aliases of the fields here.
@@ -49,7 +49,7 @@ Correlations = Annotated[tuple[Correlation, ...], BeforeValidator(as_tuple)]
 
 
 class Provenance(BaseModel):
-    """Where a model's figures come from.
+    """Origin of a model's figures.
 
     Attributes:
         source: publication, person or program.
@@ -67,7 +67,7 @@ class Provenance(BaseModel):
 
 
 class Parameters(BaseModel):
-    """What is believed; the *_sd are standard deviations of that belief.
+    """Beliefs about an object; the *_sd are standard deviations of them.
 
     Attributes:
         name: what the object is called.

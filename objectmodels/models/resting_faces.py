@@ -45,7 +45,7 @@ class Resting:
 
 
 def rest_on_face(model: ObjectModel, R_WB: ArrayLike) -> Resting:
-    """How an object lies that is seen in some orientation; see `ObjectModel.resting_face`."""
+    """Face on which an object rests in an orientation; see `ObjectModel.resting_face`."""
     R = np.asarray(R_WB, dtype=np.float64)
     if R.shape != (3, 3) or not np.allclose(R @ R.T, np.eye(3), atol=1e-6) or np.linalg.det(R) < 0:
         raise ModelError("bad_array", "R_WB must be a rotation matrix, shape (3, 3)")

@@ -98,7 +98,7 @@ class Vessel:
 
     @cached_property
     def capacity(self) -> float:
-        """What it holds standing upright [m³]."""
+        """Volume that it holds standing upright [m³]."""
         return self._section_area * (self.top - self.floor)
 
     @property
@@ -141,7 +141,7 @@ class Vessel:
         return np.asarray(level + over)
 
     def liquid_head(self, volume: ArrayLike, tilt: ArrayLike, heading: ArrayLike) -> Array:
-        """How far the surface stands above the lip; nothing runs out up to zero [m]."""
+        """Height of the surface above the lip; nothing runs out up to zero [m]."""
         return self.surface_level(volume, tilt, heading) - self.lip_height(tilt, heading)
 
     def centroid(self, volume: ArrayLike, tilt: ArrayLike, heading: ArrayLike) -> Array:
@@ -315,7 +315,7 @@ def _moment_integral(x: Array, length: float) -> Array:
 
 
 def _bisect(beyond: Callable[[Array], NDArray[np.bool_]], low: Array, high: Array) -> Array:
-    """Where a condition that holds at first stops to hold, by halving."""
+    """Last value at which a condition that holds at first still holds, by halving."""
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         still = beyond(middle)

@@ -59,7 +59,7 @@ class Solid:
     stood: str
 
     def method_text(self) -> str:
-        """How shape and centre of mass were found."""
+        """Method by which shape and centre of mass were found."""
         hull_only = "" if self.closed else " of the convex hull"
         return (
             f"shape from a mesh, standing on {self.stood}; "
@@ -145,7 +145,7 @@ def _standing_face(points: Array, com: Array, path: Path) -> tuple[Array, str]:
 
 
 def _rests_on(face: tuple[Array, Array], com: Array) -> bool:
-    """Whether the centre of mass lies over a face, well inside."""
+    """Return True if the centre of mass lies over a face, well inside."""
     normal, corners = face
     R = turning_down(normal)
     base = hull_polygon((corners @ R.T)[:, :2])

@@ -156,7 +156,7 @@ def _explain_error(error: ValidationError, path: Path, cls: type[ObjectModel]) -
 
 
 def _error_location(complaint: Any) -> tuple[Any, ...]:
-    """Where a complaint is; in a union that is the whole of it."""
+    """Place of a complaint; in a union that is the whole of it."""
     parts: tuple[Any, ...] = complaint["loc"]
     return parts[:1] if parts[:1] == ("support",) else parts
 

@@ -28,7 +28,7 @@ Offer = type[ObjectModel] | ObjectModel | Path
 
 
 def plugin_offers() -> Iterator[tuple[str, Offer | ModelError]]:
-    """What the installed plug-ins bring, with the place it comes from; errors of the broken ones.
+    """Offers of the installed plug-ins, each with its place; errors of the broken ones.
 
     Kinds come first, so that model files of one plug-in may be of a kind of another one.
     """

@@ -1,4 +1,4 @@
-"""The registry: which object models there are, by name and synonym.
+"""Registry of object models, by name and synonym.
 
 A registry is a plain value that is filled explicitly; nothing registers itself by being imported.
 The default one is filled from these sources, in this order: the built-in models, plug-ins (entry
@@ -248,11 +248,11 @@ class Registry:
         return self.get(found[0] if found else text)
 
     def place(self, name: str) -> str:
-        """Where the model of that name comes from; raises as `get` does."""
+        """Origin of the model of that name; raises as `get` does."""
         return self._places[fold_text(self.get(name).name)]
 
     def replaced_place(self, name: str) -> str | None:
-        """Where the model comes from whose place that of this name took; None if it took none."""
+        """Origin of the model that the one of this name replaced; None if it replaced none."""
         return self._replaced.get(fold_text(name))
 
     @property

@@ -48,7 +48,7 @@ class Row:
         return ModelError("bad_data", message, path=where, suggestions=suggestions)
 
     def text(self, column: str) -> str:
-        """What stands in a column; empty if the table has no such column."""
+        """Text in a column; empty if the table has no such column."""
         return self.cells.get(column, "")
 
     def number_or_none(self, column: str) -> float | None:

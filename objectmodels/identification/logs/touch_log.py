@@ -51,7 +51,7 @@ _ROUNDED = 0.02  # a direction's length may be off by so much, then it is made o
 
 @dataclass(frozen=True)
 class Reading:
-    """What data files hold.
+    """Contents of data files.
 
     Attributes:
         trials: the touches.

@@ -1,4 +1,4 @@
-"""The exact tier: when a push slides an object that stands on springs, or topples it.
+"""Thresholds of the exact tier, for an object that stands on springs.
 
 Model: toppling is the closed form's, exact for a rigid base. For sliding, the support points carry
 what springs carry (`objectmodels.mechanics.exact.support_springs`), and resist what Coulomb
@@ -158,7 +158,7 @@ def exact_thresholds(model: Mechanical, p: Array, u: Array, friction: Friction) 
 
 @dataclass(frozen=True)
 class Answer:
-    """What a search finds of n pushes.
+    """Result of a search for n pushes.
 
     Attributes:
         ratio: load ratios at which they slide, shape (n,); inf where they never do. Where they

@@ -1,4 +1,4 @@
-"""What a force that is applied at once does at that instant, inertia included.
+"""Motion at the instant at which a force is applied suddenly, inertia included.
 
 Model: nothing moves below the onset of the closed form. Beyond it, the accelerations of a rigid
 body from rest, seen in an upright plane through the centre of mass: along the force, or across the
@@ -86,7 +86,7 @@ def sudden_push(model: Mechanical, p: Array, f: Array) -> SuddenPush:
 
 
 def _both_edges(moment: Array, load: Array, ahead: Array, behind: Array) -> NDArray[np.bool_]:
-    """Whether both edges press for a moment that the normal forces must balance."""
+    """Return True where both edges press for a moment that the normal forces must balance."""
     front = (moment + behind * load) / (ahead + behind)
     return np.asarray((front >= 0.0) & (front <= load))
 

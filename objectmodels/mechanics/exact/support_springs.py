@@ -78,7 +78,7 @@ class Springs:
         return loads, np.where(loaded, stiffness * change, 0.0)
 
     def load_changes(self, start: Array, moves: Array, last: Array) -> list[Array]:
-        """Where the set of loaded points changes as q = start + r·moves moves, r from 0 to last.
+        """Ratios r up to last at which the set of loaded points changes, q = start + r·moves.
 
         Args:
             start: centres of pressure at r = 0, shape (2, n) [m].
@@ -119,7 +119,7 @@ class Springs:
         return found
 
     def _carried_depth(self, q: Array, loaded: NDArray[np.bool_]) -> Array:
-        """How far each point is pressed in if the given ones carry the load, shape (k, n)."""
+        """Depth of each point if the given ones carry the load, shape (k, n)."""
         return self._plane_depth(self._solve_plane(loaded, np.ones(q.shape[1]), q[0], q[1]))
 
     @cached_property
@@ -136,7 +136,7 @@ class Springs:
         return off @ to_units, middle, to_units
 
     def _are_wrong(self, depth: Array, q: Array, loaded: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Which sets of points do not carry the loads, or press others than themselves, (n,)."""
+        """Return True for sets of points that do not carry the loads, or press others, (n,)."""
         others = (_is_pressing(depth) != loaded).any(axis=0)
         # Two points, or some on a line, make equations that only rounding seems to solve.
         with np.errstate(invalid="ignore"):
@@ -146,7 +146,7 @@ class Springs:
         return np.asarray(others | ~(off <= _BALANCED))
 
     def _plane_depth(self, plane: Array) -> Array:
-        """How far each point is pressed in, a + b·r_i, shape (k, n)."""
+        """Depth of each point, a + b·r_i, shape (k, n)."""
         x, y = self._scaled_points[0].T[:, :, None]
         with np.errstate(invalid="ignore", over="ignore"):  # of sets that carry nothing
             return np.asarray(plane[0] + x * plane[1] + y * plane[2])
@@ -219,5 +219,5 @@ class Springs:
 
 
 def _is_pressing(depth: Array) -> NDArray[np.bool_]:
-    """Which points are loaded; those that just touch count, so that three or more always are."""
+    """Return True for loaded points; those that just touch count, so that there are three."""
     return np.asarray(depth > -_TOUCHING * np.minimum(np.abs(depth).max(axis=0), _DEEP))
