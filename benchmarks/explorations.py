@@ -40,6 +40,7 @@ from objectmodels import ObjectModel
 from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification import initial_belief
 from sim.exploration.exploration_run import Explorer, Touched
+from sim.simulated_executor import simulation
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import FrictionVariation, Hidden, Pose, Scene, SceneObject, load_scene
 
@@ -130,16 +131,19 @@ def _explored(job: Job) -> Done:
 
     def told(touched: Touched, _: ObjectModel) -> None:
         if touched.trials[0].moved == "slide":
-            frictions.append(controller.world.truth_now(job.object).friction_table)
+            frictions.append(
+                simulation(controller.executor).world.truth_now(job.object).friction_table
+            )
 
     found = explore(
-        controller,
+        controller.executor,
+        controller.models,
         job.object,
         parameters=("mass", "friction") if job.question == "varying" else UNCERTAIN,
         repetitions=job.repetitions,
         told=told,
     )
-    report = with_truth(found.report, controller.world)
+    report = with_truth(found.report, simulation(controller.executor).truth(job.object))
     return Done(
         job=job,
         found={name: fitted.value for name, fitted in report.parameters.items()},
@@ -159,7 +163,7 @@ def guessed(job: Job, model: ObjectModel, mass: float, friction: float) -> Objec
 def _two_touches(job: Job) -> Done:
     controller = Controller(world(job), seed=job.seed)
     name = job.object
-    truth = controller.world.scene.object(name).truth
+    truth = simulation(controller.executor).truth(name)
     true = {"mass": truth.mass_kg, "friction": truth.friction_table}
     controller.models[name] = guessed(job, controller.models[name], **true)
 
@@ -167,9 +171,7 @@ def _two_touches(job: Job) -> Done:
         for trial in touched.trials:
             controller.models[name] = taken(controller.models[name], trial).model
 
-    explorer = Explorer(
-        name, controller.world, controller.look, reach=controller.reach, learn=learn
-    )
+    explorer = Explorer(name, controller.executor, controller.look, learn=learn)
     explorer.touch("tilt", "front", 0)
     explorer.touch("slide", "front", 0)
     model = controller.models[name]

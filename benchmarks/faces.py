@@ -18,13 +18,12 @@ from nlcontrol.references.face_names import face_of
 from nlcontrol.session.controller import Controller
 from objectmodels import ObjectModel
 from objectmodels.mechanics.outcome_map import outcome_map
-from sim.truth.observer import Observer
-from sim.truth.world_sampling import drawn
+from sim.simulated_executor import simulation
 
 
 def true_model(controller: Controller, name: str) -> ObjectModel:
     """The belief about an object with the scene's true parameters in it; its shape is right."""
-    truth = Observer(drawn(controller.scene, controller.seed)).truth(name)
+    truth = simulation(controller.executor).truth(name)
     belief = controller.models[name]
     stated = belief.model_dump(exclude={"friction_radius", "friction_radius_sd", "correlations"})
     changes = {
@@ -44,14 +43,12 @@ def compared(
         outcome_map(model, face_of(model, face), spacing=spacing)
         for model in (controller.models[name], true_model(controller, name))
     )
+    scene = simulation(controller.executor).scene
     start = perf_counter()
-    results = FaceExperiment(controller.scene, contacts_of(believed, name, face)).run(
-        workers=workers
-    )
+    results = FaceExperiment(scene, contacts_of(believed, name, face)).run(workers=workers)
     seconds = perf_counter() - start
-    scene = controller.scene.name
     first, second = (
-        Comparison(chart, results, name, face, scene, "force", 0) for chart in (believed, true)
+        Comparison(chart, results, name, face, scene.name, "force", 0) for chart in (believed, true)
     )
     return first, second, seconds
 
@@ -76,7 +73,7 @@ def main() -> None:
     controller = Controller(options.scene)
     print("| object | parameters | contacts | same class | force, median error | time |")
     print("|---|---|---|---|---|---|")
-    for name in controller.scene.names:
+    for name in controller.cell.names:
         believed, true, seconds = compared(
             controller, name, options.face, 1e-3 * options.spacing, options.workers
         )

@@ -44,6 +44,7 @@ from planner.types.robot import ReachAnswer
 from planner.types.world_state import WorldState
 from sim.cell.cell_description import Vision
 from sim.motion.robot_reach import ArmHandReach
+from sim.simulated_executor import simulation
 from sim.standard_robot import ARM, HAND
 from sim.truth.scene_file import Pose, Scene, SceneObject
 
@@ -134,7 +135,8 @@ def planned(goal: Goal, repetitions: int, *, kinematics: bool) -> tuple[list[flo
     """Times of planning [s], the first one included, and why there is no plan, if so."""
     controller = Controller(world(), registry=Registry.built_in())
     if not kinematics:
-        controller._reach = Everywhere(controller.scene.cell, ARM, HAND)
+        executor = simulation(controller.executor)
+        executor.robot = Everywhere(executor.cell, ARM, HAND)
     (frame,) = controller.resolve(controller.parse(goal.text)).frames
     state, _ = controller.look(), controller.reach
     times, why = [], ""

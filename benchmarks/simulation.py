@@ -16,8 +16,10 @@ import time
 
 from nlcontrol import Controller
 from planner.types.plan import Plan
-from sim import DrakeWorld, load_scene
+from sim import load_scene
+from sim.simulated_executor import simulation
 from sim.truth.scene_file import Scene
+from sim.worlds.drake.drake_world import DrakeWorld
 
 SENTENCE = "push the ice tea box away without toppling it"
 BOXES = 3  # objects of the kitchen that come first
@@ -28,7 +30,7 @@ def everything(scene: Scene) -> float:
     controller = Controller(scene)
     plan = controller.plan(controller.resolve(controller.parse(SENTENCE)).frames[0])
     assert isinstance(plan, Plan)
-    world = controller.world
+    world = simulation(controller.executor).world
     start = time.perf_counter()
     controller.execute(plan)
     return (time.perf_counter() - start) / world.time

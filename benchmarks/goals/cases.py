@@ -163,10 +163,10 @@ class Watched(Controller):
 
     def execute(self, *args: Any, **settings: Any) -> Trace:
         """See `Controller`; the time that it takes is noted."""
-        began, start = self.world.time, time.perf_counter()
+        began, start = self.executor.time, time.perf_counter()
         trace = super().execute(*args, **settings)
         self.wall += time.perf_counter() - start
-        self.simulated += self.world.time - began
+        self.simulated += self.executor.time - began
         for values in (trace.time, trace.joints, *trace.poses.values()):
             self._digest.update(np.ascontiguousarray(values).tobytes())
         return trace

@@ -39,6 +39,7 @@ from nlcontrol.checks.frame_checks import require_checkable
 from nlcontrol.errors import ControlError
 from objectmodels import ObjectModel
 from planner.types.world_state import WorldState
+from sim.simulated_executor import simulation
 from sim.truth.scene_file import Pose, Scene
 
 Verdict = Literal["confirmed", "unlikely", "unconfirmed", "not looked for"]
@@ -158,14 +159,15 @@ def confirm(doubt: Doubt) -> Confirmation:
     frame = robot.watches[-1].frame
     fragile = frozenset(item.name for item in scene.objects if item.fragile)
     asked = Asked(frame, sentence.target, robot.models, robot.table, fragile)
-    poses = robot.world.history[-1].poses
+    world = simulation(robot.executor).world
+    poses = world.history[-1].poses
     try:
         require_checkable(frame)
     except ControlError as error:
         return made(verdict="not looked for", found=error.info.message)
     if not upright(poses[asked.name]):
         return made(verdict="not looked for", found=f"the {asked.name} does not stand any more")
-    now = _as_it_stands(robot.world.scene, asked, poses)
+    now = _as_it_stands(world.scene, asked, poses)
     if doubt.reason == "too_uncertain":
         verdict, found = _uncertain(now, asked, robot.defaults.probability, doubt.tries, rng)
     elif doubt.reason in ("out_of_reach", "blocked", "out_of_time"):

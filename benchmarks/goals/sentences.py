@@ -25,6 +25,7 @@ from nlcontrol import Controller
 from nlcontrol.errors import ControlError
 from objectmodels import CylinderModel, ObjectModel
 from planner.types.world_state import WorldState
+from sim.simulated_executor import simulation
 from sim.truth.scene_file import Scene
 
 Kind = Literal["displace", "place", "rotate", "tilt", "topple", "until", "steps"]
@@ -108,7 +109,7 @@ def _among(job: Job, kind: Kind, blind: bool) -> list[ObjectModel]:
 
 
 def _sensible(text: str, robot: Controller) -> bool:
-    state = WorldState(standing(robot.scene), robot.table)
+    state = WorldState(standing(simulation(robot.executor).scene), robot.table)
     try:
         frames = robot.resolve(robot.parse(text)).frames
     except ControlError:

@@ -40,11 +40,11 @@ from objectmodels.models.parameters import Provenance
 from planner.touch_experiments import Experiment, Kind, expected
 
 if TYPE_CHECKING:
-    from nlcontrol.session.controller import Controller, Progress
     from objectmodels import ObjectModel
     from objectmodels.identification import Trial
-    from planner.types.world_state import SeenObject
-    from sim.exploration.exploration_run import Explorer, Touched
+    from planner.types.world_state import SeenObject, WorldState
+    from sim.control.free_motion import Progress
+    from sim.exploration.exploration_run import Explorer, Touched, TouchExecutor
     from sim.traces.trace import Trace
 
 CENTRE_OF_MASS = ("com_x", "com_y", "com_z")
@@ -93,7 +93,8 @@ class Exploration:
 
 
 def explore(
-    controller: Controller,
+    executor: TouchExecutor,
+    models: dict[str, ObjectModel],
     name: str,
     *,
     parameters: Sequence[str] = UNCERTAIN,
@@ -103,11 +104,12 @@ def explore(
     progress: Progress | None = None,
     told: Told | None = None,
 ) -> Exploration:
-    """Touches an object until its parameters are known; the controller believes them from then on.
+    """Touches an object until its parameters are known, and learns them.
 
     Args:
-        controller: of the robot.
-        name: of the object in the scene.
+        executor: the robot.
+        models: what is believed of every object; changed by what is learned.
+        name: of the object in the cell.
         parameters: what to find, names of `UNCERTAIN`.
         repetitions: of the experiments; with a precision the most of them.
         precision: relative standard deviation at which to stop; of the centre of mass, as a share
@@ -122,18 +124,17 @@ def explore(
     """
     from sim.exploration.exploration_run import Explorer
 
-    before = _standing(controller, name)
+    before = _standing(executor.look(models), name)
     start = before.model if guess is None else guessed(before.model, guess)
-    controller.models[name] = start
+    models[name] = start
 
     def learn(touched: Touched) -> None:
-        controller.models[name] = _believed(controller.models[name], touched.trials)
+        models[name] = _believed(models[name], touched.trials)
         if told is not None:
-            told(touched, controller.models[name])
+            told(touched, models[name])
 
     explorer = Explorer(
-        name, controller.world, controller.look, reach=controller.reach, learn=learn,
-        progress=progress,
+        name, executor, lambda: executor.look(models), learn=learn, progress=progress
     )  # fmt: skip
     kinds = kinds_for(parameters)
     if not explorer.possible(kinds):
@@ -144,18 +145,18 @@ def explore(
             explorer.repeat(kinds, repetition)
     else:
         asked = precisions_asked(before.model, parameters, precision)
-        if is_precise_enough(controller.models[name], asked, spread=SPREAD):
+        if is_precise_enough(models[name], asked, spread=SPREAD):
             raise error(
                 "not_explorable",
                 f"what was asked about the {name} is known to {precision:.0%} already",
                 suggestions=("ask for more precision, or give none",),
             )
-        _until(controller, explorer, kinds, asked, most=repetitions * (len(kinds) + 1))
+        _until(models, explorer, kinds, asked, most=repetitions * (len(kinds) + 1))
     trials = [trial for touched in explorer.touches for trial in touched.trials]
     found = _fitted(start, trials, explorer, prior=precision is not None)
-    model = _with_provenance(found, controller)
-    controller.models[name] = model
-    report = _report(controller, name, before.model, found, explorer, trials, parameters)
+    model = _with_provenance(found, executor.cell.name, executor.seed)
+    models[name] = model
+    report = _report(executor, name, before.model, found, explorer, trials, parameters)
     return Exploration(model, report, tuple(explorer.touches))
 
 
@@ -167,9 +168,9 @@ def precisions_asked(
     return {name: precision * lengths.get(name, 1.0) for name in parameters}
 
 
-def _standing(controller: Controller, name: str) -> SeenObject:
+def _standing(state: WorldState, name: str) -> SeenObject:
     """The object as it is seen, if it stands on its base."""
-    seen = controller.look().objects[name]
+    seen = state.objects[name]
     if seen.lies_on != "bottom":
         raise error(
             "not_explorable",
@@ -198,7 +199,7 @@ def _believed(model: ObjectModel, trials: Sequence[Trial]) -> ObjectModel:
 
 
 def _until(
-    controller: Controller,
+    models: Mapping[str, ObjectModel],
     explorer: Explorer,
     kinds: Sequence[Kind],
     asked: Mapping[str, float],
@@ -207,7 +208,7 @@ def _until(
     """Does what tells most, until everything asked is known."""
     name = explorer.name
     for _ in range(most):
-        model = controller.models[name]
+        model = models[name]
         if is_precise_enough(model, asked, spread=SPREAD):
             return
         offered = explorer.possible(kinds)
@@ -250,13 +251,12 @@ def _untold(message: str, explorer: Explorer, *hints: str) -> ControlError:
     return ControlError(ErrorInfo(code="not_explorable", message=message, suggestions=suggestions))
 
 
-def _with_provenance(found: Fit, controller: Controller) -> ObjectModel:
+def _with_provenance(found: Fit, scene: str, seed: int) -> ObjectModel:
     kept = [name for name in UNCERTAIN if name not in found.found]
     touches = len(found.residuals) - len(found.dropped)
     method = f"tilted, slid and rubbed by a finger; joint fit of {touches} balances of forces"
     if kept:
         method += f"; as believed before ({found.model.provenance.source}): {', '.join(kept)}"
-    scene, seed = controller.scene.name, controller.seed
     provenance = Provenance(
         source=f"explored by touching in simulation (scene {scene}, seed {seed})",
         method=method,
@@ -267,7 +267,7 @@ def _with_provenance(found: Fit, controller: Controller) -> ObjectModel:
 
 
 def _report(
-    controller: Controller,
+    executor: TouchExecutor,
     name: str,
     before: ObjectModel,
     found: Fit,
@@ -281,8 +281,8 @@ def _report(
     notes = [note for note in found.notes if not _about_others(note, missing)]
     return ExplorationReport(
         object=name,
-        scene=controller.scene.name,
-        seed=controller.seed,
+        scene=executor.cell.name,
+        seed=executor.seed,
         touches=tuple(map(_made, explorer.touches)),
         repeated=repeated,
         parameters={p: fitted_parameter(p, before, found) for p in found.found},

@@ -18,7 +18,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from nlcontrol.errors import ControlError, error
 from nlcontrol.json_document import SCHEMA_VERSION, is_readable
-from sim.face_experiment.face_contact import Contact, Moved, TouchResult, Way
+from sim.face_experiment.face_contact import Contact, TouchResult, Way
+from sim.truth.observer import Moved
 
 FORMAT = "touches"
 

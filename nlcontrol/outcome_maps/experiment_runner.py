@@ -35,11 +35,11 @@ from nlcontrol.text_format import enumeration
 from sim.face_experiment import applied_force as appliedforce
 from sim.face_experiment.face_contact import Contact, Touch, TouchResult, Way
 from sim.face_experiment.finger_push import FingerTouch
-from sim.truth.scene_file import Scene, SceneObject, built_in_scenes, load_scene
+from sim.truth.scene_file import Scene, built_in_scenes, load_scene
 
 if TYPE_CHECKING:
-    from nlcontrol.session.controller import Controller
-    from objectmodels import ObjectModel
+    from objectmodels import ObjectModel, Registry
+    from sim.cell.cell_description import CellDescription, CellObject
 
 Believed = Mapping[str, "ObjectModel"]
 """The robot's models of a scene's objects, by their names in it."""
@@ -54,20 +54,23 @@ Report = Callable[[int, int], None]
 """Told how many pushes of how many are done."""
 
 
-def standing(controller: Controller, name: str) -> SceneObject:
-    """The object of that name in the controller's scene.
+def object_on_table(
+    name: str, cell: CellDescription, models: Believed, registry: Registry
+) -> CellObject:
+    """The object of that name on the table.
 
     Args:
-        controller: of the scene.
         name: of the object, one of its synonyms, or enough words of it.
+        cell: what stands there.
+        models: what is believed of every object.
+        registry: for objects that do not stand there.
 
     Raises:
         ControlError: `ambiguous_object`, `unknown_object` or `not_on_table`.
     """
-    models = controller.models
     on_table = [
         Candidate(item.name, (item.name, *item.synonyms, item.model, *models[item.name].synonyms))
-        for item in controller.scene.objects
+        for item in cell.objects
     ]
     found = called(name, on_table)
     if len(found) > 1:
@@ -76,14 +79,14 @@ def standing(controller: Controller, name: str) -> SceneObject:
             "ambiguous_object", f"{name!r} may be {enumeration(names, 'or')}", suggestions=names
         )
     if found:
-        return controller.scene.object(found[0].name)
+        return next(item for item in cell.objects if item.name == found[0].name)
     with translated():
-        model = controller.registry.find_one(name)
+        model = registry.find_one(name)
     raise error(
         "not_on_table",
-        f"the {model.name} does not stand in the scene {controller.scene.name}, so that nobody "
+        f"the {model.name} does not stand in the scene {cell.name}, so that nobody "
         "knows how it really is",
-        suggestions=(*_scenes_with(model), f"there stand: {enumeration(controller.scene.names)}"),
+        suggestions=(*_scenes_with(model), f"there stand: {enumeration(cell.names)}"),
     )
 
 

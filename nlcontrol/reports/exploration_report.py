@@ -12,23 +12,21 @@ from nlcontrol.learning.learning_reports import ExplorationReport
 from nlcontrol.learning.log_fitting import NAMES, UNITS
 
 if TYPE_CHECKING:
-    from sim.worlds.drake.drake_world import DrakeWorld
+    from sim.truth.object_truth import Truth
 
 _SCALES = {"m": (1e3, 1, "mm"), "kg": (1.0, 4, "kg"), "": (1.0, 4, "")}
 _COLUMNS = ("mean", "sd", "%", "min", "max", "joint fit", "±", "believed", "truth")
 
 
-def with_truth(report: ExplorationReport, world: DrakeWorld) -> ExplorationReport:
+def with_truth(report: ExplorationReport, truth: Truth) -> ExplorationReport:
     """The report with how the object really is; an observer of the simulated world tells it.
 
     Args:
         report: of the exploration, which is over.
-        world: in which it was made.
+        truth: of the object, by an observer of the simulated world.
     """
     from objectmodels.geometry.support_points import mean_distance
-    from sim.truth.observer import Observer
 
-    truth = Observer(world.scene).truth(report.object)
     feet = np.array(truth.support)
     figures = {
         "mass": truth.mass_kg,

@@ -1,14 +1,13 @@
 """The way of a sentence: parse, resolve, plan, execute, check, each a call of its own.
 
-The controller knows the scene twice and keeps the two apart: the planner gets what the robot
-believes (registry models, poses from the vision port), the simulation what is true (the scene
-file). Poses are in W; the table plane is z = 0.
+The controller knows what the robot is told of its cell and what it believes: models of the
+registry, poses as the executor sees them. What is true in a simulated world stays behind the
+executor. Poses are in W; the table plane is z = 0.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -19,12 +18,11 @@ from nlcontrol.errors import ControlError, error, translated
 from nlcontrol.references.object_names import Candidate
 from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve
 from nlcontrol.results.result import Result, with_
+from nlcontrol.session.executor import LOOK, Executor, Planner, Progress, Robot
 from objectmodels import ModelError, ObjectModel, Registry
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
 from planner.types.world_state import Held, PlanarPose, SeenObject, TableState, WorldState
-from sim.perception.camera_port import beheld, first_frames
-from sim.truth.scene_file import Scene, SceneObject, load_scene
 
 if TYPE_CHECKING:
     from grammar.parser import Parser
@@ -34,23 +32,20 @@ if TYPE_CHECKING:
     from planner.types.defaults import Defaults
     from planner.types.plan import Plan
     from planner.types.robot import Reach
-    from sim import ArmHandReach, DrakeWorld
+    from sim import Scene
+    from sim.cell.cell_description import CellObject
     from sim.traces.trace import Trace
-
-Progress = Callable[[str, float, str], None]
-"""Told of the phase, the simulated time [s] and what happens, while something is executed."""
-
-
-LOOK = 1.0
-"""Time over which camera frames are averaged before a plan is made [s]."""
 
 
 class Controller:
     """A robot at a table, ready to be told what to do.
 
     Args:
-        scene: name of a built-in scene, path of a scene file, or a scene.
-        registry: object models; the default ones if not given. Those of the scene come on top.
+        scene: name of a built-in scene, path of a scene file, or a scene, to be simulated.
+        registry: object models; the default ones if not given. Those of the cell come on top.
+        executor: the robot; that of the simulated scene if not given. `scene` and `seed` do not
+            count beside it.
+        planner: how plans are found; `planner.plan` if not given.
         seed: of everything random; the same seed gives the same trace.
         defaults: what a clause means when a sentence does not say more; the scene's if not given.
 
@@ -63,46 +58,33 @@ class Controller:
         scene: str | Path | Scene = "kitchen",
         *,
         registry: Registry | None = None,
+        executor: Executor | None = None,
+        planner: Planner | None = None,
         seed: int = 0,
         defaults: Defaults | None = None,
     ) -> None:
         with translated():
-            self.scene = scene if isinstance(scene, Scene) else load_scene(scene)
+            self.executor = _simulated(scene, seed) if executor is None else executor
+            self.cell = self.executor.cell
             self.registry = Registry.default() if registry is None else registry.copy()
-            for path in self.scene.models:
+            for path in self.cell.models:
                 self.registry.load(path)
         self.models: dict[str, ObjectModel] = {
-            item.name: _believed(item, self.registry) for item in self.scene.objects
+            item.name: _believed(item, self.registry) for item in self.cell.objects
         }
-        self.seed = seed
-        self.defaults = self.scene.defaults if defaults is None else defaults
-        self._world: DrakeWorld | None = None
-        self._reach: ArmHandReach | None = None
+        self.planner = planner
+        self.seed = self.executor.seed
+        self.defaults = self.cell.defaults if defaults is None else defaults
 
     @property
-    def world(self) -> DrakeWorld:
-        """The simulated world; it is built when first asked for, and keeps what was done to it."""
-        if self._world is None:
-            from sim import DrakeWorld
-
-            self._world = DrakeWorld(self.scene, seed=self.seed)
-        return self._world
-
-    @property
-    def reach(self) -> ArmHandReach:
-        """Answers whether the hand gets somewhere."""
-        if self._reach is None:
-            from sim import ArmHandReach
-            from sim.standard_robot import ARM, HAND
-
-            self._reach = ArmHandReach(self.scene.cell, ARM, HAND)
-        return self._reach
+    def reach(self) -> Robot:
+        """Reach of arm and hand."""
+        return self.executor.robot
 
     @property
     def table(self) -> TableState:
         """Extent of the table top."""
-        (x, y), (width, depth) = self.scene.table.centre_m, self.scene.table.size_m
-        return TableState(x - width / 2, x + width / 2, y - depth / 2, y + depth / 2)
+        return self.cell.table.extent
 
     def parse(self, text: str) -> Command:
         """What a sentence says, as frames.
@@ -118,7 +100,7 @@ class Controller:
         """Reads sentences in which the objects of scene and registry may be named."""
         from grammar.parser import parser_for
 
-        objects = (name for item in self.scene.objects for name in (item.name, *item.synonyms))
+        objects = (name for item in self.cell.objects for name in (item.name, *item.synonyms))
         models = (name for model in self.registry for name in (model.name, *model.synonyms))
         return parser_for({*objects, *models})
 
@@ -140,23 +122,18 @@ class Controller:
                 item.name,
                 (item.name, *item.synonyms, item.model, *self.models[item.name].synonyms),
             )
-            for item in self.scene.objects
+            for item in self.cell.objects
         ]
         return resolve(command, on_table, tuple(self.registry), self.look, context)
 
     def look(self) -> WorldState:
         """What the robot believes now: poses from the vision port, models from the registry."""
-        if self._world is None:
-            frames = first_frames(self.scene, LOOK, seed=self.seed)
-        else:
-            frames = self._world.watch(LOOK)
-        return WorldState(beheld(self.scene, frames, self.models), self.table, self.held)
+        return self.executor.look(self.models)
 
     @property
     def held(self) -> Held | None:
         """What the hand holds, as the robot knows; None if nothing."""
-        holding = None if self._world is None else self._world.holding
-        return None if holding is None else holding.held
+        return self.executor.held
 
     def affordances(self, name: str) -> tuple[Affordance, ...]:
         """What this robot can do with an object, and if not, why not.
@@ -183,7 +160,7 @@ class Controller:
             ControlError: `unknown_object`.
         """
         with translated():
-            known = {item.casefold(): item for item in self.scene.names}
+            known = {item.casefold(): item for item in self.cell.names}
             here = known.get(name.casefold())
             model = None if here else self.registry.find_one(name)
         if here is None:
@@ -193,7 +170,7 @@ class Controller:
             state = self.look()
             return state.objects[here], state
         assert model is not None
-        alone = SeenObject(model.name, PlanarPose(*self.scene.table.centre_m), model)
+        alone = SeenObject(model.name, PlanarPose(*self.cell.table.centre_m), model)
         return alone, WorldState({alone.name: alone}, self.table)
 
     def answer(self, frame: Frame, state: WorldState | None = None) -> Answer:
@@ -208,7 +185,7 @@ class Controller:
         """
         from nlcontrol.questions.question_answers import answer
 
-        vision = self.scene.vision
+        vision = self.cell.vision
         return answer(
             frame,
             self.about(frame) if state is None else state,
@@ -245,7 +222,7 @@ class Controller:
         from planner import plan
 
         state = self.look() if state is None else state
-        made = plan(
+        made = (self.planner or plan)(
             frame,
             state,
             self.reach if reach is None else reach,
@@ -258,15 +235,13 @@ class Controller:
         return made
 
     def execute(self, plan: Plan, progress: Progress | None = None) -> Trace:
-        """Carries out a plan in the simulated world.
+        """Carries out a plan.
 
         Args:
             plan: what to do.
             progress: told what happens, while it happens.
         """
-        from sim import execute
-
-        return execute(plan, self.world, self.models, reach=self.reach, progress=progress)
+        return self.executor.execute(plan, self.models, progress)
 
     def watch(self, name: str) -> Trace:
         """A look at the table during which nothing is done.
@@ -274,9 +249,7 @@ class Controller:
         Args:
             name: of the object that it is about.
         """
-        from sim import watch
-
-        return watch(self.world, name, self.reach, LOOK)
+        return self.executor.watch(name)
 
     def check(self, frame: Frame, trace: Trace) -> tuple[Check, ...]:
         """A verdict for each clause of a frame."""
@@ -306,7 +279,7 @@ class Controller:
 
     def begun(self, text: str, command: Command | None = None) -> Result:
         """The result of a sentence of which nothing has come yet."""
-        result = Result(ok=False, status="failed", text=text, scene=self.scene.name, seed=self.seed)
+        result = Result(ok=False, status="failed", text=text, scene=self.cell.name, seed=self.seed)
         if command is None:
             return result
         return with_(result, paraphrase=command.paraphrase, frames=command.frames)
@@ -338,7 +311,14 @@ class Controller:
         return carry_out(self, command, result, plan_only=plan_only, progress=progress)
 
 
-def _believed(item: SceneObject, registry: Registry) -> ObjectModel:
+def _simulated(scene: str | Path | Scene, seed: int) -> Executor:
+    """The executor of a scene, simulated."""
+    from sim.simulated_executor import SimulatedExecutor
+
+    return SimulatedExecutor.open(scene, seed=seed)
+
+
+def _believed(item: CellObject, registry: Registry) -> ObjectModel:
     """The registry's model of an object of the scene."""
     try:
         return registry.get(item.model)

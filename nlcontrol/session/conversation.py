@@ -29,7 +29,8 @@ from nlcontrol.text_format import encodable
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result, Step
-    from nlcontrol.session.controller import Controller, Progress
+    from nlcontrol.session.controller import Controller
+    from nlcontrol.session.executor import Progress
 
 
 class Conversation:

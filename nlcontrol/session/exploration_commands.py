@@ -25,7 +25,8 @@ from nlcontrol.text_format import enumeration
 from objectmodels.identification.experiment_design import is_precise_enough, parameter_precisions
 
 if TYPE_CHECKING:
-    from nlcontrol.session.controller import Controller, Progress
+    from nlcontrol.session.controller import Controller
+    from nlcontrol.session.executor import Progress
     from objectmodels import ObjectModel
     from planner.types.world_state import WorldState
 
@@ -127,7 +128,8 @@ def find_out(
         line = f"known to {precision:.0%} already: nothing was touched"
         return None, controller.answer(question).model_copy(update={"lines": (line,)})
     found = explore(
-        controller,
+        controller.executor,
+        controller.models,
         name,
         parameters=parameters,
         repetitions=MOST_REPETITIONS,
@@ -158,7 +160,7 @@ def announced(controller: Controller, frame: g.Frame, state: WorldState) -> str:
 def _on_table(controller: Controller, frame: g.Frame) -> str:
     """Name of the object in the scene."""
     name = frame.object.id if frame.object else None
-    if name is None or name not in controller.scene.names:
+    if name is None or name not in controller.cell.names:
         text = name or "object"
         raise error("not_on_table", f"the {text} is not on the table, so that it cannot be touched")
     return name

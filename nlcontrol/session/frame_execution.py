@@ -35,7 +35,8 @@ from sim.traces.trace import EndReason, Trace, joined
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from nlcontrol.session.controller import Controller, Progress
+    from nlcontrol.session.controller import Controller
+    from nlcontrol.session.executor import Progress
 
 
 def carry_out(
@@ -228,7 +229,7 @@ class _Carrying:
         """Planning takes seconds now, or half a minute for a large turn."""
         if self.progress is not None:
             text = "no plan as usual; looking thoroughly for what the hand can do"
-            self.progress("plan", self.controller.world.time, text)
+            self.progress("plan", self.controller.executor.time, text)
 
     def _note(self, **changes: object) -> None:
         self.step = self.step.model_copy(update=changes)

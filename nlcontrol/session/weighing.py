@@ -19,7 +19,8 @@ from planner.types.plan import Plan
 from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
-    from nlcontrol.session.controller import Controller, Progress
+    from nlcontrol.session.controller import Controller
+    from nlcontrol.session.executor import Progress
 
 
 def by_lifting(frame: g.Frame) -> bool:

@@ -13,6 +13,7 @@ from typing import Annotated
 from pydantic import Field, InstanceOf
 
 from planner.types.defaults import DEFAULTS, Defaults
+from planner.types.world_state import TableState
 from sim.cell.strict_model import NonNegative, Part, Point2, Point3, Positive
 
 
@@ -40,6 +41,12 @@ class Table(Part):
     centre_m: Point2 = (0.5, 0.0)
     size_m: tuple[Positive, Positive] = (1.4, 1.6)
     thickness_m: Positive = 0.05
+
+    @property
+    def extent(self) -> TableState:
+        """Extent of the table top, as planners know it."""
+        (x, y), (width, depth) = self.centre_m, self.size_m
+        return TableState(x - width / 2, x + width / 2, y - depth / 2, y + depth / 2)
 
 
 class RobotMount(Part):

@@ -1,1 +1,1 @@
-"""Recorder and free motion."""
+"""TraceRecorder and free motion."""

@@ -1,4 +1,4 @@
-"""Steps the world and keeps what the robot saw, felt and did at each step."""
+"""Record of an execution: steps the robot and keeps what it saw, felt and did at each step."""
 
 from __future__ import annotations
 
@@ -6,31 +6,32 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.perception.camera_port import averaged
 from sim.perception.fingertip_sensing import Touch, feel
 from sim.rotations import quaternion
-from sim.traces.trace import Trace
+from sim.traces.trace import ContactEvent, Trace
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from planner.types.world_state import PlanarPose
     from sim.hands.mount import Mount
-    from sim.perception.camera_port import Frame, SeenPose
     from sim.rotations import Array
     from sim.traces.trace import EndReason
-    from sim.worlds.drake.drake_world import DrakeWorld
+    from sim.worlds.ports import Frame, ObserverPort, RobotPort, SeenPose
 
 
-class Recorder:
-    """The world as the robot goes through it, written down.
+class TraceRecorder:
+    """The robot's port with a record of every step.
+
+    What an observer sees is read when the trace is asked for, never while the robot moves.
 
     Args:
-        world: that is stepped.
+        port: of the robot.
+        observer: of the same world.
         mount: of the arm.
         normal_W: outward normal of the touched face in W, shape (3,).
 
     Attributes:
+        port: as given.
         mount: of arm and hand.
         phase: what is being done now; see `Trace.phase`.
         fingers: the fingers that push.
@@ -42,8 +43,10 @@ class Recorder:
         inward: unit normal into the touched face in W, shape (3,), or of each finger, (k, 3).
     """
 
-    def __init__(self, world: DrakeWorld, mount: Mount, normal_W: Array) -> None:
-        self.world = world
+    def __init__(
+        self, port: RobotPort, observer: ObserverPort, mount: Mount, normal_W: Array
+    ) -> None:
+        self.port = port
         self.phase = "look"
         self.fingers: tuple[str, ...] = ()
         self.force_limit = 0.0
@@ -53,8 +56,9 @@ class Recorder:
         self.frames: list[Frame] = []
         self.mount = mount
         self.inward = -normal_W
-        self._first = len(world.history)
-        self._contacts = len(world.contacts)
+        self._observer = observer
+        self._first = len(observer.history)
+        self._contacts = len(observer.contacts)
         self._newest: dict[str, SeenPose] = {}
         self._newest_lids: Mapping[str, float] = {}
         self._phases: list[str] = []
@@ -65,35 +69,21 @@ class Recorder:
 
     def step(self, q_arm: Array, q_hand: Array) -> None:
         """Commands joint angles, lets a control period pass, reads the sensors."""
-        self.world.step(q_arm, q_hand)
-        self.frames = self.world.frames()
+        self.port.step(q_arm, q_hand)
+        self.frames = self.port.frames()
         if self.frames:
             self._newest = dict(self.frames[-1].poses)
             self._newest_lids = self.frames[-1].lids
         if self.fingers:
-            self.torques = np.array([self.world.finger_torques(f) for f in self.fingers])
+            self.torques = np.array([self.port.finger_torques(f) for f in self.fingers])
             self.touch = feel(
-                self.world, self.mount, self.fingers, self.inward, self.torques - self.zero
+                self.port, self.mount, self.fingers, self.inward, self.torques - self.zero
             )
         self._phases.append(self.phase)
         self._limits.append(self.force_limit)
         self._touches.append(self.touch)
         self._seen.append(self._newest)
         self._seen_lids.append(self._newest_lids)
-
-    def look(self, seconds: float) -> dict[str, PlanarPose]:
-        """Waits and averages what the camera shows; see `DrakeWorld.look`."""
-        return averaged(self.watch(seconds))
-
-    def watch(self, seconds: float) -> list[Frame]:
-        """Waits and returns what the camera shows; see `DrakeWorld.watch`."""
-        frames = self.world.frames()
-        steps = round(seconds / self.world.period)
-        while steps > 0 or not frames:
-            self.step(*self.world.commanded)
-            frames += self.frames
-            steps -= 1
-        return frames
 
     def trace(self, pushed: str, direction_W: Array, *, end: EndReason, detail: str) -> Trace:
         """Everything since the start as a trace.
@@ -104,7 +94,7 @@ class Recorder:
             end: why it ended.
             detail: the same in words.
         """
-        samples = self.world.history[self._first :]
+        samples = self._observer.history[self._first :]
         n, k = len(samples), len(self.fingers)
         tips, forces = np.zeros((n, k, 3)), np.zeros((n, k, 3))
         touches = [touch for touch in self._touches if touch is not None]
@@ -114,7 +104,7 @@ class Recorder:
                 tips[i] = known.tips
             if touch is not None:
                 forces[i] = touch.forces
-        names = self.world.scene.names
+        names = self.port.cell.names
         first = next((seen for seen in self._seen if seen), {})
         lids = next((seen for seen in self._seen_lids if seen), {})
         return Trace(
@@ -123,16 +113,19 @@ class Recorder:
             poses={name: np.array([s.poses[name] for s in samples]) for name in names},
             seen={name: _rows([(seen or first)[name] for seen in self._seen]) for name in names},
             joints=np.array([sample.joints for sample in samples]),
-            joint_names=self.world.joint_names,
+            joint_names=self.port.joint_names,
             tips={finger: tips[:, i] for i, finger in enumerate(self.fingers)},
             felt={finger: forces[:, i] for i, finger in enumerate(self.fingers)},
             force_limit=np.array(self._limits),
-            contacts=tuple(self.world.contacts[self._contacts :]),
+            contacts=tuple(
+                ContactEvent(contact.time, contact.body_a, contact.body_b)
+                for contact in self._observer.contacts[self._contacts :]
+            ),
             pushed=pushed,
             direction=direction_W,
             end=end,
             detail=detail,
-            seed=self.world.seed,
+            seed=self._observer.seed,
             contents={
                 name: np.array([sample.contents[name] for sample in samples])
                 for name in (samples[0].contents if samples else ())

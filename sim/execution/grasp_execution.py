@@ -15,12 +15,12 @@ import numpy as np
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.types.actions import Action, LiftUp, PourOut, SetDown
 from planner.types.world_state import Held
+from sim.control.free_motion import Progress
 from sim.control.grasping.hand_motion import ACCELERATES, HandMotion
-from sim.control.grasping.held_object_sensing import HandSense
+from sim.control.grasping.held_object_sensing import HandSense, Holding
 from sim.control.grasping.weighing import Weight, weight
 from sim.control.pushing.guarded_touch import EarlyEndError
-from sim.control.trace_recorder import Recorder
-from sim.execution.push_execution import Progress
+from sim.control.trace_recorder import TraceRecorder
 from sim.motion.grasp_motion_search import GraspMotion
 from sim.paths.held_object import HeldObject
 from sim.paths.held_object_path import HeldSegment, upright_again
@@ -47,28 +47,34 @@ _STANDS = 0.5  # share of its weight with which it stands
 _PRESSES = 0.4  # or with so much less [N]
 
 
-class HandTrip:
+class GraspExecution:
     """One plan of the whole hand.
 
     Args:
         handled: what is held, and the plan.
-        recorder: through which the world is stepped.
+        recorder: through which the robot is stepped.
         way: of arm and hand.
         tell: progress.
+        holding: what the hand holds already.
+
+    Attributes:
+        holding: what it holds now, where that lasts.
     """
 
     def __init__(
         self,
         handled: HeldObject,
-        recorder: Recorder,
+        recorder: TraceRecorder,
         way: GraspMotion,
         tell: Progress,
+        holding: Holding | None = None,
     ) -> None:
         self._handled = handled
         self._plan = handled.plan
         self._grasp = handled.grasp
         self._recorder = recorder
-        self._world = recorder.world
+        self._port = recorder.port
+        self.holding = holding
         self._way = way
         self._report = tell
         self._held = handled.held
@@ -182,10 +188,10 @@ class HandTrip:
 
     def _take_up(self) -> None:
         """Goes on with what is held already."""
-        holding = self._world.holding
+        holding = self.holding
         if holding is None or holding.held.name != self._handled.name:
             raise EarlyEndError("no_grasp", f"the hand does not hold the {self._plan.object}")
-        self._world.holding = None
+        self.holding = None
         self._recorder.fingers = self._way.mount.hand.grasp_fingers
         self._recorder.zero = holding.zero
         motion = self._motion
@@ -195,13 +201,13 @@ class HandTrip:
         motion.wait(_STILL)
         self._sense.remember(holding.R_PB, holding.p_PG)
         motion.squeeze = self._grasp.squeeze
-        motion.swing(np.array([self._world.commanded[0], *self._way.there]))
+        motion.swing(np.array([self._port.commanded[0], *self._way.there]))
 
     def _keep(self) -> None:
         """Stays where it is, with what it holds."""
         self._recorder.phase = "settle"
         self._motion.wait(SETTLE)
-        R_WP, p_WP = self._way.mount.palm(self._world.commanded[0])
+        R_WP, p_WP = self._way.mount.palm(self._port.commanded[0])
         R_PB, p_PG = self._sense.seen or (self._way.R_BP.T, self._way.grip.middle)
         base = p_WP + R_WP @ (p_PG - R_PB @ np.array(self._grasp.p_BG))
         turned = {
@@ -212,9 +218,9 @@ class HandTrip:
             self._handled.name,
             self._handled.asked.model_copy(update=turned),
             float(base[2]),
-            tuple(self._world.commanded[0].tolist()),
+            tuple(self._port.commanded[0].tolist()),
         )
-        self._world.holding = self._motion.holding(held, R_PB, p_PG)
+        self.holding = self._motion.holding(held, R_PB, p_PG)
 
     # -- steps ----------------------------------------------------------------------------------
 
@@ -234,7 +240,7 @@ class HandTrip:
     def _weigh(self, seconds: float) -> Weight:
         """Hangs still and feels the weight."""
         felt = []
-        for _ in range(round(seconds / self._world.period)):
+        for _ in range(round(seconds / self._port.period)):
             self._motion.stay()
             felt.append(self._sense.vertical)
         # The arm still swings at first.
@@ -276,7 +282,7 @@ class HandTrip:
         Returns:
             Legs that were made, and the share of the last one.
         """
-        period, pace = self._world.period, 0.0
+        period, pace = self._port.period, 0.0
         done: list[HeldSegment] = []
         for leg in legs:
             done.append(leg)
@@ -322,4 +328,4 @@ class HandTrip:
         self._holds = False
 
     def _tell(self, phase: str, text: str) -> None:
-        self._report(phase, self._world.time, text)
+        self._report(phase, self._port.time, text)

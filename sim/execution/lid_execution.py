@@ -12,11 +12,12 @@ import numpy as np
 
 from objectmodels.models.object_parts import LiftOffLid
 from planner.types.actions import Action, LiftUp, PutOn, SetDown, TurnCap
+from sim.control.free_motion import Progress
+from sim.control.grasping.held_object_sensing import Holding
 from sim.control.grasping.lid_sensing import LidSense
 from sim.control.pushing.guarded_touch import EarlyEndError
-from sim.control.trace_recorder import Recorder
-from sim.execution.grasp_execution import HandTrip
-from sim.execution.push_execution import Progress
+from sim.control.trace_recorder import TraceRecorder
+from sim.execution.grasp_execution import GraspExecution
 from sim.motion.grasp_motion_search import GraspMotion
 from sim.paths.held_object import THREAD, HeldObject
 from sim.paths.held_object_path import HeldSegment
@@ -30,20 +31,26 @@ _SLOWLY = 0.015  # [m/s]
 _INTO = 0.008  # how far below the rim it is pressed at most [m]
 
 
-class LidTrip(HandTrip):
+class LidExecution(GraspExecution):
     """One plan in which a lid is held.
 
     Args:
         handled: the lid, and the plan.
-        recorder: through which the world is stepped.
+        recorder: through which the robot is stepped.
         way: of arm and hand.
         tell: progress.
+        holding: what the hand holds already.
     """
 
     def __init__(
-        self, handled: HeldObject, recorder: Recorder, way: GraspMotion, tell: Progress
+        self,
+        handled: HeldObject,
+        recorder: TraceRecorder,
+        way: GraspMotion,
+        tell: Progress,
+        holding: Holding | None = None,
     ) -> None:
-        super().__init__(handled, recorder, way, tell)
+        super().__init__(handled, recorder, way, tell, holding)
         self._lid = handled.state.objects[handled.name].model.lid
 
     def _senses(self) -> LidSense:

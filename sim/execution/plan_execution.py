@@ -1,7 +1,5 @@
 """Carries out a plan in the simulated world: look, go there, touch, push, come back.
 
-What the whole hand does is carried out by `sim.handling`.
-
 The push is the paper's interface to its arm: a movement vector, a force magnitude and a largest
 speed. The fingertips advance along the vector while less than the force is felt, no faster than
 the speed, and end on the stroke, the force, the speed or a guard. Arm and hand are joint
@@ -16,22 +14,26 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from planner.types.plan import Plan
+from planner.types.robot import ReachAnswer
+from sim.collision.collision_scene import SPARE
+from sim.control.free_motion import LOOK, Progress, look_around, silent
+from sim.control.free_motion import watch as watch_frames
 from sim.control.pushing.force_control import Errand, PlannedControl
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.pushing.push_control import PushControl
 from sim.control.pushing.tilt_control import TiltControl
 from sim.control.pushing.turn_control import TurnControl
-from sim.control.trace_recorder import Recorder
-from sim.execution.handling import handle
-from sim.execution.push_execution import Progress, Trip, silent
+from sim.execution.flip_execution import flip_over
+from sim.execution.grasp_execution import GraspExecution
+from sim.execution.lid_execution import LidExecution
+from sim.execution.push_execution import PushExecution
 from sim.motion.arm_configuration import UnreachableError
-from sim.motion.robot_reach import ArmHandReach
-from sim.standard_robot import ARM, HAND
+from sim.paths.held_object import HeldObject
 from sim.traces.trace import EndReason, Trace
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
-    from sim.worlds.drake.drake_world import DrakeWorld
+    from sim.control.robot_setup import RobotSetup
 
 _CONTROLS: dict[str, type[PlannedControl]] = {
     "tilted": TiltControl,
@@ -45,64 +47,91 @@ SETTLE = {"stroke": 0.5, "toppled": 1.5}
 
 def execute(
     plan: Plan,
-    world: DrakeWorld,
+    setup: RobotSetup,
     models: Mapping[str, ObjectModel],
-    *,
-    reach: ArmHandReach | None = None,
     progress: Progress | None = None,
 ) -> Trace:
     """Carries out a plan.
 
     Args:
         plan: what to do.
-        world: where; it moves on.
+        setup: the robot.
         models: what the robot believes of every object, by its name in the scene.
-        reach: of the world's robot, if there is one already.
         progress: told of the phase, the simulated time [s] and what happens.
 
     Returns:
         What happened, also if it ended early.
     """
-    tell, reach = progress or silent, reach or ArmHandReach(world.scene.cell, ARM, HAND)
+    tell = progress or silent
     if not plan.pushes:
-        return handle(plan, world, models, reach, tell)
-    trip = Trip(plan.push, world, models, reach, tell)
+        return _execute_by_hand(plan, setup, models, tell)
+    execution = PushExecution(plan.push, setup, models, tell)
     try:
-        end, detail = _push(plan, trip, tell)
+        end, detail = _push(plan, execution, tell)
     except EarlyEndError as early:
         end, detail = early.end, early.detail
     except UnreachableError as error:
         end, detail = "unreachable", str(error)
-    trip.come_home(SETTLE.get(end, SETTLE["stroke"]))
+    execution.come_home(SETTLE.get(end, SETTLE["stroke"]))
     push = plan.push
-    return trip.recorder.trace(push.object, np.array(push.direction_W), end=end, detail=detail)
+    return execution.recorder.trace(push.object, np.array(push.direction_W), end=end, detail=detail)
 
 
-def watch(world: DrakeWorld, name: str, reach: ArmHandReach, seconds: float) -> Trace:
+def watch(setup: RobotSetup, name: str, duration: float = LOOK) -> Trace:
     """A look at the table during which nothing is done.
 
     Args:
-        world: where; it moves on.
+        setup: the robot.
         name: of the object that it is about.
-        reach: of the world's robot.
-        seconds: how long to look [s].
+        duration: how long to look [s].
     """
     ahead = np.array([1.0, 0.0, 0.0])
-    recorder = Recorder(world, reach.mount, -ahead)
-    recorder.look(seconds)
+    recorder = setup.recorder(-ahead)
+    watch_frames(recorder, duration)
     return recorder.trace(name, ahead, end="reached", detail="there was nothing to be done")
 
 
-def _push(plan: Plan, trip: Trip, tell: Progress) -> tuple[EndReason, str]:
+def _push(plan: Plan, execution: PushExecution, tell: Progress) -> tuple[EndReason, str]:
     """Looks, goes there and pushes; returns how that ended."""
-    state = trip.look()
-    stance, way = trip.stance(state)
-    trip.approach(stance, way)
-    tell("touch", trip.recorder.world.time, "feeling for the face")
+    state = execution.look()
+    stance, way = execution.stance(state)
+    execution.approach(stance, way)
+    tell("touch", execution.recorder.port.time, "feeling for the face")
     make = _CONTROLS.get(plan.push.ends_on, PushControl)
-    control = make(Errand(plan, trip.recorder, stance, way, state, tell))
+    control = make(Errand(plan, execution.recorder, stance, way, state, tell))
     try:
         control.touch()
         return control.act()
     finally:
-        trip.leave(stance, control.commanded, way, control.turned)
+        execution.leave(stance, control.commanded, way, control.turned)
+
+
+def _execute_by_hand(
+    plan: Plan, setup: RobotSetup, models: Mapping[str, ObjectModel], tell: Progress
+) -> Trace:
+    """Carries out a plan of the whole hand; what it holds then is `setup.holding`.
+
+    A guard that stops it makes the hand go back the way it came, which was free, and set down what
+    it holds where it took it.
+    """
+    if plan.grasp is None:
+        return flip_over(plan, setup, models, tell)
+    recorder = setup.recorder(-np.array(plan.grasp.approach_W))
+    state = look_around(recorder, models, tell, setup.held)
+    way = setup.reach.grasp_motion(plan, state, SPARE)
+    end: EndReason = "handled"
+    detail = "all steps were made"
+    if isinstance(way, ReachAnswer):
+        end, detail = "unreachable", way.message
+    else:
+        handled = HeldObject.of(plan, state)
+        make = GraspExecution if handled.owner is None else LidExecution
+        execution = make(handled, recorder, way, tell, setup.holding)
+        try:
+            execution.carry_out(setup.reach.home)
+        except EarlyEndError as early:
+            end, detail = early.end, early.detail
+            tell("retreat", setup.port.time, detail)
+            execution.give_up()
+        setup.holding = execution.holding
+    return recorder.trace(plan.object, np.array(plan.grasp.approach_W), end=end, detail=detail)

@@ -9,22 +9,22 @@ given up is told.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from objectmodels.identification import Trial
 from planner.touch_experiments import Experiment, Kind, experiments
 from planner.types.actions import FaceName
 from planner.types.world_state import WorldState
-from sim.exploration.probe_control import probe
 from sim.exploration.touch_recording import Recording
 from sim.exploration.trial_extraction import trials
 
 if TYPE_CHECKING:
-    from sim.execution.push_execution import Progress
-    from sim.motion.robot_reach import ArmHandReach
-    from sim.worlds.drake.drake_world import DrakeWorld
+    from objectmodels.models.object_model import ObjectModel
+    from planner.types.robot import Reach
+    from sim.cell.cell_description import CellDescription
+    from sim.control.free_motion import Progress
 
 OPPOSITE: tuple[tuple[FaceName, FaceName], ...] = (("front", "back"), ("left", "right"))
 """Pairs of sides whose tilts together tell the weight from the centre of mass."""
@@ -62,14 +62,40 @@ class Touched:
         return self.recording.end == "stroke" and bool(self.trials)
 
 
+class TouchExecutor(Protocol):
+    """The part of an executor that explorations need.
+
+    Attributes:
+        cell: what the robot is told.
+        seed: of everything random.
+    """
+
+    cell: CellDescription
+    seed: int
+
+    @property
+    def robot(self) -> Reach:
+        """Reach of arm and hand."""
+        ...
+
+    def look(self, models: Mapping[str, ObjectModel]) -> WorldState:
+        """What the robot believes now, with models of the objects by their names."""
+        ...
+
+    def touch(
+        self, experiment: Experiment, state: WorldState, progress: Progress | None = None
+    ) -> Recording:
+        """Carries out a touch experiment from a state since which nothing has moved."""
+        ...
+
+
 class Explorer:
     """Touches one object again and again.
 
     Args:
         name: of the object in the scene.
-        world: where; it moves on.
+        executor: the robot.
         look: what is believed now; called before each touch.
-        reach: of the robot.
         learn: told of each touch that showed something.
         progress: told of the phase, the simulated time [s] and what happens.
 
@@ -81,18 +107,16 @@ class Explorer:
     def __init__(
         self,
         name: str,
-        world: DrakeWorld,
+        executor: TouchExecutor,
         look: Callable[[], WorldState],
         *,
-        reach: ArmHandReach,
         learn: Callable[[Touched], None],
         progress: Progress | None = None,
     ) -> None:
         self.touches: list[Touched] = []
         self.name = name
-        self._world = world
+        self._executor = executor
         self._look = look
-        self._reach = reach
         self._learn = learn
         self._progress = progress
         self._given_up: dict[tuple[Kind, FaceName], str] = {}
@@ -105,7 +129,7 @@ class Explorer:
     def possible(self, kinds: Iterable[Kind]) -> list[Experiment]:
         """Experiments of these kinds that were not given up, planned with what is known now."""
         wanted = set(kinds)
-        found = experiments(self._look().objects[self.name], self._reach)
+        found = experiments(self._look().objects[self.name], self._executor.robot)
         return [e for e in found if e.kind in wanted and _key(e) not in self._given_up]
 
     def repeat(self, kinds: Sequence[Kind], repetition: int) -> None:
@@ -134,14 +158,14 @@ class Explorer:
         tried = next(
             (
                 e
-                for e in experiments(state.objects[self.name], self._reach)
+                for e in experiments(state.objects[self.name], self._executor.robot)
                 if (e.kind, e.push.face) == (kind, face) and e.lateral * lateral >= 0.0
             ),
             None,
         )
         if tried is None:
             return False
-        recording = probe(tried, self._world, state, reach=self._reach, progress=self._progress)
+        recording = self._executor.touch(tried, state, self._progress)
         touched = Touched(recording, trials(recording, repetition=repetition), repetition)
         self.touches.append(touched)
         if touched.trials:

@@ -25,24 +25,23 @@ import numpy as np
 
 from planner.touch_experiments import Experiment
 from planner.types.world_state import PlanarPose, WorldState
+from sim.control.free_motion import Progress, silent
 from sim.control.pushing.guarded_touch import EarlyEndError, TouchControl
-from sim.execution.push_execution import Progress, Trip, silent
+from sim.execution.push_execution import PushExecution
 from sim.exploration.touch_recording import Recording
 from sim.motion.arm_configuration import UnreachableError
-from sim.motion.robot_reach import ArmHandReach
 from sim.paths.tilt_arc import TiltArc
-from sim.perception.camera_port import averaged
+from sim.perception.state_estimation import mean_poses
 from sim.rotations import Array
-from sim.standard_robot import ARM, HAND
 from sim.traces.trace import EndReason
 
 if TYPE_CHECKING:
     from objectmodels.identification import Moved
-    from sim.control.trace_recorder import Recorder
+    from sim.control.robot_setup import RobotSetup
+    from sim.control.trace_recorder import TraceRecorder
     from sim.motion.arm_configuration import ArmConfiguration
     from sim.paths.fingertip_path import FingertipPath
-    from sim.perception.camera_port import Frame
-    from sim.worlds.drake.drake_world import DrakeWorld
+    from sim.worlds.ports import Frame
 
 RUB_FORCE = 0.5
 """Force with which a rub presses, as a share of the one that would move the object."""
@@ -70,19 +69,17 @@ _OFF = 0.015  # way sideways after which the finger has slipped along the face [
 
 def probe(
     experiment: Experiment,
-    world: DrakeWorld,
+    setup: RobotSetup,
     state: WorldState,
     *,
-    reach: ArmHandReach | None = None,
     progress: Progress | None = None,
 ) -> Recording:
     """Carries out one experiment.
 
     Args:
         experiment: which.
-        world: where; it moves on.
+        setup: the robot.
         state: what is believed, from a look since which nothing has moved.
-        reach: of the world's robot, if there is one already.
         progress: told of the phase, the simulated time [s] and what happens.
 
     Returns:
@@ -90,18 +87,16 @@ def probe(
     """
     tell = progress or silent
     models = {name: seen.model for name, seen in state.objects.items()}
-    trip = Trip(
-        experiment.push, world, models, reach or ArmHandReach(world.scene.cell, ARM, HAND), tell
-    )
+    execution = PushExecution(experiment.push, setup, models, tell)
     before = state.objects[experiment.push.object].pose
     try:
-        found = _touched(experiment, trip, state, before, tell)
+        found = _touched(experiment, execution, state, before, tell)
     except EarlyEndError as early:
         found = Recording.nothing(experiment, early.end, early.detail, before)
     except UnreachableError as error:
         found = Recording.nothing(experiment, "unreachable", str(error), before)
-    trip.come_home(SETTLE)
-    trace = trip.recorder.trace(
+    execution.come_home(SETTLE)
+    trace = execution.recorder.trace(
         experiment.push.object,
         np.array(experiment.push.direction_W),
         end=found.end,
@@ -111,17 +106,21 @@ def probe(
 
 
 def _touched(
-    experiment: Experiment, trip: Trip, state: WorldState, before: PlanarPose, tell: Progress
+    experiment: Experiment,
+    execution: PushExecution,
+    state: WorldState,
+    before: PlanarPose,
+    tell: Progress,
 ) -> Recording:
     """Goes there, touches, and leaves the object again."""
-    stance, way = trip.stance(state)
+    stance, way = execution.stance(state)
     way = way.raised(experiment.raised)
-    trip.approach(stance, way)
-    control = ProbeControl(experiment, trip.recorder, stance, way, tell)
+    execution.approach(stance, way)
+    control = ProbeControl(experiment, execution.recorder, stance, way, tell)
     try:
         end, detail = control.run()
     finally:
-        trip.leave(stance, control.commanded, way)
+        execution.leave(stance, control.commanded, way)
     return control.recording(end, detail, before)
 
 
@@ -143,7 +142,7 @@ class ProbeControl(TouchControl):
     def __init__(
         self,
         experiment: Experiment,
-        recorder: Recorder,
+        recorder: TraceRecorder,
         stance: ArmConfiguration,
         way: FingertipPath,
         tell: Progress,
@@ -179,12 +178,12 @@ class ProbeControl(TouchControl):
     def _begin(self) -> None:
         """Touches; from then on it presses."""
         kind = self.experiment.kind
-        self.tell("touch", self.recorder.world.time, f"feeling for the face ({kind})")
+        self.tell("touch", self.recorder.port.time, f"feeling for the face ({kind})")
         self.touch()
         self.recorder.phase = "push"
         self._origin = self._here.midpoint
-        self._start = self.recorder.world.time
-        self.tell("push", self.recorder.world.time, f"pressing until something moves ({kind})")
+        self._start = self.recorder.port.time
+        self.tell("push", self.recorder.port.time, f"pressing until something moves ({kind})")
 
     # -- the ways ------------------------------------------------------------------------------
 
@@ -246,7 +245,7 @@ class ProbeControl(TouchControl):
 
     def _hold(self) -> None:
         """Stands still and looks."""
-        since = self.recorder.world.time
+        since = self.recorder.port.time
         for _ in range(round(HOLD / self._period)):
             self._step(self.commanded, self._u)
             self._seen += [frame for frame in self.recorder.frames if frame.time > since]
@@ -271,7 +270,7 @@ class ProbeControl(TouchControl):
 
     def _keep(self) -> None:
         """Keeps what was felt and seen."""
-        here, now = self._here, self.recorder.world.time
+        here, now = self._here, self.recorder.port.time
         self._samples.append((now, here.midpoint, here.forces[0]))
         for frame in self.recorder.frames:
             own = self._own_tilt()
@@ -304,14 +303,14 @@ class ProbeControl(TouchControl):
         if self._lost > _LOST_TIME or abs(aside) > _OFF:
             return "guard", "the fingertip slipped off"
         longest = _RISE + _LONGEST * (push.stroke + self.experiment.raised) / push.speed
-        if self.recorder.world.time - self._start > longest:
+        if self.recorder.port.time - self._start > longest:
             return "guard", f"it took longer than {longest:.0f} s"
         return None
 
     def _at_stop(self) -> bool:
         """Whether the finger is bent back as far as it goes."""
         (finger,) = self.stance.posture.pushing
-        return self.stance.mount.hand.is_at_stop(self.recorder.world.finger_angles(finger))
+        return self.stance.mount.hand.is_at_stop(self.recorder.port.finger_angles(finger))
 
     def _lately(self) -> tuple[float, float]:
         """Means of the tilts seen lately and of the fingertip's own [rad]; nan if too few."""
@@ -333,7 +332,7 @@ class ProbeControl(TouchControl):
 
     def _slid(self, seen: float, own: float, views: Sized) -> tuple[EndReason, str] | None:
         """Whether much less of a tilt is seen in so many frames than the fingertip has gone."""
-        noise = np.radians(self.recorder.world.scene.vision.angle_noise_deg)
+        noise = np.radians(self.recorder.port.cell.vision.angle_noise_deg)
         unsure = _SLIDES_SURELY * float(noise) / np.sqrt(max(len(views), 1))
         if own - seen > max((1.0 - _SLIDES_SHARE) * own, unsure, _LEAST_SHORT):
             self._moved = "slide"
@@ -350,10 +349,10 @@ class ProbeControl(TouchControl):
     def recording(self, end: EndReason, detail: str, before: PlanarPose) -> Recording:
         """What was felt and seen."""
         name = self.experiment.push.object
-        world, scene = self.recorder.world, self.recorder.world.scene
-        noise = self.stance.force_noise_gain(self._u) * world.torque_noise
+        port, vision = self.recorder.port, self.recorder.port.cell.vision
+        noise = self.stance.force_noise_gain(self._u) * port.torque_noise
         tilts_seen = [self._tilt_in(frame) for frame in self._seen]
-        frames = max(1.0, scene.vision.rate_hz)
+        frames = max(1.0, vision.rate_hz)
         return Recording(
             experiment=self.experiment,
             end=end,
@@ -363,13 +362,13 @@ class ProbeControl(TouchControl):
             tips=np.array([p for _, p, _ in self._samples]),
             forces=np.array([f for _, _, f in self._samples]),
             before=before,
-            after=averaged(self._seen)[name] if self._seen else None,
+            after=mean_poses(self._seen)[name] if self._seen else None,
             seen_tilt=float(np.mean(tilts_seen)) if tilts_seen else None,
             force_sd=noise,
             zero_sd=noise / float(np.sqrt(max(1.0, self.pause / self._period))),
             tip_radius=self._tip_radius,
             pose_sd=(
-                scene.vision.position_noise_m / float(np.sqrt(frames)),
-                float(np.radians(scene.vision.angle_noise_deg) / np.sqrt(frames)),
+                vision.position_noise_m / float(np.sqrt(frames)),
+                float(np.radians(vision.angle_noise_deg) / np.sqrt(frames)),
             ),
         )

@@ -10,10 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
+from sim.truth.observer import Moved
 from sim.truth.scene_file import Scene
-
-Moved = Literal["none", "slide", "topple"]
-"""What moved first."""
 
 Way = Literal["force", "robot"]
 """A force applied directly, or the robot's finger."""

@@ -1,8 +1,10 @@
 """One push by the robot's finger, in a fresh world: what it felt, and what an observer saw.
 
-The robot looks, goes where it believes the contact to be, presses and feels when the object begins
-to move. It knows nothing else. What moved is judged by the observer of the simulated world, as a
-person did it for the paper; nothing of that reaches the robot.
+This is the robot's half of the paper's Fig. 7. The robot looks, goes where it believes the contact
+to be, presses straight in and feels when the object begins to move. Along the face the fingertip
+gives way, so that the force stays normal to it. The robot knows nothing else: what moved is judged
+by the observer of the simulated world, as a person did it for the paper. The hand stays where it is
+then: a press is the last thing done in its world.
 """
 
 from __future__ import annotations
@@ -13,17 +15,25 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from planner.touch_experiments import Experiment
 from planner.touch_experiments import press as press_at
 from planner.types.world_state import SeenObject, WorldState
-from sim.execution.push_execution import LOOK
+from sim.control.free_motion import LOOK, silent
+from sim.control.pushing.guarded_touch import PAUSE, EarlyEndError
+from sim.control.robot_setup import RobotSetup
+from sim.execution.push_execution import PushExecution
+from sim.exploration.probe_control import ProbeControl
+from sim.exploration.touch_recording import Recording
 from sim.exploration.trial_extraction import curve
 from sim.face_experiment.face_contact import Contact, TouchResult
-from sim.face_experiment.pressing import press
+from sim.motion.arm_configuration import UnreachableError
 from sim.motion.robot_reach import ArmHandReach
-from sim.perception.camera_port import first_look
+from sim.perception.state_estimation import mean_poses
 from sim.standard_robot import ARM, HAND
+from sim.traces.trace import EndReason
 from sim.truth.observer import Observer
 from sim.worlds.drake.drake_world import DrakeWorld
+from sim.worlds.drake.vision_port import initial_frames
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
@@ -53,7 +63,7 @@ class FingerTouch:
             self._seen(scene, seed),
         )
         experiment = press_at(state.objects[contact.object], np.array(contact.point), normal, reach)
-        recording = press(experiment, world, state, reach=reach)
+        recording = _press(experiment, RobotSetup(world.robot, world, reach), state)
         if not len(recording.time):
             return TouchResult(None, None, recording.detail)
         poses = np.array([sample.poses[contact.object] for sample in world.history])
@@ -66,7 +76,50 @@ class FingerTouch:
 
     def _seen(self, scene: Scene, seed: int) -> WorldState:
         """What the robot believes after its first look."""
-        poses = first_look(scene, LOOK, seed=seed)
+        poses = mean_poses(initial_frames(scene, LOOK, seed=seed))
         return WorldState(
             {n: SeenObject.lying(n, pose, self.believed[n]) for n, pose in poses.items()}
         )
+
+
+def _press(experiment: Experiment, setup: RobotSetup, state: WorldState) -> Recording:
+    """Carries out one press.
+
+    Args:
+        experiment: where.
+        setup: the robot; its hand stays at the object.
+        state: what is believed, from a look since which nothing has moved.
+
+    Returns:
+        What the robot felt; no samples if the hand did not get there, and the reason.
+    """
+    models = {name: seen.model for name, seen in state.objects.items()}
+    execution = PushExecution(experiment.push, setup, models, silent)
+    before = state.objects[experiment.push.object].pose
+    try:
+        stance, way = execution.stance(state)
+        execution.approach(stance, way)
+        control = _PressControl(experiment, execution.recorder, stance, way, silent)
+        return control.recording(*control.run(), before)
+    except EarlyEndError as early:
+        return Recording.nothing(experiment, early.end, early.detail, before)
+    except UnreachableError as error:
+        return Recording.nothing(experiment, "unreachable", str(error), before)
+
+
+class _PressControl(ProbeControl):
+    """One press, from before the face until something has moved."""
+
+    pause = PAUSE
+    # What a sticking fingertip drags along the face would add to the force: percents of it.
+    gives_way = 0.03
+
+    def run(self) -> tuple[EndReason, str]:
+        self._begin()
+        command, step = self.commanded, self.experiment.push.speed * self._period
+        while True:
+            command = command + step * self._u
+            self._press(command)
+            ended = self._ended()
+            if ended is not None:
+                return ended

@@ -15,7 +15,7 @@ import numpy as np
 
 from sim.hands.mount import Mount
 from sim.rotations import Array
-from sim.worlds.drake.drake_world import DrakeWorld
+from sim.worlds.ports import RobotPort
 
 
 @dataclass(frozen=True)
@@ -38,23 +38,23 @@ class Touch:
 
 
 def feel(
-    world: DrakeWorld, mount: Mount, fingers: tuple[str, ...], inward_W: Array, torques: Array
+    port: RobotPort, mount: Mount, fingers: tuple[str, ...], inward_W: Array, torques: Array
 ) -> Touch:
     """Where the pushing fingers are and what they press, by their joints' sensors.
 
     Args:
-        world: whose sensors are read.
+        port: of the robot.
         mount: of the arm.
         fingers: names of the pushing fingers.
         inward_W: unit normal into the touched face in W, shape (3,), or of each finger, (k, 3).
         torques: of the fingers' joints, their sensors' zero taken off, shape (k, 3) [N·m].
     """
     hand = mount.hand
-    R_WP, p_WP = mount.palm(world.arm_angles())
+    R_WP, p_WP = mount.palm(port.arm_angles())
     tips, forces = [], []
     inwards = np.broadcast_to(inward_W, (len(fingers), 3))
     for finger, inward, tau in zip(fingers, inwards, torques, strict=True):
-        angles = world.finger_angles(finger)
+        angles = port.finger_angles(finger)
         p_PT = hand.tip_centre(finger, angles)
         f_P = hand.tip_force(finger, angles, p_PT + hand.tip_radius * R_WP.T @ inward, tau)
         tips.append(R_WP @ p_PT + p_WP)

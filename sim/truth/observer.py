@@ -16,13 +16,16 @@ Frames: W is the world, z up; B an object's frame at the centre of its base.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from sim.face_experiment.face_contact import Moved
 from sim.rotations import Array
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene
+
+Moved = Literal["none", "slide", "topple"]
+"""What moved first."""
 
 BOUND = 1e-3
 """Displacement of a corner of the base that counts as motion [m]."""

@@ -19,6 +19,7 @@ from planner.touch_experiments import experiments
 from planner.types.plan import Plan
 from planner.types.world_state import SeenObject, WorldState
 from sim import load_scene
+from sim.simulated_executor import SimulatedExecutor, simulation
 
 BOX = "ice tea box"
 ONCE = ["explore", "ice tea box", "--trials", "1", "--parameters", "mass,friction"]
@@ -171,7 +172,7 @@ def test_mistakes_are_explained_before_anything_is_touched(
     words: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sim.exploration.exploration_run.probe", pytest.fail)
+    monkeypatch.setattr(SimulatedExecutor, "touch", pytest.fail)
     found_status, found, _ = answer(capsys, "explore", *args)
     assert (found_status, found["error"]["code"]) == (status, code)
     assert words in json.dumps(found["error"], ensure_ascii=False)
@@ -218,7 +219,7 @@ def test_what_the_robot_cannot_see_changes_nothing_before_the_first_touch() -> N
     found = []
     for scene in (kitchen, strange):
         controller = Controller(scene, seed=3)
-        assert controller.scene.object(BOX).truth == scene.object(BOX).truth
+        assert simulation(controller.executor).scene.object(BOX).truth == scene.object(BOX).truth
         state = controller.look()
         proposed = experiments(state.objects[BOX], controller.reach)
         command = controller.resolve(controller.parse("push the ice tea box away"))
@@ -240,7 +241,8 @@ def test_what_lies_is_not_explored() -> None:
     state = controller.look()
     box = state.objects[BOX]
     lying = WorldState({BOX: SeenObject(BOX, box.pose, box.model, lies_on="left")})
-    controller.look = lambda: lying  # type: ignore[method-assign]
+    executor = controller.executor
+    executor.look = lambda *_: lying  # type: ignore[method-assign]
     with pytest.raises(ControlError, match="lies on its left face") as raised:
-        explore(controller, BOX)
+        explore(executor, controller.models, BOX)
     assert raised.value.code == "not_explorable"

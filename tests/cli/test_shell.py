@@ -26,6 +26,7 @@ from nlcontrol.cli.commands.shell_command import Interruptible, command
 from nlcontrol.cli.console import prompt_lines as lines
 from nlcontrol.cli.console.console_output import Narrator
 from nlcontrol.results.result import Result as Answer
+from sim.simulated_executor import simulation
 
 NAMES = ("ice tea box", "cereal box", "coffee box")
 
@@ -190,8 +191,8 @@ def test_control_c_brings_the_hand_home(phase: str, monkeypatch: pytest.MonkeyPa
     assert result.execution is not None
     assert result.execution.detail == "interrupted"
     # The arm's springs leave it within a degree of where it is told to be.
-    home = controller.scene.robot.home_deg
-    measured = controller.world.arm_angles()
+    home = controller.cell.robot.home_deg
+    measured = simulation(controller.executor).world.robot.arm_angles()
     assert max(abs(measured[i] * 57.2958 - home[i]) for i in range(7)) < 1.0
     # Nothing but the camera's noise lies between what was seen before and what stands there.
     assert abs(result.execution.displacement[0]) < 0.002

@@ -9,7 +9,6 @@ from pathlib import Path
 
 from pydantic import BaseModel
 
-from sim import DrakeWorld
 from sim.cell.cell_description import JointSensor, Vision
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import (
@@ -24,6 +23,8 @@ from sim.truth.scene_file import (
     load_scene,
     parse_scene,
 )
+from sim.worlds.drake.drake_world import DrakeWorld
+from tests.fakes.robots import poses_in
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "scenes.md").read_text(encoding="utf-8")
 
@@ -37,7 +38,7 @@ def test_the_example_is_a_scene_in_which_things_stand() -> None:
     scene = parse_scene(_block("yaml"))
     assert scene.torque_sensor.bias_nm == 0.02
     assert scene.table.friction_variation.over_table == 0.18
-    seen = DrakeWorld(scene, seed=1).look(0.5)["ice tea box"]
+    seen = poses_in(DrakeWorld(scene, seed=1), 0.5)["ice tea box"]
     # The mean of fifteen frames with 2 mm of noise, and a bias of 1 mm: four deviations.
     assert abs(seen.x - 0.45) < 0.0045
 

@@ -21,7 +21,8 @@ def explored(gain: float) -> Exploration:
     kitchen = load_scene("kitchen")
     sensor = kitchen.torque_sensor.model_copy(update={"gain_error": gain})
     scene = kitchen.model_copy(update={"torque_sensor": sensor})
-    return explore(Controller(scene, seed=SEED), NAME, repetitions=1)
+    controller = Controller(scene, seed=SEED)
+    return explore(controller.executor, controller.models, NAME, repetitions=1)
 
 
 @pytest.fixture(scope="module")
@@ -33,9 +34,7 @@ def slid() -> Touched:
     model = controller.models[name].model_copy(update={"friction": 0.6})
     controller.models[name] = model
     state = controller.look()
-    explorer = Explorer(
-        name, controller.world, lambda: state, reach=controller.reach, learn=lambda _: None
-    )
+    explorer = Explorer(name, controller.executor, lambda: state, learn=lambda _: None)
     assert not explorer.touch("tilt", "front", 0)
     return explorer.touches[0]
 

@@ -9,10 +9,12 @@ import pytest
 
 from nlcontrol import Controller
 from planner.types.plan import Plan
-from sim import DrakeWorld, Trace, load_scene
+from sim import Trace, load_scene
 from sim.random_streams import Stream, source
+from sim.simulated_executor import simulation
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import FrictionVariation, Scene
+from sim.worlds.drake.drake_world import DrakeWorld
 
 pytestmark = pytest.mark.slow
 
@@ -45,12 +47,17 @@ def _scene(variation: FrictionVariation, shift_m: float) -> Scene:
 
 
 def _pushed(controller: Controller) -> Pushed:
-    before = controller.world.truth_now(NAME)
+    before = simulation(controller.executor).world.truth_now(NAME)
     command = controller.resolve(controller.parse(f"push the {NAME} away 6 cm"))
     plan = controller.plan(command.frames[0])
     assert isinstance(plan, Plan)
     trace = controller.execute(plan)
-    return Pushed(trace, before, controller.world.truth_now(NAME), controller.world)
+    return Pushed(
+        trace,
+        before,
+        simulation(controller.executor).world.truth_now(NAME),
+        simulation(controller.executor).world,
+    )
 
 
 @pytest.fixture(scope="module")

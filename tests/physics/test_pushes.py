@@ -12,7 +12,8 @@ import pytest
 from objectmodels import ObjectModel, Registry
 from planner.types.actions import Limits, Prediction, Push
 from planner.types.plan import Plan
-from sim import DrakeWorld, Trace, execute, load_scene
+from sim import Trace, load_scene
+from sim.simulated_executor import SimulatedExecutor
 from sim.truth.scene_file import Pose, Scene
 from tests.plans import changed_push, push_plan
 
@@ -87,7 +88,7 @@ def _plan(asked: Asked, scene: Scene) -> Plan:
 
 def _carried_out(asked: Asked, *, seed: int = 0) -> Trace:
     scene = load_scene("kitchen")
-    return execute(_plan(asked, scene), DrakeWorld(scene, seed=seed), _models(scene))
+    return SimulatedExecutor(scene, seed=seed).execute(_plan(asked, scene), _models(scene))
 
 
 _carried_out_once = cache(_carried_out)
@@ -171,7 +172,7 @@ def test_nothing_to_touch() -> None:
     # The contact is believed 8 cm before the face that is there.
     x, y, z = far.push.p_BC
     moved = changed_push(far, p_BC=(x - 0.08, y, z))
-    trace = execute(moved, DrakeWorld(scene), _models(scene))
+    trace = SimulatedExecutor(scene).execute(moved, _models(scene))
     assert trace.end == "no_touch"
     assert np.linalg.norm(trace.displacement("ice tea box")) < 1e-4
 
@@ -208,7 +209,7 @@ def _errors(trace: Trace, asked: Asked) -> tuple[float, float, float]:
 def test_a_straight_push_squares_the_object_to_the_fingers(turn: float) -> None:
     scene, asked = load_scene("kitchen"), Asked("ice tea box", "front", 0.03, stroke=0.05)
     plan = changed_push(_plan(asked, scene), turn=np.radians(turn))
-    trace = execute(plan, DrakeWorld(scene), _models(scene))
+    trace = SimulatedExecutor(scene).execute(plan, _models(scene))
     along, across, turned = _errors(trace, asked)
     assert trace.end == "stroke"
     # The goals for displacements; where the middle swings to is known from the camera alone.
@@ -220,7 +221,7 @@ def test_a_straight_push_squares_the_object_to_the_fingers(turn: float) -> None:
 @pytest.mark.slow
 def test_one_finger_keeps_a_round_object_on_its_line() -> None:
     scene, asked = load_scene("counter"), Asked("soup can", "front", 0.03, fingers=1, stroke=0.15)
-    trace = execute(_plan(asked, scene), DrakeWorld(scene, seed=1), _models(scene))
+    trace = SimulatedExecutor(scene, seed=1).execute(_plan(asked, scene), _models(scene))
     along, across, turned = _errors(trace, asked)
     assert trace.end == "stroke"
     assert abs(along) < 1.0
@@ -244,7 +245,9 @@ def test_a_push_meets_another_object_or_stays_clear_of_it(changes: dict[str, Any
     ]
     scene = scene.model_copy(update={"objects": tuple(objects)})
     asked = Asked("ice tea box", "front", 0.03, stroke=0.12)
-    trace = execute(changed_push(_plan(asked, scene), **changes), DrakeWorld(scene), _models(scene))
+    trace = SimulatedExecutor(scene).execute(
+        changed_push(_plan(asked, scene), **changes), _models(scene)
+    )
     come = 1e3 * trace.displacement("ice tea box")[0]
     met = 1e3 * trace.displacement("coffee box")[0]
     if "until" in changes:
@@ -264,7 +267,7 @@ def test_the_felt_force_stays_below_a_limit_that_just_suffices() -> None:
     plan = _plan(asked, scene)
     needed = 3.75  # 0.345 of 1.06 kg, and what the fingers press down
     limited = changed_push(plan, force_limit=1.35 * needed)
-    trace = execute(limited, DrakeWorld(scene), _models(scene))
+    trace = SimulatedExecutor(scene).execute(limited, _models(scene))
     assert trace.end == "stroke"
     pushing = trace.phase == "push"
     felt = np.convolve(trace.push_force()[pushing], np.ones(10) / 10, "valid")

@@ -11,7 +11,8 @@ from nlcontrol import Controller
 from planner import plan
 from planner.types.actions import Limits
 from planner.types.plan import Plan
-from sim import DrakeWorld, Trace, execute, load_scene
+from sim import Trace, load_scene
+from sim.simulated_executor import SimulatedExecutor
 from tests.plans import changed_push
 
 
@@ -28,8 +29,8 @@ def _planned(controller: Controller, text: str, name: str) -> Plan:
 
 
 def _carried_out(controller: Controller, made: Plan, **push: object) -> Trace:
-    world = DrakeWorld(load_scene("kitchen"), seed=controller.seed)
-    return execute(changed_push(made, **push), world, controller.models, reach=controller.reach)
+    executor = SimulatedExecutor(load_scene("kitchen"), seed=controller.seed)
+    return executor.execute(changed_push(made, **push), controller.models)
 
 
 def _tilts(trace: Trace) -> np.ndarray:

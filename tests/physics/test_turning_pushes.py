@@ -11,11 +11,14 @@ from objectmodels import Registry
 from objectmodels.mechanics.turning_push import TurningPush, best_turn
 from planner.types.actions import Limits, Prediction, Push
 from planner.types.plan import Plan
-from sim import ArmHandReach, DrakeWorld, Trace, execute, load_scene
-from sim.execution.push_execution import JOINT_SPEED, Trip, silent
+from sim import Trace, load_scene
+from sim.control.free_motion import JOINT_SPEED, silent
+from sim.execution.push_execution import PushExecution
 from sim.rotations import Array, rot_z
-from sim.standard_robot import ARM, HAND
+from sim.simulated_executor import SimulatedExecutor
 from sim.truth.scene_file import Scene
+from sim.worlds.drake.drake_world import DrakeWorld
+from tests.fakes.robots import robot_in
 from tests.plans import changed_push, push_plan
 
 HEIGHT = 0.03
@@ -67,7 +70,7 @@ def _vector(v: Array) -> tuple[float, float, float]:
 
 def _carried_out(plan: Plan, scene: Scene, *, seed: int = 0) -> Trace:
     models = {item.name: Registry.default().get(item.model) for item in scene.objects}
-    return execute(plan, DrakeWorld(scene, seed=seed), models)
+    return SimulatedExecutor(scene, seed=seed).execute(plan, models)
 
 
 def _moved(trace: Trace, name: str) -> Array:
@@ -151,17 +154,17 @@ def test_a_hand_that_cannot_go_straight_off_the_face_goes_by_the_joints() -> Non
     plan = _plan("ice tea box", alone, 2, -0.5)
     models = {"ice tea box": Registry.default().get("ice tea box")}
     world = DrakeWorld(alone)
-    trip = Trip(plan.push, world, models, ArmHandReach(alone.cell, ARM, HAND), silent)
-    stance, way = trip.stance(trip.look())
-    trip.approach(stance, way)
-    start = world.commanded[0]
-    before = len(trip.recorder.trace("ice tea box", way.inward, end="turned", detail="").time)
+    execution = PushExecution(plan.push, robot_in(world), models, silent)
+    stance, way = execution.stance(execution.look())
+    execution.approach(stance, way)
+    start = world.robot.commanded[0]
+    before = len(execution.recorder.trace("ice tea box", way.inward, end="turned", detail="").time)
     # Three metres back from the face, where no arm gets.
-    trip.leave(stance, way.start, replace(way, inward=100.0 * way.inward))
-    assert world.commanded[0] == pytest.approx(start, abs=1e-9)  # the last of a smooth motion
-    trace = trip.recorder.trace("ice tea box", way.inward, end="turned", detail="")
+    execution.leave(stance, way.start, replace(way, inward=100.0 * way.inward))
+    assert world.robot.commanded[0] == pytest.approx(start, abs=1e-9)  # the last of a smooth motion
+    trace = execution.recorder.trace("ice tea box", way.inward, end="turned", detail="")
     moved = np.abs(np.diff(trace.joints[before:, :7], axis=0)).max(axis=1)
     # The joints are fastest where the arm is stretched out; there it turns back, in some periods.
     back = moved[int(moved.argmax()) + 5 :]
     assert back.sum() > 0.1
-    assert back.max() < JOINT_SPEED * world.period
+    assert back.max() < JOINT_SPEED * world.robot.period

@@ -76,24 +76,26 @@ def command(
     """
     from nlcontrol.learning.exploration_session import explore
     from nlcontrol.learning.model_store import kept, placed, renamed
-    from nlcontrol.outcome_maps.experiment_runner import standing
+    from nlcontrol.outcome_maps.experiment_runner import object_on_table
     from nlcontrol.reports.exploration_report import report_lines, with_truth
     from objectmodels.geometry.mechanical import UNCERTAIN
     from objectmodels.registry.model_files import save_model
+    from sim.simulated_executor import simulation
 
     if precision is not None and math.isnan(precision):
         raise click.UsageError("--precision: nan is no number")
     _require_file_ending(output, ".yaml", ".yml")
     _require_file_ending(picture, ".png", ".svg", ".pdf")
     controller = open_controller(scene, seed, settings)
-    item = standing(controller, name)
+    item = object_on_table(name, controller.cell, controller.models, controller.registry)
     if saved_as is not None:
         believed = controller.models[item.name]
         placed(controller.registry.copy(), renamed(believed, saved_as) if saved_as else believed)
     with Narrator() as progress:
         found = explore(
-            controller, item.name, parameters=parameters or UNCERTAIN, repetitions=trials,
-            precision=precision, guess=guess, progress=progress, told=_touch_reporter(progress),
+            controller.executor, controller.models, item.name,
+            parameters=parameters or UNCERTAIN, repetitions=trials, precision=precision,
+            guess=guess, progress=progress, told=_touch_reporter(progress),
         )  # fmt: skip
     files = {}
     if picture is not None:
@@ -106,7 +108,8 @@ def command(
     if output is not None:
         save_model(model, output)
         files["model"] = str(output)
-    report = with_truth(found.report, controller.world).model_copy(update={"files": files})
+    truth = simulation(controller.executor).truth(item.name)
+    report = with_truth(found.report, truth).model_copy(update={"files": files})
     if saved_as is not None:
         path, instead = kept(controller.registry, model)
         report = report.model_copy(update={"saved": str(path), "instead_of": instead})

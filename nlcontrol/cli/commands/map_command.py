@@ -230,15 +230,16 @@ def _run_experiments(
 ) -> tuple[Comparison, ...]:
     """The experiment each way, carried out as far as it was not yet, and the prediction."""
     from nlcontrol.outcome_maps.experiment_record import Record
-    from nlcontrol.outcome_maps.experiment_runner import FaceExperiment, standing
+    from nlcontrol.outcome_maps.experiment_runner import FaceExperiment, object_on_table
     from nlcontrol.outcome_maps.map_comparison import Comparison, contacts_of
     from nlcontrol.references.face_names import face_of
     from nlcontrol.session.controller import Controller
     from objectmodels.mechanics.outcome_map import outcome_map
     from objectmodels.registry.model_files import load_model
+    from sim.simulated_executor import simulation
 
     controller = Controller(scene, registry=open_registry(), seed=seed)
-    item = standing(controller, name)
+    item = object_on_table(name, controller.cell, controller.models, controller.registry)
     model = controller.models[item.name]
     if model_file is not None:
         model = load_model(model_file, controller.registry.kinds)
@@ -248,12 +249,17 @@ def _run_experiments(
     found = []
     for by in ways:
         experiment = FaceExperiment(
-            controller.scene, contacts, by=by, believed=controller.models, seed=seed, record=kept
+            simulation(controller.executor).scene,
+            contacts,
+            by=by,
+            believed=controller.models,
+            seed=seed,
+            record=kept,
         )
         if known := len(contacts) - len(experiment.missing):
             click.echo(f"{known} of {len(contacts)} results are in {record} already", err=True)
         with Progress("pushes" if by == "force" else "pushes by the robot") as progress:
             results = experiment.run(workers=workers, report=progress)
-        scene_name = controller.scene.name
+        scene_name = controller.cell.name
         found.append(Comparison(chart, results, item.name, face, scene_name, by, seed))
     return tuple(found)

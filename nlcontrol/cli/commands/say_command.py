@@ -194,9 +194,10 @@ def _write_files(
     files: dict[str, str] = {}
     if replay and result.trace:
         from sim import save_replay
+        from sim.simulated_executor import simulation
 
         with replace_file(replay) as temporary:
-            save_replay(result.trace, controller.scene, temporary)
+            save_replay(result.trace, simulation(controller.executor).scene, temporary)
         files["replay"] = str(replay)
     if picture and explain and result.frames:
         from nlcontrol.reports.explanation_drawing import save_explanation
@@ -206,9 +207,10 @@ def _write_files(
         files["picture"] = str(picture)
     elif picture and result.trace:
         from sim import save_picture
+        from sim.simulated_executor import simulation
 
         with replace_file(picture) as temporary:
-            save_picture(result.trace, controller.scene, temporary)
+            save_picture(result.trace, simulation(controller.executor).scene, temporary)
         files["picture"] = str(picture)
     elif picture and result.answer and result.answer.chart and result.answer.map:
         from nlcontrol.outcome_maps.outcome_map_drawing import save_map

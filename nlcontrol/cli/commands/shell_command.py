@@ -48,7 +48,7 @@ def command(as_json: bool, scene: str, seed: int, settings: Settings, plan_only:
             f"On the table: {_object_list(controller)}. “help” shows examples, “exit” leaves."
         )
         with closing(
-            prompt_lines("nlcontrol> ", controller.scene.names, _line_beginnings())
+            prompt_lines("nlcontrol> ", controller.cell.names, _line_beginnings())
         ) as lines:
             _answer_lines(conversation, lines, as_json=as_json, plan_only=plan_only)
         return OK
@@ -101,7 +101,7 @@ def _print_answer(result: Result, as_json: bool) -> None:
 
 
 def _help_text(controller: Controller) -> str:
-    name = controller.scene.names[0] if controller.scene.names else "box"
+    name = controller.cell.names[0] if controller.cell.names else "box"
     examples = (
         f"push the {name} away without toppling it",
         f"push the {name} 5 cm to the left, then topple it",
@@ -120,7 +120,7 @@ def _help_text(controller: Controller) -> str:
 
 
 def _object_list(controller: Controller) -> str:
-    return ", ".join(controller.scene.names) or "nothing"
+    return ", ".join(controller.cell.names) or "nothing"
 
 
 def _line_beginnings() -> tuple[str, ...]:

@@ -12,39 +12,20 @@ centre.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from planner.types.actions import FlipOver
-from planner.types.plan import Plan
-from planner.types.robot import ReachAnswer
 from planner.types.world_state import SeenObject
+from sim.control.free_motion import HAND_ACCELERATION, HAND_SPEED, Progress
 from sim.control.grasping.lidview import LidView
 from sim.control.pushing.guarded_touch import PAUSE, TOUCH_SPEED
-from sim.control.trace_recorder import Recorder
-from sim.execution.push_execution import (
-    HAND_ACCELERATION,
-    HAND_SPEED,
-    Progress,
-    look_around,
-    move_joints,
-)
-from sim.motion.arm_configuration import UnreachableError
+from sim.control.trace_recorder import TraceRecorder
 from sim.motion.flip_motion_search import FlipConfiguration
-from sim.motion.robot_reach import ArmHandReach
 from sim.paths.point_attractor import attractor_points
 from sim.rotations import Array
-from sim.traces.trace import EndReason, Trace
-
-if TYPE_CHECKING:
-    from objectmodels.models.object_model import ObjectModel
-    from sim.worlds.drake.drake_world import DrakeWorld
-
-SETTLE = 0.5
-"""Time that everything gets to come to rest [s]."""
+from sim.traces.trace import EndReason
 
 LEANS, MOVES = np.radians(2.5), 0.006
 """Tilt [rad] and displacement [m] of the object at which a fingertip lets go of its lid."""
@@ -69,7 +50,7 @@ class FlipControl:
 
     Args:
         step: what to do.
-        recorder: through which the world is stepped.
+        recorder: through which the robot is stepped.
         stance: of arm and hand.
         target: the object, as it was seen.
         tell: progress.
@@ -78,7 +59,7 @@ class FlipControl:
     def __init__(
         self,
         step: FlipOver,
-        recorder: Recorder,
+        recorder: TraceRecorder,
         stance: FlipConfiguration,
         target: SeenObject,
         tell: Progress,
@@ -90,7 +71,7 @@ class FlipControl:
         # The way was looked for with rounded angles.
         self._lid = replace(stance.lid, start=step.start, end=step.end)
         self._view = LidView(target, step.start)
-        self._period = recorder.world.period
+        self._period = recorder.port.period
         self._angle = step.start
         self._at = (stance.hands.path.points[0], 0.0)
         self._felt = 0.0
@@ -104,7 +85,7 @@ class FlipControl:
         """Goes to the lid and flips it; returns how that ended and why."""
         degrees = np.degrees(self._step.end)
         verb = "opening" if self._lid.opens else "closing"
-        self._tell("lid", self._recorder.world.time, f"{verb} the lid to {degrees:.0f}°")
+        self._tell("lid", self._recorder.port.time, f"{verb} the lid to {degrees:.0f}°")
         self._recorder.phase = "lid"
         self._recorder.force_limit = self._step.force_limit
         self._recorder.inward = self._into(self._step.start)
@@ -228,124 +209,3 @@ class FlipControl:
         felt = float(self._recorder.touch.forces[0] @ self._recorder.inward)
         self._felt += min(1.0, self._period / _FILTER) * (felt - self._felt)
         self._view.seen(self._recorder.frames)
-
-
-class FlipTrip:
-    """The hand's way to a lid and back home.
-
-    Args:
-        recorder: through which the world is stepped.
-        stance: of arm and hand.
-    """
-
-    def __init__(self, recorder: Recorder, stance: FlipConfiguration) -> None:
-        self._recorder = recorder
-        self._stance = stance
-        self._came: list[Array] = []
-
-    def go(self, tell: Progress) -> None:
-        """Free motion: over the start of the way, then down to it."""
-        recorder, stance = self._recorder, self._stance
-        tell("transit", recorder.world.time, f"moving the hand ({stance.stance.posture.name})")
-        recorder.phase = "transit"
-        recorder.fingers = stance.stance.posture.pushing
-        for q in (*stance.stance.via, stance.joints(self._above, 0.0)):
-            self._came.append(recorder.world.commanded[0])
-            move_joints(recorder, q, stance.stance.posture.joints)
-        tell("approach", recorder.world.time, "down to the lid")
-        recorder.phase = "approach"
-        self._straight(self._above, self._start)
-
-    def come_home(self, tell: Progress) -> None:
-        """The same way back, and some time for everything to come to rest."""
-        recorder = self._recorder
-        recorder.phase = "retreat"
-        self._straight(self._start, self._above)
-        for q in reversed(self._came):
-            last = q is self._came[0]
-            move_joints(
-                recorder,
-                q,
-                recorder.mount.hand.resting.joints if last else recorder.world.commanded[1],
-            )
-        tell("settle", recorder.world.time, "letting everything come to rest")
-        recorder.phase = "settle"
-        for _ in range(round(SETTLE / recorder.world.period)):
-            recorder.step(*recorder.world.commanded)
-
-    @property
-    def _start(self) -> Array:
-        return np.asarray(self._stance.hands.path.points[0])
-
-    @property
-    def _above(self) -> Array:
-        return np.asarray(self._start + np.array([0.0, 0.0, self._stance.lift]))
-
-    def _straight(self, start: Array, goal: Array) -> None:
-        recorder, posture = self._recorder, self._stance.stance.posture
-        for point in attractor_points(
-            start,
-            goal,
-            speed=HAND_SPEED,
-            acceleration=HAND_ACCELERATION,
-            period=recorder.world.period,
-        ):
-            recorder.step(self._stance.joints(point, 0.0), posture.joints)
-
-
-def flip_over(
-    plan: Plan,
-    world: DrakeWorld,
-    models: Mapping[str, ObjectModel],
-    reach: ArmHandReach,
-    tell: Progress,
-) -> Trace:
-    """Carries out a plan whose only step flips a lid.
-
-    Args:
-        plan: what to do.
-        world: where; it moves on.
-        models: what the robot believes of every object, by its name in the scene.
-        reach: of the world's robot.
-        tell: progress.
-
-    Returns:
-        What happened, also if it ended early.
-    """
-    (step,) = plan.steps
-    assert isinstance(step, FlipOver), "a lid is flipped over"
-    towards = np.array([np.cos(step.heading), np.sin(step.heading), 0.0])
-    recorder = Recorder(world, reach.mount, towards)
-    state = look_around(recorder, models, tell)
-    target = state.objects[plan.object]
-    if target.lid is not None:
-        step = step.model_copy(update={"start": target.lid})
-    found = reach.flip_configuration(step, plan.object, state)
-    end: EndReason
-    if isinstance(found, ReachAnswer):
-        end, detail = "unreachable", found.message
-    else:
-        end, detail = _flipped(step, recorder, found[0], target, tell)
-    return recorder.trace(plan.object, towards, end=end, detail=detail)
-
-
-def _flipped(
-    step: FlipOver,
-    recorder: Recorder,
-    stance: FlipConfiguration,
-    target: SeenObject,
-    tell: Progress,
-) -> tuple[EndReason, str]:
-    """Goes there, flips the lid and comes home; returns how that ended."""
-    trip = FlipTrip(recorder, stance)
-    trip.go(tell)
-    control = FlipControl(step, recorder, stance, target, tell)
-    end: EndReason
-    try:
-        end, detail = control.flip()
-    except UnreachableError as error:
-        end, detail = "unreachable", str(error)
-    tell("retreat", recorder.world.time, "leaving the lid")
-    control.leave(done=end == "handled")
-    trip.come_home(tell)
-    return end, detail

@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sim.control.free_motion import move_joints
 from sim.control.grasping.held_object_sensing import HandSense, Holding
 from sim.control.pushing.guarded_touch import PAUSE, EarlyEndError
-from sim.execution.push_execution import move_joints
 from sim.paths.held_object_path import HeldSegment
 from sim.paths.point_attractor import attractor_points
 from sim.rotations import Array
 
 if TYPE_CHECKING:
     from planner.types.world_state import Held
-    from sim.control.trace_recorder import Recorder
+    from sim.control.trace_recorder import TraceRecorder
     from sim.motion.grasp_motion_search import GraspMotion
 
 CLOSING_SPEED = 0.020
@@ -42,7 +42,7 @@ class HandMotion:
     """Motions of arm and hand about one object.
 
     Args:
-        recorder: through which the world is stepped.
+        recorder: through which the robot is stepped.
         way: of arm and hand.
         sense: of what is held.
 
@@ -53,9 +53,9 @@ class HandMotion:
         bears: whether the springs are wound up to bear what is felt to hang on them, too.
     """
 
-    def __init__(self, recorder: Recorder, way: GraspMotion, sense: HandSense) -> None:
+    def __init__(self, recorder: TraceRecorder, way: GraspMotion, sense: HandSense) -> None:
         self._recorder = recorder
-        self._world = recorder.world
+        self._port = recorder.port
         self._way = way
         self._sense = sense
         self.opening = way.grip.opening
@@ -64,7 +64,7 @@ class HandMotion:
         self.bears = False
         self._borne = np.zeros(3)  # force upwards for which the springs are wound up, in W [N]
         self.zero_samples = 0
-        self.came: list[Array] = [self._world.commanded[0]]
+        self.came: list[Array] = [self._port.commanded[0]]
 
     # -- the hand -------------------------------------------------------------------------------
 
@@ -72,9 +72,9 @@ class HandMotion:
         """What the torque sensors read while the open hand hangs still is their zero."""
         self._recorder.fingers = self._way.mount.hand.grasp_fingers
         torques = []
-        for k in range(round(PAUSE / self._world.period)):
+        for k in range(round(PAUSE / self._port.period)):
             self.stay()
-            if k * self._world.period >= 0.2 * PAUSE:
+            if k * self._port.period >= 0.2 * PAUSE:
                 torques.append(self._recorder.torques)
         self._recorder.zero = np.mean(torques, axis=0)
         self.zero_samples = len(torques)
@@ -82,31 +82,31 @@ class HandMotion:
 
     def close(self) -> None:
         """The fingertips a little nearer to each other, for one control step."""
-        self.opening -= CLOSING_SPEED * self._world.period
+        self.opening -= CLOSING_SPEED * self._port.period
         self.stay()
 
     def wind(self) -> None:
         """A little more squeeze, for one control step."""
-        self.wound += WINDING * self._world.period
+        self.wound += WINDING * self._port.period
         self.stay()
 
     def let_go(self) -> None:
         """Unwinds the springs, and opens the hand."""
         self.squeeze, self.bears = 0.0, False
-        steps = max(1, round(self.wound / (WINDING * self._world.period)))
+        steps = max(1, round(self.wound / (WINDING * self._port.period)))
         wound, borne = self.wound, self._borne
         for left in np.linspace(1.0, 0.0, steps + 1)[1:]:
             self.wound, self._borne = left * wound, left * borne
             self.stay()
         while self.opening < self._way.grip.opening:
-            self.opening += CLOSING_SPEED * self._world.period
+            self.opening += CLOSING_SPEED * self._port.period
             self.stay()
 
     def take_over(self, holding: Holding) -> None:
         """Goes on with what was held before."""
         self.opening, self.wound = holding.opening, holding.wound
         self.zero_samples = holding.zero_samples
-        self.came = [*holding.came, self._world.commanded[0]]
+        self.came = [*holding.came, self._port.commanded[0]]
         self._borne[2] = holding.borne
         self._sense.weighs(holding.borne)
         self.bears = True
@@ -129,7 +129,7 @@ class HandMotion:
     def _hand(self) -> Array:
         """Commanded angles of the fingers."""
         grip = self._way.grip
-        R_WP, _ = self._way.mount.palm(self._world.commanded[0])
+        R_WP, _ = self._way.mount.palm(self._port.commanded[0])
         q = grip.posture(self.opening).joints + self.wound * grip.pressing
         return np.asarray(q + grip.bearing(R_WP.T @ self._borne))
 
@@ -185,9 +185,7 @@ class HandMotion:
             place: in `came`.
             stop: where what is held stands on something.
         """
-        poses = np.array(
-            [self._world.commanded[0], *self.came[: place - 1 if place else None : -1]]
-        )
+        poses = np.array([self._port.commanded[0], *self.came[: place - 1 if place else None : -1]])
         del self.came[place + 1 :]
         before = len(self.came)
         if len(poses) > 1:
@@ -197,16 +195,16 @@ class HandMotion:
     def come_home(self, poses: tuple[Array, ...]) -> None:
         """Free motion home, where the hand closes."""
         *rest, home = poses
-        self.transit(tuple(rest), self._world.commanded[1])
+        self.transit(tuple(rest), self._port.commanded[1])
         self.transit((home,), self._way.mount.hand.resting.joints)
 
     def stay(self) -> None:
         """Hangs still for one control step."""
-        self._command(self._world.commanded[0])
+        self._command(self._port.commanded[0])
 
     def wait(self, seconds: float) -> None:
         """Hangs still [s]."""
-        for _ in range(round(seconds / self._world.period)):
+        for _ in range(round(seconds / self._port.period)):
             self.stay()
 
     def _command(self, q_arm: Array) -> None:
@@ -226,6 +224,6 @@ class HandMotion:
             np.array([far]),
             speed=speed,
             acceleration=speed / ACCELERATES,
-            period=self._world.period,
+            period=self._port.period,
         ):
             yield float(share)

@@ -20,9 +20,9 @@ from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.rotations import Array
 
 if TYPE_CHECKING:
-    from sim.control.trace_recorder import Recorder
+    from sim.control.trace_recorder import TraceRecorder
     from sim.hands.mount import Mount
-    from sim.perception.camera_port import Frame, SeenPose
+    from sim.worlds.ports import Frame, SeenPose
 
 FELT = 0.04
 """Time constant of the felt squeeze [s]."""
@@ -76,7 +76,7 @@ class HandSense:
     """Feels and sees while something is done with the whole hand.
 
     Args:
-        recorder: through which the world is stepped.
+        recorder: through which the robot is stepped.
         mount: of the arm.
         name: of what is handled.
         p_BG: middle of the grasp in B, shape (3,) [m].
@@ -90,7 +90,7 @@ class HandSense:
     """
 
     def __init__(
-        self, recorder: Recorder, mount: Mount, name: str, p_BG: Array, state: WorldState
+        self, recorder: TraceRecorder, mount: Mount, name: str, p_BG: Array, state: WorldState
     ) -> None:
         self._recorder = recorder
         self._mount = mount
@@ -98,7 +98,7 @@ class HandSense:
         self._hand = mount.hand
         self.holding: tuple[str, ...] = self._hand.grasp_fingers
         self._p_BG = p_BG
-        self._period = recorder.world.period
+        self._period = recorder.port.period
         self._past: deque[tuple[float, Array, Array]] = deque()
         self._others = {
             other: (np.append(seen.pose.p_WB[:2], 0.0), np.array([0.0, 0.0, 1.0]))
@@ -114,7 +114,7 @@ class HandSense:
     def step(self, q_arm: Array, q_hand: Array) -> None:
         """Commands joint angles, and takes in what is felt and seen then."""
         recorder, hand = self._recorder, self._hand
-        R_WP = self._mount.palm(recorder.world.arm_angles())[0]
+        R_WP = self._mount.palm(recorder.port.arm_angles())[0]
         recorder.inward = np.array(
             [R_WP @ hand.closing_direction(finger) for finger in hand.grasp_fingers]
         )
@@ -147,14 +147,14 @@ class HandSense:
     @property
     def width(self) -> float:
         """Between thumb and fingers, as the joints' angles tell [m]."""
-        world = self._recorder.world
+        world = self._recorder.port
         tips = [self._hand.tip_centre(f, world.finger_angles(f))[0] for f in self.holding]
         return float(tips[0] - np.mean(tips[1:]) - 2.0 * self._hand.tip_radius)
 
     # -- the camera -----------------------------------------------------------------------------
 
     def _see(self, frames: list[Frame]) -> None:
-        world = self._recorder.world
+        world = self._recorder.port
         self._past.append((world.time, *self._mount.palm(world.arm_angles())))
         while self._past[0][0] < world.time - _KEPT:
             self._past.popleft()

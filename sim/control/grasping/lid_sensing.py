@@ -13,7 +13,7 @@ import numpy as np
 from sim.control.grasping.held_object_sensing import HandSense
 from sim.control.grasping.lidview import LidView
 from sim.control.pushing.guarded_touch import EarlyEndError
-from sim.control.trace_recorder import Recorder
+from sim.control.trace_recorder import TraceRecorder
 from sim.motion.grasp_motion_search import GraspMotion
 from sim.paths.held_object import HeldObject
 from sim.rotations import Array
@@ -28,7 +28,7 @@ class LidSense(HandSense):
     """Feels and sees while a lid is held.
 
     Args:
-        recorder: through which the world is stepped.
+        recorder: through which the robot is stepped.
         way: of arm and hand.
         handled: the lid.
 
@@ -37,7 +37,7 @@ class LidSense(HandSense):
         torque: with which it does, about the vertical [N·m].
     """
 
-    def __init__(self, recorder: Recorder, way: GraspMotion, handled: HeldObject) -> None:
+    def __init__(self, recorder: TraceRecorder, way: GraspMotion, handled: HeldObject) -> None:
         p_BG = np.array(handled.grasp.p_BG)
         super().__init__(recorder, way.mount, handled.held.name, p_BG, handled.state)
         self._lid_way = way

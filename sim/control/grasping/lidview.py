@@ -12,8 +12,8 @@ import numpy as np
 
 from objectmodels.containers.lid_geometry import lid_name
 from planner.types.world_state import SeenObject
-from sim.perception.camera_port import Frame
 from sim.rotations import wrap, yaw_of
+from sim.worlds.ports import Frame
 
 _LID_SHARE, _POSE_SHARE = 0.3, 0.2  # weights of a new frame
 

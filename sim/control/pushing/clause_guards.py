@@ -21,9 +21,9 @@ from planner.types.actions import Push
 from planner.types.world_state import SeenObject, WorldState
 from sim.cell.cell_description import Vision
 from sim.control.pushing.push_guards import MOVED
-from sim.perception.camera_port import Frame, SeenPose
 from sim.rotations import Array, wrap, yaw_of
 from sim.traces.trace import EndReason
+from sim.worlds.ports import Frame, SeenPose
 
 End = tuple[EndReason, str]
 

@@ -23,16 +23,16 @@ import numpy as np
 
 from planner.types.plan import Plan
 from planner.types.world_state import WorldState
+from sim.control.free_motion import Progress
 from sim.control.pushing.clause_guards import LimitGuards
 from sim.control.pushing.guarded_touch import TouchControl
 from sim.control.pushing.push_guards import RAMP, band
-from sim.control.trace_recorder import Recorder
-from sim.execution.push_execution import Progress
+from sim.control.trace_recorder import TraceRecorder
 from sim.motion.arm_configuration import ArmConfiguration
 from sim.paths.fingertip_path import FingertipPath
-from sim.perception.camera_port import SeenPose
 from sim.rotations import Array
 from sim.traces.trace import EndReason
+from sim.worlds.ports import SeenPose
 
 _FORCE_RATE = 10.0  # of an object that stands [N/s]
 _FASTEST_START = 0.012  # before the object moves [m/s]
@@ -55,7 +55,7 @@ class Errand:
 
     Attributes:
         plan: what to do.
-        recorder: through which the world is stepped.
+        recorder: through which the robot is stepped.
         stance: of arm and hand.
         way: of the fingertips.
         state: what is believed.
@@ -63,7 +63,7 @@ class Errand:
     """
 
     plan: Plan
-    recorder: Recorder
+    recorder: TraceRecorder
     stance: ArmConfiguration
     way: FingertipPath
     state: WorldState
@@ -104,14 +104,14 @@ class PlannedControl(TouchControl, ABC):
     def _begin(self, asked: str) -> None:
         """Tells what is asked; from now on the force limit rises."""
         self.recorder.phase = "push"
-        self._started = self.recorder.world.time
+        self._started = self.recorder.port.time
         self._felt_first = self._felt
         self.tell("push", self._started, asked)
 
     @property
     def _elapsed(self) -> float:
         """Time since it began [s]."""
-        return self.recorder.world.time - self._started
+        return self.recorder.port.time - self._started
 
     @property
     def _felt(self) -> float:
@@ -137,25 +137,25 @@ class PlannedControl(TouchControl, ABC):
 
     def _limits(self) -> LimitGuards:
         """Limits and event of the sentence, from the touch on."""
-        vision, here = self.recorder.world.scene.vision, self._here.midpoint
+        vision, here = self.recorder.port.cell.vision, self._here.midpoint
         return LimitGuards(self.plan.push, self._state, vision, here, self._period)
 
     def _inform(self, keeper: Keeper) -> None:
-        keeper.moved(self.recorder.world.time, self._here.midpoint[:2])
+        keeper.moved(self.recorder.port.time, self._here.midpoint[:2])
         for frame in self.recorder.frames:
             keeper.seen(frame.time, frame.poses[self._object])
 
     @property
     def _camera(self) -> tuple[float, float]:
         """Standard deviations of a frame's position [m] and heading [rad]."""
-        vision = self.recorder.world.scene.vision
+        vision = self.recorder.port.cell.vision
         return vision.position_noise_m, float(np.radians(vision.angle_noise_deg))
 
     @property
     def _look(self) -> tuple[float, float]:
         """Standard deviations of heading [rad] and place [m] in the look before."""
         place, angle = self._camera
-        frames = max(1.0, self.recorder.world.scene.vision.rate_hz)  # the look lasted a second
+        frames = max(1.0, self.recorder.port.cell.vision.rate_hz)  # the look lasted a second
         return (
             float(angle / np.sqrt(frames)) + _LOOK_ANGLE,
             float(place / np.sqrt(frames)) + _LOOK_PLACE,

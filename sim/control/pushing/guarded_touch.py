@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from planner.types.actions import Push
-from sim.control.trace_recorder import Recorder
+from sim.control.trace_recorder import TraceRecorder
 from sim.motion.arm_configuration import ArmConfiguration
 from sim.paths.fingertip_path import STANDOFF, FingertipPath
 from sim.perception.fingertip_sensing import Touch
@@ -60,7 +60,7 @@ class TouchControl:
     Args:
         push: where and which way.
         onset: force at which the object is believed to move [N].
-        recorder: through which the world is stepped.
+        recorder: through which the robot is stepped.
         stance: of arm and hand.
         way: of the fingertips.
         tell: progress.
@@ -77,7 +77,7 @@ class TouchControl:
         self,
         push: Push,
         onset: float,
-        recorder: Recorder,
+        recorder: TraceRecorder,
         stance: ArmConfiguration,
         way: FingertipPath,
         tell: Callable[[str, float, str], None],
@@ -90,7 +90,7 @@ class TouchControl:
         self.turned = 0.0
         self._object = push.object
         self._touch_force = min(TOUCH_FORCE, 0.5 * onset)
-        self._period = recorder.world.period
+        self._period = recorder.port.period
         self._u = np.array(push.direction_W)
         self._tip_radius = stance.mount.hand.tip_radius
         self._forces = np.zeros(push.fingers)
@@ -132,7 +132,7 @@ class TouchControl:
 
     def _touch_share(self) -> float:
         """Weight of a new sample with which the noise stays well below the touch force."""
-        noise = self.stance.force_noise_gain(self.way.inward) * self.recorder.world.torque_noise
+        noise = self.stance.force_noise_gain(self.way.inward) * self.recorder.port.torque_noise
         quiet = (self._touch_force / max(_NOISES * noise, 1e-9)) ** 2
         # An exponential filter of weight s lets s / (2 − s) of the variance through.
         return float(min(1.0, self._period / _FILTER, 2.0 * quiet / (1.0 + quiet)))

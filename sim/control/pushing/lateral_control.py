@@ -26,8 +26,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.perception.camera_port import SeenPose
 from sim.rotations import Array, wrap, yaw_of
+from sim.worlds.ports import SeenPose
 
 _STEPS = 20  # of the remaining way in the least squares
 _SHORTEST = 0.01  # remaining way over which it is solved at least [m]

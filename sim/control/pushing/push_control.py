@@ -76,7 +76,7 @@ class PushControl(PlannedControl):
         speed = start = self._start()
         guards = Guards(self.plan, self._period)
         while True:
-            now, elapsed, felt = self.recorder.world.time, self._elapsed, self._felt
+            now, elapsed, felt = self.recorder.port.time, self._elapsed, self._felt
             here = self._here.midpoint
             come = float((here - origin) @ self._u)
             stopped = limits.end(elapsed, now, here, felt, self.recorder.frames)

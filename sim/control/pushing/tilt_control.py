@@ -59,7 +59,7 @@ class TiltControl(PlannedControl):
         if early is None:
             for _ in range(round(HOLD / self._period)):
                 self._lean(0.0)
-        self.tell("push", self.recorder.world.time, "letting it back")
+        self.tell("push", self.recorder.port.time, "letting it back")
         back = self._let_back()
         if early is not None or not back:
             return early or ("guard", "it did not come back onto its base")
@@ -105,7 +105,7 @@ class TiltControl(PlannedControl):
         # Where the fingertip touches goes round on it as the face leans.
         self.recorder.inward = np.cos(lean) * self._u - [0.0, 0.0, np.sin(lean)]
         self._step(self._arc.at(self._angle), self._u)
-        now = self.recorder.world.time
+        now = self.recorder.port.time
         self._view.moved(now, float(self._arc.tilts(self._here.midpoint[None])[0]))
         for frame in self.recorder.frames:
             up = frame.poses[self._object].R_WB[:, 2]

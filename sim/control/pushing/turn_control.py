@@ -48,7 +48,7 @@ class TurnControl(PlannedControl):
         limits = self._limits()
         speed = start = self._start()
         while True:
-            now, elapsed, felt = self.recorder.world.time, self._elapsed, self._felt
+            now, elapsed, felt = self.recorder.port.time, self._elapsed, self._felt
             here = self._here.midpoint
             self._inform(keeper)
             stopped = limits.end(elapsed, now, here, felt, self.recorder.frames)

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.perception.camera_port import SeenPose
 from sim.rotations import Array, wrap, yaw_of
+from sim.worlds.ports import SeenPose
 
 # Growth of the filter's doubt per centimetre of way, from friction that varies.
 _TURN_DRIFT = 0.004  # [rad]

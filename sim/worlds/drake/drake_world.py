@@ -1,68 +1,40 @@
-"""The simulated world behind the robot's ports.
+"""A simulated world in Drake, its robot's port and what an observer sees of it.
 
-What the robot has: commands to the joints' impedance controllers, what the joints' position
-sensors and the finger joints' torque sensors read, and the vision port. What an observer of the
-world has besides: the true poses and who touches whom, kept in `history` for judging and replay.
+What the robot has stands behind `DrakeWorld.robot`: commands to the joints' impedance controllers
+and readings of sensors. The world itself is the observer's port: true poses and who touches whom,
+kept for judging and replay.
 
 Frames: W is the world, B an object.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from planner.types.world_state import PlanarPose
 from sim.arms.arm_kinematics import ArmKinematics
-from sim.hands.hand_model import Angles, Hand
-from sim.perception.camera_port import Frame, VisionPort, averaged, lids_in
+from sim.hands.hand_model import Hand
 from sim.rotations import Array
 from sim.standard_robot import ARM, HAND
-from sim.traces.trace import ContactEvent
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene
 from sim.truth.world_sampling import drawn
 from sim.worlds.drake.contact_watch import ContactWatch
 from sim.worlds.drake.contents import ShiftingContents
 from sim.worlds.drake.drake_plant import Standing, add_plant
+from sim.worlds.drake.drake_ports import DrakeRobotPort
 from sim.worlds.drake.lid_mechanics import Lids
 from sim.worlds.drake.liquid_transfer import Liquid
+from sim.worlds.drake.vision_port import vision_port
 from sim.worlds.drake.world_variation import VaryingFriction
-from sim.worlds.sensor_noise import JointReadings, TorqueReadings
+from sim.worlds.ports import BodyContact, Sample
 
 if TYPE_CHECKING:
     from pydrake.multibody.plant import MultibodyPlant
     from pydrake.multibody.tree import ModelInstanceIndex, RevoluteJoint
     from pydrake.systems.framework import Context, DiagramBuilder, OutputPort
-
-    from sim.control.grasping.held_object_sensing import Holding
-
-
-@dataclass(frozen=True)
-class Sample:
-    """The world at one time.
-
-    Attributes:
-        time: [s].
-        poses: per object, quaternion (w, x, y, z) and position p_WB [m], shape (7,).
-        joints: angles of all robot joints, shape (23,) [rad].
-        contents: per container, volume in it [m³].
-        spilled: volume that ran out and into none of them [m³].
-        lids: how far each lid is open, as in `sim.traces.trace.Trace.lids`.
-        lid_poses: as in `sim.traces.trace.Trace.lid_poses`, shape (7,) each.
-    """
-
-    time: float
-    poses: Mapping[str, Array]
-    joints: Array
-    contents: Mapping[str, float] = field(default_factory=dict)
-    spilled: float = 0.0
-    lids: Mapping[str, float] = field(default_factory=dict)
-    lid_poses: Mapping[str, Array] = field(default_factory=dict)
 
 
 class Change(Protocol):
@@ -88,13 +60,10 @@ class DrakeWorld:
     Attributes:
         scene: what is true in this world; see `sim.truth.world_sampling`.
         seed: as given.
-        period: time of a control step [s].
-        time: simulated time [s].
+        robot: the port of its robot, which knows no truth.
         history: what happened, a sample per control step.
         contacts: touches, in order of time.
-        joint_names: of `Sample.joints`.
         simulator: of the diagram; for measuring its cost, not for control.
-        holding: what the robot knows to be in its hand, from one execution to the next.
     """
 
     def __init__(
@@ -106,7 +75,6 @@ class DrakeWorld:
         scene = drawn(scene, seed)
         self.scene = scene
         self.seed = seed
-        self.period = 1.0 / scene.control_rate_hz
         builder = DiagramBuilder()
         self._model = add_plant(builder, scene, arm, hand)
         self._plant = self._model.plant
@@ -121,20 +89,22 @@ class DrakeWorld:
             for finger in hand.fingers
         }
         joints = [*self._arm_joints, *(j for each in self._finger_joints.values() for j in each)]
-        self.joint_names = tuple(joint.name() for joint in joints)
         self._places = np.array([joint.position_start() for joint in joints])
-        self._vision = VisionPort(scene.vision, scene.names, lids_in(scene), seed=seed)
+        self._vision = vision_port(scene, seed=seed)
         self._hand = hand
-        self._angle_places, self._torque_places = self._finger_places()
         self._impulse = np.zeros(len(hand.joint_names))
         self._mean_torques = np.zeros(len(hand.joint_names))
-        sensor = scene.torque_sensor
-        sensors = {finger: len(angles) for finger, angles in hand.resting.angles.items()}
-        self._torques = TorqueReadings(
-            sensor, sensors, self.period, seed, gain_error=sensor.gain_error
+        self._q_arm, self._q_hand = np.radians(scene.robot.home_deg), hand.resting.joints
+        self.robot = DrakeRobotPort(
+            scene.cell,
+            hand,
+            tuple(joint.name() for joint in joints),
+            (self._q_arm, self._q_hand),
+            self._move,
+            seed=seed,
+            gain_error=scene.torque_sensor.gain_error,
         )
-        self._angles = JointReadings(scene.joint_sensor, len(self._arm_joints), len(joints), seed)
-        self._measured = np.zeros(len(joints))
+        self._period = self.robot.period
         self._steps = 0
         self.history: list[Sample] = []
         self._watch = ContactWatch(
@@ -142,7 +112,7 @@ class DrakeWorld:
             self._model.bodies,
             {each.body.name(): name for name, each in self._model.lids.items()},
         )
-        self.contacts: list[ContactEvent] = self._watch.events
+        self.contacts: list[BodyContact] = self._watch.events
         self._lids = Lids(self._model, root)
         self._liquid = Liquid(self._model, root, scene, self._lids.is_open)
         self._changes: tuple[Change, ...] = (
@@ -152,27 +122,12 @@ class DrakeWorld:
         )
         self._poses: dict[str, tuple[Array, Array]] = {}
         self._touched: list[str] = []
-        self._frames: list[Frame] = []
-        self.holding: Holding | None = None
         self._start()
 
     def _joint(self, name: str) -> RevoluteJoint:
         return self._plant.GetJointByName(name)
 
-    def _finger_places(self) -> tuple[dict[str, slice], dict[str, slice]]:
-        """Where each finger's independent joints stand among all angles and among the torques."""
-        angles, torques = {}, {}
-        angle, torque = len(self._arm_joints), 0
-        for finger, joints in self._finger_joints.items():
-            driven = len(self._hand.resting.angles[finger])
-            angles[finger] = slice(angle, angle + driven)
-            torques[finger] = slice(torque, torque + driven)
-            angle, torque = angle + len(joints), torque + driven
-        return angles, torques
-
     def _start(self) -> None:
-        self._q_arm = np.radians(self.scene.robot.home_deg)
-        self._q_hand = self._hand.resting.joints
         for joint, angle in zip(self._arm_joints, self._q_arm, strict=True):
             joint.set_angle(self._context, angle)
         for finger, resting in self._hand.resting.angles.items():
@@ -187,27 +142,16 @@ class DrakeWorld:
     @property
     def time(self) -> float:
         """Simulated time [s]."""
-        return self._steps * self.period
+        return self._steps * self._period
 
-    @property
-    def commanded(self) -> tuple[Array, Array]:
-        """Angles that arm and hand were last told to take, shapes (7,) and (12,) [rad]."""
-        return self._q_arm, self._q_hand
-
-    def step(self, q_arm: Array, q_hand: Array) -> None:
-        """Commands joint angles and lets one control period pass.
-
-        Args:
-            q_arm: of the arm's joints, shape (7,) [rad].
-            q_hand: of the fingers' independent joints, in the order of `Hand.joint_names`,
-                shape (12,) [rad].
-        """
+    def _move(self, q_arm: Array, q_hand: Array) -> None:
+        """Commands joint angles and lets one control period pass; see `RobotPort.step`."""
         self._command(q_arm, q_hand)
         self._steps += 1
         self._prepare()
         self.simulator.AdvanceTo(self.time)
         impulse = self._efforts()
-        self._mean_torques, self._impulse = (impulse - self._impulse) / self.period, impulse
+        self._mean_torques, self._impulse = (impulse - self._impulse) / self._period, impulse
         self._observe()
 
     def _efforts(self) -> Array:
@@ -225,56 +169,8 @@ class DrakeWorld:
             (self._model.hand, q_hand, self._q_hand),
         ):
             port = self._plant.get_desired_state_input_port(model)
-            port.FixValue(self._context, np.concatenate([q, (q - before) / self.period]))
-        self._q_arm, self._q_hand = np.array(q_arm), np.array(q_hand)
-
-    def arm_angles(self) -> Array:
-        """Measured angles of the arm's joints, shape (7,) [rad]."""
-        return np.array(self._measured[: len(self._arm_joints)])
-
-    def finger_angles(self, finger: str) -> Angles:
-        """Measured angles of a finger's independent joints [rad]."""
-        return tuple(self._measured[self._angle_places[finger]].tolist())
-
-    def finger_torques(self, finger: str) -> Array:
-        """What a finger's joint torque sensors read, shape (3,) [N·m].
-
-        The torque of the joint's drive, the mean of the samples since the last control step. The
-        middle joint's one drives the distal joint too.
-        """
-        return self._torques.read(finger, self._mean_torques[self._torque_places[finger]])
-
-    @property
-    def torque_noise(self) -> float:
-        """Standard deviation of what a torque sensor reads in a control step [N·m]."""
-        sensor = self.scene.torque_sensor
-        return sensor.noise_nm / math.sqrt(max(1.0, sensor.rate_hz * self.period))
-
-    def frames(self) -> list[Frame]:
-        """Camera frames that arrived since the last call."""
-        frames, self._frames = self._frames, []
-        return frames
-
-    def look(self, seconds: float) -> dict[str, PlanarPose]:
-        """Waits and averages the camera frames that arrive meanwhile; nothing may move.
-
-        Args:
-            seconds: how long [s]; longer if no frame arrives.
-        """
-        return averaged(self.watch(seconds))
-
-    def watch(self, seconds: float) -> list[Frame]:
-        """Waits and returns the camera frames that arrive meanwhile.
-
-        Args:
-            seconds: how long [s]; longer if no frame arrives.
-        """
-        frames = self.frames()
-        until = self._steps + round(seconds / self.period)
-        while self._steps < until or not frames:
-            self.step(self._q_arm, self._q_hand)
-            frames += self.frames()
-        return frames
+            port.FixValue(self._context, np.concatenate([q, (q - before) / self._period]))
+        self._q_arm, self._q_hand = q_arm, q_hand
 
     @property
     def lids(self) -> dict[str, float]:
@@ -299,7 +195,6 @@ class DrakeWorld:
             poses[name] = np.concatenate([X_WB.rotation().ToQuaternion().wxyz(), p_WB])
             self._poses[name] = (X_WB.rotation().matrix(), p_WB)
         joints = self._plant.GetPositions(self._context)[self._places]
-        self._measured = self._angles.read(joints)
         lids = self._lids.opened()
         self.history.append(
             Sample(
@@ -313,7 +208,8 @@ class DrakeWorld:
             )
         )
         self._vision.observe(self.time, self._poses, lids, self._lids.loose())
-        self._frames += self._vision.arrived(self.time)
+        frames = self._vision.arrived(self.time)
+        self.robot.update(self.time, joints, self._mean_torques, frames)
         self._touched = self._watch.note(self.time, self._context)
 
 

@@ -9,6 +9,7 @@ from benchmarks.goals.worlds import as_believed, scene, standing
 from nlcontrol import Controller, Registry
 from planner.types.world_state import WorldState
 from sim.cell.cell_description import Vision
+from sim.simulated_executor import simulation
 from sim.truth.scene_file import Pose, SceneObject
 
 REGISTRY = Registry.built_in()
@@ -30,7 +31,7 @@ def makes_sense(text: str, table: dict[str, tuple[float, float]] = STANDING) -> 
         for name, (x, y) in table.items()
     ]
     robot = Controller(scene("by hand", objects, Vision()), registry=REGISTRY)
-    state = WorldState(standing(robot.scene), robot.table)
+    state = WorldState(standing(simulation(robot.executor).scene), robot.table)
     return sensible(robot.resolve(robot.parse(text)).frames, state)
 
 

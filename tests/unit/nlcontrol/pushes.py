@@ -1,20 +1,15 @@
-"""Traces made by hand, changed and put on a stage, to play a world that is not as believed."""
+"""Traces made by hand and changed, of a world that is not as believed."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 
-from nlcontrol import Controller
 from planner.types.plan import Plan
 from planner.types.world_state import PlanarPose
-from sim.perception.camera_port import Frame, SeenPose
 from sim.traces.trace import Trace
 
 TraceMaker = Callable[..., Trace]
@@ -59,57 +54,3 @@ def _headed(yaw: float, q: NDArray[np.float64]) -> NDArray[np.float64]:
     c, s = np.cos(yaw / 2), np.sin(yaw / 2)
     w, x, y, z = q.T
     return np.column_stack([c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w])
-
-
-def shown(poses: Mapping[str, PlanarPose]) -> list[Frame]:
-    """What a perfect camera shows of objects."""
-    return [Frame(0.0, 0.0, {name: SeenPose(at.R_WB, at.p_WB) for name, at in poses.items()})]
-
-
-class Stage:
-    """Plays the world: what comes of a push is made up, and the object stands where that left it.
-
-    Args:
-        monkeypatch: puts it in the place of the simulator.
-        controller: whose scene it plays.
-        happens: what comes of each push, the last one again and again.
-    """
-
-    def __init__(
-        self, monkeypatch: pytest.MonkeyPatch, controller: Controller, *happens: Happens
-    ) -> None:
-        self.holding = None
-        self.happens = list(happens)
-        self.poses = {name: seen.pose for name, seen in controller.look().objects.items()}
-        self.start = self.poses[BOX]
-        self.executed: list[Plan] = []
-        self.traces: list[Trace] = []
-        monkeypatch.setattr("sim.execute", self.execute)
-        monkeypatch.setattr("sim.DrakeWorld", lambda *_, **__: self)
-
-    def watch(self, _: float) -> list[Frame]:
-        return shown(self.poses)
-
-    def execute(self, plan: Plan, *_: object, progress: Any = None, **__: object) -> Trace:
-        if progress is not None:
-            progress("push", 1.0, "in contact")
-        happens = self.happens.pop(0) if len(self.happens) > 1 else self.happens[0]
-        here = self.poses[BOX]
-        trace = seen(happens(plan), at=here)
-        x, y, _z = trace.displacement(BOX).tolist()
-        self.move(x, y, float(trace.yaw(BOX)[-1]))
-        self.executed.append(plan)
-        self.traces.append(trace)
-        return trace
-
-    def move(self, x: float, y: float, turned: float = 0.0) -> None:
-        """Moves and turns the object; a camera does not count turns."""
-        here = self.poses[BOX]
-        yaw = math.remainder(here.yaw + turned, math.tau)
-        self.poses[BOX] = replace(here, x=here.x + x, y=here.y + y, yaw=yaw)
-
-    @property
-    def moved(self) -> tuple[float, float]:
-        """How far the object has come in all [m]."""
-        here = self.poses[BOX]
-        return here.x - self.start.x, here.y - self.start.y

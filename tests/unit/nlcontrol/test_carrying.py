@@ -16,7 +16,8 @@ from planner.geometry.directions import angle_between
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from sim.traces.trace import EndReason, Trace
-from tests.unit.nlcontrol.pushes import BOX, Happens, Stage, TraceMaker
+from tests.fakes.played_executor import played
+from tests.unit.nlcontrol.pushes import BOX, Happens, TraceMaker
 from tests.unit.planner.conftest import RuledReach
 
 SENTENCE = "push the ice tea box away without toppling it"
@@ -58,7 +59,7 @@ def tilted(happens: Happens) -> Happens:
 def test_one_push_that_gets_there_is_enough(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stage = Stage(monkeypatch, controller, goes())
+    stage = played(controller, goes())
     result = controller.say(SENTENCE)
     assert (result.ok, result.status, len(stage.executed)) == (True, "done", 1)
     (step,) = result.steps
@@ -69,7 +70,7 @@ def test_one_push_that_gets_there_is_enough(
 def test_pushes_that_fall_short_are_followed_by_others(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stage = Stage(monkeypatch, controller, goes(share=0.4))
+    stage = played(controller, goes(share=0.4))
     result = controller.say(SENTENCE)
     assert (result.ok, result.status) == (True, "done")
     left = [
@@ -88,7 +89,7 @@ def test_pushes_that_fall_short_are_followed_by_others(
 def test_what_went_too_far_is_pushed_back(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stage = Stage(monkeypatch, controller, goes(share=1.2), goes())
+    stage = played(controller, goes(share=1.2), goes())
     result = controller.say(SENTENCE)
     first, second = stage.executed
     assert (first.push.face, second.push.face) == ("front", "back")
@@ -100,7 +101,7 @@ def test_what_went_too_far_is_pushed_back(
 def test_over_two_faces(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stage = Stage(monkeypatch, controller, goes())
+    stage = played(controller, goes())
     result = controller.say("push the ice tea box 14 cm away and to the left")
     assert (result.status, len(stage.executed)) == ("done", 2)
     assert {plan.push.face for plan in stage.executed} == {"front", "right"}
@@ -131,7 +132,7 @@ def test_half_a_turn_goes_on_where_headings_begin_anew(
     side: str,
     sign: float,
 ) -> None:
-    stage = Stage(monkeypatch, controller, goes())
+    stage = played(controller, goes())
     result = controller.say(f"turn the ice tea box 180 degrees to the {side}")
     assert (result.ok, result.status) == (True, "done")
     turns = [plan.push.turn for plan in stage.executed if plan.push.ends_on == "turned"]
@@ -149,7 +150,7 @@ def test_half_a_turn_goes_on_where_headings_begin_anew(
 def test_a_turn_too_far_is_turned_back_not_around(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stage = Stage(monkeypatch, controller, goes(share=1.3), goes())
+    stage = played(controller, goes(share=1.3), goes())
     result = controller.say("turn the ice tea box 170 degrees to the left")
     assert result.status == "done"
     assert sum(abs(plan.push.turn) for plan in stage.executed) < math.tau
@@ -163,7 +164,7 @@ def test_a_turn_too_far_is_turned_back_not_around(
 def test_the_event_is_the_end(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stage = Stage(monkeypatch, controller, goes(share=0.04, end="event", force=3.7))
+    stage = played(controller, goes(share=0.04, end="event", force=3.7))
     result = controller.say("push the ice tea box until it moves")
     # 4 of 100 mm, and yet nothing is left to be done.
     assert (result.status, len(stage.executed)) == ("done", 1)
@@ -190,7 +191,7 @@ def test_what_fell_or_stands_again_is_left_alone(
         height=0.2,
         end=end,
     )
-    stage = Stage(monkeypatch, controller, lambda _: trace)
+    stage = played(controller, lambda _: trace)
     result = controller.say(sentence)
     assert (result.status, len(stage.executed)) == ("done", 1)
 
@@ -205,7 +206,7 @@ def test_planned_anew_after_a_contradiction(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     believed = controller.models[BOX].friction
-    stage = Stage(monkeypatch, controller, stands(force=7.0), goes(force=6.0))
+    stage = played(controller, stands(force=7.0), goes(force=6.0))
     told: list[tuple[str, float, str]] = []
     result = controller.say(SENTENCE, progress=lambda *report: told.append(report))
     assert (result.ok, result.status) == (True, "done")
@@ -234,7 +235,7 @@ def test_planned_anew_after_a_contradiction(
 def test_the_rest_of_the_way_is_planned(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stage = Stage(monkeypatch, controller, tilted(goes(share=0.4, force=15.0)), goes())
+    stage = played(controller, tilted(goes(share=0.4, force=15.0)), goes())
     result = controller.say(SENTENCE)
     first, second = stage.executed
     assert first.push.displacement == pytest.approx((0.1, 0.0, 0.0))
@@ -253,7 +254,7 @@ def test_a_clause_broken_by_the_first_push_stays_broken(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     leant = goes(share=0.4, force=15.0, tilt=0.8, tilt_at_end=0.0)
-    stage = Stage(monkeypatch, controller, tilted(leant), goes())
+    stage = played(controller, tilted(leant), goes())
     result = controller.say(SENTENCE)
     assert (result.status, len(stage.executed)) == ("failed", 2)
     assert {check.clause for check in result.checks if not check.ok} == {"no_topple"}
@@ -263,7 +264,7 @@ def test_given_up_after_so_many_pushes(
     stands: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     controller = Controller(seed=1, defaults=replace(DEFAULTS, most_pushes=3))
-    stage = Stage(monkeypatch, controller, stands(force=4.0))
+    stage = played(controller, stands(force=4.0))
     result = controller.say(SENTENCE)
     assert (result.ok, result.status, result.exit_status) == (False, "failed", 5)
     assert len(stage.executed) == 3
@@ -285,7 +286,7 @@ def test_the_last_push_may_be_the_one_that_gets_there(
     goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     controller = Controller(seed=1, defaults=replace(DEFAULTS, most_pushes=2))
-    Stage(monkeypatch, controller, goes(share=0.5), goes())
+    played(controller, goes(share=0.5), goes())
     result = controller.say(SENTENCE)
     assert (result.status, result.steps[0].stuck) == ("done", None)
 
@@ -298,7 +299,7 @@ def test_after_a_push_that_failed_another_contact_is_tried(
     monkeypatch: pytest.MonkeyPatch,
     end: EndReason,
 ) -> None:
-    stage = Stage(monkeypatch, controller, stands(end), goes())
+    stage = played(controller, stands(end), goes())
     result = controller.say(SENTENCE)
     assert (result.status, result.steps[0].lessons[1:]) == ("done", ())
     failed, other = (plan.push for plan in stage.executed[:2])
@@ -329,7 +330,7 @@ def test_it_is_told_that_planning_takes_longer(
     # Nothing is asked of the hand.
     controller.say("push the ice tea box 3 m away", plan_only=True, progress=progress)
     assert told == []
-    monkeypatch.setattr(controller, "_reach", RuledReach(lambda _: False))
+    monkeypatch.setattr(controller.executor, "robot", RuledReach(lambda _: False))
     controller.say("push the ice tea box away", plan_only=True, progress=progress)
     assert told
     assert set(told) == {("plan", "no plan as usual; looking thoroughly for what the hand can do")}
@@ -338,7 +339,7 @@ def test_it_is_told_that_planning_takes_longer(
 def test_stuck_where_every_contact_has_failed(
     controller: Controller, stands: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stage = Stage(monkeypatch, controller, stands("no_touch"))
+    stage = played(controller, stands("no_touch"))
     result = controller.say(SENTENCE)
     assert (result.status, result.exit_status) == ("failed", 5)
     assert 1 < len(stage.executed) < DEFAULTS.most_pushes
@@ -358,7 +359,7 @@ def test_the_next_frame_may_use_contacts_that_failed_before(
     stands: Callable[..., Happens],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    stage = Stage(monkeypatch, controller, stands("no_touch"), goes())
+    stage = played(controller, stands("no_touch"), goes())
     assert controller.say(SENTENCE).ok
     assert controller.say("push the ice tea box 5 cm away").ok
     first, _, third = (plan.push for plan in stage.executed)
@@ -370,7 +371,7 @@ def test_a_refusal_after_a_push_keeps_what_happened(
     controller: Controller, stands: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # What withstood 60 N is believed to stick so fast that it topples wherever it is pushed.
-    stage = Stage(monkeypatch, controller, stands(force=60.0))
+    stage = played(controller, stands(force=60.0))
     result = controller.say(SENTENCE)
     assert (result.ok, result.status, result.exit_status) == (False, "failed", 5)
     assert len(stage.executed) == 1

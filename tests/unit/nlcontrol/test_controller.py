@@ -19,7 +19,9 @@ from nlcontrol.results.result import Result
 from objectmodels import Registry
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
-from tests.unit.nlcontrol.pushes import BOX, FORWARDS, Happens, Stage, TraceMaker, shown
+from sim.simulated_executor import simulation
+from tests.fakes.played_executor import played
+from tests.unit.nlcontrol.pushes import BOX, FORWARDS, Happens, TraceMaker
 
 SENTENCE = "push the ice tea box away without toppling it"
 
@@ -32,7 +34,7 @@ def controller() -> Controller:
 def test_done(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stage = Stage(monkeypatch, controller, goes())
+    stage = played(controller, goes())
     told: list[tuple[str, float, str]] = []
     result = controller.say(SENTENCE, progress=lambda *report: told.append(report))
     assert (result.ok, result.status, result.exit_status) == (True, "done", 0)
@@ -49,7 +51,7 @@ def test_done(
 def test_json_round_trip_leaves_out_the_trace_alone(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    Stage(monkeypatch, controller, goes())
+    played(controller, goes())
     result = controller.say(SENTENCE)
     again = Result.model_validate_json(result.to_json())
     steps = tuple(step.model_copy(update={"basis": None}) for step in result.steps)
@@ -61,7 +63,7 @@ def test_a_clause_that_does_not_hold(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     leant = goes(share=0.5, end="guard", tilt=math.radians(25), tilt_at_end=0.0)
-    Stage(monkeypatch, controller, leant, goes())
+    played(controller, leant, goes())
     result = controller.say(SENTENCE)
     assert (result.ok, result.status, result.exit_status) == (False, "failed", 5)
     assert result.error is not None
@@ -72,10 +74,10 @@ def test_a_clause_that_does_not_hold(
 def test_what_fell_is_not_pushed_on(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stage = Stage(monkeypatch, controller, goes(end="guard", tilt=math.radians(90)))
+    stage = played(controller, goes(end="guard", tilt=math.radians(90)))
     fallen = replace(stage.poses[BOX], attitude=FORWARDS)
     monkeypatch.setattr(
-        stage, "watch", lambda _: shown(stage.poses | ({BOX: fallen} if stage.executed else {}))
+        stage, "seen_poses", lambda: stage.poses | ({BOX: fallen} if stage.executed else {})
     )
     result = controller.say(SENTENCE)
     assert (result.status, len(stage.executed)) == ("failed", 1)
@@ -93,7 +95,7 @@ def test_frames_are_carried_out_in_turn_up_to_the_first_that_fails(
     one = grammar.parse(SENTENCE)
     three = one.model_copy(update={"frames": one.frames * 3})
     monkeypatch.setattr(Controller, "parse", lambda *_: three)
-    stage = Stage(monkeypatch, controller, goes(), stands(force=60.0))
+    stage = played(controller, goes(), stands(force=60.0))
     result = controller.say(SENTENCE)
     assert len(stage.executed) == result.planned == 2
     assert [(step.frame, step.status) for step in result.steps] == [(0, "done"), (1, "failed")]
@@ -107,7 +109,7 @@ def test_frames_are_carried_out_in_turn_up_to_the_first_that_fails(
 
 
 def test_a_refusal_moves_nothing(controller: Controller, monkeypatch: pytest.MonkeyPatch) -> None:
-    stage = Stage(monkeypatch, controller)
+    stage = played(controller)
     result = controller.say("push the ice tea box at the top without toppling it")
     assert (result.ok, result.status, result.exit_status) == (False, "refused", 4)
     assert result.paraphrase is not None
@@ -118,7 +120,7 @@ def test_a_refusal_moves_nothing(controller: Controller, monkeypatch: pytest.Mon
 def test_what_cannot_be_checked_is_not_executed(
     controller: Controller, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stage = Stage(monkeypatch, controller)
+    stage = played(controller)
     monkeypatch.delitem(CONSTRAINTS, "gentle")
     result = controller.say("gently push the coffee box to the right")
     assert result.status == "unsupported"
@@ -144,7 +146,7 @@ def test_the_stages_one_by_one(controller: Controller, make_trace: TraceMaker) -
 
 def test_belief_and_truth_are_two_things(controller: Controller) -> None:
     state = controller.look()
-    for item in controller.scene.objects:
+    for item in simulation(controller.executor).scene.objects:
         seen = state.objects[item.name]
         assert seen.model == controller.registry.get(item.model)
         assert seen.model.mass != item.truth.mass_kg

@@ -21,7 +21,8 @@ from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.traces.trace import Trace
-from tests.unit.nlcontrol.pushes import BOX, FORWARDS, Happens, Stage
+from tests.fakes.played_executor import PlayedExecutor, played
+from tests.unit.nlcontrol.pushes import BOX, FORWARDS, Happens
 
 AWAY = "push the coffee box away"
 IT = g.ObjectRef(text="it", pronoun=True)
@@ -218,12 +219,12 @@ PUSH = "push the ice tea box away"
 @pytest.fixture
 def stage(
     conversation: Conversation, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
-) -> Stage:
+) -> PlayedExecutor:
     """Where every push goes as predicted."""
-    return Stage(monkeypatch, conversation.controller, goes())
+    return played(conversation.controller, goes())
 
 
-def test_undo_pushes_it_back(conversation: Conversation, stage: Stage) -> None:
+def test_undo_pushes_it_back(conversation: Conversation, stage: PlayedExecutor) -> None:
     before = conversation.controller.look().objects[BOX].pose
     assert conversation.say(PUSH).steps[0].before == before
     result = conversation.say("undo that")
@@ -236,7 +237,7 @@ def test_undo_pushes_it_back(conversation: Conversation, stage: Stage) -> None:
     assert conversation.say("undo that").error is not None
 
 
-def test_undo_turns_it_back(conversation: Conversation, stage: Stage) -> None:
+def test_undo_turns_it_back(conversation: Conversation, stage: PlayedExecutor) -> None:
     before = stage.poses[BOX]
     assert conversation.say("turn the ice tea box by 40 degrees to the left").ok
     assert angle_between(stage.poses[BOX].yaw, before.yaw) == pytest.approx(
@@ -252,7 +253,7 @@ def test_undo_turns_it_back(conversation: Conversation, stage: Stage) -> None:
 
 
 def test_what_turned_and_moved_is_turned_and_pushed_back(
-    conversation: Conversation, stage: Stage
+    conversation: Conversation, stage: PlayedExecutor
 ) -> None:
     before = stage.poses[BOX]
     conversation.say(PUSH)
@@ -269,7 +270,7 @@ def test_half_a_way_back_can_be_gone_on_with(
     conversation: Conversation,
     goes: Callable[..., Happens],
     stands: Callable[..., Happens],
-    stage: Stage,
+    stage: PlayedExecutor,
 ) -> None:
     conversation.say(PUSH)
     stage.move(0.0, 0.0, math.radians(15))
@@ -291,7 +292,7 @@ def test_an_undo_that_fails_can_be_said_again(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     short = (goes(), goes(share=0.3), stands(force=60.0))
-    Stage(monkeypatch, conversation.controller, *short)
+    played(conversation.controller, *short)
     conversation.say(PUSH)
     assert conversation.say("undo that").status == "failed"
     again = conversation.say("undo that", plan_only=True)
@@ -299,7 +300,9 @@ def test_an_undo_that_fails_can_be_said_again(
     assert "push the ice tea box by 70 mm toward the robot" in again.paraphrase
 
 
-def test_a_correction_tells_that_it_was_done(conversation: Conversation, stage: Stage) -> None:
+def test_a_correction_tells_that_it_was_done(
+    conversation: Conversation, stage: PlayedExecutor
+) -> None:
     conversation.say(PUSH)
     conversation.say(AWAY, plan_only=True)
     assert conversation.say("no, 5 cm", plan_only=True).notes == ()
@@ -309,7 +312,7 @@ def test_a_correction_tells_that_it_was_done(conversation: Conversation, stage: 
     assert len(stage.executed) == 2
 
 
-def test_what_fell_over_is_not_stood_up(conversation: Conversation, stage: Stage) -> None:
+def test_what_fell_over_is_not_stood_up(conversation: Conversation, stage: PlayedExecutor) -> None:
     conversation.say(PUSH)
     stage.poses[BOX] = replace(stage.poses[BOX], attitude=FORWARDS)
     result = conversation.say("undo that")
@@ -319,7 +322,7 @@ def test_what_fell_over_is_not_stood_up(conversation: Conversation, stage: Stage
     assert len(conversation.past) == 1
 
 
-def test_what_stands_there_is_left(conversation: Conversation, stage: Stage) -> None:
+def test_what_stands_there_is_left(conversation: Conversation, stage: PlayedExecutor) -> None:
     conversation.say(PUSH)
     stage.move(-0.1, 0.0)
     result = conversation.say("undo that")
@@ -329,7 +332,7 @@ def test_what_stands_there_is_left(conversation: Conversation, stage: Stage) -> 
 
 
 def test_more_after_a_place_goes_on_where_all_pushes_led(
-    conversation: Conversation, stage: Stage
+    conversation: Conversation, stage: PlayedExecutor
 ) -> None:
     # Over two faces: the first push alone went elsewhere.
     conversation.say("put the ice tea box at x 52 cm, y 7 cm")
@@ -347,7 +350,7 @@ def test_undo_of_an_object_that_was_not_pushed(conversation: Conversation) -> No
 
 
 def test_each_step_is_told_and_undone_the_last_first(
-    conversation: Conversation, stage: Stage
+    conversation: Conversation, stage: PlayedExecutor
 ) -> None:
     result = conversation.say("push the ice tea box away, then to the left")
     assert len(stage.executed) == 2
@@ -370,7 +373,7 @@ def test_why_a_clause_failed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     halves = (goes(share=0.5, end="guard"), stands(force=60.0))
-    Stage(monkeypatch, conversation.controller, *halves)
+    played(conversation.controller, *halves)
     failed = conversation.say(PUSH)
     assert (failed.status, len(failed.steps[0].plans)) == ("failed", 2)
     result = conversation.say("why?")

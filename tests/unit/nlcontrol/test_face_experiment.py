@@ -13,9 +13,10 @@ import pytest
 
 from nlcontrol.errors import ControlError
 from nlcontrol.outcome_maps.experiment_record import Record
-from nlcontrol.outcome_maps.experiment_runner import FaceExperiment, standing
+from nlcontrol.outcome_maps.experiment_runner import FaceExperiment, object_on_table
 from nlcontrol.session.controller import Controller
 from sim import SimError, load_scene
+from sim.cell.cell_description import CellObject
 from sim.face_experiment.face_contact import Contact, TouchResult, Way
 from sim.truth.scene_file import Scene
 
@@ -169,9 +170,14 @@ def test_an_error_of_a_push_comes_home_from_its_process() -> None:
     assert (type(copied), vars(copied)) == (SimError, vars(raised))
 
 
+def _on_table(name: str) -> CellObject:
+    controller = Controller(SCENE)
+    return object_on_table(name, controller.cell, controller.models, controller.registry)
+
+
 @pytest.mark.parametrize("name", ["coffee box", "Coffee Box", "the coffee", "coffee"])
 def test_an_object_by_its_name(name: str) -> None:
-    assert standing(Controller(SCENE), name).name == "coffee box"
+    assert _on_table(name).name == "coffee box"
 
 
 @pytest.mark.parametrize(
@@ -184,6 +190,6 @@ def test_an_object_by_its_name(name: str) -> None:
 )
 def test_an_object_that_is_not_there(name: str, code: str, words: str) -> None:
     with pytest.raises(ControlError) as raised:
-        standing(Controller(SCENE), name)
+        _on_table(name)
     assert raised.value.code == code
     assert words in " ".join(raised.value.info.suggestions)

@@ -23,6 +23,7 @@ from planner.types.actions import (
 )
 from planner.types.defaults import DEFAULTS
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
+from sim.simulated_executor import simulation
 from tests.plans import hand_plan
 from tests.unit.nlcontrol.hands import hand_trace
 
@@ -189,7 +190,7 @@ def test_only_the_weight_is_found_out_by_lifting(kitchen: Controller) -> None:
 
 def _true_mass(controller: Controller) -> float:
     """Of the carton, which is not what is believed [kg]."""
-    truth = controller.scene.object("ice tea").truth
+    truth = simulation(controller.executor).truth("ice tea")
     assert truth.mass_kg != controller.registry.get("ice tea").mass
     return truth.mass_kg
 

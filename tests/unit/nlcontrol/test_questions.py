@@ -28,6 +28,7 @@ from nlcontrol.results.result import Result
 from objectmodels import BoxModel
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
+from sim.simulated_executor import simulation
 
 MASS, MASS_SD, MU, MU_SD, HALF, COM_SD = 0.9952, 0.0375, 0.378, 0.0689, 0.045, 0.003
 WEIGHT = MASS * 9.81
@@ -477,8 +478,8 @@ def test_no_question_pushes(
 ) -> None:
     _read_as(monkeypatch, _ask(query, "ice tea box", g.NoTopple(), **PUSH))
     monkeypatch.setattr(Controller, "execute", None)
-    monkeypatch.setattr("sim.DrakeWorld", None)
     result = kitchen.say("a question")
+    assert not simulation(kitchen.executor).is_built
     assert (result.plan, result.trace, result.checks) == (None, None, ())
     assert (result.ok, result.status, result.exit_status) == (True, "answered", 0)
     assert result.answer is not None

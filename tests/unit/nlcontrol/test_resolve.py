@@ -176,7 +176,7 @@ def test_it_without_anything_spoken_of_is_refused_unless_there_is_but_one(
         kitchen.resolve(_command(g.Frame(object=IT)))
     assert raised.value.code == "no_antecedent"
     assert raised.value.info.message == "'it' — nothing was spoken of yet"
-    assert raised.value.info.suggestions == kitchen.scene.names
+    assert raised.value.info.suggestions == kitchen.cell.names
     assert raised.value.info.status.exit == 3
     command = _command(g.Frame(object=IT))
     (frame,) = resolve(command, TABLE[:1], KNOWN, _not_looked).frames
@@ -277,7 +277,7 @@ def test_a_question_may_be_about_a_model_that_is_not_on_the_table(kitchen: Contr
     heavy = g.Frame(query="value", object=can, goal=g.Parameters(which=("mass",)))
     assert _id(_only(kitchen, heavy).object) == "soup can"
     seen, state = kitchen.surroundings("soup can")
-    assert (seen.pose.x, seen.pose.y) == kitchen.scene.table.centre_m
+    assert (seen.pose.x, seen.pose.y) == kitchen.cell.table.centre_m
     assert list(state.objects) == ["soup can"]
     it = g.Frame(query="value", object=IT, goal=g.Parameters(which=("height",)))
     assert _id(kitchen.resolve(_command(heavy, it)).frames[1].object) == "soup can"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from typing import Any
 
 import pytest
 
@@ -13,7 +12,8 @@ from nlcontrol import Controller
 from nlcontrol.errors import ControlError
 from nlcontrol.session.exploration_commands import EVERYTHING, unknown, wanted
 from objectmodels import BoxModel
-from sim.exploration.touch_recording import Recording
+from sim.simulated_executor import simulation
+from tests.fakes.played_executor import played
 
 
 @pytest.fixture
@@ -87,29 +87,24 @@ def test_a_plan_tells_what_would_be_touched_and_moves_nothing(kitchen: Controlle
     result = kitchen.say("find out how slippery the coffee box is", plan_only=True)
     assert (result.status, result.ok, result.exit_status) == ("planned", True, 0)
     assert "would be touched (tilt and slide)" in result.notes[0]
-    assert kitchen._world is None
+    assert not simulation(kitchen.executor).is_built
 
 
 def test_where_nothing_may_move_the_model_answers(kitchen: Controller) -> None:
     result = kitchen.say("how slippery is the coffee box?", plan_only=True)
-    assert (result.status, kitchen._world) == ("answered", None)
+    assert (result.status, simulation(kitchen.executor).is_built) == ("answered", False)
     assert result.answer is not None
     assert "0.313" in result.answer.text
 
 
-def test_touches_that_show_nothing_are_told(
-    kitchen: Controller, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def probe(experiment: Any, world: Any, state: Any, **_: Any) -> Recording:
-        pose = state.objects[experiment.push.object].pose
-        return Recording.nothing(experiment, "unreachable", "the arm does not reach", pose)
-
-    monkeypatch.setattr("sim.exploration.exploration_run.probe", probe)
+def test_touches_that_show_nothing_are_told(kitchen: Controller) -> None:
+    executor = played(kitchen)
     result = kitchen.say("find out how heavy the ice tea box is")
     assert (result.status, result.exit_status) == ("refused", 4)
     assert result.error is not None
     assert result.error.code == "not_explorable"
     assert "tilt at the front: the arm does not reach" in result.error.suggestions
+    assert executor.touched
 
 
 @pytest.mark.slow
@@ -117,7 +112,7 @@ def test_find_out_how_heavy_it_is(kitchen: Controller) -> None:
     before = kitchen.models["ice tea box"]
     result = kitchen.say("find out how heavy the ice tea box is")
     assert (result.status, result.ok) == ("done", True)
-    model, truth = kitchen.models["ice tea box"], kitchen.scene.object("ice tea box").truth
+    model, truth = kitchen.models["ice tea box"], simulation(kitchen.executor).truth("ice tea box")
     assert model.mass_sd < 0.03 * model.mass < before.mass_sd
     # Two or three touches, known to 3 %: three standard deviations.
     assert model.mass == pytest.approx(truth.mass_kg, abs=3.0 * model.mass_sd)

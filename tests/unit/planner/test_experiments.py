@@ -21,7 +21,8 @@ from planner.touch_experiments import (
 )
 from planner.types.robot import Reach
 from planner.types.world_state import PlanarPose, SeenObject
-from sim import ArmHandReach, load_scene
+from sim import load_scene
+from sim.motion.robot_reach import ArmHandReach
 from sim.standard_robot import ARM, HAND
 
 MODELS = {model.name: model for model in Registry.built_in()}

@@ -9,19 +9,22 @@ import pytest
 
 from objectmodels import Registry
 from objectmodels.identification import Trial
+from objectmodels.models.object_model import ObjectModel
 from planner.touch_experiments import Experiment, Kind, expected
 from planner.types.actions import FaceName
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim import ArmHandReach, load_scene
+from sim import load_scene
 from sim.exploration.exploration_run import OPPOSITE, SPIRAL, Explorer, Touched
 from sim.exploration.touch_recording import Recording
+from sim.motion.robot_reach import ArmHandReach
 from sim.standard_robot import ARM, HAND
 from sim.traces.trace import EndReason
 
 BOX = "ice tea box"
 MODEL = Registry.built_in().get(BOX)
 STATE = WorldState({BOX: SeenObject(BOX, PlanarPose(0.45, 0.0), MODEL)})
-REACH = ArmHandReach(load_scene("kitchen").cell, ARM, HAND)
+CELL = load_scene("kitchen").cell
+REACH = ArmHandReach(CELL, ARM, HAND)
 
 Fails = Mapping[tuple[Kind, FaceName], EndReason]
 
@@ -33,16 +36,17 @@ class Hand:
     """
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, fails: Fails | None = None) -> None:
+        self.cell, self.seed, self.robot = CELL, 0, REACH
         self.fails = fails or {}
         self.tried: list[Experiment] = []
         self.learned: list[Touched] = []
-        monkeypatch.setattr("sim.exploration.exploration_run.probe", self.probe)
         monkeypatch.setattr("sim.exploration.exploration_run.trials", self.trials)
-        self.explorer = Explorer(
-            BOX, None, lambda: STATE, reach=REACH, learn=self.learned.append  # type: ignore[arg-type]
-        )  # fmt: skip
+        self.explorer = Explorer(BOX, self, lambda: STATE, learn=self.learned.append)
 
-    def probe(self, experiment: Experiment, *_: object, **__: object) -> Recording:
+    def look(self, models: Mapping[str, ObjectModel]) -> WorldState:
+        return STATE
+
+    def touch(self, experiment: Experiment, *_: object, **__: object) -> Recording:
         self.tried.append(experiment)
         end = self.fails.get((experiment.kind, experiment.push.face), "stroke")
         empty = np.empty((0, 3))

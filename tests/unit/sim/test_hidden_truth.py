@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim import DrakeWorld, load_scene
+from sim import load_scene
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Hidden, Scene
 from sim.truth.world_sampling import drawn
+from sim.worlds.drake.drake_world import DrakeWorld
 
 SPREAD = Hidden(mass=0.10, friction=0.15, finger_friction=0.05, centre_of_mass_m=0.002)
 

@@ -10,15 +10,16 @@ import pytest
 
 from nlcontrol import Controller
 from planner.types.world_state import SeenObject
-from sim import DrakeWorld, SceneError, load_scene, save_replay
-from sim.control.trace_recorder import Recorder
-from sim.hands.mount import Mount
-from sim.perception.camera_port import VisionPort, averaged_lids, beheld, first_frames, lids_in
+from sim import SceneError, load_scene, save_replay
+from sim.control.free_motion import watch
+from sim.perception.state_estimation import estimate_objects, mean_lids
 from sim.rotations import rot_x
-from sim.standard_robot import ARM, HAND
 from sim.traces.trace import Trace, joined
 from sim.truth.scene_file import Scene, parse_scene
 from sim.views.trace_scene import Stage
+from sim.worlds.drake.drake_world import DrakeWorld
+from sim.worlds.drake.vision_port import initial_frames, vision_port
+from tests.fakes.robots import frames_in, robot_in
 
 LIDS = {"jar", "fixed bottle", "free bottle", "ice tea cup"}
 
@@ -31,8 +32,8 @@ def pantry() -> Scene:
 @pytest.fixture(scope="module")
 def trace(pantry: Scene) -> Trace:
     world = DrakeWorld(pantry, seed=1)
-    recorder = Recorder(world, Mount.of(pantry.robot, ARM, HAND), np.array([1.0, 0.0, 0.0]))
-    recorder.look(0.3)
+    recorder = robot_in(world).recorder(np.array([1.0, 0.0, 0.0]))
+    watch(recorder, 0.3)
     return recorder.trace("jar", np.array([1.0, 0.0, 0.0]), end="handled", detail="looked")
 
 
@@ -80,9 +81,9 @@ def test_what_is_seen_of_lids_and_holders(pantry: Scene) -> None:
     assert {name for name, each in seen.items() if each.lid is not None} == LIDS
     assert {name for name, each in seen.items() if each.fixed} == {"fixed bottle"}
     world = DrakeWorld(pantry, seed=3)
-    first, then = first_frames(pantry, 1.0, seed=3), world.watch(1.0)
-    expected = averaged_lids(first)
-    for name, value in averaged_lids(then).items():
+    first, then = initial_frames(pantry, 1.0, seed=3), frames_in(world, 1.0)
+    expected = mean_lids(first)
+    for name, value in mean_lids(then).items():
         # They settle by micrometres and microradians.
         assert value == pytest.approx(expected[name], abs=1e-4)
         assert seen[name].lid == pytest.approx(expected[name], abs=1e-12)
@@ -99,14 +100,14 @@ def test_a_lid_rises_above_its_object(pantry: Scene) -> None:
 
 def _seen_off(scene: Scene, X_WL: tuple[np.ndarray, np.ndarray]) -> dict[str, SeenObject]:
     """The pantry with the jar's lid off."""
-    port = VisionPort(scene.vision, scene.names, lids_in(scene), seed=2)
+    port = vision_port(scene, seed=2)
     poses = {
         item.name: (np.eye(3), np.array([item.pose.x_m, item.pose.y_m, 0.0]))
         for item in scene.objects
     }
     for k in range(100):
         port.observe(0.01 * k, poses, {"jar": 0.2}, {"jar": X_WL})
-    return beheld(scene, port.arrived(2.0), Controller(scene=scene).models)
+    return estimate_objects(scene.cell, port.arrived(2.0), Controller(scene=scene).models)
 
 
 def test_a_lid_that_is_off_is_seen_where_it_lies(pantry: Scene) -> None:
@@ -134,8 +135,7 @@ def test_noise_on_lids_leaves_that_on_poses_as_it_was(pantry: Scene) -> None:
             )
         }
     )
-    assert lids_in(bare) == {}
-    with_lids, without = (first_frames(scene, 0.5, seed=4) for scene in (pantry, bare))
+    with_lids, without = (initial_frames(scene, 0.5, seed=4) for scene in (pantry, bare))
     for one, other in zip(with_lids, without, strict=True):
         assert one.lids.keys() == LIDS
         assert other.lids == {}

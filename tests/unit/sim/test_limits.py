@@ -12,8 +12,8 @@ from planner.types.actions import Limits, Push
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.cell.cell_description import Vision
 from sim.control.pushing.clause_guards import End, LimitGuards
-from sim.perception.camera_port import Frame, SeenPose
 from sim.rotations import Array, rot_y, rot_z
+from sim.worlds.ports import Frame, SeenPose
 
 PERIOD = 0.01
 SPEED = 0.03

@@ -172,7 +172,7 @@ def test_a_closed_lid_keeps_everything_in_and_out(covered: str) -> None:
 def test_a_world_tells_its_observer() -> None:
     world = DrakeWorld(parse_scene(SCENE))
     for _ in range(3):
-        world.step(*world.commanded)
+        world.robot.step(*world.robot.commanded)
     assert world.history[-1].contents == {"carton": FULL, "mug": 0.0}
     assert world.history[-1].spilled == 0.0
     truth = world.truth_now("carton")
@@ -190,7 +190,7 @@ def test_a_carton_that_falls_over_spills() -> None:
     plant, body = world._plant, world._model.bodies["carton"]
     plant.SetFreeBodyPose(world._context, body, X_WB)
     for _ in range(150):
-        world.step(*world.commanded)
+        world.robot.step(*world.robot.commanded)
     last = world.history[-1]
     # It lies on its side; in a second and a half half of it is out.
     assert last.poses["carton"][1] == pytest.approx(-np.sqrt(0.5), abs=0.05)
@@ -201,7 +201,7 @@ def test_a_carton_that_falls_over_spills() -> None:
 
 def test_a_world_without_containers_has_no_liquid() -> None:
     world = DrakeWorld(parse_scene(PLAIN))
-    world.step(*world.commanded)
+    world.robot.step(*world.robot.commanded)
     assert world.history[-1].contents == {}
     assert world.history[-1].spilled == 0.0
     assert world.truth_now("box") == world.scene.object("box").truth

@@ -13,9 +13,11 @@ from sim.cell.cell_description import Vision
 from sim.control.pushing.lateral_control import LineKeeper, Pushed
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.paths.point_attractor import attractor_points
-from sim.perception.camera_port import SeenPose, VisionPort, first_look
+from sim.perception.state_estimation import mean_poses
 from sim.rotations import rot_z
 from sim.truth.scene_file import load_scene
+from sim.worlds.drake.vision_port import VisionPort, initial_frames
+from sim.worlds.ports import SeenPose
 
 PERIOD = 0.01
 numbers = st.floats(-2.0, 2.0)
@@ -83,14 +85,14 @@ def test_a_camera_without_noise_or_delay_shows_the_truth() -> None:
         update={"vision": Vision(position_noise_m=0.0, angle_noise_deg=0.0, delay_s=0.0)}
     )
     for item in scene.objects:
-        pose = first_look(scene, 0.1, seed=0)[item.name]
+        pose = mean_poses(initial_frames(scene, 0.1, seed=0))[item.name]
         assert (pose.x, pose.y) == pytest.approx((item.pose.x_m, item.pose.y_m), abs=1e-12)
         assert pose.yaw == pytest.approx(np.radians(item.pose.yaw_deg), abs=1e-12)
 
 
 def test_a_very_late_camera_is_waited_for() -> None:
     scene = load_scene("kitchen").model_copy(update={"vision": Vision(delay_s=3.0)})
-    assert set(first_look(scene, 0.5, seed=0)) == set(scene.names)
+    assert set(mean_poses(initial_frames(scene, 0.5, seed=0))) == set(scene.names)
 
 
 FLAT = Pushed(0.045, 0.0344, TIP_RADIUS)

@@ -11,12 +11,15 @@ import pytest
 from objectmodels import Registry
 from planner.touch_experiments import Experiment, Kind, experiments
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim import ArmHandReach, DrakeWorld, load_scene
+from sim import load_scene
 from sim.exploration.probe_control import probe
 from sim.exploration.touch_recording import Recording
 from sim.exploration.trial_extraction import trials
+from sim.motion.robot_reach import ArmHandReach
 from sim.standard_robot import ARM, HAND
 from sim.truth.scene_file import Scene
+from sim.worlds.drake.drake_world import DrakeWorld
+from tests.fakes.robots import poses_in, robot_in
 
 BOX = "ice tea box"
 REACH = ArmHandReach(load_scene("kitchen").cell, ARM, HAND)
@@ -32,7 +35,7 @@ def scene(**truth: Any) -> Scene:
 
 def seen(world: DrakeWorld, *, off: float = 0.0, far: float = 0.0) -> WorldState:
     """What is believed: the built-in model where the camera sees it, or somewhere else."""
-    pose = world.look(1.0)[BOX]
+    pose = poses_in(world, 1.0)[BOX]
     pose = PlanarPose(pose.x + far, pose.y + off, pose.yaw)
     return WorldState({BOX: SeenObject(BOX, pose, Registry.built_in().get(BOX))})
 
@@ -50,8 +53,8 @@ def experiment(state: WorldState, kind: Kind, **changes: Any) -> Experiment:
 
 def touched(tried: Experiment, world: DrakeWorld, state: WorldState) -> Recording:
     """The recording; afterwards the box stands."""
-    recording = probe(tried, world, state, reach=REACH)
-    after = world.look(1.0)[BOX]
+    recording = probe(tried, robot_in(world), state)
+    after = poses_in(world, 1.0)[BOX]
     assert after.attitude is None
     return recording
 
@@ -76,7 +79,7 @@ def test_pressed_too_low_it_slides_where_it_should_tilt() -> None:
     state = seen(world)
     found = touched(experiment(state, "tilt", height=0.05), world, state)
     assert (found.end, found.moved) == ("guard", "slide")
-    moved = world.look(1.0)[BOX]
+    moved = poses_in(world, 1.0)[BOX]
     assert abs(moved.y) < 0.05  # stopped soon
 
 
@@ -121,9 +124,9 @@ def test_nothing_where_it_should_be() -> None:
 def test_out_of_reach_nothing_moves() -> None:
     world = DrakeWorld(scene(), seed=0)
     state = seen(world, far=1.2)
-    before = world.commanded[0]
+    before = world.robot.commanded[0]
     found = touched(experiment(state, "slide"), world, state)
     assert (found.end, found.moved) == ("unreachable", None)
     assert found.detail
     assert len(found.time) == 0
-    np.testing.assert_array_equal(world.commanded[0], before)
+    np.testing.assert_array_equal(world.robot.commanded[0], before)

@@ -12,10 +12,11 @@ from objectmodels import Registry
 from planner.types.actions import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim import ArmHandReach, load_scene
+from sim import load_scene
 from sim.collision.collision_spheres import distance_to_box
 from sim.hands.four_finger.hand_kinematics import FINGER_JOINTS, FINGERS
 from sim.motion.arm_configuration import ArmConfiguration, UnreachableError
+from sim.motion.robot_reach import ArmHandReach
 from sim.paths.fingertip_path import FingertipPath
 from sim.standard_robot import ARM, HAND
 from sim.truth.scene_file import Scene

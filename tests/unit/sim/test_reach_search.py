@@ -13,7 +13,7 @@ from planner.geometry.directions import face_name
 from planner.types.actions import Push
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from sim import ArmHandReach, load_scene
+from sim import load_scene
 from sim.collision.collision_scene import (
     FRAGILE_CLEARANCE,
     LEAST_CLEARANCE,
@@ -34,6 +34,7 @@ from sim.hands.four_finger.pushing_postures import pushing_postures
 from sim.motion.arm_configuration import ArmConfiguration
 from sim.motion.reachability_map import reachability_map
 from sim.motion.roadmap import interpolate_joints
+from sim.motion.robot_reach import ArmHandReach
 from sim.paths.fingertip_path import FingertipPath
 from sim.standard_robot import ARM, HAND
 

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from objectmodels import BoxModel
 from planner.touch_experiments import Experiment, experiments
 from planner.types.world_state import PlanarPose, SeenObject
-from sim import ArmHandReach, load_scene
+from sim import load_scene
 from sim.exploration.touch_recording import Recording
 from sim.exploration.trial_extraction import curve, trials
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
+from sim.motion.robot_reach import ArmHandReach
 from sim.paths.tilt_arc import TiltArc
 from sim.standard_robot import ARM, HAND
 

@@ -19,8 +19,10 @@ from sim.collision.collision_scene import (
     Obstacle,
 )
 from sim.collision.collision_spheres import distance_to_cylinder, distance_to_prism
-from sim.execution.push_execution import Trip, silent
+from sim.control.free_motion import silent
+from sim.execution.push_execution import PushExecution
 from sim.rotations import rot_y
+from sim.simulated_executor import simulation
 
 REGISTRY = Registry.built_in()
 CAN, TEA = REGISTRY.get("soup can"), REGISTRY.get("ice tea box")
@@ -115,5 +117,6 @@ def test_the_robot_is_told_what_is_fragile() -> None:
         spread=0.0,
         ends_on="stroke",
     )
-    trip = Trip(push, controller.world, controller.models, controller.reach, silent)
-    assert {name: seen.fragile for name, seen in trip.look().objects.items()} == told
+    setup = simulation(controller.executor).setup
+    execution = PushExecution(push, setup, controller.models, silent)
+    assert {name: seen.fragile for name, seen in execution.look().objects.items()} == told

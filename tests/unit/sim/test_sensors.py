@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from sim.cell.cell_description import JointSensor, TorqueSensor, Vision
-from sim.perception.camera_port import VisionPort, mean_pose
+from sim.perception.state_estimation import mean_pose
+from sim.worlds.drake.vision_port import VisionPort
 from sim.worlds.sensor_noise import JointReadings, TorqueReadings
 
 PERIOD = 0.01

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim import DrakeWorld, load_scene
+from sim import load_scene
 from sim.errors import SceneError
 from sim.truth.scene_file import Scene, parse_scene
+from sim.worlds.drake.drake_world import DrakeWorld
+from tests.fakes.robots import poses_in
 
 HEAD = """\
 version: 1
@@ -33,7 +35,7 @@ def world() -> DrakeWorld:
 @pytest.mark.parametrize("name", ["soup can", "mug", "tea tin"])
 def test_things_stand_where_the_scene_puts_them(world: DrakeWorld, name: str) -> None:
     pose = load_scene("counter").object(name).pose
-    seen = world.look(0.5)[name]
+    seen = poses_in(world, 0.5)[name]
     # The mean of fifteen looks with 2 mm of noise each.
     assert (seen.x, seen.y) == pytest.approx((pose.x_m, pose.y_m), abs=0.0025)
 

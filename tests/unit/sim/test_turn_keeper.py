@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from sim.control.pushing.turn_estimator import TurnedObject, TurnKeeper
-from sim.perception.camera_port import SeenPose
 from sim.rotations import Array, rot_z
+from sim.worlds.ports import SeenPose
 
 RADIUS = 0.010
 INWARD = np.array([1.0, 0.0])

@@ -7,18 +7,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim import DrakeWorld, PictureError, first_look, load_scene, save_picture, save_replay
-from sim.cell.cell_description import TorqueSensor
+from sim import PictureError, load_scene, save_picture, save_replay
 from sim.hands.four_finger.hand_kinematics import JOINT_NAMES
+from sim.perception.state_estimation import mean_poses
 from sim.traces.trace import Trace
+from sim.truth.scene_file import ScaledTorqueSensor
 from sim.views.trace_picture import missing_libraries
 from sim.views.trace_scene import samples
+from sim.worlds.drake.drake_world import DrakeWorld
+from sim.worlds.drake.vision_port import initial_frames
+from tests.fakes.robots import poses_in
 
 
 @pytest.fixture(scope="module")
 def still() -> DrakeWorld:
     world = DrakeWorld(load_scene("kitchen"), seed=3)
-    world.look(0.5)
+    poses_in(world, 0.5)
     return world
 
 
@@ -31,7 +35,7 @@ def _trace(world: DrakeWorld) -> Trace:
         poses=poses,
         seen=poses,
         joints=np.array([s.joints for s in history]),
-        joint_names=world.joint_names,
+        joint_names=world.robot.joint_names,
         tips={},
         felt={},
         force_limit=np.zeros(n),
@@ -55,7 +59,10 @@ def test_nothing_moves_by_itself(still: DrakeWorld) -> None:
 
 def test_first_look_is_what_the_world_shows_first() -> None:
     scene = load_scene("kitchen")
-    before, after = first_look(scene, 0.5, seed=5), DrakeWorld(scene, seed=5).look(0.5)
+    before, after = (
+        mean_poses(initial_frames(scene, 0.5, seed=5)),
+        poses_in(DrakeWorld(scene, seed=5), 0.5),
+    )
     for name in scene.names:
         # They differ by what objects settle.
         assert before[name].x == pytest.approx(after[name].x, abs=1e-5)
@@ -63,35 +70,35 @@ def test_first_look_is_what_the_world_shows_first() -> None:
 
 
 def test_fingers_that_touch_nothing_feel_a_constant_and_noise(still: DrakeWorld) -> None:
-    readings = np.array([still.finger_torques("index") for _ in range(400)])
+    readings = np.array([still.robot.finger_torques("index") for _ in range(400)])
     sensor = still.scene.torque_sensor
     early, late = readings[:200].mean(axis=0), readings[200:].mean(axis=0)
     # A mean of 200 readings has a fourteenth of their deviation; five of those for a difference.
-    np.testing.assert_allclose(early, late, atol=still.torque_noise / 2)
+    np.testing.assert_allclose(early, late, atol=still.robot.torque_noise / 2)
     assert np.abs(early).max() < 4.0 * sensor.bias_nm
     # Steps of 2 mN·m add a twelfth of their square: 0.7 % here.
-    np.testing.assert_allclose(readings.std(axis=0), still.torque_noise, rtol=0.15)
+    np.testing.assert_allclose(readings.std(axis=0), still.robot.torque_noise, rtol=0.15)
 
 
 @pytest.mark.parametrize("time_step", [0.001, 0.002])
 def test_a_finger_that_swings_evenly_feels_next_to_nothing(time_step: float) -> None:
-    ideal = TorqueSensor(noise_nm=0.0, resolution_nm=0.0, bias_nm=0.0)
+    ideal = ScaledTorqueSensor(noise_nm=0.0, resolution_nm=0.0, bias_nm=0.0)
     kitchen = load_scene("kitchen")
     world = DrakeWorld(
         kitchen.model_copy(update={"torque_sensor": ideal, "time_step_s": time_step})
     )
-    q_arm, q_hand = world.commanded
+    q_arm, q_hand = world.robot.commanded
     proximal = np.array(JOINT_NAMES) == "index_proximal"
     for _ in range(40):
         q_hand = q_hand - 0.002 * proximal
-        world.step(q_arm, q_hand)
+        world.robot.step(q_arm, q_hand)
     # Commands in steps make a saw tooth of ±1.5 mN·m; its middle is the joint's damping, 0.1 mN·m.
-    assert np.abs(world.finger_torques("index")).max() < 3e-4
+    assert np.abs(world.robot.finger_torques("index")).max() < 3e-4
 
 
 def test_the_same_seed_gives_the_same_noise_and_another_seed_another() -> None:
     scene = load_scene("kitchen")
-    one, same, other = (DrakeWorld(scene, seed=seed).look(0.2) for seed in (1, 1, 2))
+    one, same, other = (poses_in(DrakeWorld(scene, seed=seed), 0.2) for seed in (1, 1, 2))
     assert one == same
     assert one != other
 
@@ -144,4 +151,4 @@ def test_frames_of_a_recording(still: DrakeWorld) -> None:
     chosen = samples(trace, 10.0)
     assert chosen[0] == 0
     assert chosen[-1] == len(trace.time) - 1
-    np.testing.assert_allclose(np.diff(trace.time[chosen])[:-1], 0.1, atol=still.period)
+    np.testing.assert_allclose(np.diff(trace.time[chosen])[:-1], 0.1, atol=still.robot.period)

@@ -22,12 +22,13 @@ from sim.execution.plan_execution import execute
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.motion.robot_reach import ArmHandReach
 from sim.paths.lid_arc_path import LidPath, LidShape
-from sim.perception.camera_port import Frame, SeenPose
 from sim.standard_robot import ARM, HAND
 from sim.traces.trace import Trace
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Pose, Scene, SceneObject, load_scene
 from sim.worlds.drake.drake_world import DrakeWorld
+from sim.worlds.ports import Frame, SeenPose
+from tests.fakes.robots import robot_in
 from tests.plans import EASY_FLIP, hand_plan
 
 OPEN = math.radians(100.0)
@@ -178,7 +179,7 @@ def _scene(*, yaw_deg: float, mass: float = 0.3, snap: float = 0.03) -> Scene:
 
 
 def _done(plan: Plan, world: DrakeWorld) -> Trace:
-    return execute(plan, world, {CUP: Registry.built_in().get(CUP)})
+    return execute(plan, robot_in(world), {CUP: Registry.built_in().get(CUP)})
 
 
 def _motion(trace: Trace) -> tuple[float, float]:
@@ -226,12 +227,12 @@ def test_a_catch_that_does_not_give_way_is_told_with_its_force() -> None:
 @pytest.mark.slow
 def test_a_lid_that_does_not_follow_is_missed(monkeypatch: pytest.MonkeyPatch) -> None:
     world = DrakeWorld(_scene(yaw_deg=0.0), seed=0)
-    frames = world.frames
+    frames = world.robot.frames
 
     def stays_shut() -> list[Frame]:
         return [replace(frame, lids={CUP: 0.0}) for frame in frames()]
 
-    monkeypatch.setattr(world, "frames", stays_shut)
+    monkeypatch.setattr(world.robot, "frames", stays_shut)
     trace = _done(_plan(0.0, OPEN), world)
     assert trace.end == "missed"
     assert "does not follow" in trace.detail

@@ -6,10 +6,9 @@ import pytest
 from objectmodels.models.cylinder import CylinderModel
 from planner.types.actions import Aim, Carry, LiftUp, SetDown
 from planner.types.plan import Plan
-from sim import execute
+from sim.simulated_executor import SimulatedExecutor
 from sim.traces.trace import Trace
 from sim.truth.scene_file import Scene
-from sim.worlds.drake.drake_world import DrakeWorld
 from tests.unit.sim.handling.table import MODELS, grasp, plan, scene
 
 pytestmark = pytest.mark.slow
@@ -17,44 +16,44 @@ pytestmark = pytest.mark.slow
 WEIGHT = 0.34 * 9.81
 
 
-def _run(made: Plan, where: Scene | None = None) -> tuple[Trace, DrakeWorld, list[str]]:
-    world, told = DrakeWorld(where or scene(), seed=1), []
-    trace = execute(made, world, MODELS, progress=lambda _phase, _time, text: told.append(text))
-    return trace, world, told
+def _run(made: Plan, where: Scene | None = None) -> tuple[Trace, SimulatedExecutor, list[str]]:
+    executor, told = SimulatedExecutor(where or scene(), seed=1), []
+    trace = executor.execute(made, MODELS, lambda _phase, _time, text: told.append(text))
+    return trace, executor, told
 
 
 def test_it_is_lifted_weighed_and_set_down_where_it_stood() -> None:
-    trace, world, told = _run(plan(LiftUp(height=0.1), SetDown()))
+    trace, executor, told = _run(plan(LiftUp(height=0.1), SetDown()))
     assert trace.end == "handled"
     assert trace.poses["carton"][:, 6].max() == pytest.approx(0.1, abs=0.004)
     # Where it was seen, within the camera's noise, and what the fingers push it on closing.
     np.testing.assert_allclose(trace.displacement("carton"), 0.0, atol=0.002)
     assert trace.tilt("carton")[-1] < np.radians(0.2)
-    assert world.holding is None
+    assert executor.held is None
     (weighed,) = (text for text in told if text.startswith("it weighs"))
     assert float(weighed.split()[2]) == pytest.approx(WEIGHT, rel=0.02)  # two lever errors
     assert {"grasp", "lift", "set_down"} <= set(trace.phase)
 
 
 def test_it_is_kept_and_carried_on_by_the_next_plan() -> None:
-    lifted, world, _ = _run(plan(LiftUp(height=0.1)))
+    lifted, executor, _ = _run(plan(LiftUp(height=0.1)))
     assert lifted.end == "handled"
-    assert world.holding is not None
-    held = world.holding.held
+    assert executor.held is not None
+    held = executor.held
     # What it bears is borne without sagging.
     assert held.height == pytest.approx(0.1, abs=0.003)
     assert lifted.poses["carton"][-1, 6] == pytest.approx(0.1, abs=0.003)
     onward = plan(Carry(to=Aim(x=0.72, y=-0.15)), SetDown(), held=True, of=held.grasp)
-    trace = execute(onward, world, MODELS)
+    trace = executor.execute(onward, MODELS)
     assert trace.end == "handled"
-    assert world.holding is None
+    assert executor.held is None
     np.testing.assert_allclose(trace.poses["carton"][-1, 4:], (0.72, -0.15, 0.0), atol=0.004)
 
 
 def test_what_slips_is_noticed_and_stays_where_it_stood() -> None:
-    trace, world, _ = _run(plan(LiftUp(height=0.1), SetDown()), scene(mass=0.9, friction=0.35))
+    trace, executor, _ = _run(plan(LiftUp(height=0.1), SetDown()), scene(mass=0.9, friction=0.35))
     assert trace.end == "slipped"
-    assert world.holding is None
+    assert executor.held is None
     np.testing.assert_allclose(trace.displacement("carton"), 0.0, atol=0.005)
     # The hand is home again.
     np.testing.assert_allclose(trace.joints[-1, :7], trace.joints[0, :7], atol=0.01)
@@ -70,9 +69,9 @@ def test_an_object_that_is_moved_stops_it() -> None:
     small = CylinderModel(
         name="mug", radius=0.01, height=0.082, mass=0.118, friction=0.3, finger_friction=0.6
     )
-    world = DrakeWorld(scene(mug=(0.822, 0.115)), seed=1)
+    executor = SimulatedExecutor(scene(mug=(0.822, 0.115)), seed=1)
     carry = Carry(to=Aim(x=0.75, y=0.15))
-    trace = execute(plan(LiftUp(height=0.03), carry, SetDown()), world, MODELS | {"mug": small})
+    trace = executor.execute(plan(LiftUp(height=0.03), carry, SetDown()), MODELS | {"mug": small})
     assert trace.end == "nudged"
     assert "mug" in trace.detail
     # It is brought back to where it was taken.

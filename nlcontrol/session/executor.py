@@ -1,0 +1,127 @@
+"""What a controller needs of a robot, and of a planner.
+
+`sim.simulated_executor.SimulatedExecutor` is the executor of the simulated world. The driver of a
+real robot is another one: it has the members of `Executor`, and derives from nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Protocol
+
+from planner.types.robot import HandReach, Reach
+
+if TYPE_CHECKING:
+    from grammar.frames.command import Frame
+    from objectmodels import ObjectModel
+    from planner.touch_experiments import Experiment
+    from planner.types.defaults import Defaults
+    from planner.types.plan import Plan, Reached
+    from planner.types.refusal import Refusal
+    from planner.types.world_state import Held, WorldState
+    from sim.cell.cell_description import CellDescription
+    from sim.exploration.touch_recording import Recording
+    from sim.traces.trace import Trace
+
+Progress = Callable[[str, float, str], None]
+"""Called with the phase, the robot's time [s] and what happens, while something is executed."""
+
+LOOK = 1.0
+"""Time over which camera frames are averaged before a plan is made [s]."""
+
+
+class Robot(Reach, HandReach, Protocol):
+    """Reach of a robot's fingertips, and of its whole hand."""
+
+
+class Perception(Protocol):
+    """Beliefs about where everything stands."""
+
+    def look(self, models: Mapping[str, ObjectModel], duration: float = LOOK) -> WorldState:
+        """Looks at the table and returns what the robot believes then.
+
+        Args:
+            models: what is believed of every object, by its name in the cell.
+            duration: over which camera frames are averaged [s].
+        """
+        ...
+
+
+class Executor(Perception, Protocol):
+    """A robot in its cell.
+
+    Attributes:
+        cell: what the robot is told: objects by name, table, mount, data sheets of the sensors.
+        seed: of everything random; 0 where nothing is drawn.
+    """
+
+    cell: CellDescription
+    seed: int
+
+    @property
+    def robot(self) -> Robot:
+        """Reach of arm and hand, as the planner asks for it."""
+        ...
+
+    @property
+    def time(self) -> float:
+        """The robot's time [s]."""
+        ...
+
+    @property
+    def held(self) -> Held | None:
+        """What the hand holds, as the robot knows; None if nothing."""
+        ...
+
+    def execute(
+        self,
+        plan: Plan,
+        models: Mapping[str, ObjectModel],
+        progress: Progress | None = None,
+    ) -> Trace:
+        """Carries out a plan and returns the trace, also if it ended early.
+
+        Args:
+            plan: what to do.
+            models: what is believed of every object, by its name in the cell.
+            progress: called while something happens.
+        """
+        ...
+
+    def watch(self, name: str, duration: float = LOOK) -> Trace:
+        """Looks at the table while nothing is done.
+
+        Args:
+            name: of the object that the trace is about.
+            duration: how long to look [s].
+        """
+        ...
+
+    def touch(
+        self, experiment: Experiment, state: WorldState, progress: Progress | None = None
+    ) -> Recording:
+        """Carries out a touch experiment and returns what the robot felt and saw.
+
+        Args:
+            experiment: which.
+            state: what is believed, from a look since which nothing has moved.
+            progress: called while something happens.
+        """
+        ...
+
+
+class Planner(Protocol):
+    """A way from frames to plans; `planner.plan` is one."""
+
+    def __call__(
+        self,
+        frame: Frame,
+        state: WorldState,
+        reach: Reach,
+        *,
+        hand: HandReach | None,
+        defaults: Defaults,
+        before: Plan | None = None,
+    ) -> Plan | Reached | Refusal:
+        """A plan that satisfies a frame, or why there is none; see `planner.plan`."""
+        ...

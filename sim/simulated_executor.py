@@ -1,0 +1,157 @@
+"""The executor of the simulated world: scene, robot and world put together.
+
+Implements `nlcontrol.session.executor.Executor`. What the robot believes comes from its port alone;
+`SimulatedExecutor.world` and `SimulatedExecutor.scene` are the truth, for an observer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from planner.types.world_state import Held, WorldState
+from sim.control.free_motion import LOOK, Progress, watch
+from sim.control.robot_setup import RobotSetup
+from sim.motion.robot_reach import ArmHandReach
+from sim.perception.state_estimation import estimate_objects
+from sim.standard_robot import ARM, HAND
+from sim.truth.scene_file import Scene, load_scene
+from sim.worlds.drake.vision_port import initial_frames
+
+if TYPE_CHECKING:
+    from objectmodels.models.object_model import ObjectModel
+    from planner.touch_experiments import Experiment
+    from planner.types.plan import Plan
+    from sim.exploration.touch_recording import Recording
+    from sim.traces.trace import Trace
+    from sim.truth.object_truth import Truth
+    from sim.worlds.drake.drake_world import DrakeWorld
+
+
+class SimulatedExecutor:
+    """A robot in a simulated world, which is built when something first moves.
+
+    Args:
+        scene: the world as it is.
+        seed: of everything random; the same seed gives the same trace.
+
+    Attributes:
+        scene, seed: as given.
+        cell: what the robot is told.
+    """
+
+    def __init__(self, scene: Scene, *, seed: int = 0) -> None:
+        self.scene, self.seed = scene, seed
+        self.cell = scene.cell
+
+    @classmethod
+    def open(cls, scene: str | Path | Scene, *, seed: int = 0) -> SimulatedExecutor:
+        """The executor of a scene.
+
+        Args:
+            scene: name of a built-in scene, path of a scene file, or a scene.
+            seed: of everything random.
+
+        Raises:
+            SceneError: the scene cannot be read.
+        """
+        return cls(scene if isinstance(scene, Scene) else load_scene(scene), seed=seed)
+
+    @cached_property
+    def robot(self) -> ArmHandReach:
+        """Reach of arm and hand, as the planner asks for it."""
+        return ArmHandReach(self.cell, ARM, HAND)
+
+    @cached_property
+    def world(self) -> DrakeWorld:
+        """The simulated world; it keeps what was done to it."""
+        from sim.worlds.drake.drake_world import DrakeWorld
+
+        return DrakeWorld(self.scene, seed=self.seed)
+
+    @cached_property
+    def setup(self) -> RobotSetup:
+        """The robot that plans are carried out with."""
+        return RobotSetup(self.world.robot, self.world, self.robot)
+
+    @property
+    def is_built(self) -> bool:
+        """The world exists: something was done in it."""
+        return "world" in self.__dict__
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self.world.time if self.is_built else 0.0
+
+    @property
+    def held(self) -> Held | None:
+        """What the hand holds, as the robot knows; None if nothing."""
+        return self.setup.held if self.is_built else None
+
+    def truth(self, name: str) -> Truth:
+        """How an object really was when the world began; for an observer.
+
+        Raises:
+            KeyError: there is no object of that name.
+        """
+        return self.world.scene.object(name).truth
+
+    def look(self, models: Mapping[str, ObjectModel], duration: float = LOOK) -> WorldState:
+        """Looks at the table and returns what the robot believes then.
+
+        Args:
+            models: what is believed of every object, by its name in the cell.
+            duration: over which camera frames are averaged [s].
+        """
+        if self.is_built:
+            frames = watch(self.setup.recorder(np.array([0.0, 0.0, 1.0])), duration)
+        else:
+            frames = initial_frames(self.scene, duration, seed=self.seed)
+        objects = estimate_objects(self.cell, frames, models)
+        return WorldState(objects, self.cell.table.extent, self.held)
+
+    def execute(
+        self,
+        plan: Plan,
+        models: Mapping[str, ObjectModel],
+        progress: Progress | None = None,
+    ) -> Trace:
+        """Carries out a plan; see `sim.execution.plan_execution.execute`."""
+        from sim.execution.plan_execution import execute
+
+        return execute(plan, self.setup, models, progress)
+
+    def watch(self, name: str, duration: float = LOOK) -> Trace:
+        """Looks at the table while nothing is done.
+
+        Args:
+            name: of the object that the trace is about.
+            duration: how long to look [s].
+        """
+        from sim.execution.plan_execution import watch
+
+        return watch(self.setup, name, duration)
+
+    def touch(
+        self, experiment: Experiment, state: WorldState, progress: Progress | None = None
+    ) -> Recording:
+        """Carries out a touch experiment; see `sim.exploration.probe_control.probe`."""
+        from sim.exploration.probe_control import probe
+
+        return probe(experiment, self.setup, state, progress=progress)
+
+
+def simulation(executor: object) -> SimulatedExecutor:
+    """The executor as the simulation that it is, for an observer.
+
+    Raises:
+        TypeError: it is another executor, which knows no truth.
+    """
+    if not isinstance(executor, SimulatedExecutor):
+        raise TypeError(f"{type(executor).__name__} does not simulate")
+    return executor

@@ -1,0 +1,166 @@
+"""The two sides of a world: what a robot may command and sense, and what an observer may see.
+
+A controller gets a `RobotPort` and nothing else of a world; hardware could stand behind it. An
+`ObserverPort` knows the truth; it is for judging, replay and reports, never for control.
+
+Frames: W is the world, B an object.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from sim.rotations import Array
+
+if TYPE_CHECKING:
+    from planner.types.world_state import Colour
+    from sim.cell.cell_description import CellDescription
+    from sim.hands.hand_model import Angles
+    from sim.truth.object_truth import Truth
+
+
+@dataclass(frozen=True)
+class SeenPose:
+    """A pose as seen: R_WB, shape (3, 3), and p_WB, shape (3,) [m]."""
+
+    R_WB: Array
+    p_WB: Array
+
+    @property
+    def tilt(self) -> float:
+        """Angle between B's z axis and the vertical [rad]."""
+        return float(np.arccos(np.clip(self.R_WB[2, 2], -1.0, 1.0)))
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One camera frame of `time` [s]; it can be read from `arrival` [s] on.
+
+    Attributes:
+        poses: of all objects, and of lids that are off by their own names.
+        lids: how far each lid is open, as in `sim.traces.trace.Trace.lids`.
+        colours: of the objects, sRGB in 0…1; light and noise do not count.
+    """
+
+    time: float
+    arrival: float
+    poses: Mapping[str, SeenPose]
+    lids: Mapping[str, float] = field(default_factory=dict)
+    colours: Mapping[str, Colour] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Sample:
+    """The world at one time, as it truly is.
+
+    Attributes:
+        time: [s].
+        poses: per object, quaternion (w, x, y, z) and position p_WB [m], shape (7,).
+        joints: angles of all robot joints, shape (23,) [rad].
+        contents: per container, volume in it [m³].
+        spilled: volume that ran out and into none of them [m³].
+        lids: how far each lid is open, as in `sim.traces.trace.Trace.lids`.
+        lid_poses: as in `sim.traces.trace.Trace.lid_poses`, shape (7,) each.
+    """
+
+    time: float
+    poses: Mapping[str, Array]
+    joints: Array
+    contents: Mapping[str, float] = field(default_factory=dict)
+    spilled: float = 0.0
+    lids: Mapping[str, float] = field(default_factory=dict)
+    lid_poses: Mapping[str, Array] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class BodyContact:
+    """Two bodies that began to touch at `time` [s], by their names."""
+
+    time: float
+    body_a: str
+    body_b: str
+
+
+class RobotPort(Protocol):
+    """Commands to a robot and the readings of its sensors.
+
+    Attributes:
+        cell: what the robot is told; data sheets of its sensors among it.
+        joint_names: of all joints, the arm's first.
+        period: time of a control step [s].
+    """
+
+    cell: CellDescription
+    joint_names: tuple[str, ...]
+    period: float
+
+    @property
+    def time(self) -> float:
+        """Time since the start [s]."""
+        ...
+
+    @property
+    def commanded(self) -> tuple[Array, Array]:
+        """Angles last commanded to arm and hand, shapes (7,) and (12,) [rad]."""
+        ...
+
+    @property
+    def torque_noise(self) -> float:
+        """Standard deviation of a torque sensor's reading in a control step [N·m]."""
+        ...
+
+    def step(self, q_arm: Array, q_hand: Array) -> None:
+        """Commands joint angles and lets one control period pass.
+
+        Args:
+            q_arm: of the arm's joints, shape (7,) [rad].
+            q_hand: of the fingers' independent joints, shape (12,) [rad].
+        """
+
+    def arm_angles(self) -> Array:
+        """Measured angles of the arm's joints, shape (7,) [rad]."""
+        ...
+
+    def finger_angles(self, finger: str) -> Angles:
+        """Measured angles of a finger's independent joints [rad]."""
+        ...
+
+    def finger_torques(self, finger: str) -> Array:
+        """Measured torques of a finger's joints, shape (3,) [N·m].
+
+        They are means of the samples since the last control step. The torque of the middle joint
+        drives the distal joint too.
+        """
+        ...
+
+    def frames(self) -> list[Frame]:
+        """Camera frames that arrived since the last call."""
+        ...
+
+
+class ObserverPort(Protocol):
+    """The truth of a world.
+
+    Attributes:
+        seed: of everything random in it.
+    """
+
+    seed: int
+
+    @property
+    def history(self) -> Sequence[Sample]:
+        """The world at the start and after every control step."""
+        ...
+
+    @property
+    def contacts(self) -> Sequence[BodyContact]:
+        """Touches of bodies, in order of time."""
+        ...
+
+    def truth_now(self, name: str) -> Truth:
+        """How an object is at this time."""
+        ...

@@ -1,0 +1,100 @@
+"""An executor without a world: what comes of each push is made up."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from nlcontrol import Controller
+from objectmodels import ObjectModel
+from planner.touch_experiments import Experiment
+from planner.types.world_state import Held, PlanarPose, WorldState
+from sim.cell.cell_description import CellDescription
+from sim.exploration.touch_recording import Recording
+from sim.perception.state_estimation import estimate_objects
+from sim.traces.trace import Trace
+from sim.worlds.ports import Frame, SeenPose
+from tests.unit.nlcontrol.pushes import BOX, Happens, seen
+
+
+class PlayedExecutor:
+    """A robot whose camera is perfect and whose pushes do what the test says.
+
+    The object stands where a push left it. Nothing else moves.
+
+    Args:
+        cell: what the robot is told.
+        poses: where everything stands.
+        robot: its reach.
+        happens: what comes of each push, the last one again and again.
+    """
+
+    def __init__(
+        self, cell: CellDescription, poses: Mapping[str, PlanarPose], robot: Any, *happens: Happens
+    ) -> None:
+        self.cell = cell
+        self.seed = 0
+        self.robot = robot
+        self.time = 0.0
+        self.held: Held | None = None
+        self.happens = list(happens)
+        self.poses = dict(poses)
+        self.colours: dict[str, Any] = {}
+        self.start = self.poses[BOX]
+        self.executed: list[Any] = []
+        self.touched: list[Experiment] = []
+        self.traces: list[Trace] = []
+
+    def seen_poses(self) -> Mapping[str, PlanarPose]:
+        """What the camera shows."""
+        return self.poses
+
+    def look(self, models: Mapping[str, ObjectModel], duration: float = 1.0) -> WorldState:
+        poses = {name: SeenPose(at.R_WB, at.p_WB) for name, at in self.seen_poses().items()}
+        frame = Frame(0.0, duration, poses, colours=self.colours)
+        objects = estimate_objects(self.cell, [frame], models)
+        return WorldState(objects, self.cell.table.extent, self.held)
+
+    def execute(self, plan: Any, models: Mapping[str, ObjectModel], progress: Any = None) -> Trace:
+        if progress is not None:
+            progress("push", 1.0, "in contact")
+        happens = self.happens.pop(0) if len(self.happens) > 1 else self.happens[0]
+        trace = seen(happens(plan), at=self.poses[BOX])
+        x, y, _z = trace.displacement(BOX).tolist()
+        self.move(x, y, float(trace.yaw(BOX)[-1]))
+        self.executed.append(plan)
+        self.traces.append(trace)
+        return trace
+
+    def watch(self, name: str, duration: float = 1.0) -> Trace:
+        raise AssertionError(f"nobody watches the {name} in these tests")
+
+    def touch(self, experiment: Experiment, state: WorldState, progress: Any = None) -> Recording:
+        """No touch gets there."""
+        self.touched.append(experiment)
+        pose = state.objects[experiment.push.object].pose
+        return Recording.nothing(experiment, "unreachable", "the arm does not reach", pose)
+
+    def move(self, x: float, y: float, turned: float = 0.0) -> None:
+        """Moves and turns the object; a camera does not count turns."""
+        here = self.poses[BOX]
+        yaw = math.remainder(here.yaw + turned, math.tau)
+        self.poses[BOX] = replace(here, x=here.x + x, y=here.y + y, yaw=yaw)
+
+    @property
+    def moved(self) -> tuple[float, float]:
+        """How far the object has come in all [m]."""
+        here = self.poses[BOX]
+        return here.x - self.start.x, here.y - self.start.y
+
+
+def played(controller: Controller, *happens: Happens) -> PlayedExecutor:
+    """The controller's robot from now on: the cell as it is seen, what comes of pushes made up."""
+    objects = controller.look().objects
+    poses = {name: seen_object.pose for name, seen_object in objects.items()}
+    executor = PlayedExecutor(controller.cell, poses, controller.reach, *happens)
+    executor.colours = {name: seen_object.colour for name, seen_object in objects.items()}
+    controller.executor = executor
+    return executor

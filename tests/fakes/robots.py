@@ -1,0 +1,29 @@
+"""The simulated robot in a world that a test has built."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from planner.types.world_state import PlanarPose
+from sim.control.free_motion import watch
+from sim.control.robot_setup import RobotSetup
+from sim.motion.robot_reach import ArmHandReach
+from sim.perception.state_estimation import mean_poses
+from sim.standard_robot import ARM, HAND
+from sim.worlds.drake.drake_world import DrakeWorld
+from sim.worlds.ports import Frame
+
+
+def robot_in(world: DrakeWorld) -> RobotSetup:
+    """The robot of a world, which holds nothing."""
+    return RobotSetup(world.robot, world, ArmHandReach(world.scene.cell, ARM, HAND))
+
+
+def frames_in(world: DrakeWorld, duration: float) -> list[Frame]:
+    """Camera frames of some seconds in which nothing is done."""
+    return watch(robot_in(world).recorder(np.array([0.0, 0.0, 1.0])), duration)
+
+
+def poses_in(world: DrakeWorld, duration: float) -> dict[str, PlanarPose]:
+    """Mean poses in these frames."""
+    return mean_poses(frames_in(world, duration))
