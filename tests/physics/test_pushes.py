@@ -18,6 +18,7 @@ from sim.truth.scene_file import Pose, Scene
 from tests.plans import changed_push, push_plan
 
 GRAVITY = 9.81
+PERIOD = 0.01  # of a sample of a trace [s]
 CLEAR = Limits(clear_of=(("coffee box", 0.02),))
 
 
@@ -275,3 +276,28 @@ def test_the_felt_force_stays_below_a_limit_that_just_suffices() -> None:
     speed = np.gradient(trace.poses["ice tea box"][pushing, 4], trace.time[pushing])
     # The plan's speed, and what the fingers' springs add while the object starts to slide.
     assert np.convolve(speed, np.ones(10) / 10, "valid").max() < 1.1 * limited.push.speed
+
+
+def test_the_phases_of_a_push_keep_their_times_and_speeds() -> None:
+    trace = _carried_out_once(STRAIGHT, seed=0)
+    lasts = {name: PERIOD * (trace.phase == name).sum() for name in set(trace.phase)}
+    assert (lasts["look"], lasts["settle"]) == pytest.approx((1.0, 0.5), abs=0.02)
+    along = np.mean(list(trace.tips.values()), axis=0) @ trace.direction
+    speed = np.convolve(np.gradient(along, trace.time), np.ones(10) / 10, "same")
+    touch = speed[trace.phase == "touch"]
+    # The hand hangs still first, then comes slowly enough to stop within a millimetre.
+    assert np.abs(touch[:40]).max() < 0.003
+    assert np.median(touch[80:]) == pytest.approx(0.015, rel=0.1)
+
+
+def test_a_push_slows_down_before_its_end() -> None:
+    trace = _carried_out_once(STRAIGHT, seed=0)
+    pushing = trace.phase == "push"
+    place = trace.poses[STRAIGHT.name][pushing, 4]
+    remaining = STRAIGHT.stroke - (place - place[0])
+    speed = -np.gradient(remaining, trace.time[pushing])
+    braking = (remaining > 0.008) & (remaining < 0.025)
+    # It stops within two thirds of a second's way at any speed, and creeps up to the end.
+    assert (speed[braking] / remaining[braking]).mean() == pytest.approx(1.5, rel=0.08)
+    creeping = (remaining > 0.001) & (remaining < 0.004)
+    assert speed[creeping].mean() == pytest.approx(0.008, rel=0.1)

@@ -54,6 +54,13 @@ def test_a_slide_that_contradicts_is_believed_more_than_one_that_does_not() -> N
     assert far.surprise == pytest.approx(np.log(3.0) / np.sqrt(0.1**2 + 0.04**2 + 0.02**2), rel=0.2)
 
 
+def test_one_slide_tells_no_more_than_pushes_differ() -> None:
+    unsure = BELIEF.model_copy(update={"mass_sd": 1e-4, "friction_sd": 0.2})
+    found = taken(unsure, replace(slid(SLIDES), force_sd=1e-4)).model
+    # Friction differs by 5 % from push to push, and this one from the mean by as much.
+    assert 0.05 <= found.friction_sd / found.friction < 0.10
+
+
 def test_what_moved_nothing_raises_the_belief() -> None:
     update = taken(BELIEF, Trial("none", (-0.045, 0.0, 0.03), (2.0 * SLIDES, 0.0, 0.0), 0.05))
     assert update.is_contradiction
@@ -210,3 +217,9 @@ def test_a_turn_shows_the_friction_radius(make_trace: TraceMaker) -> None:
 
     barely = np.tile(seen[0], (n, 1))
     assert learned(plan, target, replace(trace, seen={push.object: barely})) is None
+    # The pivot of a smaller turn drowns in the noise of two looks.
+    for degrees, shows in ((6.0, False), (10.0, True)):
+        half = 0.5 * np.radians(degrees)
+        seen[trace.phase != "look", :4] = [np.cos(half), 0.0, 0.0, np.sin(half)]
+        turned = replace(trace, seen={push.object: seen})
+        assert (learned(plan, target, turned) is not None) == shows

@@ -159,3 +159,50 @@ def test_rotation_of_a_quarter_turn() -> None:
     np.testing.assert_allclose(
         measures.rotation(pose), [[0, -1, 0], [1, 0, 0], [0, 0, 1]], atol=1e-15
     )
+
+
+def test_a_peak_of_force_counts_over_150_ms(make_trace: TraceMaker) -> None:
+    trace = make_trace(force=4.0)
+    peak = np.flatnonzero(trace.phase == "push")[100:105]
+    for force in trace.felt.values():
+        force[peak, 0] += 3.0 / len(trace.felt)
+    # Shorter averages let the noise of the sensors through as peaks.
+    assert measures.largest_push_force(trace) == pytest.approx(4.0 + 3.0 * 0.05 / 0.15, abs=0.05)
+
+
+def test_a_jump_counts_as_speed_over_100_ms(make_trace: TraceMaker) -> None:
+    trace = make_trace(speed=0.02)
+    later = np.flatnonzero(trace.phase == "push")[100:]
+    for tip in trace.tips.values():
+        tip[later, 0] += 0.005
+    assert measures.largest_push_speed(trace) == pytest.approx(0.02 + 0.005 / 0.1, rel=0.03)
+
+
+@pytest.mark.parametrize(("millimetres", "force"), [(3.0, 0.0), (8.0, 4.0)])
+def test_a_push_over_less_than_5_mm_has_the_direction_of_its_plan(
+    make_trace: TraceMaker, millimetres: float, force: float
+) -> None:
+    trace = make_trace(travel=(1e-3 * millimetres, 0.0), force=4.0)
+    planned = replace(trace, direction=np.array([0.0, 1.0, 0.0]))
+    assert measures.largest_push_force(planned) == pytest.approx(force, abs=1e-9)
+
+
+@pytest.mark.parametrize(("millimetres", "slips"), [(0.7, 0.0), (1.4, 0.009)])
+def test_an_edge_less_than_a_millimetre_up_stands(
+    make_trace: TraceMaker, box: BoxModel, millimetres: float, slips: float
+) -> None:
+    """On its whole base a box turns on the spot; on an edge, 45 mm aside, the edge moves."""
+    trace = make_trace(travel=(0.0, 0.0), tilt=1e-3 * millimetres / 0.09, turned=0.2)
+    slip = measures.slip(trace, "ice tea box", box.footprint.corners)
+    assert slip == pytest.approx(slips, abs=3e-4)
+
+
+@pytest.mark.parametrize(("before", "counts"), [(0.15, True), (0.30, False)])
+def test_what_rests_at_the_end_rested_for_a_fifth_of_a_second(
+    make_trace: TraceMaker, before: float, counts: bool
+) -> None:
+    trace, angle = make_trace(), math.radians(5.0)
+    sample = np.searchsorted(trace.time, trace.time[-1] - before)
+    trace.poses["ice tea box"][sample, :4] = [math.cos(angle / 2), 0.0, math.sin(angle / 2), 0.0]
+    largest = measures.tilt_at_end(trace, "ice tea box")[1]
+    assert largest == pytest.approx(angle if counts else 0.0, abs=1e-9)
