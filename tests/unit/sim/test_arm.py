@@ -161,6 +161,17 @@ def test_stops_of_the_fingers_are_those_of_the_file() -> None:
     assert not hand.is_at_stop((0.0, -0.65, 0.5))
 
 
+@pytest.mark.parametrize(("room", "is_there"), [(0.004, True), (0.006, False)])
+def test_a_joint_is_at_its_stop_within_5_milliradians(room: float, is_there: bool) -> None:
+    low, high = hand.FINGER_LIMITS.T
+    middle = 0.5 * (low + high)
+    for joint in range(3):
+        for stop, inward in ((low, 1.0), (high, -1.0)):
+            angles = middle.copy()
+            angles[joint] = stop[joint] + inward * room
+            assert hand.is_at_stop((angles[0], angles[1], angles[2])) == is_there
+
+
 def test_finger_stiffness_is_that_of_the_file() -> None:
     tag = "{http://drake.mit.edu}controller_gains"
     gains = {float(g.attrib["p"]) for g in _urdf("four_finger_hand").iter(tag)}
