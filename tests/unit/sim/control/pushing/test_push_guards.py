@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 
-from planner.types.plan import Limits, Plan
+from planner.types.actions import Limits
+from planner.types.plan import Plan
 from planner.types.world_state import PlanarPose
 from sim.control.pushing.push_guards import Guards, TiltGuards
 from sim.control.pushing.tilt_estimator import TiltView
@@ -15,7 +16,6 @@ from sim.traces.trace import EndReason
 from tests.unit.planner.conftest import planned, world
 
 PERIOD = 0.01
-Course = Callable[[float], float]
 
 
 def _plan(text: str) -> Plan:
@@ -37,7 +37,7 @@ def topple() -> Plan:
 
 def _ends(
     plan: Plan, *, speed: float, felt: float, tilt: float = 0.0, seconds: float = 20.0
-) -> tuple[EndReason, float] | None:
+) -> tuple[str, Any] | None:
     """Reason and time of the end of a push that goes on evenly [s]."""
     guards = Guards(plan, PERIOD)
     for time in np.arange(PERIOD, seconds, PERIOD):
