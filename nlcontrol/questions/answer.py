@@ -6,13 +6,14 @@ Values are SI inside; people read newtons, millimetres and chances.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, InstanceOf
+from pydantic import BaseModel, ConfigDict, Field
 from pydantic.json_schema import SkipJsonSchema
 
 from grammar.frames.command import Query
 from objectmodels.mechanics.outcome_map import OutcomeMap
+from sim.cell.strict_model import AsItIs
 
 if TYPE_CHECKING:
     from planner.affordances import Affordance
@@ -96,7 +97,7 @@ class Answer(BaseModel):
     suggestions: tuple[str, ...] = ()
     push: Considered | None = None
     chart: Chart | None = None
-    map: SkipJsonSchema[InstanceOf[OutcomeMap] | None] = Field(
+    map: SkipJsonSchema[Annotated[OutcomeMap, AsItIs()] | None] = Field(
         default=None, exclude=True, repr=False
     )
 

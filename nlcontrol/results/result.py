@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, InstanceOf
+from pydantic import BaseModel, ConfigDict, Field
 from pydantic.json_schema import SkipJsonSchema
 
 from grammar.frames.command import Frame
@@ -21,6 +21,7 @@ from planner.explanation.rows import Row
 from planner.types.actions import Vector3
 from planner.types.plan import DefaultUsed, Plan
 from planner.types.world_state import PlanarPose
+from sim.cell.strict_model import AsItIs
 from sim.traces.trace import Trace
 
 ResultStatus = Literal[
@@ -101,7 +102,9 @@ class Step(BaseModel):
     exploration: ExplorationReport | None = None
     answer: Answer | None = None
     error: ErrorInfo | None = None
-    basis: SkipJsonSchema[InstanceOf[Basis] | None] = Field(default=None, exclude=True, repr=False)
+    basis: SkipJsonSchema[Annotated[Basis, AsItIs()] | None] = Field(
+        default=None, exclude=True, repr=False
+    )
 
 
 class Result(Document):
@@ -154,7 +157,9 @@ class Result(Document):
     seed: int
     explanation: tuple[Row, ...] | None = None
     files: dict[str, str] = Field(default_factory=dict)
-    trace: SkipJsonSchema[InstanceOf[Trace] | None] = Field(default=None, exclude=True, repr=False)
+    trace: SkipJsonSchema[Annotated[Trace, AsItIs()] | None] = Field(
+        default=None, exclude=True, repr=False
+    )
 
     @property
     def exit_status(self) -> int:

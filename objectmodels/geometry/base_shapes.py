@@ -243,10 +243,8 @@ class Polygon:
         area = np.repeat(cross(*(triangles[:, 1:] - triangles[:, :1]).transpose(1, 0, 2)), 3)
         points = triangles.reshape(-1, 2)
         cell = 1e-9 * self.size  # corners that triangles share differ by rounding
-        _, first, which = np.unique(
-            np.round(points / cell), axis=0, return_index=True, return_inverse=True
-        )
-        weights = np.bincount(which.reshape(-1), weights=area)
+        first, which = unique_rows(np.round(points / cell))
+        weights = np.bincount(which, weights=area)
         return points[first], weights / weights.sum()
 
 
@@ -317,6 +315,18 @@ class Disc:
         points = (k / rings)[:, None, None] * self.corners
         weights = np.append(inner[0] ** 2, ring)
         return np.vstack(([[0.0, 0.0]], points.reshape(-1, 2))), weights
+
+
+def unique_rows(rows: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Where each different row stands first, in their order, and which of these each row is.
+
+    As `np.unique`, which loads numpy's masked arrays besides.
+    """
+    order = np.lexsort(rows.T[::-1])
+    begins = np.append(True, np.any(rows[order[1:]] != rows[order[:-1]], axis=1))
+    which = np.empty(len(rows), dtype=np.intp)
+    which[order] = np.cumsum(begins) - 1
+    return order[begins], which
 
 
 def without_collinear(vertices: Array) -> Array:

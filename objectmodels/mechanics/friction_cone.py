@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.base_shapes import Array, unique_rows
 from objectmodels.mechanics.outcome_probability import worst_probability
 from objectmodels.mechanics.push_outcomes import force_gap
 from objectmodels.mechanics.worst_cases import (
@@ -105,9 +105,8 @@ def cone_thresholds(
 ) -> ConeThresholds:
     """See `ObjectModel.cone_thresholds`, which checks its arguments."""
     # All but the topple threshold is the same for every height over one point of the base.
-    spots, at = np.unique(np.column_stack((p[:, :2], normals)), axis=0, return_inverse=True)
-    at = at.reshape(-1)
-    foot, facing = np.column_stack((spots[:, :2], np.zeros(len(spots)))), spots[:, 2:]
+    first, at = unique_rows(np.column_stack((p[:, :2], normals)))
+    foot, facing = np.column_stack((p[first, :2], np.zeros(len(first)))), normals[first]
     reach = model.finger_friction + sigmas * model.finger_friction_sd
     tippy, slippery = (
         Case.from_model(model, sigmas, yaw=yaw),

@@ -261,5 +261,5 @@ def _spread_out(order: NDArray[np.intp]) -> NDArray[np.intp]:
     """The best of an order of contacts and some that are less good, but reached otherwise."""
     if not len(order):
         return order
-    at = np.unique((_SHARES * len(order)).astype(np.intp))
+    at = sorted({int(share * len(order)) for share in _SHARES})
     return np.asarray(order[at], dtype=np.intp)

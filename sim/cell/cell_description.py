@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import Field, InstanceOf
+from pydantic import Field
 
 from planner.types.defaults import DEFAULTS, Defaults
 from planner.types.world_state import TableState
-from sim.cell.strict_model import NonNegative, Part, Point2, Point3, Positive
+from sim.cell.strict_model import AsItIs, NonNegative, Part, Point2, Point3, Positive
 
 
 class CellObject(Part):
@@ -147,7 +147,7 @@ class CellDescription(Part):
     joint_sensor: JointSensor = JointSensor()
     control_rate_hz: Annotated[float, Field(ge=20, le=1000)] = 100.0
     models: tuple[str, ...] = ()
-    defaults: InstanceOf[Defaults] = DEFAULTS
+    defaults: Annotated[Defaults, AsItIs()] = DEFAULTS
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler
+from pydantic_core import core_schema
 
 Positive = Annotated[float, Field(gt=0)]
 NonNegative = Annotated[float, Field(ge=0)]
@@ -14,6 +15,18 @@ Spread = Annotated[float, Field(ge=0, le=0.45)]
 
 Point2 = tuple[float, float]
 Point3 = tuple[float, float, float]
+
+
+class AsItIs:
+    """Mark of a field that takes instances of its class, and looks no further into them.
+
+    pydantic's `InstanceOf` builds a schema of all that such a class holds, which takes a while.
+    """
+
+    def __get_pydantic_core_schema__(
+        self, source: type, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        return core_schema.is_instance_schema(source)
 
 
 class Part(BaseModel):

@@ -7,6 +7,8 @@ that planning a motion needs, and it takes whole arrays.
 
 from __future__ import annotations
 
+import functools
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -18,9 +20,18 @@ _SPACING, _RADIUS = 0.015, 0.004  # of the spheres that cover an object's surfac
 
 def sphere_row(start: Array, end: Array, radius: float, spacing: float) -> Array:
     """Spheres along a segment, shape (n, 4): centre and radius [m]."""
-    n = max(2, int(np.ceil(np.linalg.norm(end - start) / spacing)) + 1)
-    t = np.linspace(0.0, 1.0, n)[:, None]
-    return np.hstack([start + (end - start) * t, np.full((n, 1), radius)])
+    along = end - start
+    n = max(2, math.ceil(math.sqrt(along @ along) / spacing) + 1)
+    row = np.empty((n, 4))
+    row[:, :3] = start + along * _shares(n)
+    row[:, 3] = radius
+    return row
+
+
+@functools.cache
+def _shares(n: int) -> Array:
+    """Evenly spread shares of a segment from its start to its end, shape (n, 1)."""
+    return np.linspace(0.0, 1.0, n)[:, None]
 
 
 def surface_spheres(outline: Array, height: float) -> Array:

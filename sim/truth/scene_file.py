@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Annotated, Literal, TypeVar
 
 import yaml
-from pydantic import BeforeValidator, Field, InstanceOf, ValidationError, model_validator
+from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from objectmodels.yaml_reader import parse_yaml
 from planner.types.default_settings import changed
@@ -30,7 +30,7 @@ from sim.cell.cell_description import (
     TorqueSensor,
     Vision,
 )
-from sim.cell.strict_model import Fraction, NonNegative, Part, Spread
+from sim.cell.strict_model import AsItIs, Fraction, NonNegative, Part, Spread
 from sim.errors import SceneError
 from sim.truth.object_truth import Truth
 
@@ -133,7 +133,7 @@ class Scene(Part):
     control_rate_hz: Annotated[float, Field(ge=20, le=1000)] = 100.0
     models: tuple[str, ...] = ()
     hidden: Hidden = Hidden()
-    defaults: Annotated[InstanceOf[Defaults], BeforeValidator(_defaults)] = DEFAULTS
+    defaults: Annotated[Defaults, AsItIs(), BeforeValidator(_defaults)] = DEFAULTS
     objects: tuple[SceneObject, ...]
 
     @model_validator(mode="after")

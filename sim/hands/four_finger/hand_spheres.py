@@ -78,6 +78,7 @@ def thin_spheres(posture: Posture, wrist: float) -> Array:
     return np.vstack([_palm_spheres(wrist), *links])
 
 
+@functools.cache
 def _palm_spheres(wrist: float) -> Array:
     y, z = np.meshgrid(np.linspace(-0.036, 0.036, 4), np.linspace(0.010, 0.105, 5))
     palm = np.column_stack([np.zeros(y.size), y.ravel(), z.ravel()])
