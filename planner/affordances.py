@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from objectmodels import Face
     from planner.types.actions import FaceName
-    from planner.types.robot import HandReach, Reach
+    from planner.types.robot import Robot
     from planner.types.world_state import SeenObject, WorldState
 
 SPACING = 0.01
@@ -75,9 +75,8 @@ class Affordance:
 def affordances(
     target: SeenObject,
     state: WorldState,
-    reach: Reach,
+    robot: Robot,
     *,
-    hand: HandReach | None = None,
     defaults: Defaults = DEFAULTS,
 ) -> tuple[Affordance, ...]:
     """What can be done with an object.
@@ -85,18 +84,17 @@ def affordances(
     Args:
         target: the object, in `state`.
         state: what the robot believes.
-        reach: whether the hand gets somewhere.
-        hand: what it can hold; None of a robot that only pushes.
+        robot: that is to do it.
         defaults: what a clause means when nothing more is said.
     """
-    pushed = tuple(_all(target, state, reach, defaults))
-    if hand is None:
+    pushed = tuple(_all(target, state, robot, defaults))
+    if robot.limits.grasp_widths is None:
         return pushed
-    return (*pushed, *_by_hand(target, state, reach, hand, defaults))
+    return (*pushed, *_by_hand(target, state, robot, defaults))
 
 
 def _by_hand(
-    target: SeenObject, state: WorldState, reach: Reach, hand: HandReach, defaults: Defaults
+    target: SeenObject, state: WorldState, robot: Robot, defaults: Defaults
 ) -> Iterator[Affordance]:
     """What a whole hand can do with it; nothing of which its model does not speak."""
     model, ref = target.model, g.ObjectRef(text=target.name, id=target.name)
@@ -113,7 +111,7 @@ def _by_hand(
             if name != target.name and seen.model.container is not None
         ][:1]
     for frame in frames:
-        made = plan(frame, state, reach, hand=hand, defaults=defaults)
+        made = plan(frame, state, robot, defaults=defaults)
         none = None, True, None, None, None
         assert frame.action is not None
         if isinstance(made, Refusal):
@@ -128,7 +126,7 @@ def _by_hand(
 
 
 def _all(
-    target: SeenObject, state: WorldState, reach: Reach, defaults: Defaults
+    target: SeenObject, state: WorldState, robot: Robot, defaults: Defaults
 ) -> Iterator[Affordance]:
     faces = _faces(target)
     if not faces:
@@ -144,10 +142,10 @@ def _all(
             first = chart.slide < chart.topple if slides else chart.topple < chart.slide
             sure = chart.is_safe("slide" if slides else "topple", defaults.probability)
             on_it = _shown(chart, first, sure)
-            yield _answered(outcome, way, faces[way][0], on_it, target, state, reach, defaults)
+            yield _answered(outcome, way, faces[way][0], on_it, target, state, robot, defaults)
     for sense in ("left", "right"):
         name, on_it = _turning(target, faces, sense, defaults.probability)
-        yield _answered("turn", sense, name, on_it, target, state, reach, defaults)
+        yield _answered("turn", sense, name, on_it, target, state, robot, defaults)
 
 
 def _faces(target: SeenObject) -> dict[str, tuple[FaceName, Face]]:
@@ -225,14 +223,14 @@ def _turning(
 
 def _answered(
     outcome: str, way: str, face: str | None, on_it: Shown | None,
-    target: SeenObject, state: WorldState, reach: Reach, defaults: Defaults,
+    target: SeenObject, state: WorldState, robot: Robot, defaults: Defaults,
 ) -> Affordance:  # fmt: skip
     """What the object allows and what the robot can do."""
     if on_it is None:
         verb = {"slide": "slides", "turn": "turns"}.get(outcome, "topples")
         message = f"pushed anywhere on that face, the {target.name} never {verb} first"
         return Affordance(outcome, way, face, False, None, None, None, False, "impossible", message)
-    made = plan(_frame(outcome, way, target.name), state, reach, defaults=defaults)
+    made = plan(_frame(outcome, way, target.name), state, robot, defaults=defaults)
     if made.status == "planned":
         push = made.push
         fingers = "two fingers" if push.fingers == 2 else "one finger"

@@ -3,118 +3,84 @@
 What takes a whole hand (lifting, pouring, opening) is planned in `planner.grasping`, if the robot
 has one; what is to be placed is lifted where it can be, and pushed where not. All else is pushed.
 
-What is asked (`planner.problem.push_problem`) is a fall or a tilt
-(`planner.pushing.topple_planner`), or an aim on the table, to which the object goes by several
-pushes (`planner.pushing.push_sequence`). All pushes together must be likely enough; before that is
-refused, it is attempted with more effort (`planner.pushing.strategies`).
+The frame becomes a problem (`planner.problem`). Pushes for it are planned by strategies
+(`planner.pushing.strategies`): a fall or a tilt (`planner.pushing.topple_planner`), or an aim on
+the table, to which the object goes by several pushes (`planner.pushing.push_sequence`). Inside the
+planner a dead end raises `NoPlanError`; here it becomes a refusal.
 
 Frames: W is the world, B the object.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
 from planner.problem.hand_goals import is_handled
 from planner.problem.place_regions import region
-from planner.problem.push_problem import read
-from planner.pushing.strategies import Attempt, persistently
+from planner.problem.push_problem import interpret_frame
+from planner.pushing.strategies import plan_pushes
 from planner.refusals import push_refusals as refusals
-from planner.refusals.push_refusals import NoPlanError
+from planner.types.dead_ends import Alternatives, NoPlanError
 from planner.types.defaults import DEFAULTS, Defaults
-from planner.types.plan import Plan, Reached
-from planner.types.refusal import Refusal
-from planner.types.robot import Patient
 
 if TYPE_CHECKING:
-    from planner.types.plan import Plan
-    from planner.types.robot import HandReach, Reach
+    from collections.abc import Callable, Sequence
+
+    from planner.types.plan import Plan, PlanningResult
+    from planner.types.robot import FailedPush, Robot
     from planner.types.world_state import WorldState
 
 
-@overload
 def plan(
     frame: g.Frame,
     state: WorldState,
-    reach: Reach,
+    robot: Robot,
     *,
     defaults: Defaults = DEFAULTS,
-    before: Plan | None = None,
-) -> Plan | Reached | Refusal: ...
-
-
-@overload
-def plan(
-    frame: g.Frame,
-    state: WorldState,
-    reach: Reach,
-    *,
-    hand: HandReach | None,
-    defaults: Defaults = DEFAULTS,
-    before: Plan | None = None,
-) -> Plan | Reached | Refusal: ...
-
-
-def plan(
-    frame: g.Frame,
-    state: WorldState,
-    reach: Reach,
-    *,
-    hand: HandReach | None = None,
-    defaults: Defaults = DEFAULTS,
-    before: Plan | None = None,
-) -> Plan | Reached | Refusal:
-    """Finds what satisfies a frame: pushes, or what a whole hand does.
+    previous: Plan | None = None,
+    failed: Sequence[FailedPush] = (),
+    notify: Callable[[str], None] = lambda _: None,
+) -> PlanningResult:
+    """Plan what satisfies a frame: pushes, or what a whole hand does.
 
     Args:
         frame: what is asked, its objects resolved to names in `state`.
         state: what the robot believes; the object's heading counts whole turns after a plan before.
-        reach: whether the hand gets somewhere with its fingertips.
-        hand: what it can hold; None of a robot that only pushes.
+        robot: that is to do it.
         defaults: what a clause means when the sentence does not say more.
-        before: the plan whose first push was made last; its aim is kept.
+        previous: the plan whose first push was made last; its aim is kept.
+        failed: pushes of this frame that went wrong; their contacts are not tried again.
+        notify: called with a sentence before a search that takes long.
 
     Returns:
         A plan; that nothing is left to be done; or the reason why there is no plan.
     """
-    if hand is None or before is not None or not is_handled(frame):
-        return _pushes(frame, state, reach, defaults, before)
-    from planner.grasping.grasp_planning import handle  # pushes do without it
-
-    if not isinstance(frame.goal, g.Place):
-        return handle(frame, state, hand, defaults)
-    # What is nearly there is moved least by a push.
-    handled = None if _is_there(frame, state, defaults) else handle(frame, state, hand, defaults)
-    if state.held is not None and isinstance(handled, Refusal):
-        return handled
-    if handled is not None and not isinstance(handled, Refusal):
-        return handled
-    return _pushes(frame, state, reach, defaults, before)
-
-
-def _is_there(frame: g.Frame, state: WorldState, defaults: Defaults) -> bool:
-    """Whether what is to be placed stands in its place already."""
-    assert isinstance(frame.goal, g.Place)
-    assert frame.object is not None
-    target = state.objects[frame.object.id or ""]
-    there = None if frame.goal.fraction is not None else region(frame.goal, state, defaults)
-    return state.held is None and there is not None and there.holds(target)
-
-
-def _pushes(
-    frame: g.Frame, state: WorldState, reach: Reach, defaults: Defaults, before: Plan | None
-) -> Plan | Reached | Refusal:
+    only_pushes = robot.limits.grasp_widths is None or previous is not None
     try:
-        asked = read(frame, state, defaults)
-        assert frame.object is not None
-        assert frame.object.id is not None
-        target = state.objects[frame.object.id]
+        if not only_pushes and is_handled(frame) and not _is_placed(frame, state, defaults):
+            grasps = Alternatives()
+            with grasps:
+                from planner.grasping.grasp_planning import plan_grasp  # pushes do without it
+
+                return plan_grasp(frame, state, robot, defaults)
+            if frame.goal.kind != "place" or state.held is not None:
+                raise grasps.first
+        problem = interpret_frame(frame, state, defaults, robot, previous=previous, failed=failed)
         if state.held is not None:
             raise NoPlanError(refusals.holds(state.held.name))
-        if target.lies_on != "bottom":
-            raise NoPlanError(refusals.lies(target))
-    except NoPlanError as refused:
-        return refused.refusal
-    patient = Patient(reach, defaults.most_looks, state)
-    return persistently(Attempt(asked, target, state, patient, defaults, before))
+        if problem.target.lies_on != "bottom":
+            raise NoPlanError(refusals.lies(problem.target))
+        return plan_pushes(problem, notify)
+    except NoPlanError as error:
+        return error.refusal
+
+
+def _is_placed(frame: g.Frame, state: WorldState, defaults: Defaults) -> bool:
+    """Return True if what is placed stands there already, or nearly: a push moves it least."""
+    goal = frame.goal
+    if not isinstance(goal, g.Place) or goal.fraction is not None or state.held is not None:
+        return False
+    assert frame.object is not None
+    place = region(goal, state, defaults)
+    return place is not None and place.holds(state.objects[frame.object.id or ""])

@@ -33,7 +33,7 @@ from objectmodels.mechanics import tilt_limits as tilting
 from objectmodels.models.object_model import ObjectModel
 from planner.geometry.directions import face_name
 from planner.types.actions import Push
-from planner.types.robot import Reach
+from planner.types.robot import RobotLimits
 from planner.types.world_state import SeenObject
 
 Kind = Literal["tilt", "slide", "off-centre slide", "rub", "press"]
@@ -110,45 +110,45 @@ class Experiment:
         return f"{self.kind} at the {self.push.face}"
 
 
-def experiments(seen: SeenObject, reach: Reach) -> tuple[Experiment, ...]:
+def experiments(seen: SeenObject, limits: RobotLimits) -> tuple[Experiment, ...]:
     """All experiments that the object's shape and the beliefs about it allow.
 
     Whether the hand gets there is another question.
 
     Args:
         seen: the object.
-        reach: of the robot; only its figures are asked for.
+        limits: figures of the robot.
     """
     # A round side is touched where the robot's own directions meet it.
     headings = np.array([np.pi, -np.pi / 2, 0.0, np.pi / 2]) - seen.pose.yaw
     found: list[Experiment] = []
     for face in seen.model.faces(headings):
-        room = face.width / 2.0 - reach.fingertip_radius
-        low = max(reach.lowest_height, face.bottom)
+        room = face.width / 2.0 - limits.fingertip_radius
+        low = max(limits.lowest_height, face.bottom)
         if room < 0.0 or face.normal[2] != 0.0 or low > face.top - BELOW_TOP:
             continue
-        tilt = _tilt(seen, face, face.top - BELOW_TOP, reach)
+        tilt = _tilt(seen, face, face.top - BELOW_TOP, limits)
         found += [tilt] if tilt is not None else []
-        found.append(_slide(seen, face, 0.0, low, reach))
+        found.append(_slide(seen, face, 0.0, low, limits))
         if not face.curvature and room > LEAST_OFF:
             high = _still_slides(seen.model, face, -room, low)
-            found += [_slide(seen, face, y, z, reach) for y, z in ((room, low), (-room, high))]
-        found.append(_rub(seen, face, max(_RUB_HEIGHT * face.top, low), reach))
+            found += [_slide(seen, face, y, z, limits) for y, z in ((room, low), (-room, high))]
+        found.append(_rub(seen, face, max(_RUB_HEIGHT * face.top, low), limits))
     return tuple(found)
 
 
-def press(seen: SeenObject, point: Array, normal: Array, reach: Reach) -> Experiment:
+def press(seen: SeenObject, point: Array, normal: Array, limits: RobotLimits) -> Experiment:
     """A press at any place of an upright face, straight in, until something has moved.
 
     Args:
         seen: the object.
         point: p_BC, shape (3,) [m].
         normal: outward unit normal there in B, horizontal, shape (3,).
-        reach: of the robot; only its figures are asked for.
+        limits: figures of the robot.
     """
     # Tilted, the far edge stays; the near one rises as far behind it as the contact moves above it.
     stroke = RAISED * float(point[2]) / tilting.length_along(seen.model, -normal)
-    return _touch("press", seen, point, normal, max(PRESS, stroke), reach)
+    return _touch("press", seen, point, normal, max(PRESS, stroke), limits)
 
 
 def expected(experiment: Experiment, model: ObjectModel) -> tuple[Trial, ...]:
@@ -174,7 +174,7 @@ def expected(experiment: Experiment, model: ObjectModel) -> tuple[Trial, ...]:
     return (replace(trial, turn_rate=turn, turn_rate_sd=_TURN_SD),)
 
 
-def _tilt(seen: SeenObject, face: Face, height: float, reach: Reach) -> Experiment | None:
+def _tilt(seen: SeenObject, face: Face, height: float, limits: RobotLimits) -> Experiment | None:
     model = seen.model
     point, normal = face.points_at(0.0, height)
     if float(model.likelihood([point], [-normal]).topple[0]) < _MAY_TILT:
@@ -182,13 +182,15 @@ def _tilt(seen: SeenObject, face: Face, height: float, reach: Reach) -> Experime
     fall = model.angle_of_no_return(-normal, sigmas=_SIGMAS)
     angle = float(min(TILT, TILT_SHARE * fall))
     stroke = model.topple_stroke(-normal, height, angle)
-    return replace(_touch("tilt", seen, point, normal, stroke, reach), angle=angle)
+    return replace(_touch("tilt", seen, point, normal, stroke, limits), angle=angle)
 
 
-def _slide(seen: SeenObject, face: Face, lateral: float, height: float, reach: Reach) -> Experiment:
+def _slide(
+    seen: SeenObject, face: Face, lateral: float, height: float, limits: RobotLimits
+) -> Experiment:
     point, normal = face.points_at(lateral, height)
     kind: Kind = "slide" if lateral == 0.0 else "off-centre slide"
-    return replace(_touch(kind, seen, point, normal, SLIDE, reach), lateral=lateral)
+    return replace(_touch(kind, seen, point, normal, SLIDE, limits), lateral=lateral)
 
 
 def _still_slides(model: ObjectModel, face: Face, lateral: float, low: float) -> float:
@@ -200,17 +202,17 @@ def _still_slides(model: ObjectModel, face: Face, lateral: float, low: float) ->
     return float(heights[np.flatnonzero(np.logical_and.accumulate(sure))[-1]])
 
 
-def _rub(seen: SeenObject, face: Face, height: float, reach: Reach) -> Experiment:
+def _rub(seen: SeenObject, face: Face, height: float, limits: RobotLimits) -> Experiment:
     point, normal = face.points_at(0.0, height)
-    return replace(_touch("rub", seen, point, normal, 0.0, reach), raised=RUB)
+    return replace(_touch("rub", seen, point, normal, 0.0, limits), raised=RUB)
 
 
 def _touch(
-    kind: Kind, seen: SeenObject, point: Array, normal: Array, stroke: float, reach: Reach
+    kind: Kind, seen: SeenObject, point: Array, normal: Array, stroke: float, limits: RobotLimits
 ) -> Experiment:
     return Experiment(
         kind,
-        _push(seen, point, normal, stroke, min(MOST_FORCE, reach.max_force), SPEED[kind]),
+        _push(seen, point, normal, stroke, min(MOST_FORCE, limits.max_force), SPEED[kind]),
         onset=float(seen.model.thresholds([point], [-normal]).onset[0]),
         length=tilting.length_along(seen.model, -normal),
         R_WB=seen.pose.R_WB,

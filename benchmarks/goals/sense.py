@@ -28,10 +28,11 @@ from objectmodels import ObjectModel
 from objectmodels.geometry.side_faces import Face
 from planner.geometry.directions import angle_between, heading_of
 from planner.geometry.footprints import footprint, free_travel, gap, landing_strip, travel_to_edge
-from planner.problem.push_problem import Asked, read
+from planner.problem.planning_problem import PushProblem
+from planner.problem.push_problem import interpret_frame
 from planner.pushing.push_paths import obliqueness
-from planner.refusals.push_refusals import NoPlanError
 from planner.types.actions import Aim
+from planner.types.dead_ends import NoPlanError
 from planner.types.defaults import DEFAULTS
 from planner.types.world_state import SeenObject, WorldState
 from sim.motion.robot_reach import lowest_contact
@@ -65,7 +66,7 @@ def sensible(frames: Sequence[g.Frame], state: WorldState) -> bool:
     """
     for frame in frames:
         try:
-            asked = read(frame, state, DEFAULTS)
+            asked = interpret_frame(frame, state, DEFAULTS)
         except NoPlanError:
             return False
         assert frame.object is not None, "what is read has an object"
@@ -116,21 +117,21 @@ class _Thought:
     """
 
     frame: g.Frame
-    asked: Asked
+    asked: PushProblem
     target: SeenObject
     state: WorldState
 
     def end(self) -> SeenObject | None:
         """The object after the step; None if the step makes no sense."""
-        if self.asked.outcome == "topple":
+        if self.asked.goal.outcome == "topple":
             return self._tipped()
-        if self._touched() & {name for name, _ in self.asked.limits.clear_of}:
+        if self._touched() & {name for name, _ in self.asked.motion.clear_of}:
             return None
         if any(self.state.objects[name].fragile for name in self._touched()):
             return None
         if not self._slides():
             return None
-        return next((self._at(aim) for aim in self.asked.aims if self._sent(aim)), None)
+        return next((self._at(aim) for aim in self.asked.goal.aims if self._sent(aim)), None)
 
     # -- over the table -----------------------------------------------------------------------
 
@@ -148,11 +149,11 @@ class _Thought:
         return all(self._clear(pose, touched) for pose in self._way(aim))
 
     def _in_time(self, aim: Aim) -> bool:
-        most = self.asked.limits.duration
+        most = self.asked.motion.duration
         if most is None:
             return True
-        said = all(used.name != "speed" for used in self.asked.defaults)
-        fastest = self.asked.speed if said else DEFAULTS.speed_most
+        said = all(used.name != "speed" for used in self.asked.defaults_used)
+        fastest = self.asked.motion.speed if said else DEFAULTS.speed_most
         return most >= DEFAULTS.push_overhead + self._distance(aim) / fastest
 
     def _distance(self, aim: Aim) -> float:
@@ -162,9 +163,9 @@ class _Thought:
         """Poses on the way to an aim; the last alone if no way is said."""
         here, there = self.target.pose, self._at(aim).pose
         steps = 1
-        if self.asked.rotates:
+        if self.asked.goal.rotates:
             steps = math.ceil(abs(there.yaw - here.yaw) / _TURN)
-        elif self.asked.heading is not None:
+        elif self.asked.goal.heading is not None:
             steps = math.ceil(self._distance(aim) / _STEP)
         for share in np.linspace(0.0, 1.0, max(steps, 1) + 1)[1:].tolist():
             x, y, yaw = (
@@ -176,7 +177,7 @@ class _Thought:
     def _touched(self) -> set[str]:
         """Names of what is to be touched."""
         goal = self.frame.goal
-        names = {self.asked.meets} if self.asked.meets else set()
+        names = {self.asked.goal.meets} if self.asked.goal.meets else set()
         if isinstance(goal, g.Place) and goal.relation == "touching":
             assert isinstance(goal.reference, tuple), "objects are touched"
             names |= {ref.id or "" for ref in goal.reference}
@@ -195,7 +196,7 @@ class _Thought:
         return (other for name, other in self.state.objects.items() if name != self.target.name)
 
     def _apart(self, other: SeenObject) -> float:
-        return max(ROOM, dict(self.asked.limits.clear_of).get(other.name, 0.0))
+        return max(ROOM, dict(self.asked.motion.clear_of).get(other.name, 0.0))
 
     def _slides(self) -> bool:
         """Whether it stays on its base, whichever of the faces that may be pushed is touched."""
@@ -203,7 +204,7 @@ class _Thought:
         if high < low:
             return False
         onsets = [_onset(self.target.model, face, low) for face in self._faces(self.target)]
-        return all(onset.slides and self.asked.max_force >= FORCE * onset.force for onset in onsets)
+        return all(onset.slides and self.asked.force.max >= FORCE * onset.force for onset in onsets)
 
     # -- over an edge -------------------------------------------------------------------------
 
@@ -218,7 +219,7 @@ class _Thought:
 
     def _squared(self) -> SeenObject:
         """The object with a face that looks where it is to fall, turned if none does."""
-        target, heading = self.target, self.asked.heading
+        target, heading = self.target, self.asked.goal.heading
         askew = 0.0 if heading is None else obliqueness(target, heading)
         if abs(askew) <= 0.5 * DEFAULTS.side_tolerance:
             return target
@@ -226,14 +227,14 @@ class _Thought:
 
     def _tips(self, there: SeenObject, face: Face, height: float) -> bool:
         onset = _onset(there.model, face, height)
-        if not onset.topples or self.asked.max_force < FORCE * onset.force:
+        if not onset.topples or self.asked.force.max < FORCE * onset.force:
             return False
         inward = -np.array(face.normal)
         u = there.pose.R_WB @ inward
-        if self.asked.tilt is None:
+        if self.asked.goal.tilt is None:
             return self._lands(there, u)
         most = TILT * there.model.angle_of_no_return(inward) + 1e-9  # rounding
-        return self.asked.tilt <= most and self._leans(there, u, self.asked.tilt)
+        return self.asked.goal.tilt <= most and self._leans(there, u, self.asked.goal.tilt)
 
     def _lands(self, there: SeenObject, u: np.ndarray) -> bool:
         strip = landing_strip(there, u)
@@ -251,12 +252,12 @@ class _Thought:
     def _heights(self) -> tuple[float, float]:
         """The lowest and the highest contact allowed [m]."""
         top = self.target.model.top - BELOW
-        return max(self.asked.low, lowest_contact(HAND)), min(self.asked.high, top)
+        return max(self.asked.contact.low, lowest_contact(HAND)), min(self.asked.contact.high, top)
 
     def _faces(self, there: SeenObject) -> list[Face]:
         """The face that the direction meets; all if none is said, or if it is turned."""
-        heading = self.asked.heading
-        if heading is None or self.asked.rotates:
+        heading = self.asked.goal.heading
+        if heading is None or self.asked.goal.rotates:
             return list(there.model.faces())
         faces = there.model.faces([heading - there.pose.yaw])
 

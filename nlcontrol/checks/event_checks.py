@@ -13,7 +13,7 @@ from nlcontrol.checks.goal_checks import fell, stands
 from nlcontrol.checks.verdicts import Check, compare, named, placed
 from planner.geometry.directions import heading_of, unit
 from planner.geometry.footprints import footprint, gap
-from planner.problem.displacement_goals import asked_heading
+from planner.problem.displacement_goals import goal_heading
 from planner.problem.place_regions import region, table_region
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def _in_line(clause: g.Until, e: Evidence) -> Iterator[Check]:
     goal, d = e.frame.goal, e.defaults
     heading = None
     if isinstance(goal, g.Displace):
-        heading = asked_heading(goal, e.start.objects[e.name], e.start, d)
+        heading = goal_heading(goal, e.start.objects[e.name], e.start, d)
     if heading is None:
         heading = heading_of(e.trace.displacement(e.name))
     apart = e.end.objects[other].pose.p_WB - e.end.objects[e.name].pose.p_WB

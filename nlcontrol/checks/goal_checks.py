@@ -12,9 +12,9 @@ from nlcontrol.checks import grasp_checks as handling
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.verdicts import Check, Clause, Relation, compare, named, placed
 from planner.geometry.directions import HEADINGS, angle_between, heading_of
-from planner.problem.displacement_goals import asked_distance, asked_heading
+from planner.problem.displacement_goals import goal_distance, goal_heading
 from planner.problem.place_regions import region, share_of_way
-from planner.problem.tilt_goals import meant
+from planner.problem.tilt_goals import tilt_goal
 
 if TYPE_CHECKING:
     from nlcontrol.checks.evidence import Evidence
@@ -48,7 +48,7 @@ def _displace(goal: g.Displace, e: Evidence) -> Iterator[Check]:
     d, own = e.defaults, e.start.objects[e.name]
     travel = e.trace.displacement(e.name)[:2]
     length = float(np.linalg.norm(travel))
-    heading = asked_heading(goal, own, e.start, d)
+    heading = goal_heading(goal, own, e.start, d)
     tipped = _tipped(goal, heading, e)
     if tipped is not None:
         yield from tipped
@@ -90,7 +90,7 @@ def _tipped(goal: g.Displace, heading: float | None, e: Evidence) -> list[Check]
 
 def _distance(goal: g.Displace, along: float, e: Evidence) -> Check:
     d, own = e.defaults, e.start.objects[e.name]
-    asked, _ = asked_distance(goal, own, e.start, d, e.frame.constraints)
+    asked, _ = goal_distance(goal, own, e.start, d, e.frame.constraints)
     tolerance = d.distance_tolerance if goal.bound == "exact" else 0.0
     return compare(
         goal, _relation(goal.bound), "moved in the asked direction", asked, along, tolerance, "m"
@@ -126,7 +126,7 @@ def _rotate(goal: g.Rotate, e: Evidence) -> Iterator[Check]:
 
 def _tilt(goal: g.Tilt, e: Evidence) -> Iterator[Check]:
     d = e.defaults
-    asked = goal.angle or meant(goal, e.model, d)[0]
+    asked = goal.angle or tilt_goal(goal, e.model, d)[0]
     tolerance = d.tilt_tolerance if goal.bound == "exact" else 0.0
     tilts = e.trace.tilt(e.name)
     most = int(np.argmax(tilts))

@@ -20,12 +20,13 @@ from nlcontrol.questions.push_prediction import PushPrediction, predict_push
 from nlcontrol.text_format import quantity
 from planner.affordances import pushed_face
 from planner.geometry.directions import FACE_HEADINGS, HEADINGS, heading_of, unit
-from planner.problem.push_problem import Asked, read
+from planner.problem.push_problem import interpret_frame
 from planner.refusals import push_refusals as refusals
-from planner.refusals.push_refusals import NoPlanError
+from planner.types.dead_ends import NoPlanError
 
 if TYPE_CHECKING:
     from objectmodels import Face
+    from planner.problem.planning_problem import PushProblem
     from planner.types.actions import FaceName
     from planner.types.defaults import Defaults
     from planner.types.world_state import SeenObject, WorldState
@@ -131,13 +132,13 @@ def inquiry(frame: g.Frame, state: WorldState, defaults: Defaults) -> Inquiry:
     """
     target = target_of(frame, state)
     try:
-        asked = read(_as_command(frame), state, defaults)
+        asked = interpret_frame(_as_command(frame), state, defaults)
         if target.lies_on == "nothing flat":
             raise NoPlanError(refusals.lies(target))
         face_name, face, heading = _touched(asked, target)
     except NoPlanError as refused:
         raise ControlError(refusal_error(refused.refusal)) from refused
-    low, high = max(asked.low, face.bottom), min(asked.high, face.top)
+    low, high = max(asked.contact.low, face.bottom), min(asked.contact.high, face.top)
     if low > high:
         raise ControlError(_not_on_it(asked, target, face_name, face))
     return Inquiry(
@@ -148,7 +149,7 @@ def inquiry(frame: g.Frame, state: WorldState, defaults: Defaults) -> Inquiry:
         height=(low + high) / 2.0,
         low=low,
         high=high,
-        placed=asked.region is not None,
+        placed=asked.contact.region is not None,
         direction=None if heading is None else _along(heading, asked, target, face_name, face),
         force=_force(frame),
         sense=_sense(frame),
@@ -181,23 +182,26 @@ def _as_command(frame: g.Frame) -> g.Frame:
     )
 
 
-def _touched(asked: Asked, target: SeenObject) -> tuple[FaceName, Face, float | None]:
+def _touched(asked: PushProblem, target: SeenObject) -> tuple[FaceName, Face, float | None]:
     """The face that is touched, its name, and the heading of the push if it is not straight in."""
-    heading = asked.heading
-    if any(used.name == "direction" for used in asked.defaults) or asked.outcome == "topple":
+    heading = asked.goal.heading
+    if (
+        any(used.name == "direction" for used in asked.defaults_used)
+        or asked.goal.outcome == "topple"
+    ):
         heading = None  # what falls is pushed square to its face
-    if asked.face is not None:
-        into = FACE_HEADINGS[asked.face] + math.pi
+    if asked.contact.face is not None:
+        into = FACE_HEADINGS[asked.contact.face] + math.pi
     else:
-        into = HEADINGS["away"] if asked.heading is None else asked.heading
+        into = HEADINGS["away"] if asked.goal.heading is None else asked.goal.heading
     found = pushed_face(target, into)
-    if found is None or asked.face not in (None, found[0]):
-        raise NoPlanError(refusals.no_side(asked, target))
+    if found is None or asked.contact.face not in (None, found[0]):
+        raise NoPlanError(refusals.no_side(target, asked.contact.face, asked.contact.spans))
     return *found, heading
 
 
 def _along(
-    heading: float, asked: Asked, target: SeenObject, face_name: FaceName, face: Face
+    heading: float, asked: PushProblem, target: SeenObject, face_name: FaceName, face: Face
 ) -> Vector3:
     """A heading in W as a direction in B that must press on the face."""
     u = target.pose.R_WB.T @ unit(heading)
@@ -214,19 +218,22 @@ def _along(
     return x, y, z
 
 
-def _not_on_it(asked: Asked, target: SeenObject, face_name: FaceName, face: Face) -> ErrorInfo:
+def _not_on_it(
+    asked: PushProblem, target: SeenObject, face_name: FaceName, face: Face
+) -> ErrorInfo:
     return ErrorInfo(
         code="impossible",
-        message=f"no place on the {face_name} face of the {target.name} is {asked.region}: it "
-        f"reaches from {quantity(face.bottom, 'm')} to {quantity(face.top, 'm')} above the table",
+        message=f"no place on the {face_name} face of the {target.name} is "
+        f"{asked.contact.region}: it reaches from {quantity(face.bottom, 'm')} to "
+        f"{quantity(face.top, 'm')} above the table",
         span=_span(asked),
         suggestions=("leave out where to touch it",),
         numbers={"lowest": face.bottom, "highest": face.top},
     )
 
 
-def _span(asked: Asked) -> g.Span | None:
-    spans = asked.contact_spans
+def _span(asked: PushProblem) -> g.Span | None:
+    spans = asked.contact.spans
     return (min(s for s, _ in spans), max(e for _, e in spans)) if spans else None
 
 

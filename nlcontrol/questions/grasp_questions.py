@@ -10,7 +10,7 @@ Frames: W is the world, B the object. Headings are in W unless they are said to 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -31,18 +31,14 @@ from planner import plan
 from planner.geometry.directions import HEADINGS, phrase
 from planner.grasping.lid_planner import is_open
 from planner.problem.hand_goals import is_handled
-from planner.problem.tilt_goals import meant
+from planner.problem.tilt_goals import tilt_goal
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
-from planner.types.robot import HandReach, Reach
 
 if TYPE_CHECKING:
     from planner.types.defaults import Defaults
+    from planner.types.robot import Robot
     from planner.types.world_state import SeenObject, WorldState
-
-
-class WholeReach(Reach, HandReach, Protocol):
-    """The reach of fingertips and of the whole hand."""
 
 
 _NOTHING = 1e-6  # less than this is not spilled [m³]
@@ -67,9 +63,7 @@ def asks_for_hand(frame: g.Frame) -> bool:
     return is_handled(frame) and frame.goal.kind != "place"
 
 
-def predict_hand(
-    frame: g.Frame, state: WorldState, reach: WholeReach, defaults: Defaults
-) -> Answer:
+def predict_hand(frame: g.Frame, state: WorldState, reach: Robot, defaults: Defaults) -> Answer:
     """What a hand would come to: its plan's prediction, or why there is no plan.
 
     Args:
@@ -79,7 +73,7 @@ def predict_hand(
         defaults: what a clause means when nothing more is said.
     """
     command = frame.model_copy(update={"query": None, "event": None})
-    made = plan(command, state, reach, hand=reach, defaults=defaults)
+    made = plan(command, state, reach, defaults=defaults)
     if isinstance(made, Refusal):
         no = "No: " if frame.event == "holds" else ""
         return Answer(
@@ -129,7 +123,7 @@ def spills(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
     target = target_of(frame, state)
     _require_container(target, frame)
     if isinstance(frame.goal, g.Tilt):
-        angle = frame.goal.angle or meant(frame.goal, target.model, defaults)[0]
+        angle = frame.goal.angle or tilt_goal(frame.goal, target.model, defaults)[0]
         heading = HEADINGS[frame.goal.direction or "away"]
         found = f"Tilted by {quantity(angle, 'rad')} {phrase(heading)}"
         return _told(target, angle, heading, found, 1.0, defaults)

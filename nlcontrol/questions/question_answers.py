@@ -16,7 +16,7 @@ from nlcontrol.checks.frame_checks import require_checkable
 from nlcontrol.errors import ControlError, error
 from nlcontrol.questions.answer import DOES, Answer, Considered, affordance_lines, chance, newtons
 from nlcontrol.questions.asked_push import EVENTS, Inquiry, inquiry, target_of
-from nlcontrol.questions.grasp_questions import WholeReach, asks_for_hand, can, predict_hand, spills
+from nlcontrol.questions.grasp_questions import asks_for_hand, can, predict_hand, spills
 from nlcontrol.questions.how_hard import figures, how_hard
 from nlcontrol.questions.property_values import value
 from nlcontrol.questions.push_prediction import (
@@ -36,13 +36,14 @@ from planner.types.plan import Plan, Reached
 if TYPE_CHECKING:
     from planner.affordances import Affordance
     from planner.types.defaults import Defaults
+    from planner.types.robot import Robot
     from planner.types.world_state import WorldState
 
 
 def answer(
     frame: g.Frame,
     state: WorldState,
-    reach: Callable[[], WholeReach],
+    reach: Callable[[], Robot],
     defaults: Defaults,
     *,
     position_sd: float = 0.0,
@@ -171,10 +172,10 @@ def _reasons(found: PushPrediction) -> str:
 # -- what can be done -------------------------------------------------------------------------
 
 
-def _possible(frame: g.Frame, state: WorldState, reach: WholeReach, defaults: Defaults) -> Answer:
+def _possible(frame: g.Frame, state: WorldState, reach: Robot, defaults: Defaults) -> Answer:
     """Whether the planner finds a push for what is asked, and which one or why not."""
     command = frame.model_copy(update={"query": None, "event": None})
-    made = plan(command, state, reach, hand=reach, defaults=defaults)
+    made = plan(command, state, reach, defaults=defaults)
     if made.status == "planned":
         try:
             require_checkable(command)
@@ -229,12 +230,10 @@ def _no(
     )
 
 
-def _affordances(
-    frame: g.Frame, state: WorldState, reach: WholeReach, defaults: Defaults
-) -> Answer:
+def _affordances(frame: g.Frame, state: WorldState, reach: Robot, defaults: Defaults) -> Answer:
     """What can be done with an object: a sentence, and the lines of `nlcontrol affordances`."""
     target = target_of(frame, state)
-    found = affordances(target, state, reach, hand=reach, defaults=defaults)
+    found = affordances(target, state, reach, defaults=defaults)
     can = [each for each in found if each.can]
     done = dict.fromkeys(each.outcome for each in can)
     lacking = dict.fromkeys(each.outcome for each in found if each.outcome not in done)

@@ -18,20 +18,22 @@ from nlcontrol.errors import ControlError, error, translated
 from nlcontrol.references.object_names import Candidate
 from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve
 from nlcontrol.results.result import Result, with_
-from nlcontrol.session.executor import LOOK, Executor, Planner, Progress, Robot
+from nlcontrol.session.executor import LOOK, Executor, Planner, Progress
 from objectmodels import ModelError, ObjectModel, Registry
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
 from planner.types.world_state import Held, PlanarPose, SeenObject, TableState, WorldState
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from grammar.parser import Parser
     from nlcontrol.checks.verdicts import Check
     from nlcontrol.questions.answer import Answer
     from planner.affordances import Affordance
     from planner.types.defaults import Defaults
     from planner.types.plan import Plan
-    from planner.types.robot import Reach
+    from planner.types.robot import FailedPush, Robot
     from sim import Scene
     from sim.cell.cell_description import CellObject
     from sim.traces.trace import Trace
@@ -148,7 +150,7 @@ class Controller:
         from planner.affordances import affordances
 
         seen, state = self.surroundings(name)
-        return affordances(seen, state, self.reach, hand=self.reach, defaults=self.defaults)
+        return affordances(seen, state, self.reach, defaults=self.defaults)
 
     def surroundings(self, name: str) -> tuple[SeenObject, WorldState]:
         """An object and everything about it that is believed.
@@ -204,16 +206,18 @@ class Controller:
         frame: Frame,
         state: WorldState | None = None,
         *,
-        before: Plan | None = None,
-        reach: Reach | None = None,
+        previous: Plan | None = None,
+        failed: Sequence[FailedPush] = (),
+        notify: Callable[[str], None] = lambda _: None,
     ) -> Plan | Reached | Refusal:
         """What satisfies a frame, by pushes or with a whole hand, or why nothing does.
 
         Args:
             frame: what is asked, its objects resolved.
             state: what is believed; looked up now if not given.
-            before: the plan whose first push was made last; its aim is kept.
-            reach: of the hand; that of the scene's robot if not given.
+            previous: the plan whose first push was made last; its aim is kept.
+            failed: pushes of this frame that went wrong; their contacts are not tried again.
+            notify: called with a sentence before a search that takes long.
 
         Raises:
             ControlError: `uncheckable` if a clause could not be checked afterwards.
@@ -225,10 +229,11 @@ class Controller:
         made = (self.planner or plan)(
             frame,
             state,
-            self.reach if reach is None else reach,
-            hand=self.reach,
+            self.reach,
             defaults=self.defaults,
-            before=before,
+            previous=previous,
+            failed=failed,
+            notify=notify,
         )
         if not isinstance(made, Refusal):
             require_checkable(frame)

@@ -9,15 +9,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Protocol
 
-from planner.types.robot import HandReach, Reach
-
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from grammar.frames.command import Frame
     from objectmodels import ObjectModel
     from planner.touch_experiments import Experiment
     from planner.types.defaults import Defaults
-    from planner.types.plan import Plan, Reached
-    from planner.types.refusal import Refusal
+    from planner.types.plan import Plan, PlanningResult
+    from planner.types.robot import FailedPush, Robot
     from planner.types.world_state import Held, WorldState
     from sim.cell.cell_description import CellDescription
     from sim.exploration.touch_recording import Recording
@@ -28,10 +28,6 @@ Progress = Callable[[str, float, str], None]
 
 LOOK = 1.0
 """Time over which camera frames are averaged before a plan is made [s]."""
-
-
-class Robot(Reach, HandReach, Protocol):
-    """Reach of a robot's fingertips, and of its whole hand."""
 
 
 class Perception(Protocol):
@@ -60,7 +56,7 @@ class Executor(Perception, Protocol):
 
     @property
     def robot(self) -> Robot:
-        """Reach of arm and hand, as the planner asks for it."""
+        """Arm and hand, as the planner asks for them."""
         ...
 
     @property
@@ -117,11 +113,12 @@ class Planner(Protocol):
         self,
         frame: Frame,
         state: WorldState,
-        reach: Reach,
+        robot: Robot,
         *,
-        hand: HandReach | None,
         defaults: Defaults,
-        before: Plan | None = None,
-    ) -> Plan | Reached | Refusal:
+        previous: Plan | None = None,
+        failed: Sequence[FailedPush] = (),
+        notify: Callable[[str], None] = lambda _: None,
+    ) -> PlanningResult:
         """A plan that satisfies a frame, or why there is none; see `planner.plan`."""
         ...

@@ -16,25 +16,21 @@ what it held, and another plan is made, up to `Defaults.most_tries` of them
 from __future__ import annotations
 
 import itertools
-import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
 from nlcontrol.errors import NOT_UNDERSTOOD, ControlError, ErrorInfo, refusal_error
 from nlcontrol.results.result import Result, ResultStatus, Step, summary, with_
 from planner.explanation.push_explanation import Basis
 from planner.geometry.directions import angle_between
-from planner.types.actions import Push
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
-from planner.types.robot import Reach, ReachAnswer
+from planner.types.robot import FailedPush
 from planner.types.world_state import WorldState
 from sim.traces.trace import EndReason, Trace, joined
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.executor import Progress
 
@@ -143,17 +139,23 @@ class _Carrying:
         self.progress = progress
         self.step = Step(frame=index, status="failed")
         self.traces: list[Trace] = []
-        self.reach = Untried(controller.reach, longer=self._looks_longer)
+        self.failed: list[FailedPush] = []
         self._yaw: float | None = None
 
     def out(self, result: Result, plan_only: bool) -> Result:
         """The result with what came of the frame."""
         controller = self.controller
-        before: Plan | None = None
+        previous: Plan | None = None
         for attempt in itertools.count():
             state = self._look()
             try:
-                made = controller.plan(self.frame, state, before=before, reach=self.reach)
+                made = controller.plan(
+                    self.frame,
+                    state,
+                    previous=previous,
+                    failed=self.failed,
+                    notify=self._notify,
+                )
             except ControlError as raised:
                 return _ended(result, self.step, "unsupported", raised.info)
             if isinstance(made, Refusal):
@@ -178,7 +180,7 @@ class _Carrying:
                 return _ended(result, self.step, "planned")
             if self._carried_out(made, state):
                 break
-            before = made if made.pushes else None
+            previous = made if made.pushes else None
         if plan_only:
             return _ended(result, self.step, "planned")
         return self._checked(self._traced(result))
@@ -218,17 +220,16 @@ class _Carrying:
             return self._learn_by_hand(made, trace)
         self._learn(made, state, trace)
         if trace.end in FAILURES:
-            self.reach.failed(made.push, trace.detail)
+            self.failed.append(FailedPush(made.push, trace.detail))
             return False
         if trace.end == "event":
             return True
         # A push that topples or tilts is the whole of its frame.
         return made.aim is None and trace.end in ("toppled", "returned")
 
-    def _looks_longer(self) -> None:
-        """Planning takes seconds now, or half a minute for a large turn."""
+    def _notify(self, text: str) -> None:
+        """Say that planning takes seconds now, or half a minute for a large turn."""
         if self.progress is not None:
-            text = "no plan as usual; looking thoroughly for what the hand can do"
             self.progress("plan", self.controller.executor.time, text)
 
     def _note(self, **changes: object) -> None:
@@ -291,48 +292,6 @@ FAILURES: frozenset[EndReason] = frozenset(
     {"no_touch", "unreachable", "guard", "too_close", "turned_off", "speed"}
 )
 """Ends of a push after which another contact is tried, where there is one."""
-
-_SAME_PLACE = 0.02  # contacts nearer than this count as the same [m]
-
-
-class Untried:
-    """The hand's reach, but for the contacts at which a push of this frame has failed.
-
-    Args:
-        reach: of the robot.
-        failed: pushes that went wrong, and why.
-        longer: called when it is asked to look thoroughly.
-    """
-
-    def __init__(
-        self,
-        reach: Reach,
-        failed: list[tuple[Push, str]] | None = None,
-        longer: Callable[[], None] = lambda: None,
-    ) -> None:
-        self._reach = reach
-        self._failed = [] if failed is None else failed
-        self._longer = longer
-
-    def failed(self, push: Push, detail: str) -> None:
-        """Takes note that a push went wrong there."""
-        self._failed.append((push, detail))
-
-    def __call__(self, push: Push, state: WorldState) -> ReachAnswer:
-        """Answers for one push."""
-        for before, detail in self._failed:
-            near = math.dist(before.p_BC, push.p_BC) < _SAME_PLACE
-            if near and (before.fingers, before.ends_on) == (push.fingers, push.ends_on):
-                return ReachAnswer(ok=False, reason="failed", message=f"tried before: {detail}")
-        return self._reach(push, state)
-
-    def thorough(self) -> Untried:
-        """The same, which looks longer."""
-        self._longer()
-        return Untried(self._reach.thorough(), self._failed, self._longer)
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._reach, name)
 
 
 def _ended(

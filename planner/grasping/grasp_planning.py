@@ -1,4 +1,4 @@
-"""From a frame to what a whole hand does, or to a refusal with numbers."""
+"""From a frame to what a whole hand does."""
 
 from __future__ import annotations
 
@@ -8,40 +8,59 @@ from grammar.frames import command as g
 from planner.grasping.lid_planner import close_lid, open_lid
 from planner.grasping.lift_planner import lift, place, set_down
 from planner.grasping.pour_planner import pour_out
-from planner.problem.grasp_limits import Setting, manner
+from planner.problem.constraint_limits import grasp_limits
 from planner.problem.hand_goals import HAND_GOALS
-from planner.problem.planning_problem import Task
+from planner.problem.planning_problem import (
+    ContactLimits,
+    Effort,
+    ForceLimits,
+    GraspGoal,
+    MotionLimits,
+    PlanningProblem,
+)
 from planner.refusals import grasp_refusals as refusals
-from planner.refusals import push_refusals as pushing
-from planner.refusals.push_refusals import NoPlanError
+from planner.refusals import push_refusals
+from planner.types.dead_ends import NoPlanError
+from planner.types.plan import DefaultUsed
 
 if TYPE_CHECKING:
+    from planner.problem.planning_problem import GraspProblem
     from planner.types.defaults import Defaults
     from planner.types.plan import Plan, Reached
-    from planner.types.refusal import Refusal
-    from planner.types.robot import HandReach
+    from planner.types.robot import Robot
     from planner.types.world_state import SeenObject, WorldState
 
 
-def handle(
-    frame: g.Frame, state: WorldState, hand: HandReach, defaults: Defaults
-) -> Plan | Reached | Refusal:
-    """Finds a grasp and steps that satisfy a frame.
+def plan_grasp(
+    frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults
+) -> Plan | Reached:
+    """Plan a grasp and steps that satisfy a frame.
 
     Args:
         frame: what is asked, its objects resolved to names in `state`.
         state: what the robot believes.
-        hand: what the hand can hold, and whether the arm gets there.
+        robot: that is to do it.
         defaults: what a clause means when the sentence does not say more.
+
+    Raises:
+        NoPlanError: there is no plan.
     """
-    try:
-        target = _target(frame, state)
-        doing = HAND_GOALS[frame.goal.kind]
-        how = manner(frame, Setting(target, state, defaults, doing))
-        task = Task(target, state, hand, how, defaults, doing)
-        return _done(frame, task)
-    except NoPlanError as refused:
-        return refused.refusal
+    d = defaults
+    used = DefaultUsed(name="carry_speed", value=d.carry_speed, unit="m/s", reason="no speed said")
+    problem = PlanningProblem(
+        frame,
+        _target(frame, state),
+        state,
+        robot,
+        d,
+        GraspGoal(HAND_GOALS[frame.goal.kind]),
+        ContactLimits(),
+        ForceLimits(d.grasp_reserve),
+        MotionLimits(d.carry_speed, d.lid_speed),
+        Effort.from_defaults(d),
+        (used,),
+    )
+    return _plan_goal(grasp_limits(problem))
 
 
 def _target(frame: g.Frame, state: WorldState) -> SeenObject:
@@ -55,25 +74,25 @@ def _target(frame: g.Frame, state: WorldState) -> SeenObject:
     # A hand that holds an object has none left for its lid.
     by_lid = isinstance(frame.goal, g.Open | g.Close)
     if held is not None and (held.name != name or by_lid):
-        raise NoPlanError(pushing.holds(held.name))
+        raise NoPlanError(push_refusals.holds(held.name))
     target = state.objects[name]
     if target.lies_on != "bottom":
-        raise NoPlanError(pushing.lies(target))
+        raise NoPlanError(push_refusals.lies(target))
     return target
 
 
-def _done(frame: g.Frame, task: Task) -> Plan | Reached:
-    match frame.goal:
+def _plan_goal(problem: GraspProblem) -> Plan | Reached:
+    match problem.frame.goal:
         case g.Lift() as goal:
-            return lift(task, goal)
+            return lift(problem, goal)
         case g.SetDown():
-            return set_down(task)
+            return set_down(problem)
         case g.Place():
-            return place(task, frame)
+            return place(problem)
         case g.Pour() as goal:
-            return pour_out(task, goal)
+            return pour_out(problem, goal)
         case g.Open():
-            return open_lid(task)
+            return open_lid(problem)
         case g.Close():
-            return close_lid(task)
-    raise AssertionError(f"{frame.goal.kind} takes no hand")
+            return close_lid(problem)
+    raise AssertionError(f"{problem.frame.goal.kind} takes no hand")

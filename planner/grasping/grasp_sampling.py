@@ -27,8 +27,8 @@ from planner.refusals import grasp_refusals as refusals
 if TYPE_CHECKING:
     from objectmodels.geometry.side_faces import Face
     from objectmodels.models.object_parts import LiftOffLid, ScrewCap
-    from planner.problem.grasp_limits import Manner
-    from planner.types.robot import Grip, HandReach
+    from planner.problem.planning_problem import GraspProblem
+    from planner.types.robot import Grip, Robot
     from planner.types.world_state import SeenObject, WorldState
 
 _HEADINGS = np.radians(np.arange(0.0, 180.0, 22.5))  # in W, across which a round side is held
@@ -104,58 +104,54 @@ class _Sides:
     extent: tuple[float, float]
 
 
-def of_body(target: SeenObject, hand: HandReach, how: Manner) -> list[Candidate]:
+def body_candidates(problem: GraspProblem) -> list[Candidate]:
     """All ways to hold an object by its body.
-
-    Args:
-        target: the object.
-        hand: what holds it.
-        how: between which heights the sentence allows it.
 
     Raises:
         NoPlanError: there is none.
     """
+    target, robot, asked = problem.target, problem.robot, problem.contact
     graspable = target.model.grasp
     if graspable is None:
         raise refusals.not_graspable(target)
-    low, high = max(graspable.lowest, how.low), min(graspable.highest, how.high)
+    low, high = max(graspable.lowest, asked.low), min(graspable.highest, asked.high)
     if low > high:
-        raise refusals.no_such_height(target, graspable, how)
+        raise refusals.no_such_height(target, graspable, asked)
     sides = list(_sides(target))
-    grips = [(pair, hand.grip(pair.width)) for pair in sides if _fits(pair.width, hand)]
+    grips = [(pair, robot.grasp(pair.width)) for pair in sides if _fits(pair.width, robot)]
     closing = [(pair, grip) for pair, grip in grips if grip is not None]
     if not closing:
-        raise refusals.not_that_wide(target, [pair.width for pair in sides], hand)
+        raise refusals.not_that_wide(target, [pair.width for pair in sides], _widths(robot))
     found: list[Candidate] = []
     # Where neither level nor upright fingers find room, those that come down askew may.
     for pitches in (_SQUARE, _ASKEW):
         for pair, grip in closing:
-            found += _about(target, pair, grip, (low, high), hand.lowest_level, pitches)
+            found += _about(target, pair, grip, (low, high), robot.limits.lowest_grasp, pitches)
         if found:
             break
     else:
-        raise refusals.no_room(target, low, high, how)
+        raise refusals.no_room(target, low, high, asked)
     return found
 
 
-def of_lid(
-    target: SeenObject, lid: LiftOffLid | ScrewCap, hand: HandReach, headings: Array = _HEADINGS
+def lid_candidates(
+    problem: GraspProblem, lid: LiftOffLid | ScrewCap, headings: Array = _HEADINGS
 ) -> list[Candidate]:
     """All ways to hold a lid by its knob or by its rim, from above.
 
     Args:
-        target: the object that it is on.
+        problem: about the object that it is on.
         lid: what is held.
-        hand: what holds it.
         headings: directions in W across which it may be held [rad].
 
     Raises:
         NoPlanError: the hand does not close about it, or it is too low for the fingers.
     """
+    target, robot = problem.target, problem.robot
     radius, low, high = held_part(target, lid)
-    grip = hand.pinch(2.0 * radius) if _fits(2.0 * radius, hand) else None
+    grip = robot.grasp(2.0 * radius, pinch=True) if _fits(2.0 * radius, robot) else None
     if grip is None:
-        raise refusals.not_that_wide(target, [2.0 * radius], hand, part="lid")
+        raise refusals.not_that_wide(target, [2.0 * radius], _widths(robot), part="lid")
     # The fingertips stay above what a knob stands on, and below its upper end.
     height = max(0.5 * (low + high), low + grip.ahead + _OVER)
     if height > high - _BORDER:
@@ -182,8 +178,15 @@ def lid_middle(target: SeenObject) -> tuple[float, float]:
     return (0.0, 0.0) if container is None else container.opening.centre
 
 
-def _fits(width: float, hand: HandReach) -> bool:
-    return hand.narrowest <= width <= hand.widest
+def _widths(robot: Robot) -> tuple[float, float]:
+    """Least and largest width that the hand holds [m]."""
+    assert robot.limits.grasp_widths is not None, "a robot that only pushes plans no grasp"
+    return robot.limits.grasp_widths
+
+
+def _fits(width: float, robot: Robot) -> bool:
+    narrowest, widest = _widths(robot)
+    return narrowest <= width <= widest
 
 
 def _sides(target: SeenObject) -> Iterator[_Sides]:

@@ -27,7 +27,7 @@ from planner.types.plan import DefaultUsed, Plan
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
     from planner.grasping.grasp_sampling import Candidate
-    from planner.problem.planning_problem import Task
+    from planner.problem.planning_problem import GraspProblem
     from planner.types.plan import PlanTask
     from planner.types.robot import ReachAnswer
 
@@ -52,7 +52,7 @@ class Load:
 
 
 @dataclass(frozen=True, eq=False)
-class Bearing:
+class GraspLoad:
     """A grasp, and what it has to bear.
 
     Attributes:
@@ -91,7 +91,7 @@ class Bearing:
 
 
 @dataclass(frozen=True, eq=False)
-class Hold:
+class StableGrasp:
     """A grasp that holds.
 
     Attributes:
@@ -106,7 +106,7 @@ class Hold:
 
 
 @dataclass(frozen=True)
-class Draft:
+class MotionDraft:
     """What a hand could do once it holds something.
 
     Attributes:
@@ -124,34 +124,34 @@ class Draft:
     notes: tuple[str, ...] = ()
 
 
-Way = tuple[Hold | None, Draft]
+Way = tuple[StableGrasp | None, MotionDraft]
 
 
-def held_already(task: Task) -> list[Hold]:
+def held_already(problem: GraspProblem) -> list[StableGrasp]:
     """The grasp in which the hand holds it; none if it holds nothing."""
-    held = task.state.held
-    return [] if held is None else [Hold(held.grasp, 1.0)]
+    held = problem.state.held
+    return [] if held is None else [StableGrasp(held.grasp, 1.0)]
 
 
-def holds(task: Task, bearings: Sequence[Bearing]) -> list[Hold]:
+def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[StableGrasp]:
     """The grasps that hold, those with most squeeze to spare first.
 
     Args:
-        task: what is planned for.
+        problem: what is planned for.
         bearings: ways to hold it.
 
     Raises:
         NoPlanError: none does.
     """
-    d, known = task.defaults, _Known(task.target.model)
+    d, known = problem.defaults, _Known(problem.target.model)
     just, worst = (np.array(found) for found in zip(*map(known.needed, bearings), strict=True))
-    wanted = task.how.reserve * just
-    limit = np.array([strongest(task, each.candidate) for each in bearings])
+    wanted = problem.force.reserve * just
+    limit = np.array([strongest(problem, each.candidate) for each in bearings])
     spare = limit / wanted
     if not (spare >= 1.0).any():
         best = int(spare.argmax())
-        mu = friction(task.target.model)
-        raise refusals.too_heavy(task, bearings[best].candidate, float(wanted[best]), mu)
+        mu = friction(problem.target.model)
+        raise refusals.too_heavy(problem, bearings[best].candidate, float(wanted[best]), mu)
     squeeze = np.minimum(np.maximum(wanted, worst), limit)
     probability = np.array(
         [known.probability(*each) for each in zip(bearings, squeeze, strict=True)]
@@ -164,9 +164,9 @@ def holds(task: Task, bearings: Sequence[Bearing]) -> list[Hold]:
     good = (spare >= 1.0) & (probability >= d.probability)
     if not good.any():
         best = int(np.where(spare >= 1.0, probability, -1.0).argmax())
-        learn = _experiment(task.target.model, bearings[best], squeeze[best], d.found_to)
-        raise refusals.may_slip(task, float(squeeze[best]), float(probability[best]), *learn)
-    crowded = [each.candidate.crowded(task.target, task.state) for each in bearings]
+        learn = _experiment(problem.target.model, bearings[best], squeeze[best], d.found_to)
+        raise refusals.may_slip(problem, float(squeeze[best]), float(probability[best]), *learn)
+    crowded = [each.candidate.crowded(problem.target, problem.state) for each in bearings]
     # Height does not matter to a hold; in the middle there is most room for the hand.
     heights = np.array([each.candidate.middle[2] for each in bearings])
     off = np.abs(heights - 0.5 * (heights.min() + heights.max()))
@@ -178,8 +178,8 @@ def holds(task: Task, bearings: Sequence[Bearing]) -> list[Hold]:
         key=lambda i: (crowded[i], -round(float(spare[i]), 2), off[i]),
     )
     return [
-        Hold(
-            _grasp(task, bearings[i].candidate, float(squeeze[i]), float(just[i])),
+        StableGrasp(
+            _grasp(problem, bearings[i].candidate, float(squeeze[i]), float(just[i])),
             float(probability[i]),
             bearings[i].lean if bearings[i].angle else None,
         )
@@ -187,10 +187,10 @@ def holds(task: Task, bearings: Sequence[Bearing]) -> list[Hold]:
     ]
 
 
-def strongest(task: Task, candidate: Candidate) -> float:
+def strongest(problem: GraspProblem, candidate: Candidate) -> float:
     """Largest squeeze that hand, object and sentence allow [N]."""
-    allowed = min(candidate.grip.strongest, task.how.most_force)
-    graspable = task.target.model.grasp
+    allowed = min(candidate.grip.strongest, problem.force.max)
+    graspable = problem.target.model.grasp
     if candidate.part == "lid" or graspable is None:
         return allowed
     return min(allowed, graspable.crush)
@@ -204,7 +204,7 @@ class _Known:
         self._needed: dict[bytes, tuple[float, float]] = {}
         self._likely: dict[bytes, float] = {}
 
-    def needed(self, bearing: Bearing) -> tuple[float, float]:
+    def needed(self, bearing: GraspLoad) -> tuple[float, float]:
         """Squeeze with everything as believed, and in the worst case [N]."""
         lifted = bearing.lifted(self._model)
         key = self._key(lifted)
@@ -213,7 +213,7 @@ class _Known:
             self._needed[key] = found.needed, found.worst
         return self._needed[key]
 
-    def probability(self, bearing: Bearing, squeeze: float) -> float:
+    def probability(self, bearing: GraspLoad, squeeze: float) -> float:
         """That a squeeze holds."""
         lifted = bearing.lifted(self._model)
         key = self._key(lifted) + f"{squeeze:.6g}".encode()
@@ -247,8 +247,8 @@ def friction(model: ObjectModel) -> float:
     return model.finger_friction if kinetic is None else kinetic
 
 
-def _grasp(task: Task, candidate: Candidate, squeeze: float, needed: float) -> Grasp:
-    R_WB = task.target.pose.R_WB
+def _grasp(problem: GraspProblem, candidate: Candidate, squeeze: float, needed: float) -> Grasp:
+    R_WB = problem.target.pose.R_WB
     return Grasp(
         part=candidate.part,
         p_BG=_tuple(candidate.middle),
@@ -268,7 +268,7 @@ def _tuple(v: Array) -> Vector3:
 
 
 def _experiment(
-    model: ObjectModel, bearing: Bearing, squeeze: float, found_to: float
+    model: ObjectModel, bearing: GraspLoad, squeeze: float, found_to: float
 ) -> tuple[str, float]:
     """What to find out first, and how likely the hold is then."""
     sd = {"finger_friction_sd": model.finger_friction, "mass_sd": model.mass}
@@ -287,17 +287,19 @@ def _experiment(
 # -- what the hand gets to ----------------------------------------------------------------------
 
 
-def each_with_each(ways: Sequence[Hold], drafts: Sequence[Draft]) -> list[Way]:
+def each_with_each(ways: Sequence[StableGrasp], drafts: Sequence[MotionDraft]) -> list[Way]:
     """All grasps with all that may be done, the best with the best first."""
     places = product(range(len(ways)), range(len(drafts)))
     return [(ways[i], drafts[j]) for i, j in sorted(places, key=sum)]
 
 
-def first_way(task: Task, action: PlanTask, ways: Sequence[Way], considered: int) -> Plan:
+def first_reachable_plan(
+    problem: GraspProblem, action: PlanTask, ways: Sequence[Way], considered: int
+) -> Plan:
     """The first plan that hand and arm can carry out.
 
     Args:
-        task: what is planned for.
+        problem: what is planned for.
         action: what it amounts to.
         ways: what may be done and with which grasp, the best first; not empty.
         considered: how many ways were looked at before.
@@ -308,37 +310,39 @@ def first_way(task: Task, action: PlanTask, ways: Sequence[Way], considered: int
     answers: list[ReachAnswer] = []
     unlikely: Plan | None = None
     for hold, draft in ways:
-        made = _plan(task, action, hold, draft)
+        made = _plan(problem, action, hold, draft)
         made = made.model_copy(update={"considered": considered, "satisfying": len(ways)})
-        if made.probability < task.defaults.probability:
+        if made.probability < problem.effort.probability:
             unlikely = unlikely or made
             continue
-        if len(answers) == task.defaults.most_grasps:
+        if len(answers) == problem.defaults.most_grasps:
             break
-        answers.append(task.hand.handles(made, task.state))
+        answers.append(problem.robot.reach_plan(made, problem.state))
         if answers[-1].ok:
             return made
     if not answers and unlikely is not None:
-        raise refusals.unlikely(task, unlikely)
-    raise refusals.no_reach(task, answers)
+        raise refusals.unlikely(problem, unlikely)
+    raise refusals.no_reach(problem, answers)
 
 
-def _plan(task: Task, action: PlanTask, hold: Hold | None, draft: Draft) -> Plan:
+def _plan(
+    problem: GraspProblem, action: PlanTask, hold: StableGrasp | None, draft: MotionDraft
+) -> Plan:
     actions, sure = draft.steps, 1.0
     if hold is not None:
-        sure, held = hold.probability, task.state.held is not None
+        sure, held = hold.probability, problem.state.held is not None
         sureness = {"held": held, "prediction": GraspPrediction(holds=sure)}
         actions = (GraspAction.model_validate({**dict(hold.grasp), **sureness}), *actions)
     return Plan(
-        object=task.target.name,
+        object=problem.target.name,
         task=action,
         actions=actions,
         committed=len(actions),
         # Whatever hangs together, it is at least so likely.
         probability=max(draft.probability + sure - 1.0, 0.0),
         aim=draft.aim,
-        speed=task.how.speed,
-        limits=Limits(clear_of=task.how.clear_of),
-        defaults=draft.defaults + task.how.defaults,
+        speed=problem.motion.speed,
+        limits=Limits(clear_of=problem.motion.clear_of),
+        defaults=draft.defaults + problem.defaults_used,
         notes=draft.notes,
     )

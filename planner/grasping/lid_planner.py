@@ -22,14 +22,14 @@ from objectmodels.geometry.support_points import hull_polygon
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
 from planner.geometry.footprints import footprint, gap, travel_to_edge
-from planner.grasping.grasp_sampling import held_part, lid_middle, of_lid
+from planner.grasping.grasp_sampling import held_part, lid_candidates, lid_middle
 from planner.grasping.grasp_selection import (
-    Bearing,
-    Draft,
+    GraspLoad,
     Load,
+    MotionDraft,
     each_with_each,
-    first_way,
-    holds,
+    first_reachable_plan,
+    stable_grasps,
 )
 from planner.refusals import lid_refusals as lidrefusals
 from planner.types.actions import (
@@ -49,8 +49,8 @@ from planner.types.plan import DefaultUsed, Plan, Reached
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from planner.grasping.grasp_selection import Hold
-    from planner.problem.planning_problem import Task
+    from planner.grasping.grasp_selection import StableGrasp
+    from planner.problem.planning_problem import GraspProblem
     from planner.types.actions import Action
     from planner.types.defaults import Defaults
     from planner.types.plan import PlanTask
@@ -63,44 +63,44 @@ _ROOM = 0.05  # between a lid and what stands near it, for the fingers that let 
 _AXES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 
 
-def open_lid(task: Task) -> Plan | Reached:
+def open_lid(problem: GraspProblem) -> Plan | Reached:
     """Flips, lifts or screws the lid open.
 
     Raises:
         NoPlanError: it has none, or would come along with it.
     """
-    lid, seen = task.target.model.lid, task.target.lid or 0.0
+    lid, seen = problem.target.model.lid, problem.target.lid or 0.0
     match lid:
         case FlipLid():
-            if seen >= task.defaults.lid_opened:
+            if seen >= problem.defaults.lid_opened:
                 return Reached(lid=seen)
-            return _flipped(task, lid, "open", min(task.defaults.lid_open, lid.opens_to))
+            return _flipped(problem, lid, "open", min(problem.defaults.lid_open, lid.opens_to))
         case LiftOffLid():
-            return Reached(lid=seen) if is_off(lid, seen) else _pulled_off(task, lid)
+            return Reached(lid=seen) if is_off(lid, seen) else _pulled_off(problem, lid)
         case ScrewCap():
-            return Reached(lid=seen) if is_off(lid, seen) else _screwed_off(task, lid)
-    raise lidrefusals.no_lid(task)
+            return Reached(lid=seen) if is_off(lid, seen) else _screwed_off(problem, lid)
+    raise lidrefusals.no_lid(problem)
 
 
-def close_lid(task: Task) -> Plan | Reached:
+def close_lid(problem: GraspProblem) -> Plan | Reached:
     """Flips the lid back, or puts it on.
 
     Raises:
         NoPlanError: it has none, or nobody knows where it lies.
     """
-    lid, seen = task.target.model.lid, task.target.lid or 0.0
+    lid, seen = problem.target.model.lid, problem.target.lid or 0.0
     match lid:
         case FlipLid():
-            if seen <= task.defaults.lid_closed:
+            if seen <= problem.defaults.lid_closed:
                 return Reached(lid=seen)
-            return _flipped(task, lid, "close", 0.0)
+            return _flipped(problem, lid, "close", 0.0)
         case LiftOffLid():
-            return _put_on(task, lid) if is_off(lid, seen) else Reached(lid=seen)
+            return _put_on(problem, lid) if is_off(lid, seen) else Reached(lid=seen)
         case ScrewCap():
-            if seen <= task.defaults.lid_closed:
+            if seen <= problem.defaults.lid_closed:
                 return Reached(lid=seen)
-            return _screwed_on(task, lid, seen)
-    raise lidrefusals.no_lid(task)
+            return _screwed_on(problem, lid, seen)
+    raise lidrefusals.no_lid(problem)
 
 
 def is_open(seen: SeenObject, defaults: Defaults) -> bool:
@@ -117,39 +117,39 @@ def is_open(seen: SeenObject, defaults: Defaults) -> bool:
 # -- flip lids ----------------------------------------------------------------------------------
 
 
-def _flipped(task: Task, lid: FlipLid, action: PlanTask, end: float) -> Plan:
-    target, d = task.target, task.defaults
+def _flipped(problem: GraspProblem, lid: FlipLid, action: PlanTask, end: float) -> Plan:
+    target, d = problem.target, problem.defaults
     start = target.lid or 0.0
     arc = flip(target.model, lid, start=start, end=end, fixed=target.fixed)
-    if arc.largest_force > task.how.most_force:
-        raise lidrefusals.too_weak(task, arc.largest_force)
+    if arc.largest_force > problem.force.max:
+        raise lidrefusals.too_weak(problem, arc.largest_force)
     if arc.least_margin < d.lid_reserve:
-        raise lidrefusals.gives_way(task, arc)
+        raise lidrefusals.gives_way(problem, arc)
     if arc.probability < d.probability:
-        raise lidrefusals.may_give_way(task, arc)
+        raise lidrefusals.may_give_way(problem, arc)
     step = FlipOver(
         start=start,
         end=end,
-        speed=task.how.lid_speed,
-        force_limit=_force_limit(task, arc),
+        speed=problem.motion.lid_speed,
+        force_limit=_force_limit(problem, arc),
         heading=math.remainder(target.pose.yaw + lid.tab_heading, math.tau),
         prediction=_arc_prediction(arc, end),
     )
     used = DefaultUsed(name="lid_open", value=end, unit="rad", reason="no angle said")
-    draft = Draft(
+    draft = MotionDraft(
         (step,),
         arc.probability,
         defaults=(used,) if action == "open" else (),
     )
-    return first_way(task, action, [(None, draft)], 1)
+    return first_reachable_plan(problem, action, [(None, draft)], 1)
 
 
-def _force_limit(task: Task, arc: FlipArc) -> float:
+def _force_limit(problem: GraspProblem, arc: FlipArc) -> float:
     """Force at which a finger stops: more than the lid takes, less than moves the object [N]."""
     needed = arc.largest_force
     given_way = float(min(arc.slide.min(), arc.topple.min()))
-    most = max(given_way, task.defaults.lid_reserve * needed)
-    return min((1.0 + task.defaults.force_reserve) * needed, most, task.how.most_force)
+    most = max(given_way, problem.defaults.lid_reserve * needed)
+    return min((1.0 + problem.defaults.force_reserve) * needed, most, problem.force.max)
 
 
 def _arc_prediction(arc: FlipArc, end: float) -> FlipPrediction:
@@ -168,95 +168,97 @@ def _arc_prediction(arc: FlipArc, end: float) -> FlipPrediction:
 # -- lids that come off -------------------------------------------------------------------------
 
 
-def _pulled_off(task: Task, lid: LiftOffLid) -> Plan:
-    found = lift_off(task.target.model, lid, fixed=task.target.fixed)
-    _require_still(task, found)
+def _pulled_off(problem: GraspProblem, lid: LiftOffLid) -> Plan:
+    found = lift_off(problem.target.model, lid, fixed=problem.target.fixed)
+    _require_still(problem, found)
     load = Load(found.needed, lid.retention_sd)
     pull = PullPrediction(lid_force=found.needed, lifting_force=_finite(found.held))
-    return _taken_off(task, lid, _lid_holds(task, lid, load), found.probability, pull=pull)
+    return _taken_off(problem, lid, _lid_holds(problem, lid, load), found.probability, pull=pull)
 
 
-def _screwed_off(task: Task, cap: ScrewCap) -> Plan:
-    found = unscrew(task.target.model, cap, fixed=task.target.fixed)
-    _require_still(task, found)
-    rest = math.tau * cap.turns - (task.target.lid or 0.0)
-    turn = _turn(task, cap, rest, found)
-    return _taken_off(task, cap, _cap_holds(task, cap), found.probability, turn)
+def _screwed_off(problem: GraspProblem, cap: ScrewCap) -> Plan:
+    found = unscrew(problem.target.model, cap, fixed=problem.target.fixed)
+    _require_still(problem, found)
+    rest = math.tau * cap.turns - (problem.target.lid or 0.0)
+    turn = _turn(problem, cap, rest, found)
+    return _taken_off(problem, cap, _cap_holds(problem, cap), found.probability, turn)
 
 
 def _taken_off(
-    task: Task,
+    problem: GraspProblem,
     lid: LiftOffLid | ScrewCap,
-    ways: list[Hold],
+    ways: list[StableGrasp],
     probability: float,
     *before: Action,
     pull: PullPrediction | None = None,
 ) -> Plan:
     """A lid that is loose, lifted off and put aside."""
     drafts = []
-    for spot, tallest in free_lid_places(task, lid.radius, _ASIDE):
+    for spot, tallest in free_lid_places(problem, lid.radius, _ASIDE):
         # Its lower side is as high as the object, and passes over what stands on the way.
-        up = max(tallest - task.target.model.top, 0.0) + task.defaults.carry_clearance
+        up = max(tallest - problem.target.model.top, 0.0) + problem.defaults.carry_clearance
         steps = (*before, LiftUp(height=up, hold=0.0, prediction=pull), Carry(to=spot), SetDown())
-        drafts.append(Draft(steps, probability))
+        drafts.append(MotionDraft(steps, probability))
     if not drafts:
-        raise lidrefusals.no_room_aside(task, lid.radius)
-    return first_way(task, "open", each_with_each(ways, drafts), len(ways) * len(drafts))
+        raise lidrefusals.no_room_aside(problem, lid.radius)
+    return first_reachable_plan(
+        problem, "open", each_with_each(ways, drafts), len(ways) * len(drafts)
+    )
 
 
-def _put_on(task: Task, lid: LiftOffLid) -> Plan:
+def _put_on(problem: GraspProblem, lid: LiftOffLid) -> Plan:
     """A lid that lies aside put on its rim."""
-    target, d = task.target, task.defaults
+    target, d = problem.target, problem.defaults
     x, y, _ = (target.pose.R_WB @ [*lid_middle(target), 0.0] + target.pose.p_WB).tolist()
     if target.lid_at is None:
-        raise lidrefusals.lid_not_seen(task)
+        raise lidrefusals.lid_not_seen(problem)
     press = max(lid.retention, d.lid_press)
     # Pressed on, it must not slide through the fingers.
-    ways = _lid_holds(task, lid, Load(max(press, lid.mass * GRAVITY)))
+    ways = _lid_holds(problem, lid, Load(max(press, lid.mass * GRAVITY)))
     up = max(target.model.top - target.lid_at[2], 0.0) + d.carry_clearance
     down = PutOn(onto=target.name, press=press)
-    draft = Draft((LiftUp(height=up, hold=0.0), Carry(to=Aim(x=x, y=y)), down))
-    return first_way(task, "close", [(way, draft) for way in ways], len(ways))
+    draft = MotionDraft((LiftUp(height=up, hold=0.0), Carry(to=Aim(x=x, y=y)), down))
+    return first_reachable_plan(problem, "close", [(way, draft) for way in ways], len(ways))
 
 
-def _screwed_on(task: Task, cap: ScrewCap, seen: float) -> Plan:
+def _screwed_on(problem: GraspProblem, cap: ScrewCap, seen: float) -> Plan:
     """A cap that is turned back.
 
     Raises:
         NoPlanError: it is off, and no hand gets a thread to catch.
     """
     if is_off(cap, seen):
-        raise lidrefusals.thread(task)
-    found = unscrew(task.target.model, cap, fixed=task.target.fixed)
-    _require_still(task, found)
-    turn = _turn(task, cap, -seen, found)
-    ways = _cap_holds(task, cap)
-    draft = Draft((turn,), found.probability)
-    return first_way(task, "close", [(way, draft) for way in ways], len(ways))
+        raise lidrefusals.thread(problem)
+    found = unscrew(problem.target.model, cap, fixed=problem.target.fixed)
+    _require_still(problem, found)
+    turn = _turn(problem, cap, -seen, found)
+    ways = _cap_holds(problem, cap)
+    draft = MotionDraft((turn,), found.probability)
+    return first_reachable_plan(problem, "close", [(way, draft) for way in ways], len(ways))
 
 
-def _require_still(task: Task, found: Loosening) -> None:
+def _require_still(problem: GraspProblem, found: Loosening) -> None:
     """The object stays where it is while its lid comes off."""
-    if found.margin < task.defaults.lid_reserve:
-        raise lidrefusals.comes_along(task, found)
-    if found.probability < task.defaults.probability:
-        raise lidrefusals.may_come_along(task, found)
+    if found.margin < problem.defaults.lid_reserve:
+        raise lidrefusals.comes_along(problem, found)
+    if found.probability < problem.effort.probability:
+        raise lidrefusals.may_come_along(problem, found)
 
 
-def _cap_holds(task: Task, cap: ScrewCap) -> list[Hold]:
+def _cap_holds(problem: GraspProblem, cap: ScrewCap) -> list[StableGrasp]:
     """How a cap is held for turning: friction at its rim bears the torque."""
-    radius, *_ = held_part(task.target, cap)
+    radius, *_ = held_part(problem.target, cap)
     torque = cap.friction_torque / radius
-    return _lid_holds(task, cap, Load(torque, cap.friction_torque_sd / radius))
+    return _lid_holds(problem, cap, Load(torque, cap.friction_torque_sd / radius))
 
 
-def _lid_holds(task: Task, lid: LiftOffLid | ScrewCap, load: Load) -> list[Hold]:
+def _lid_holds(problem: GraspProblem, lid: LiftOffLid | ScrewCap, load: Load) -> list[StableGrasp]:
     """How a lid is held while something pulls at it."""
-    return holds(task, [Bearing(each, load) for each in of_lid(task.target, lid, task.hand)])
+    return stable_grasps(problem, [GraspLoad(each, load) for each in lid_candidates(problem, lid)])
 
 
-def _turn(task: Task, cap: ScrewCap, angle: float, found: Loosening) -> TurnCap:
-    limit = (1.0 + task.defaults.force_reserve) * cap.friction_torque
+def _turn(problem: GraspProblem, cap: ScrewCap, angle: float, found: Loosening) -> TurnCap:
+    limit = (1.0 + problem.defaults.force_reserve) * cap.friction_torque
     prediction = TurnPrediction(lid_torque=found.needed, turning_torque=_finite(found.held))
     return TurnCap(angle=angle, torque_limit=limit, prediction=prediction)
 
@@ -268,25 +270,25 @@ def _finite(value: float) -> float | None:
 # -- where a lid is put aside -------------------------------------------------------------------
 
 
-def free_lid_places(task: Task, radius: float, most: int) -> list[tuple[Aim, float]]:
+def free_lid_places(problem: GraspProblem, radius: float, most: int) -> list[tuple[Aim, float]]:
     """Free places for a disc, the nearest first, and what is tallest on the way to each [m].
 
     Args:
-        task: about the object whose lid it is.
+        problem: about the object whose lid it is.
         radius: of the lid [m].
         most: how many places.
     """
-    free = (found for found in _places_around(task, radius) if _is_free(task, found, radius))
+    free = (found for found in _places_around(problem, radius) if _is_free(problem, found, radius))
     return [
-        (Aim(x=float(at[0]), y=float(at[1])), _tallest_on_way(task, at, radius))
+        (Aim(x=float(at[0]), y=float(at[1])), _tallest_on_way(problem, at, radius))
         for _, at in zip(range(most), free, strict=False)
     ]
 
 
-def _places_around(task: Task, radius: float) -> Iterator[Array]:
+def _places_around(problem: GraspProblem, radius: float) -> Iterator[Array]:
     """Places around the object, ring after ring, shape (2,) [m]."""
-    own = footprint(task.target)
-    middle = task.target.pose.p_WB[:2]
+    own = footprint(problem.target)
+    middle = problem.target.pose.p_WB[:2]
     nearest = float(np.linalg.norm(own - middle, axis=1).max()) + radius + _ROOM
     for ring in _RINGS:
         for angle in _AROUND:
@@ -297,18 +299,18 @@ def _disc(at: Array, radius: float) -> Array:
     return np.asarray(at + Disc(radius).corners)
 
 
-def _is_free(task: Task, at: Array, radius: float) -> bool:
-    lid, d = _disc(at, radius), task.defaults
-    if min(travel_to_edge(lid, task.state.table, u, d.clearance) for u in _AXES) < 0.0:
+def _is_free(problem: GraspProblem, at: Array, radius: float) -> bool:
+    lid, d = _disc(at, radius), problem.defaults
+    if min(travel_to_edge(lid, problem.state.table, u, d.clearance) for u in _AXES) < 0.0:
         return False
-    return all(gap(lid, footprint(seen)) >= _ROOM for seen in task.state.objects.values())
+    return all(gap(lid, footprint(seen)) >= _ROOM for seen in problem.state.objects.values())
 
 
-def _tallest_on_way(task: Task, at: Array, radius: float) -> float:
-    start = _disc(task.target.pose.p_WB[:2], radius)
+def _tallest_on_way(problem: GraspProblem, at: Array, radius: float) -> float:
+    start = _disc(problem.target.pose.p_WB[:2], radius)
     way = hull_polygon(np.vstack([start, _disc(at, radius)])).vertices
     return max(
         seen.bulk()[1]
-        for seen in task.state.objects.values()
-        if seen is task.target or gap(way, footprint(seen)) < task.defaults.clearance
+        for seen in problem.state.objects.values()
+        if seen is problem.target or gap(way, footprint(seen)) < problem.defaults.clearance
     )

@@ -18,26 +18,26 @@ import numpy as np
 from grammar.frames import command as g
 from objectmodels.geometry.support_points import hull_polygon
 from planner.geometry.footprints import footprint, gap, travel_to_edge
-from planner.grasping.grasp_sampling import of_body
+from planner.grasping.grasp_sampling import body_candidates
 from planner.grasping.grasp_selection import (
-    Bearing,
-    Draft,
-    Hold,
+    GraspLoad,
+    MotionDraft,
+    StableGrasp,
     each_with_each,
-    first_way,
+    first_reachable_plan,
     held_already,
-    holds,
+    stable_grasps,
 )
-from planner.problem.goal_poses import aimed, here
+from planner.problem.goal_poses import find_goal_poses, pose_as_aim
 from planner.problem.place_regions import moved
 from planner.refusals import grasp_refusals as refusals
-from planner.refusals.push_refusals import NoPlanError
 from planner.types.actions import Action, Aim, Carry, LiftUp, SetDown
+from planner.types.dead_ends import Alternatives
 from planner.types.plan import DefaultUsed, Plan
 
 if TYPE_CHECKING:
-    from planner.problem.goal_poses import Aimed
-    from planner.problem.planning_problem import Task
+    from planner.problem.goal_poses import GoalPoses
+    from planner.problem.planning_problem import GraspProblem
     from planner.types.plan import PlanTask
     from planner.types.world_state import SeenObject
 
@@ -48,146 +48,141 @@ _CLOSER = 0.5  # share of a wanted gap that must be left where something is put
 _AXES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 
 
-def lift(task: Task, goal: g.Lift) -> Plan:
+def lift(problem: GraspProblem, goal: g.Lift) -> Plan:
     """Straight up, from the table or from where it is held.
 
     Raises:
         NoPlanError: it cannot be held, or not be lifted so far.
     """
-    require_liftable(task)
-    height, used = _height(task, goal)
-    draft = Draft((LiftUp(height=height),), defaults=used)
-    return _made(task, "lift", sorted(body_holds(task), key=partial(_turned, task)), [draft])
+    require_liftable(problem)
+    height, used = _height(problem, goal)
+    draft = MotionDraft((LiftUp(height=height),), defaults=used)
+    return _made(
+        problem, "lift", sorted(body_grasps(problem), key=partial(_turned, problem)), [draft]
+    )
 
 
-def set_down(task: Task) -> Plan:
+def set_down(problem: GraspProblem) -> Plan:
     """Down where it is held.
 
     Raises:
         NoPlanError: the hand holds nothing, or nothing can stand there.
     """
-    if task.state.held is None:
+    if problem.state.held is None:
         raise refusals.holds_nothing()
-    require_room(task, task.target, {})
-    draft = Draft((SetDown(),), aim=here(task.target))
-    return _made(task, "place", held_already(task), [draft])
+    require_room(problem, problem.target, {})
+    draft = MotionDraft((SetDown(),), aim=pose_as_aim(problem.target))
+    return _made(problem, "place", held_already(problem), [draft])
 
 
-def place(task: Task, frame: g.Frame) -> Plan:
+def place(problem: GraspProblem) -> Plan:
     """To a place: up, over and down.
 
     Raises:
         NoPlanError: it cannot be held, the place is not free, or the hand does not get there.
     """
-    require_liftable(task)
-    found = aimed(frame, task.target, task.state, task.defaults)
-    ways = body_holds(task)
-    drafts, refused = [], None
-    for aim in found.aims:
-        try:
-            drafts.append(_to(task, aim, found))
-        except NoPlanError as error:
-            refused = refused or error
+    require_liftable(problem)
+    found = find_goal_poses(problem)
+    grasps = body_grasps(problem)
+    drafts, places = [], Alternatives()
+    for aim in found.goal.aims:
+        with places:
+            drafts.append(_draft_to(problem, aim, found))
     if not drafts:
-        assert refused is not None, "there is an aim"
-        raise refused
-    return _made(task, "place", ways, drafts)
+        raise places.first
+    return _made(problem, "place", grasps, drafts)
 
 
-def _made(task: Task, action: PlanTask, ways: list[Hold], drafts: list[Draft]) -> Plan:
-    return first_way(task, action, each_with_each(ways, drafts), len(ways) * len(drafts))
+def _made(
+    problem: GraspProblem, action: PlanTask, ways: list[StableGrasp], drafts: list[MotionDraft]
+) -> Plan:
+    return first_reachable_plan(
+        problem, action, each_with_each(ways, drafts), len(ways) * len(drafts)
+    )
 
 
-def _turned(task: Task, hold: Hold) -> bool:
+def _turned(problem: GraspProblem, hold: StableGrasp) -> bool:
     """Whether an object, held so, would not lean to where its opening is: it pours beside it."""
-    container = task.target.model.container
+    container = problem.target.model.container
     if container is None:
         return False
     opening = np.array([*container.opening.centre, 0.0])
-    closing = np.array(hold.grasp.closing_W) @ task.target.pose.R_WB
+    closing = np.array(hold.grasp.closing_W) @ problem.target.pose.R_WB
     return bool(abs(closing @ opening) < TO_THE_SIDE * np.linalg.norm(opening))
 
 
-def body_holds(task: Task) -> list[Hold]:
+def body_grasps(problem: GraspProblem) -> list[StableGrasp]:
     """How the hand holds an object, or could."""
-    held = held_already(task)
+    held = held_already(problem)
     if held:
         return held
-    return holds(task, [Bearing(each) for each in of_body(task.target, task.hand, task.how)])
+    return stable_grasps(problem, [GraspLoad(each) for each in body_candidates(problem)])
 
 
-def require_liftable(task: Task) -> None:
+def require_liftable(problem: GraspProblem) -> None:
     """It may leave the table.
 
     Raises:
         NoPlanError: a holder or the sentence keeps it there.
     """
-    if task.target.fixed:
-        raise refusals.is_fixed(task)
-    if task.how.on_the_table:
-        raise refusals.not_while(task, task.how.on_the_table, "takes it off the table")
+    if problem.target.fixed:
+        raise refusals.is_fixed(problem)
+    if problem.motion.on_the_table:
+        raise refusals.not_while(problem, problem.motion.on_the_table, "takes it off the table")
 
 
-def over(task: Task, to: Aim) -> float:
+def clearance_height(problem: GraspProblem, to: Aim) -> float:
     """Height at which it passes over everything between where it is and an aim [m]."""
-    start, end = footprint(task.target), footprint(moved(task.target, np.array([to.x, to.y])))
+    start, end = footprint(problem.target), footprint(moved(problem.target, np.array([to.x, to.y])))
     way = hull_polygon(np.vstack([start, end])).vertices
-    kept = dict(task.how.clear_of)
+    kept = dict(problem.motion.clear_of)
     tops = [
         seen.bulk()[1]
-        for name, seen in others(task).items()
-        if gap(way, footprint(seen)) < max(_apart(task, seen), kept.get(name, 0.0))
+        for name, seen in problem.others.items()
+        if gap(way, footprint(seen)) < max(problem.clearance(seen), kept.get(name, 0.0))
     ]
-    return task.defaults.carry_clearance + max(tops, default=0.0)
+    return problem.defaults.carry_clearance + max(tops, default=0.0)
 
 
-def raised(task: Task, height: float) -> tuple[Action, ...]:
+def lift_steps(problem: GraspProblem, height: float) -> tuple[Action, ...]:
     """The steps that bring it to a height, if it is not so high already."""
-    now = 0.0 if task.state.held is None else task.state.held.height
+    now = 0.0 if problem.state.held is None else problem.state.held.height
     return (LiftUp(height=height - now, hold=0.0),) if height > now else ()
 
 
-def others(task: Task) -> dict[str, SeenObject]:
-    """Everything else on the table."""
-    return {name: seen for name, seen in task.state.objects.items() if name != task.target.name}
-
-
-def require_room(task: Task, there: SeenObject, near: dict[str, float]) -> None:
+def require_room(problem: GraspProblem, there: SeenObject, near: dict[str, float]) -> None:
     """It can stand somewhere.
 
     Args:
-        task: what is planned for.
+        problem: what is planned for.
         there: the object, or a lid, as it would stand.
         near: objects that it is to stand close to, and how close [m].
 
     Raises:
         NoPlanError: something else stands there, or the table ends.
     """
-    own, kept = footprint(there), dict(task.how.clear_of)
-    for name, seen in others(task).items():
-        apart = min(_apart(task, seen), _CLOSER * near.get(name, np.inf))
+    own, kept = footprint(there), dict(problem.motion.clear_of)
+    for name, seen in problem.others.items():
+        apart = min(problem.clearance(seen), _CLOSER * near.get(name, np.inf))
         if gap(own, footprint(seen)) < max(apart, kept.get(name, 0.0)):
-            raise refusals.no_place(task, f"the {task.target.name}", name)
-    edge = min(travel_to_edge(own, task.state.table, u, task.defaults.clearance) for u in _AXES)
+            raise refusals.no_place(problem, f"the {problem.target.name}", name)
+    edge = min(
+        travel_to_edge(own, problem.state.table, u, problem.defaults.clearance) for u in _AXES
+    )
     if edge < 0.0:
-        raise refusals.no_place(task, f"the {task.target.name}", None)
+        raise refusals.no_place(problem, f"the {problem.target.name}", None)
 
 
-def _apart(task: Task, seen: SeenObject) -> float:
-    d = task.defaults
-    return d.clearance_fragile if seen.fragile else d.clearance
+def _draft_to(problem: GraspProblem, aim: Aim, found: GoalPoses) -> MotionDraft:
+    there = replace(moved(problem.target, np.array([aim.x, aim.y])))
+    require_room(problem, there, dict(found.goal.near))
+    steps = (*lift_steps(problem, clearance_height(problem, aim)), Carry(to=aim), SetDown())
+    return MotionDraft(steps, aim=aim, defaults=found.defaults_used)
 
 
-def _to(task: Task, aim: Aim, found: Aimed) -> Draft:
-    there = replace(moved(task.target, np.array([aim.x, aim.y])))
-    require_room(task, there, dict(found.near))
-    steps = (*raised(task, over(task, aim)), Carry(to=aim), SetDown())
-    return Draft(steps, aim=aim, defaults=found.defaults)
-
-
-def _height(task: Task, goal: g.Lift) -> tuple[float, tuple[DefaultUsed, ...]]:
+def _height(problem: GraspProblem, goal: g.Lift) -> tuple[float, tuple[DefaultUsed, ...]]:
     """How far it is lifted, and that this was not said."""
-    d, height = task.defaults, goal.height
+    d, height = problem.defaults, goal.height
     if height is None:
         value, reason = {
             "little": (d.lift_little, "“a little”"),

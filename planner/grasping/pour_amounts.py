@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from grammar.frames import command as g
     from objectmodels.models.object_parts import Container
     from objectmodels.models.vessel import Vessel
-    from planner.problem.planning_problem import Task
+    from planner.problem.planning_problem import GraspProblem
     from planner.types.defaults import Defaults
     from planner.types.world_state import SeenObject
 
@@ -77,7 +77,7 @@ class Amount:
     defaults: tuple[DefaultUsed, ...] = ()
 
 
-def amount(task: Task, source: Hollow, into: Hollow, goal: g.Pour) -> Amount | None:
+def amount(problem: GraspProblem, source: Hollow, into: Hollow, goal: g.Pour) -> Amount | None:
     """How much is to be poured; None if it is filled as far as it should be already.
 
     Raises:
@@ -85,14 +85,14 @@ def amount(task: Task, source: Hollow, into: Hollow, goal: g.Pour) -> Amount | N
     """
     has, room = source.container.contents, into.room
     if has < _DROP:
-        raise pourrefusals.is_empty(task)
-    wanted, used = _wanted(source, into, goal, task.defaults)
+        raise pourrefusals.is_empty(problem)
+    wanted, used = _wanted(source, into, goal, problem.defaults)
     if goal.fill is not None and wanted < _DROP:
         return None
     if wanted > room:
         raise pourrefusals.does_not_fit(into.seen, wanted, room, has, goal.spans)
     if wanted > has:
-        raise pourrefusals.not_so_much(task, wanted, has, goal.spans)
+        raise pourrefusals.not_so_much(problem, wanted, has, goal.spans)
     everything = goal.volume is None and goal.fill is None and wanted > has - _DROP
     return Amount(wanted, room, everything, used)
 

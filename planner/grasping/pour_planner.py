@@ -20,9 +20,20 @@ import numpy as np
 
 from objectmodels.containers.pour_dynamics import Catch, Poured, pour, predict_pour, tilt_for
 from planner.geometry.directions import heading_of, unit
-from planner.grasping.grasp_sampling import of_body
-from planner.grasping.grasp_selection import Bearing, Draft, first_way, held_already, holds
-from planner.grasping.lift_planner import TO_THE_SIDE, over, raised, require_liftable
+from planner.grasping.grasp_sampling import body_candidates
+from planner.grasping.grasp_selection import (
+    GraspLoad,
+    MotionDraft,
+    first_reachable_plan,
+    held_already,
+    stable_grasps,
+)
+from planner.grasping.lift_planner import (
+    TO_THE_SIDE,
+    clearance_height,
+    lift_steps,
+    require_liftable,
+)
 from planner.grasping.pour_amounts import Amount, Hollow, amount
 from planner.refusals import grasp_refusals as refusals
 from planner.refusals import pour_refusals as pourrefusals
@@ -34,8 +45,8 @@ if TYPE_CHECKING:
     from objectmodels.geometry.base_shapes import Array
     from objectmodels.models.vessel import Vessel
     from planner.grasping.grasp_sampling import Candidate
-    from planner.grasping.grasp_selection import Hold
-    from planner.problem.planning_problem import Task
+    from planner.grasping.grasp_selection import StableGrasp
+    from planner.problem.planning_problem import GraspProblem
 
 _TURNS = np.radians([0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0, 135.0, -135.0, 180.0])
 _ANGLES = np.radians(np.arange(0.0, 60.0, 5.0))  # beyond the tilt at which it would run out slowly
@@ -66,38 +77,38 @@ class Motion:
     probability: float
 
 
-def pour_out(task: Task, goal: g.Pour) -> Plan | Reached:
+def pour_out(problem: GraspProblem, goal: g.Pour) -> Plan | Reached:
     """Lifts a container, pours from it and sets it down again.
 
     Raises:
         NoPlanError: nothing runs out, it does not fit, or it would be spilled.
     """
     if goal.into is None:
-        raise pourrefusals.into_nothing(task, goal.spans)
-    if goal.into.id == task.target.name:
-        raise pourrefusals.into_itself(task, goal.spans)
-    source = Hollow.of(task.target, task.defaults)
-    into = Hollow.of(task.state.objects[goal.into.id or ""], task.defaults)
-    require_liftable(task)
-    if task.how.upright:
-        raise refusals.not_while(task, task.how.upright, "tilts it")
-    wanted = amount(task, source, into, goal)
-    return Reached() if wanted is None else _Pouring(task, source, into, wanted).best()
+        raise pourrefusals.into_nothing(problem, goal.spans)
+    if goal.into.id == problem.target.name:
+        raise pourrefusals.into_itself(problem, goal.spans)
+    source = Hollow.of(problem.target, problem.defaults)
+    into = Hollow.of(problem.state.objects[goal.into.id or ""], problem.defaults)
+    require_liftable(problem)
+    if problem.motion.upright:
+        raise refusals.not_while(problem, problem.motion.upright, "tilts it")
+    wanted = amount(problem, source, into, goal)
+    return Reached() if wanted is None else _Pouring(problem, source, into, wanted).best()
 
 
 class _Pouring:
     """One container that is poured into another one.
 
     Args:
-        task: what is planned for.
+        problem: what is planned for.
         source, into: the two.
         wanted: how much.
     """
 
-    def __init__(self, task: Task, source: Hollow, into: Hollow, wanted: Amount) -> None:
-        self._task, self._source, self._into, self._wanted = task, source, into, wanted
-        slower = task.how.speed / task.defaults.carry_speed
-        self._rate = task.defaults.pour_rate * min(slower, 1.0)
+    def __init__(self, problem: GraspProblem, source: Hollow, into: Hollow, wanted: Amount) -> None:
+        self._problem, self._source, self._into, self._wanted = problem, source, into, wanted
+        slower = problem.motion.speed / problem.defaults.carry_speed
+        self._rate = problem.defaults.pour_rate * min(slower, 1.0)
 
     def best(self) -> Plan:
         """The first way that hand and arm can go.
@@ -105,15 +116,15 @@ class _Pouring:
         Raises:
             NoPlanError: there is none.
         """
-        task, held = self._task, held_already(self._task)
+        problem, held = self._problem, held_already(self._problem)
         if held:
-            closing = [np.array(held[0].grasp.closing_W) @ task.target.pose.R_WB]
+            closing = [np.array(held[0].grasp.closing_W) @ problem.target.pose.R_WB]
             motions = self._motions(closing)
             ways = [replace(held[0], lean=motion.lean) for motion in motions.values()]
         else:
-            each = of_body(task.target, task.hand, task.how)
+            each = body_candidates(problem)
             motions = self._motions([candidate.closing for candidate in each])
-            ways = sorted(holds(task, self._bearings(each, motions)), key=_beside)
+            ways = sorted(stable_grasps(problem, self._bearings(each, motions)), key=_beside)
         found = []
         for rank, hold in enumerate(ways):
             assert hold.lean is not None, "it is tilted"
@@ -121,18 +132,18 @@ class _Pouring:
             for times, turn in enumerate(_TURNS.tolist()):
                 found.append((rank + times, (hold, self._draft(motion, turn))))
         found.sort(key=lambda each: each[0])
-        return first_way(task, "pour", [way for _, way in found], len(found))
+        return first_reachable_plan(problem, "pour", [way for _, way in found], len(found))
 
     # -- how it is tilted -----------------------------------------------------------------------
 
-    def _bearings(self, each: list[Candidate], motions: dict[int, Motion]) -> list[Bearing]:
+    def _bearings(self, each: list[Candidate], motions: dict[int, Motion]) -> list[GraspLoad]:
         """All ways to hold it through its motion."""
         found = []
         for candidate in each:
             for lean in self._leans(candidate.closing):
                 motion = motions.get(_key(lean))
                 if motion is not None:
-                    found.append(Bearing(candidate, None, motion.lean, motion.angle))
+                    found.append(GraspLoad(candidate, None, motion.lean, motion.angle))
         return found
 
     def _leans(self, closing: Array) -> list[float]:
@@ -149,16 +160,16 @@ class _Pouring:
         """The motion for each direction in which it may lean, if it is likely enough."""
         leans = {_key(lean): lean for each in closing for lean in self._leans(each)}
         if not leans:
-            raise pourrefusals.wrong_side(self._task)
+            raise pourrefusals.wrong_side(self._problem)
         found = {key: self._motion(lean) for key, lean in leans.items()}
         best = max(found.values(), key=lambda motion: motion.probability)
-        if best.probability < self._task.defaults.probability:
-            raise pourrefusals.may_spill(self._task, self._into.seen, self._wanted, best)
-        asked = self._task.defaults.probability
+        if best.probability < self._problem.effort.probability:
+            raise pourrefusals.may_spill(self._problem, self._into.seen, self._wanted, best)
+        asked = self._problem.effort.probability
         return {key: motion for key, motion in found.items() if motion.probability >= asked}
 
     def _motion(self, lean: float) -> Motion:
-        container, vessel, d = self._source.container, self._source.vessel, self._task.defaults
+        container, vessel, d = self._source.container, self._source.vessel, self._problem.defaults
         wanted, basin = self._wanted, self._into.container
         if wanted.all:
             angle, wait = _all_of_it(vessel, container.contents, lean, self._rate)
@@ -180,7 +191,7 @@ class _Pouring:
 
     def _probability(self, poured: Poured) -> float:
         """How likely enough is received, and next to nothing spilled."""
-        d, wanted = self._task.defaults, self._wanted
+        d, wanted = self._problem.defaults, self._wanted
         if wanted.all:
             enough = poured.received >= d.pour_all * poured.contents
         else:
@@ -191,15 +202,15 @@ class _Pouring:
 
     # -- where it is held -----------------------------------------------------------------------
 
-    def _draft(self, motion: Motion, turn: float) -> Draft:
+    def _draft(self, motion: Motion, turn: float) -> MotionDraft:
         """The steps after the grasp, with the container turned about the vertical before."""
-        task, into, d = self._task, self._into.seen, self._task.defaults
-        pose, held = task.target.pose, task.state.held is not None
+        problem, into, d = self._problem, self._into.seen, self._problem.defaults
+        pose, held = problem.target.pose, problem.state.held is not None
         heading = math.remainder(pose.yaw + turn + motion.lean, math.tau)
         lip = self._opening_W() - motion.ahead * unit(heading)
         behind = float(np.linalg.norm(self._source.vessel.lip_point(motion.lean)[:2]))
         x, y, _ = (lip - behind * unit(heading)).tolist()
-        up = max(over(task, Aim(x=x, y=y)), into.model.top + d.carry_clearance)
+        up = max(clearance_height(problem, Aim(x=x, y=y)), into.model.top + d.carry_clearance)
         out = PourOut(
             into=into.name,
             heading=heading,
@@ -210,11 +221,11 @@ class _Pouring:
             volume=None if self._wanted.all else self._wanted.volume,
             prediction=self._prediction(motion.poured),
         )
-        steps: tuple[Action, ...] = (*raised(task, up), out)
+        steps: tuple[Action, ...] = (*lift_steps(problem, up), out)
         if turn:
             turned, back = (Aim(x=pose.x, y=pose.y, yaw=pose.yaw + by) for by in (turn, 0.0))
-            steps = (*raised(task, up), Carry(to=turned), out, Carry(to=back))
-        return Draft(
+            steps = (*lift_steps(problem, up), Carry(to=turned), out, Carry(to=back))
+        return MotionDraft(
             steps if held else (*steps, SetDown()),
             motion.probability,
             aim=None if held else Aim(x=pose.x, y=pose.y, yaw=pose.yaw),
@@ -229,7 +240,7 @@ class _Pouring:
         return np.asarray(pose.p_WB + pose.R_WB @ centre)
 
     def _used(self) -> tuple[DefaultUsed, ...]:
-        rate = self._task.defaults.pour_rate
+        rate = self._problem.defaults.pour_rate
         if self._rate < rate:
             return ()
         return (DefaultUsed(name="pour_rate", value=rate, unit="rad/s", reason="no rate said"),)
@@ -245,7 +256,7 @@ def _key(lean: float) -> int:
     return round(math.degrees(lean)) % 360
 
 
-def _beside(hold: Hold) -> bool:
+def _beside(hold: StableGrasp) -> bool:
     """The hand had better be beside what pours, not over it."""
     return hold.grasp.approach_W[2] < -0.5
 

@@ -1,358 +1,361 @@
-"""Constraints of a sentence as limits on contact, force, speed and way of its pushes."""
+"""Constraints of a sentence as limits on contact, force and motion: one table for all kinds.
+
+Each kind has a row in `LIMITS`: how it limits pushes, how it limits what a whole hand does, and
+words for what a hand lacks that cannot keep it. What is held is held upright and keeps its heading,
+so most of what a sentence forbids a hand holds anyhow.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from grammar.frames import command as g
-from planner.geometry.directions import FACE_OF_PUSH, HEADINGS
-from planner.problem.contact_heights import bands
+from planner.problem.contact_heights import (
+    limit_fingertips,
+    limit_grasp_contact,
+    limit_push_contact,
+    require_whole_hand,
+)
+from planner.problem.planning_problem import GoalT, GraspProblem, PlanningProblem, PushProblem
 from planner.problem.tilt_goals import almost_tips, spill_tilt
-from planner.refusals.push_refusals import NoPlanError, unsupported
+from planner.refusals.push_refusals import unsupported, unsupported_while
+from planner.types.actions import Aim
+from planner.types.dead_ends import NoPlanError
 from planner.types.refusal import Refusal
-
-if TYPE_CHECKING:
-    from planner.problem.push_problem import Asked
-    from planner.types.actions import Aim
-    from planner.types.defaults import Defaults
-    from planner.types.world_state import SeenObject, WorldState
 
 
 @dataclass(frozen=True)
-class Setting:
-    """What a constraint is read in.
+class ConstraintRule:
+    """How one kind of constraint limits a problem.
 
     Attributes:
-        target: the object of the frame.
-        state: what is believed.
-        defaults: what a clause means when the sentence does not say more.
+        push: makes the problem of pushes that keep it; None if no push does.
+        grasp: makes the problem of a hand that keeps it; None if no hand does.
+        unsupported: words for what no hand does, such as `moving fast`.
     """
 
-    target: SeenObject
-    state: WorldState
-    defaults: Defaults
+    push: Callable[[PushProblem, Any], PushProblem] | None = None
+    grasp: Callable[[GraspProblem, Any], GraspProblem] | None = None
+    unsupported: str = ""
 
 
-def restricted(asked: Asked, clause: g.Constraint, setting: Setting) -> Asked:
-    """What is asked, with one more constraint.
+def apply_constraint(problem: PushProblem, clause: g.Constraint) -> PushProblem:
+    """The problem of pushes with one more constraint.
 
     Raises:
-        NoPlanError: it contradicts the goal, or this version cannot keep it.
+        NoPlanError: the constraint contradicts the goal, or this version cannot keep it.
     """
-    handler = _HANDLERS.get(clause.kind)
-    if handler is None:
-        what = {
-            "duration": "pushing for an exact time",
-        }.get(clause.kind, clause.kind.replace("_", " "))
-        message = f"this version of the robot is not capable of {what}"
-        raise unsupported(what, message, clause.spans)
-    return handler(asked, clause, setting)
+    rule = LIMITS[clause.kind]
+    if rule.push is None:
+        what = clause.kind.replace("_", " ")
+        raise unsupported(what, f"this version of the robot is not capable of {what}", clause.spans)
+    return rule.push(problem, clause)
 
 
-def _against(message: str, spans: g.Spans) -> NoPlanError:
-    return NoPlanError(Refusal(reason="impossible", message=message, spans=spans))
+def grasp_limits(problem: GraspProblem) -> GraspProblem:
+    """The problem of a hand with the constraints of its frame.
+
+    Raises:
+        NoPlanError: this version cannot keep one of them.
+    """
+    for clause in problem.frame.constraints:
+        rule = LIMITS[clause.kind]
+        if rule.grasp is None:
+            raise unsupported_while(rule.unsupported, problem.goal.doing, clause.spans)
+        problem = rule.grasp(problem, clause)
+    return problem
 
 
-def _limited(asked: Asked, **limits: float) -> Asked:
-    """With narrower limits; the narrowest of each holds."""
-    before = asked.limits
-    least = {name: min(value, getattr(before, name) or math.inf) for name, value in limits.items()}
-    return replace(asked, limits=before.model_copy(update=least))
+def _kept(problem: PlanningProblem[GoalT], clause: g.Constraint) -> PlanningProblem[GoalT]:
+    """The same problem: pushes on the table, or what is held, keep it anyhow."""
+    return problem
+
+
+def _contradiction(message: str, spans: g.Spans, **numbers: float) -> NoPlanError:
+    refusal = Refusal(reason="impossible", message=message, numbers=numbers, spans=spans)
+    return NoPlanError(refusal)
+
+
+def _with_tilt(problem: PushProblem, tilt: float) -> PushProblem:
+    """The problem with a narrower limit of the tilt [rad]."""
+    narrowest = min(tilt, problem.motion.tilt or math.inf)
+    return replace(problem, motion=replace(problem.motion, tilt=narrowest))
 
 
 # -- tilting, turning, sliding ----------------------------------------------------------------
 
 
-def _stays(asked: Asked, clause: g.NoTopple | g.NoTilt | g.MaxTilt, s: Setting) -> Asked:
-    """It stays on its base: what slides does, what is tilted comes back, what topples does not."""
-    most = {"no_topple": None, "no_tilt": s.defaults.no_tilt}.get(clause.kind)
+def _stay_on_base(problem: PushProblem, clause: g.NoTopple | g.NoTilt | g.MaxTilt) -> PushProblem:
+    """What slides stays on its base, what is tilted comes back, what topples does not."""
+    defaults, goal = problem.defaults, problem.goal
+    most = {"no_topple": None, "no_tilt": defaults.no_tilt}.get(clause.kind)
     if isinstance(clause, g.MaxTilt):
         most = clause.value
-    if asked.outcome == "slide":
-        return asked if most is None else _limited(asked, tilt=most)
-    if asked.tilt is None or clause.kind == "no_tilt":
-        raise _against("it cannot topple and stay on its base", clause.spans)
+    if goal.outcome == "slide":
+        return problem if most is None else _with_tilt(problem, most)
+    if goal.tilt is None or clause.kind == "no_tilt":
+        raise _contradiction("it cannot topple and stay on its base", clause.spans)
     if most is None:
-        return asked
-    if most < asked.tilt - s.defaults.tilt_tolerance:
-        asks = f"{math.degrees(asked.tilt):.0f}° are asked"
+        return problem
+    if most < goal.tilt - defaults.tilt_tolerance:
+        asks = f"{math.degrees(goal.tilt):.0f}° are asked"
         message = f"{asks}, but {math.degrees(most):.0f}° are the most that is allowed"
-        raise _against(message, clause.spans)
-    return _limited(asked, tilt=most)
+        raise _contradiction(message, clause.spans)
+    return _with_tilt(problem, most)
 
 
-def _stays_there(asked: Asked, clause: g.NoSlide, _: Setting) -> Asked:
-    if asked.aims:
-        raise _against("it cannot move over the table and not slide", clause.spans)
-    return asked
+def _keep_upright(problem: GraspProblem, clause: g.NoTilt | g.MaxTilt) -> GraspProblem:
+    if isinstance(clause, g.MaxTilt) and clause.value < problem.defaults.upright:
+        least = math.degrees(problem.defaults.upright)
+        what = f"keeping it within less than {least:.0f}° of upright"
+        raise unsupported_while(what, problem.goal.doing, clause.spans)
+    motion = replace(problem.motion, upright=problem.motion.upright + clause.spans)
+    return replace(problem, motion=motion)
 
 
-def _heading_kept(asked: Asked, clause: g.NoTurn | g.MaxTurn, s: Setting) -> Asked:
-    most = s.defaults.no_turn if isinstance(clause, g.NoTurn) else clause.value
-    yaw = s.target.pose.yaw
-    turned = [abs(yaw if aim.yaw is None else aim.yaw - yaw) for aim in asked.aims]
-    if asked.rotates and min(turned) > most:
-        raise _against("it cannot turn and keep its heading", clause.spans)
-    return _limited(asked, turn=most)
+def _stay_on_table(problem: GraspProblem, clause: g.NoLift) -> GraspProblem:
+    motion = replace(problem.motion, on_the_table=problem.motion.on_the_table + clause.spans)
+    return replace(problem, motion=motion)
 
 
-def _kept(asked: Asked, clause: g.Constraint, s: Setting) -> Asked:
-    """Pushes on the table hold it anyhow."""
-    return asked
+def _stay_in_place(problem: PushProblem, clause: g.NoSlide) -> PushProblem:
+    if problem.goal.aims:
+        raise _contradiction("it cannot move over the table and not slide", clause.spans)
+    return problem
 
 
-def _until(asked: Asked, clause: g.Until, s: Setting) -> Asked:
+def _keep_heading(problem: PushProblem, clause: g.NoTurn | g.MaxTurn) -> PushProblem:
+    most = problem.defaults.no_turn if isinstance(clause, g.NoTurn) else clause.value
+    goal, yaw = problem.goal, problem.target.pose.yaw
+    turned = [abs(yaw if aim.yaw is None else aim.yaw - yaw) for aim in goal.aims]
+    if goal.rotates and min(turned) > most:
+        raise _contradiction("it cannot turn and keep its heading", clause.spans)
+    narrowest = min(most, problem.motion.turn or math.inf)
+    return replace(problem, motion=replace(problem.motion, turn=narrowest))
+
+
+def _until(problem: PushProblem, clause: g.Until) -> PushProblem:
     """A push that ends with the object's fall, or with a tilt well before it."""
     if clause.event not in ("tips", "about_to_tip"):
-        if not asked.aims:
+        if not problem.goal.aims:
             what = f"toppling until '{clause.event}'"
             raise unsupported(what, f"this version is not capable of {what}", clause.spans)
-        return asked  # the aim is where it happens
-    used = tuple(d for d in asked.defaults if d.name != "distance")
-    asked = replace(asked, outcome="topple", aims=(), distance=math.inf, defaults=used)
-    return asked if clause.event == "tips" else _almost_tipped(asked, s)
+        return problem  # the aim is where it happens
+    tilt = problem.goal.tilt
+    if clause.event == "about_to_tip":
+        tilt = almost_tips(problem.target.model, problem.defaults)
+    goal = replace(problem.goal, outcome="topple", aims=(), distance=math.inf, tilt=tilt)
+    return replace(problem.without_default("distance"), goal=goal)
 
 
-def _almost_tipped(asked: Asked, s: Setting) -> Asked:
-    return replace(asked, tilt=almost_tips(s.target.model, s.defaults))
-
-
-# -- contents ---------------------------------------------------------------------------------
-
-
-def _kept_in(asked: Asked, clause: g.NoSpill, s: Setting) -> Asked:
+def _keep_contents(problem: PushProblem, clause: g.NoSpill) -> PushProblem:
     """It leans less than what makes its contents run out; what slides upright keeps them."""
-    spills = spill_tilt(s.target, s.defaults.sigmas)
+    defaults, goal = problem.defaults, problem.goal
+    spills = spill_tilt(problem.target, defaults.sigmas)
     if spills is None:
-        return asked
-    most = max(spills, s.defaults.rest_tilt)
-    if asked.outcome == "slide":
-        return _limited(asked, tilt=most)
-    tilt = None if asked.tilt is None else asked.tilt + s.defaults.tilt_tolerance
-    if tilt is not None and tilt <= spills:
-        return _limited(asked, tilt=most)
-    does = "toppling tilts it further"
-    if asked.tilt is not None:
-        does = f"{math.degrees(asked.tilt):.0f}° are asked"
-    numbers = {"spill_angle": spills} | ({} if asked.tilt is None else {"tilt": asked.tilt})
-    raise NoPlanError(
-        Refusal(
-            reason="impossible",
-            message=f"the {s.target.name} begins to spill at {math.degrees(spills):.0f}°; {does}",
-            numbers=numbers,
-            spans=clause.spans,
-        )
-    )
+        return problem
+    most = max(spills, defaults.rest_tilt)
+    if goal.outcome == "slide":
+        return _with_tilt(problem, most)
+    if goal.tilt is not None and goal.tilt + defaults.tilt_tolerance <= spills:
+        return _with_tilt(problem, most)
+    does, numbers = "toppling tilts it further", {"spill_angle": spills}
+    if goal.tilt is not None:
+        does = f"{math.degrees(goal.tilt):.0f}° are asked"
+        numbers["tilt"] = goal.tilt
+    begins = f"the {problem.target.name} begins to spill at {math.degrees(spills):.0f}°"
+    raise _contradiction(f"{begins}; {does}", clause.spans, **numbers)
 
 
 # -- others -----------------------------------------------------------------------------------
 
 
-def _clear(asked: Asked, clause: g.NoTouch, s: Setting) -> Asked:
-    """Objects from which a distance is kept, on the way and by a guard."""
-    others = [name for name in s.state.objects if name != s.target.name]
+def _keep_clear(problem: PlanningProblem[GoalT], clause: g.NoTouch) -> PlanningProblem[GoalT]:
+    """The problem with objects from which a distance is kept, on the way and by a guard."""
+    others = list(problem.others)
     if clause.object is not None:
         assert clause.object.id is not None, "objects are resolved by now"
         others = [clause.object.id]
-    if asked.meets in others:
-        raise _against(f"it cannot touch the {asked.meets} and not touch it", clause.spans)
-    apart = s.defaults.clearance if clause.clearance is None else clause.clearance
-    before = dict(asked.limits.clear_of)
+    apart = problem.defaults.clearance if clause.clearance is None else clause.clearance
+    before = dict(problem.motion.clear_of)
     both = {name: max(apart, before.get(name, 0.0)) for name in others}
     kept = tuple(sorted({**before, **both}.items()))
-    return replace(asked, limits=asked.limits.model_copy(update={"clear_of": kept}))
+    return replace(problem, motion=replace(problem.motion, clear_of=kept))
 
 
-# -- force and speed --------------------------------------------------------------------------
+def _push_clear(problem: PushProblem, clause: g.NoTouch) -> PushProblem:
+    limited, meets = _keep_clear(problem, clause), problem.goal.meets
+    others = problem.others if clause.object is None else (clause.object.id,)
+    if meets in others:
+        raise _contradiction(f"it cannot touch the {meets} and not touch it", clause.spans)
+    return limited
 
 
-def _force_below(asked: Asked, clause: g.MaxForce | g.Force, _: Setting) -> Asked:
-    limit = min(asked.max_force, clause.value)
-    return replace(asked, max_force=limit, force_spans=clause.spans)
+# -- force ------------------------------------------------------------------------------------
 
 
-def _force_above(asked: Asked, clause: g.MinForce, _: Setting) -> Asked:
-    return replace(asked, min_force=clause.value, force_spans=clause.spans)
+def _push_at_most(problem: PushProblem, clause: g.MaxForce | g.Force) -> PushProblem:
+    largest = min(problem.force.max, clause.value)
+    return replace(problem, force=replace(problem.force, max=largest, spans=clause.spans))
 
 
-def _hard(asked: Asked, clause: g.Hard, s: Setting) -> Asked:
-    return replace(asked, least_limit=s.defaults.force_hard)
+def _squeeze_at_most(problem: GraspProblem, clause: g.MaxForce | g.Force) -> GraspProblem:
+    largest, spans = min(problem.force.max, clause.value), problem.force.spans + clause.spans
+    return replace(problem, force=replace(problem.force, max=largest, spans=spans))
 
 
-def _gentle(asked: Asked, clause: g.Gentle, s: Setting) -> Asked:
-    asked = replace(asked, reserve=s.defaults.force_reserve_gentle)
-    return _slower(asked, s.defaults.speed_gentle)
+def _push_at_least(problem: PushProblem, clause: g.MinForce) -> PushProblem:
+    return replace(problem, force=replace(problem.force, min=clause.value, spans=clause.spans))
 
 
-def _speed(asked: Asked, clause: g.Constraint, s: Setting) -> Asked:
-    d = s.defaults
-    match clause:
-        case g.MaxSpeed():
-            return _slower(asked, clause.value)
-        case g.Slow():
-            return _slower(asked, d.speed_gentle)
-        case g.Fast():
-            return _at_speed(asked, d.speed_fast, clause.spans, d)
-        case g.Speed() | g.MinSpeed():
-            return _at_speed(asked, clause.value, clause.spans, d)
-    raise AssertionError(f"{clause.kind} is about no speed")
+def _push_hard(problem: PushProblem, clause: g.Hard) -> PushProblem:
+    return replace(problem, force=replace(problem.force, least_limit=problem.defaults.force_hard))
 
 
-def _duration(asked: Asked, clause: g.MaxDuration, _: Setting) -> Asked:
-    return _limited(replace(asked, time_spans=clause.spans), duration=clause.value)
+def _push_gently(problem: PushProblem, clause: g.Gentle) -> PushProblem:
+    force = replace(problem.force, reserve=problem.defaults.force_reserve_gentle)
+    return _slower(replace(problem, force=force), problem.defaults.speed_gentle)
 
 
-def _slower(asked: Asked, speed: float) -> Asked:
-    """A speed that the sentence gave is no default any more."""
-    used = tuple(d for d in asked.defaults if d.name != "speed")
-    return replace(asked, speed=min(asked.speed, speed), defaults=used)
+def _grasp_gently(problem: GraspProblem, clause: g.Gentle) -> GraspProblem:
+    reserve = min(problem.force.reserve, problem.defaults.grasp_reserve_gentle)
+    force = replace(problem.force, reserve=reserve)
+    return _slower(replace(problem, force=force), problem.defaults.carry_speed_gentle)
 
 
-def _at_speed(asked: Asked, speed: float, spans: g.Spans, defaults: Defaults) -> Asked:
-    if speed > defaults.speed_most:
-        raise NoPlanError(
-            Refusal(
-                reason="impossible",
-                message=f"{1e3 * speed:.0f} mm/s are asked; objects keep to the fingertips up to "
-                f"{1e3 * defaults.speed_most:.0f} mm/s",
-                numbers={"speed": speed, "most": defaults.speed_most},
-                spans=spans,
-                suggestions=(f"at {100 * defaults.speed_most:.0f} cm/s",),
-            )
+# -- speed and time ---------------------------------------------------------------------------
+
+
+def _slower(problem: PlanningProblem[GoalT], speed: float) -> PlanningProblem[GoalT]:
+    """The problem with a lower speed [m/s]; one that the sentence gave is no default any more."""
+    motion = problem.motion
+    motion = replace(motion, speed=min(motion.speed, speed), lid_speed=min(motion.lid_speed, speed))
+    return replace(problem.without_default("speed").without_default("carry_speed"), motion=motion)
+
+
+def _at_speed(problem: PushProblem, speed: float, spans: g.Spans) -> PushProblem:
+    most = problem.defaults.speed_most
+    if speed > most:
+        raise _too_fast(speed, most, "objects keep to the fingertips up to", spans)
+    motion = replace(problem.motion, speed=speed)
+    return replace(problem.without_default("speed"), motion=motion)
+
+
+def _too_fast(speed: float, most: float, what: str, spans: g.Spans) -> NoPlanError:
+    return NoPlanError(
+        Refusal(
+            reason="impossible",
+            message=f"{1e3 * speed:.0f} mm/s are asked; {what} {1e3 * most:.0f} mm/s",
+            numbers={"speed": speed, "most": most},
+            spans=spans,
+            suggestions=(f"at {100 * most:.0f} cm/s",),
         )
-    used = tuple(d for d in asked.defaults if d.name != "speed")
-    return replace(asked, speed=speed, defaults=used)
+    )
 
 
-# -- how far, and where to touch --------------------------------------------------------------
+def _push_slowly(problem: PushProblem, clause: g.Slow) -> PushProblem:
+    return _slower(problem, problem.defaults.speed_gentle)
 
 
-def _nearer(asked: Asked, clause: g.MaxDistance, s: Setting) -> Asked:
+def _push_fast(problem: PushProblem, clause: g.Fast) -> PushProblem:
+    return _at_speed(problem, problem.defaults.speed_fast, clause.spans)
+
+
+def _push_at_speed(problem: PushProblem, clause: g.Speed | g.MinSpeed) -> PushProblem:
+    return _at_speed(problem, clause.value, clause.spans)
+
+
+def _move_at_most(problem: PlanningProblem[GoalT], clause: g.MaxSpeed) -> PlanningProblem[GoalT]:
+    return _slower(problem, clause.value)
+
+
+def _carry_slowly(problem: GraspProblem, clause: g.Slow) -> GraspProblem:
+    return _slower(problem, problem.defaults.carry_speed_gentle)
+
+
+def _carry_at_speed(problem: GraspProblem, clause: g.Speed | g.MinSpeed) -> GraspProblem:
+    most = problem.defaults.carry_speed
+    if clause.value > most:
+        raise _too_fast(clause.value, most, "what is held is moved at up to", clause.spans)
+    return problem if isinstance(clause, g.MinSpeed) else _slower(problem, clause.value)
+
+
+def _push_within(problem: PushProblem, clause: g.MaxDuration) -> PushProblem:
+    shortest = min(clause.value, problem.motion.duration or math.inf)
+    motion = replace(problem.motion, duration=shortest, spans=clause.spans)
+    return replace(problem, motion=motion)
+
+
+def _push_exactly(problem: PushProblem, clause: g.Duration) -> PushProblem:
+    what = "pushing for an exact time"
+    raise unsupported(what, f"this version of the robot is not capable of {what}", clause.spans)
+
+
+# -- how far ----------------------------------------------------------------------------------
+
+
+def _push_near(problem: PushProblem, clause: g.MaxDistance) -> PushProblem:
     """The limit is kept with the tolerance to spare, if that is still far enough."""
-    target, defaults = s.target, s.defaults
-    if not asked.aims:
+    goal, tolerance = problem.goal, problem.defaults.distance_tolerance
+    if not goal.aims:
         raise unsupported(
             "limiting how far a toppling object moves",
             "this version does not limit how far an object moves while it topples",
             clause.spans,
         )
-    most = clause.value - min(defaults.distance_tolerance, 0.5 * clause.value)
-    start = target.pose.x, target.pose.y
-    way = {aim: math.dist((aim.x, aim.y), start) for aim in asked.aims}
+    most = clause.value - min(tolerance, 0.5 * clause.value)
+    start = problem.target.pose.x, problem.target.pose.y
+    lengths = {aim: math.dist((aim.x, aim.y), start) for aim in goal.aims}
     aims = tuple(
-        _shortened(aim, start, min(1.0, most / max(way[aim], 1e-9)))
-        for aim in asked.aims
-        if way[aim] - defaults.distance_tolerance <= most
+        _shortened(aim, start, min(1.0, most / max(lengths[aim], 1e-9)))
+        for aim in goal.aims
+        if lengths[aim] - tolerance <= most
     )
     if not aims:
-        nearest = min(way.values())
+        nearest = min(lengths.values())
         message = (
             f"{1e3 * nearest:.0f} mm are to be moved, but {1e3 * clause.value:.0f} mm "
             "are the most that is allowed"
         )
         numbers = {"distance": nearest, "max_distance": clause.value}
-        raise NoPlanError(
-            Refusal(reason="impossible", message=message, numbers=numbers, spans=clause.spans)
-        )
-    return replace(asked, aims=aims, distance=min(asked.distance, most))
+        raise _contradiction(message, clause.spans, **numbers)
+    return replace(problem, goal=replace(goal, aims=aims, distance=min(goal.distance, most)))
 
 
 def _shortened(aim: Aim, start: tuple[float, float], share: float) -> Aim:
     """An aim that lies only a share of the way from a start."""
     x, y = (a + share * (b - a) for a, b in zip(start, (aim.x, aim.y), strict=True))
-    return aim.model_copy(update={"x": x, "y": y})
+    return Aim(x=x, y=y, yaw=aim.yaw)
 
 
-def _contact(asked: Asked, clause: g.ContactRegion, s: Setting) -> Asked:
-    spans = asked.contact_spans + clause.spans
-    if clause.face == "top":
-        raise unsupported(
-            "pushing on the top face",
-            "this robot pushes objects on their side faces; the top face is not one",
-            clause.spans,
-            "say “at the top” for the upper third of a side face",
-        )
-    if clause.face is not None:
-        asked = replace(asked, face=clause.face)
-        if asked.outcome == "topple" and asked.heading is None:
-            push = next(d for d, face in FACE_OF_PUSH.items() if face == clause.face)
-            asked = replace(asked, heading=HEADINGS[push])
-    for low, high, region in bands(clause, s.target.model.top, s.defaults):
-        asked = _between(asked, low, high, region)
-    return replace(asked, contact_spans=spans)
-
-
-def _between(asked: Asked, low: float, high: float, region: str) -> Asked:
-    """One more restriction of the heights; all of them hold."""
-    region = f"{asked.region} and {region}" if asked.region else region
-    return replace(asked, low=max(asked.low, low), high=min(asked.high, high), region=region)
-
-
-def require_right(clause: g.Effector) -> None:
-    """The robot has no left hand.
-
-    Raises:
-        NoPlanError: it is asked for.
-    """
-    if clause.side == "left":
-        raise unsupported(
-            "a second (left) hand",
-            "this robot has one hand, a right one",
-            clause.spans,
-            "leave out which hand, or say the right one",
-        )
-
-
-def _effector(asked: Asked, clause: g.Effector, _: Setting) -> Asked:
-    require_right(clause)
-    if clause.tool == "arm" or (clause.tool == "hand" and clause.side is None):
-        raise unsupported(
-            f"pushing with the {clause.tool}",
-            f"this robot pushes with its fingertips, not with the {clause.tool}",
-            clause.spans,
-            "say “with one finger” or “with two fingers”",
-        )
-    if clause.tool == "finger" and clause.count is not None:
-        if clause.count > 2:
-            raise unsupported(
-                f"pushing with {clause.count} fingers",
-                "this robot pushes with one or two fingertips",
-                clause.spans,
-            )
-        return replace(
-            asked,
-            fingers=(2,) if clause.count == 2 else (1,),
-            contact_spans=(*asked.contact_spans, *clause.spans),
-        )
-    return asked
-
-
-_HANDLERS: dict[str, Callable[[Asked, Any, Setting], Asked]] = {
-    "no_topple": _stays,
-    "no_tilt": _stays,
-    "max_tilt": _stays,
-    "no_slide": _stays_there,
-    "no_turn": _heading_kept,
-    "max_turn": _heading_kept,
-    "no_spill": _kept_in,
-    "no_lift": _kept,
-    "no_touch": _clear,
-    "max_force": _force_below,
-    "force": _force_below,
-    "min_force": _force_above,
-    "hard": _hard,
-    "gentle": _gentle,
-    "slow": _speed,
-    "fast": _speed,
-    "speed": _speed,
-    "min_speed": _speed,
-    "max_speed": _speed,
-    "max_duration": _duration,
-    "max_distance": _nearer,
-    "contact": _contact,
-    "effector": _effector,
-    "until": _until,
+LIMITS: dict[str, ConstraintRule] = {
+    "no_topple": ConstraintRule(_stay_on_base, _kept),
+    "no_tilt": ConstraintRule(_stay_on_base, _keep_upright),
+    "max_tilt": ConstraintRule(_stay_on_base, _keep_upright),
+    "no_slide": ConstraintRule(_stay_in_place, _kept),
+    "no_turn": ConstraintRule(_keep_heading, _kept),
+    "max_turn": ConstraintRule(_keep_heading, _kept),
+    "no_spill": ConstraintRule(_keep_contents, _kept),
+    "no_lift": ConstraintRule(_kept, _stay_on_table),
+    "no_touch": ConstraintRule(_push_clear, _keep_clear),
+    "max_force": ConstraintRule(_push_at_most, _squeeze_at_most),
+    "force": ConstraintRule(_push_at_most, _squeeze_at_most),
+    "min_force": ConstraintRule(_push_at_least, unsupported="pressing with a least force"),
+    "hard": ConstraintRule(_push_hard, unsupported="using much force"),
+    "gentle": ConstraintRule(_push_gently, _grasp_gently),
+    "slow": ConstraintRule(_push_slowly, _carry_slowly),
+    "fast": ConstraintRule(_push_fast, unsupported="moving fast"),
+    "speed": ConstraintRule(_push_at_speed, _carry_at_speed),
+    "min_speed": ConstraintRule(_push_at_speed, _carry_at_speed),
+    "max_speed": ConstraintRule(_move_at_most, _move_at_most),
+    "max_duration": ConstraintRule(_push_within, unsupported="keeping to a time"),
+    "duration": ConstraintRule(_push_exactly, unsupported="keeping to a time"),
+    "max_distance": ConstraintRule(_push_near, unsupported="limiting a distance"),
+    "contact": ConstraintRule(limit_push_contact, limit_grasp_contact),
+    "effector": ConstraintRule(limit_fingertips, require_whole_hand),
+    "until": ConstraintRule(_until, unsupported="stopping at an event"),
 }
+"""The rule for every kind of constraint."""

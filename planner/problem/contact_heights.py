@@ -1,21 +1,31 @@
-"""Which heights of an object a clause about contact means."""
+"""Clauses about the contact: which heights and faces of an object, and which part of the hand."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
+from objectmodels.models.object_parts import FlipLid
+from planner.geometry.directions import FACE_OF_PUSH, HEADINGS
+from planner.refusals.push_refusals import unsupported, unsupported_while
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from planner.problem.planning_problem import (
+        GoalT,
+        GraspProblem,
+        PlanningProblem,
+        PushProblem,
+    )
     from planner.types.defaults import Defaults
 
 Band = tuple[float, float, str]
 """The lowest and the highest of some heights [m], and words for them."""
 
 
-def bands(clause: g.ContactRegion, top: float, defaults: Defaults) -> Iterator[Band]:
+def height_bands(clause: g.ContactRegion, top: float, defaults: Defaults) -> Iterator[Band]:
     """The heights that a clause allows; all of them hold.
 
     Args:
@@ -27,10 +37,10 @@ def bands(clause: g.ContactRegion, top: float, defaults: Defaults) -> Iterator[B
         third = {"bottom": 0, "middle": 1, "top": 2}[clause.region]
         yield third * top / 3.0, (third + 1) * top / 3.0, f"at the {clause.region}"
     if clause.height is not None:
-        yield _at_height(clause.height, top, defaults)
+        yield _band_at(clause.height, top, defaults)
 
 
-def _at_height(height: g.ContactHeight, top: float, defaults: Defaults) -> Band:
+def _band_at(height: g.ContactHeight, top: float, defaults: Defaults) -> Band:
     assert isinstance(height.value, float), "lengths measured in objects are resolved by now"
     upwards = height.origin == "table"
     at = height.value if upwards else top - height.value
@@ -41,3 +51,112 @@ def _at_height(height: g.ContactHeight, top: float, defaults: Defaults) -> Band:
     if (height.bound == "at_least") == upwards:
         return at, top, f"at least {where}"
     return 0.0, at, f"at most {where}"
+
+
+def _with_heights(
+    problem: PlanningProblem[GoalT], clause: g.ContactRegion
+) -> PlanningProblem[GoalT]:
+    """The problem with one more restriction of the heights; all of them hold."""
+    contact = replace(problem.contact, spans=problem.contact.spans + clause.spans)
+    for low, high, words in height_bands(clause, problem.target.model.top, problem.defaults):
+        region = f"{contact.region} and {words}" if contact.region else words
+        contact = replace(
+            contact, low=max(contact.low, low), high=min(contact.high, high), region=region
+        )
+    return replace(problem, contact=contact)
+
+
+def limit_push_contact(problem: PushProblem, clause: g.ContactRegion) -> PushProblem:
+    """The problem with a push on one face, or between two heights.
+
+    Raises:
+        NoPlanError: the face is one that is not pushed.
+    """
+    if clause.face == "top":
+        raise unsupported(
+            "pushing on the top face",
+            "this robot pushes objects on their side faces; the top face is not one",
+            clause.spans,
+            "say “at the top” for the upper third of a side face",
+        )
+    if clause.face is not None:
+        goal = problem.goal
+        if goal.outcome == "topple" and goal.heading is None:
+            push = next(d for d, face in FACE_OF_PUSH.items() if face == clause.face)
+            goal = replace(goal, heading=HEADINGS[push])
+        contact = replace(problem.contact, face=clause.face)
+        problem = replace(problem, goal=goal, contact=contact)
+    return _with_heights(problem, clause)
+
+
+def limit_grasp_contact(problem: GraspProblem, clause: g.ContactRegion) -> GraspProblem:
+    """The problem with a grasp between two heights.
+
+    Raises:
+        NoPlanError: a face is named.
+    """
+    if clause.face is not None:
+        raise unsupported_while("touching a named face", problem.goal.doing, clause.spans)
+    return _with_heights(problem, clause)
+
+
+def limit_fingertips(problem: PushProblem, clause: g.Effector) -> PushProblem:
+    """The problem with the number of fingertips that a sentence asks for.
+
+    Raises:
+        NoPlanError: the robot does not push with what is asked for.
+    """
+    _require_right(clause)
+    if clause.tool == "arm" or (clause.tool == "hand" and clause.side is None):
+        raise unsupported(
+            f"pushing with the {clause.tool}",
+            f"this robot pushes with its fingertips, not with the {clause.tool}",
+            clause.spans,
+            "say “with one finger” or “with two fingers”",
+        )
+    if clause.tool != "finger" or clause.count is None:
+        return problem
+    if clause.count > 2:
+        raise unsupported(
+            f"pushing with {clause.count} fingers",
+            "this robot pushes with one or two fingertips",
+            clause.spans,
+        )
+    contact = replace(
+        problem.contact,
+        fingers=(2,) if clause.count == 2 else (1,),
+        spans=problem.contact.spans + clause.spans,
+    )
+    return replace(problem, contact=contact)
+
+
+def require_whole_hand(problem: GraspProblem, clause: g.Effector) -> GraspProblem:
+    """The same problem; a whole hand does it, or one fingertip if it flips a lid.
+
+    Raises:
+        NoPlanError: the sentence asks for something else.
+    """
+    _require_right(clause)
+    doing = problem.goal.doing
+    fingertip = isinstance(problem.target.model.lid, FlipLid) and doing in ("opening", "closing")
+    if clause.tool == "arm" or (clause.tool == "finger" and not fingertip):
+        which = "fingers" if clause.tool == "finger" else "the arm"
+        raise unsupported_while(f"using only {which}", doing, clause.spans)
+    if clause.tool == "finger" and (clause.count or 1) > 1:
+        raise unsupported_while(f"using {clause.count} fingers", doing, clause.spans)
+    return problem
+
+
+def _require_right(clause: g.Effector) -> None:
+    """The robot has no left hand.
+
+    Raises:
+        NoPlanError: a left hand is asked for.
+    """
+    if clause.side == "left":
+        raise unsupported(
+            "a second (left) hand",
+            "this robot has one hand, a right one",
+            clause.spans,
+            "leave out which hand, or say the right one",
+        )

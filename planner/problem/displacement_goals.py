@@ -30,9 +30,7 @@ if TYPE_CHECKING:
 _HALVINGS = 40  # of a way of metres: far below a micrometre
 
 
-def asked_heading(
-    goal: g.Displace, own: SeenObject, state: WorldState, d: Defaults
-) -> float | None:
+def goal_heading(goal: g.Displace, own: SeenObject, state: WorldState, d: Defaults) -> float | None:
     """Heading of a displacement in W [rad]; None if the sentence does not say where to.
 
     Args:
@@ -52,7 +50,7 @@ def asked_heading(
     return HEADINGS[goal.direction] if goal.direction else None
 
 
-def asked_distance(
+def goal_distance(
     goal: g.Displace,
     own: SeenObject,
     state: WorldState,

@@ -15,16 +15,18 @@ from grammar.frames import command as g
 from objectmodels.geometry.base_shapes import Disc
 from planner.geometry.directions import FACE_OF_PUSH, HEADINGS, unit
 from planner.geometry.footprints import footprint, free_travel, travel_to_edge
-from planner.problem.displacement_goals import asked_distance, asked_heading
+from planner.problem.displacement_goals import goal_distance, goal_heading
 from planner.problem.place_regions import Beside, Between, region, share_of_way
-from planner.refusals.push_refusals import NoPlanError, unsupported
-from planner.types.actions import Aim, StopEvent
+from planner.problem.planning_problem import PushGoal
+from planner.refusals.push_refusals import unsupported
+from planner.types.actions import Aim
+from planner.types.dead_ends import NoPlanError
 from planner.types.plan import DefaultUsed
 from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
-    from planner.types.defaults import Defaults
-    from planner.types.world_state import SeenObject, WorldState
+    from planner.problem.planning_problem import GoalT, PlanningProblem
+    from planner.types.world_state import SeenObject
 
 _BEYOND = 0.008  # travel beyond the place where something should be met [m]
 
@@ -33,53 +35,42 @@ _TIPPING = ("tips", "about_to_tip")  # events that end no way over the table
 
 
 @dataclass(frozen=True)
-class Aimed:
-    """What a goal aims at.
+class GoalPoses:
+    """A goal on the table.
 
     Attributes:
-        aims: poses of which one should be reached, the nearest first.
-        heading: direction in W in which the object is to move [rad]; None if it follows from the
-            aim.
-        distance: to be moved [m]; None if it follows from the aim.
-        until: event that ends the way earlier.
-        meets: name of the object that is to be touched then.
-        near: objects that it is to stand close to, and how close [m].
-        defaults: what the sentence left open.
+        goal: its poses, and what belongs to them.
+        defaults_used: what the sentence left open.
     """
 
-    aims: tuple[Aim, ...]
-    heading: float | None = None
-    distance: float | None = None
-    until: StopEvent | None = None
-    meets: str | None = None
-    near: tuple[tuple[str, float], ...] = ()
-    defaults: tuple[DefaultUsed, ...] = ()
+    goal: PushGoal
+    defaults_used: tuple[DefaultUsed, ...] = ()
 
 
-def aimed(frame: g.Frame, target: SeenObject, state: WorldState, defaults: Defaults) -> Aimed:
-    """What a frame that moves, turns or taps its object aims at.
+def find_goal_poses(problem: PlanningProblem[GoalT]) -> GoalPoses:
+    """The poses that a frame which moves, turns or taps its object aims at.
 
     Raises:
-        NoPlanError: there is no such place, or it cannot be moved to.
+        NoPlanError: there is no such place, or the object cannot be moved to it.
     """
-    goal = frame.goal
-    until = next((c for c in frame.constraints if isinstance(c, g.Until)), None)
+    goal = problem.frame.goal
+    until = next((c for c in problem.frame.constraints if isinstance(c, g.Until)), None)
     match goal:
         case g.Rotate():
-            return _rotated(goal, target, defaults)
+            return _rotated(problem, goal)
         case g.Place():
-            return _placed(goal, target, state, defaults)
+            return _placed(problem, goal)
         case g.Displace() if until is not None and until.event not in _TIPPING:
-            return _until(frame, goal, until, target, state, defaults)
+            return _until(problem, goal, until)
         case g.NoGoal():
-            return _tapped(frame, target, defaults)
+            return _tapped(problem)
         case g.Displace():
-            return _displaced(frame, goal, target, state, defaults)
+            return _displaced(problem, goal)
     raise AssertionError(f"{goal.kind} moves nothing")
 
 
-def here(target: SeenObject, x: float | None = None, y: float | None = None) -> Aim:
-    """The pose that an object has, or one moved elsewhere that looks the same way.
+def pose_as_aim(target: SeenObject, x: float | None = None, y: float | None = None) -> Aim:
+    """The pose that an object has as an aim, or the same elsewhere.
 
     The heading of what is round does not matter unless it is to be turned.
     """
@@ -91,71 +82,69 @@ def here(target: SeenObject, x: float | None = None, y: float | None = None) -> 
 # -- moving -----------------------------------------------------------------------------------
 
 
-def _displaced(
-    frame: g.Frame, goal: g.Displace, target: SeenObject, state: WorldState, defaults: Defaults
-) -> Aimed:
-    heading, used = _heading(frame, goal, target, state, defaults)
-    distance, reason = asked_distance(goal, target, state, defaults, frame.constraints)
+def _displaced(problem: PlanningProblem[GoalT], goal: g.Displace) -> GoalPoses:
+    defaults, constraints = problem.defaults, problem.frame.constraints
+    heading, used = _heading(problem, goal)
+    distance, reason = goal_distance(goal, problem.target, problem.state, defaults, constraints)
     if reason:
         used += (DefaultUsed(name="distance", value=distance, unit="m", reason=reason),)
     elif goal.distance is not None:
         # A bound is kept with the tolerance to spare.
         spare = {"exact": 0.0, "at_least": 1.0, "at_most": -1.0}[goal.bound]
         distance += spare * min(defaults.distance_tolerance, 0.5 * distance)
-    return _along(target, heading, distance, used)
+    return _along(problem.target, heading, distance, used)
 
 
 def _along(
     target: SeenObject, heading: float, distance: float, used: tuple[DefaultUsed, ...] = ()
-) -> Aimed:
+) -> GoalPoses:
     x, y, _ = (target.pose.p_WB + distance * unit(heading)).tolist()
-    return Aimed((here(target, x, y),), heading, distance, defaults=used)
+    aims = (pose_as_aim(target, x, y),)
+    return GoalPoses(PushGoal(heading=heading, distance=distance, aims=aims), used)
 
 
 def _heading(
-    frame: g.Frame, goal: g.Displace, target: SeenObject, state: WorldState, defaults: Defaults
+    problem: PlanningProblem[GoalT], goal: g.Displace
 ) -> tuple[float, tuple[DefaultUsed, ...]]:
     """Direction of a displacement in W [rad], and that it was not said."""
+    name = problem.target.name
     for other, way in ((goal.toward, "towards"), (goal.away_from, "away from")):
-        if isinstance(other, g.ObjectRef) and other.id == target.name:
-            message = f"the {target.name} cannot move {way} itself"
+        if isinstance(other, g.ObjectRef) and other.id == name:
+            message = f"the {name} cannot move {way} itself"
             raise NoPlanError(Refusal(reason="impossible", message=message, spans=other.spans))
-    heading = asked_heading(goal, target, state, defaults)
+    heading = goal_heading(goal, problem.target, problem.state, problem.defaults)
     if heading is not None:
         return heading, ()
-    way = "toward" if frame.action == "pull" else "away"
+    way = "toward" if problem.frame.action == "pull" else "away"
     used = DefaultUsed(
         name="direction", value=HEADINGS[way], unit="rad", reason=f"no direction said: {way}"
     )
     return used.value, (used,)
 
 
-def _tapped(frame: g.Frame, target: SeenObject, defaults: Defaults) -> Aimed:
+def _tapped(problem: PlanningProblem[GoalT]) -> GoalPoses:
     """A touch that ends as soon as the object gives way; on the side that is said, or the front."""
-    faces = [c.face for c in frame.constraints if isinstance(c, g.ContactRegion)]
+    faces = [c.face for c in problem.frame.constraints if isinstance(c, g.ContactRegion)]
     push = next((way for way, face in FACE_OF_PUSH.items() if face in faces), "away")
-    return replace(_along(target, HEADINGS[push], defaults.tap), until="moves")
+    return _until_it_moves(_along(problem.target, HEADINGS[push], problem.defaults.tap))
 
 
 # -- until something happens ------------------------------------------------------------------
 
 
-def _until(
-    frame: g.Frame,
-    goal: g.Displace,
-    until: g.Until,
-    target: SeenObject,
-    state: WorldState,
-    defaults: Defaults,
-) -> Aimed:
+def _until_it_moves(found: GoalPoses) -> GoalPoses:
+    return replace(found, goal=replace(found.goal, until="moves"))
+
+
+def _until(problem: PlanningProblem[GoalT], goal: g.Displace, until: g.Until) -> GoalPoses:
     """As far as it takes until an event."""
     if until.event == "moves":
-        moved = _displaced(frame, goal, target, state, defaults)
-        return replace(moved, until="moves")
+        return _until_it_moves(_displaced(problem, goal))
+    target, state, defaults = problem.target, problem.state, problem.defaults
     other = None if until.object is None else state.objects.get(until.object.id or "")
     if goal.direction is None and goal.heading is None and other is not None:
         goal = goal.model_copy(update={"toward": until.object})
-    heading, used = _heading(frame, goal, target, state, defaults)
+    heading, used = _heading(problem, goal)
     u, own = unit(heading), footprint(target)
     if until.event == "edge":
         room = travel_to_edge(own, state.table, u[:2], defaults.edge_gap)
@@ -171,7 +160,7 @@ def _until(
         if math.isinf(way):
             raise NoPlanError(_never_met(target, other, until.spans))
         met = _along(target, heading, way + _BEYOND, used)
-        return replace(met, until="touching", meets=other.name)
+        return replace(met, goal=replace(met.goal, until="touching", meets=other.name))
     # In line with it, or beside it: as far along the way as the other one stands.
     along = float((other.pose.p_WB - target.pose.p_WB) @ u)
     if until.event == "next_to" and math.isfinite(way):
@@ -193,8 +182,9 @@ def _never_met(target: SeenObject, other: SeenObject, spans: g.Spans) -> Refusal
 # -- placing and turning ----------------------------------------------------------------------
 
 
-def _placed(goal: g.Place, target: SeenObject, state: WorldState, defaults: Defaults) -> Aimed:
-    place = region(goal, state, defaults)
+def _placed(problem: PlanningProblem[GoalT], goal: g.Place) -> GoalPoses:
+    target, defaults = problem.target, problem.defaults
+    place = region(goal, problem.state, defaults)
     if place is None or (isinstance(goal.reference, tuple) and goal.relation == "on"):
         raise unsupported(
             "putting objects on others",
@@ -211,16 +201,16 @@ def _placed(goal: g.Place, target: SeenObject, state: WorldState, defaults: Defa
     if isinstance(place, Beside) and goal.distance is None and place.gap > 0.0:
         reason = "no distance said"
         used = (DefaultUsed(name="place_gap", value=place.gap, unit="m", reason=reason),)
-    aims = tuple(here(target, float(x), float(y)) for x, y in spots)
+    aims = tuple(pose_as_aim(target, float(x), float(y)) for x, y in spots)
     if isinstance(place, Between):
         both = tuple((seen.name, place.apart(target)) for seen in (place.one, place.other))
-        return Aimed(aims, near=both, defaults=used)
+        return GoalPoses(PushGoal(aims=aims, near=both), used)
     if not isinstance(place, Beside):
-        return Aimed(aims, defaults=used)
+        return GoalPoses(PushGoal(aims=aims), used)
     if goal.relation != "touching":
-        return Aimed(aims, near=((place.other.name, place.gap),), defaults=used)
+        return GoalPoses(PushGoal(aims=aims, near=((place.other.name, place.gap),)), used)
     beyond = tuple(_farther(aim, target, _BEYOND) for aim in aims)
-    return Aimed(beyond, until="touching", meets=place.other.name, defaults=used)
+    return GoalPoses(PushGoal(aims=beyond, until="touching", meets=place.other.name), used)
 
 
 def _farther(aim: Aim, target: SeenObject, by: float) -> Aim:
@@ -231,8 +221,8 @@ def _farther(aim: Aim, target: SeenObject, by: float) -> Aim:
     return aim.model_copy(update={"x": x + share * (aim.x - x), "y": y + share * (aim.y - y)})
 
 
-def _rotated(goal: g.Rotate, target: SeenObject, defaults: Defaults) -> Aimed:
-    angle, used = goal.angle, []
+def _rotated(problem: PlanningProblem[GoalT], goal: g.Rotate) -> GoalPoses:
+    angle, used, defaults = goal.angle, [], problem.defaults
     if angle is None:
         angle, reason = {
             "little": (defaults.turn_little, "“a little”"),
@@ -243,6 +233,6 @@ def _rotated(goal: g.Rotate, target: SeenObject, defaults: Defaults) -> Aimed:
     spare = {"exact": 0.0, "at_least": 1.0, "at_most": -1.0}[goal.bound]
     angle += spare * min(defaults.turn_tolerance, 0.5 * angle)
     signs = {"ccw": (1.0,), "cw": (-1.0,), None: (1.0, -1.0)}[goal.sense]
-    pose = target.pose
+    pose = problem.target.pose
     aims = tuple(Aim(x=pose.x, y=pose.y, yaw=pose.yaw + sign * angle) for sign in signs)
-    return Aimed(aims, defaults=tuple(used))
+    return GoalPoses(PushGoal(aims=aims, rotates=True), tuple(used))

@@ -1,33 +1,221 @@
-"""What a hand is planned for: an object, what is believed, and what the sentence says of it."""
+"""What is planned for: an object, what is believed, and what the sentence says, as numbers.
+
+A problem never changes. Whatever restricts or relaxes it makes another one with
+`dataclasses.replace`, on the group of limits that changes.
+
+Frames: W is the world.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+import math
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Generic, Literal, TypeVar
+
+from planner.types.actions import Limits
 
 if TYPE_CHECKING:
-    from planner.problem.grasp_limits import Manner
+    from collections.abc import Mapping
+
+    from grammar.frames import command as g
+    from planner.types.actions import Aim, FaceName, StopEvent
     from planner.types.defaults import Defaults
-    from planner.types.robot import HandReach
+    from planner.types.plan import DefaultUsed, Plan
+    from planner.types.robot import FailedPush, Robot
     from planner.types.world_state import SeenObject, WorldState
 
 
 @dataclass(frozen=True)
-class Task:
-    """What is planned for.
+class PushGoal:
+    """The outcome that pushes are to have.
 
     Attributes:
-        target: what is handled.
-        state: what is believed.
-        hand: what the hand can hold.
-        how: what the sentence says of it.
-        defaults: what a clause means when it does not say more.
-        doing: what is done, such as `lifting`.
+        outcome: wanted class at the onset.
+        heading: direction of motion or of the fall in W [rad]; None if any will do.
+        distance: to be moved [m]; the most if the goal is to topple.
+        aims: poses of which one should be reached, the nearest first; empty if it is to topple.
+        rotates: whether it is to turn about the vertical.
+        tilt: angle by which it is tilted and then let back [rad]; None if it is not to come back.
+        until: event that ends the last push earlier; `meets` names what is to be touched then.
+        near: objects that it is to stand close to, and how close [m].
     """
 
+    outcome: Literal["slide", "topple"] = "slide"
+    heading: float | None = None
+    distance: float = math.inf
+    aims: tuple[Aim, ...] = ()
+    rotates: bool = False
+    tilt: float | None = None
+    until: StopEvent | None = None
+    meets: str | None = None
+    near: tuple[tuple[str, float], ...] = ()
+
+
+@dataclass(frozen=True)
+class GraspGoal:
+    """The task of a whole hand.
+
+    Attributes:
+        doing: it in words, such as `lifting`.
+    """
+
+    doing: str
+
+
+@dataclass(frozen=True)
+class ContactLimits:
+    """Where and with what the object may be touched.
+
+    Attributes:
+        face: side face to be touched; None if any will do.
+        low, high: contact heights allowed [m].
+        region: words for the heights, if the sentence restricts them.
+        fingers: how many fingertips may push.
+        spans: words that restrict the contact.
+    """
+
+    face: FaceName | None = None
+    low: float = 0.0
+    high: float = math.inf
+    region: str | None = None
+    fingers: tuple[Literal[1, 2], ...] = (2, 1)
+    spans: g.Spans = ()
+
+
+@dataclass(frozen=True)
+class ForceLimits:
+    """How hard the object may be pushed, or squeezed.
+
+    Attributes:
+        reserve: of a push, share by which the force limit exceeds the force needed; of a squeeze,
+            factor by which it exceeds the one that just holds.
+        max: largest force, or squeeze [N].
+        min: force that it must take to move the object [N].
+        least_limit: lower bound of the force limit [N].
+        spans: words that restrict the force.
+    """
+
+    reserve: float
+    max: float = math.inf
+    min: float = 0.0
+    least_limit: float = 0.0
+    spans: g.Spans = ()
+
+
+@dataclass(frozen=True)
+class MotionLimits:
+    """How the object may be moved.
+
+    Attributes:
+        speed: largest speed of the fingertips, or of the hand that holds the object [m/s].
+        lid_speed: of a fingertip that moves a lid [m/s].
+        tilt: largest tilt [rad]; None if only its staying on the base matters.
+        turn: largest turn from where the object stood at first [rad]; None for no limit.
+        duration: longest time from the touch to the end of a push [s]; None for no limit.
+        clear_of: other objects, and the distance that is kept from each of them [m].
+        spans: words that restrict the duration.
+        upright: words that forbid to tilt what is held; empty if none do.
+        on_the_table: words that forbid to lift it; empty if none do.
+    """
+
+    speed: float
+    lid_speed: float = math.inf
+    tilt: float | None = None
+    turn: float | None = None
+    duration: float | None = None
+    clear_of: tuple[tuple[str, float], ...] = ()
+    spans: g.Spans = ()
+    upright: g.Spans = ()
+    on_the_table: g.Spans = ()
+
+    @property
+    def guards(self) -> Limits:
+        """The limits that stop a push before it breaks a constraint."""
+        return Limits(
+            tilt=self.tilt, turn=self.turn, duration=self.duration, clear_of=self.clear_of
+        )
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is tried, and how sure it must be.
+
+    Attributes:
+        contacts: of one push with as many fingertips for which the reach is asked.
+        questions: to the robot, about all pushes of one attempt.
+        probability: least probability of a plan.
+        thorough: whether the robot looks longer for the pushes that can be made now.
+        oblique: whether two fingertips may push farther from square to a face than they usually do.
+        direct: whether ways around what stands there are left out.
+    """
+
+    contacts: int
+    questions: int
+    probability: float
+    thorough: bool = False
+    oblique: bool = False
+    direct: bool = False
+
+    @classmethod
+    def from_defaults(cls, defaults: Defaults) -> Effort:
+        """The usual effort."""
+        return cls(defaults.most_contacts, defaults.most_looks, defaults.probability)
+
+
+GoalT = TypeVar("GoalT", PushGoal, GraspGoal)
+
+
+@dataclass(frozen=True)
+class PlanningProblem(Generic[GoalT]):
+    """One frame about one object, as the planner takes it.
+
+    Attributes:
+        frame: the frame, its objects resolved to names in `state`.
+        target: the object, where it stands when the plan begins; its heading is not wrapped.
+        state: what is believed then.
+        robot: that is to do it.
+        defaults: margins, and what a clause means when the sentence does not say more.
+        goal: the outcome, or the task of the hand.
+        contact, force, motion: limits that all of it keeps.
+        effort: how much is tried.
+        defaults_used: what the sentence left open.
+        previous: the plan whose first push was made last; its aim is kept.
+        failed: pushes of this frame that went wrong.
+    """
+
+    frame: g.Frame
     target: SeenObject
     state: WorldState
-    hand: HandReach
-    how: Manner
+    robot: Robot
     defaults: Defaults
-    doing: str
+    goal: GoalT
+    contact: ContactLimits
+    force: ForceLimits
+    motion: MotionLimits
+    effort: Effort
+    defaults_used: tuple[DefaultUsed, ...] = ()
+    previous: Plan | None = None
+    failed: tuple[FailedPush, ...] = field(default=())
+
+    @property
+    def others(self) -> Mapping[str, SeenObject]:
+        """Everything else on the table, by name."""
+        return {name: seen for name, seen in self.state.objects.items() if name != self.target.name}
+
+    def clearance(self, other: SeenObject) -> float:
+        """Distance that is usually kept from another object [m]."""
+        return self.defaults.clearance_fragile if other.fragile else self.defaults.clearance
+
+    def with_target(self, target: SeenObject) -> PlanningProblem[GoalT]:
+        """The problem once the object stands elsewhere."""
+        objects = {**self.state.objects, target.name: target}
+        return replace(self, target=target, state=replace(self.state, objects=objects))
+
+    def without_default(self, name: str) -> PlanningProblem[GoalT]:
+        """The problem without the note that a value was left open."""
+        kept = tuple(used for used in self.defaults_used if used.name != name)
+        return replace(self, defaults_used=kept)
+
+
+PushProblem = PlanningProblem[PushGoal]
+GraspProblem = PlanningProblem[GraspGoal]

@@ -15,6 +15,7 @@ import numpy as np
 from objectmodels.mechanics.tilt_limits import largest_return, return_probability
 from planner.geometry.footprints import footprint, free_travel
 from planner.types.actions import Limits
+from planner.types.dead_ends import NoPlanError
 from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -22,9 +23,10 @@ if TYPE_CHECKING:
 
     from grammar.frames.command import Tilt
     from objectmodels import ObjectModel
+    from planner.problem.planning_problem import PushProblem
     from planner.types.actions import Prediction, Push
     from planner.types.defaults import Defaults
-    from planner.types.world_state import SeenObject, WorldState
+    from planner.types.world_state import SeenObject
 
 CLEARANCE = 0.01
 """Distance that a leaning object keeps from others [m]."""
@@ -33,7 +35,7 @@ _HEADINGS = 24  # to which what is tilted may lean
 _SLACK = 0.015  # travel beyond what the model says, for what it does not know [m]
 
 
-def meant(goal: Tilt, model: ObjectModel, defaults: Defaults) -> tuple[float, str | None]:
+def tilt_goal(goal: Tilt, model: ObjectModel, defaults: Defaults) -> tuple[float, str | None]:
     """The angle to plan for [rad], and why it is a default, if it is one."""
     if goal.angle is not None:
         # A bound is kept with the tolerance to spare.
@@ -70,46 +72,47 @@ def spill_tilt(target: SeenObject, sigmas: float) -> float | None:
     return float(vessel.spill_angle(volume, headings).min())
 
 
-def hindered(
-    target: SeenObject,
-    state: WorldState,
-    normal: ArrayLike,
-    u: NDArray[np.float64],
-    angle: float,
-    defaults: Defaults,
-) -> Refusal | None:
-    """Why an object is not tilted from a face; None if it may be.
+def require_free_tilt(
+    problem: PushProblem, normal: ArrayLike, u: NDArray[np.float64], angle: float
+) -> None:
+    """Make sure that a tilt neither ends in a fall nor hits anything.
 
     Args:
-        target: the object.
-        state: what stands around it.
+        problem: about the object.
         normal: outward normal of the face in B, shape (3,).
         u: unit direction of the push in W, shape (3,).
         angle: by which it is to be tilted [rad].
-        defaults: the least probability, and the tolerance of a tilt.
+
+    Raises:
+        NoPlanError: it may fall, or something stands where it leans to.
     """
-    most = angle + defaults.tilt_tolerance
+    target = problem.target
+    most = angle + problem.defaults.tilt_tolerance
     inward = -np.asarray(normal)
-    if return_probability(target.model, inward, most) < defaults.probability:
-        return _may_fall(target, inward, angle, defaults)
+    if return_probability(target.model, inward, most) < problem.effort.probability:
+        raise NoPlanError(_may_fall(problem, inward, angle))
     leans = target.model.top * math.sin(most)
     here = footprint(target)
-    for name, other in state.objects.items():
-        if name == target.name:
-            continue
+    for name, other in problem.others.items():
         free = free_travel(here, footprint(other), u[:2], CLEARANCE)
         if free < leans:
-            return Refusal(
-                reason="blocked",
-                message=f"tilted by {_deg(angle)}, the {target.name} would lean over by "
-                f"{1e3 * leans:.0f} mm; the {name} leaves it {1e3 * max(free, 0.0):.0f} mm",
-                numbers={"free": free, "leans_over": leans},
-                suggestions=("tilt it to another side",),
-            )
-    return None
+            raise NoPlanError(_may_lean_on(problem, name, angle, free, leans))
 
 
-def tilted(
+def _may_lean_on(
+    problem: PushProblem, other: str, angle: float, free: float, leans: float
+) -> Refusal:
+    """Another object stands where it leans to."""
+    return Refusal(
+        reason="blocked",
+        message=f"tilted by {_deg(angle)}, the {problem.target.name} would lean over by "
+        f"{1e3 * leans:.0f} mm; the {other} leaves it {1e3 * max(free, 0.0):.0f} mm",
+        numbers={"free": free, "leans_over": leans},
+        suggestions=("tilt it to another side",),
+    )
+
+
+def push_with_tilt(
     push: Push,
     model: ObjectModel,
     inward: NDArray[np.float64],
@@ -134,7 +137,7 @@ def tilted(
     return push.model_copy(update=changes)
 
 
-def returning(
+def prediction_with_return(
     predicted: Prediction,
     model: ObjectModel,
     inward: NDArray[np.float64],
@@ -148,12 +151,11 @@ def returning(
     return predicted.model_copy(update={"probability": both})
 
 
-def _may_fall(
-    target: SeenObject, inward: NDArray[np.float64], angle: float, defaults: Defaults
-) -> Refusal:
+def _may_fall(problem: PushProblem, inward: NDArray[np.float64], angle: float) -> Refusal:
     """It would not surely come back."""
+    target, defaults = problem.target, problem.defaults
     no_return = target.model.angle_of_no_return(inward)
-    sure = largest_return(target.model, inward, defaults.probability)
+    sure = largest_return(target.model, inward, problem.effort.probability)
     possible = max(sure - defaults.tilt_tolerance, 0.0)
     impossible = angle >= no_return
     unknown = (

@@ -14,17 +14,17 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Disc
-from planner.pushing.contact_sampling import EDGE, as_held
+from planner.pushing.contact_sampling import EDGE, has_place, model_limited_by_hand
+from planner.types.dead_ends import NoPlanError
 from planner.types.refusal import Refusal, RefusalReason
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from objectmodels import ObjectModel
-    from planner.problem.push_problem import Asked
-    from planner.pushing.touchable_sides import Side
+    from planner.problem.planning_problem import PushProblem
+    from planner.pushing.touchable_sides import PushStep, Side
     from planner.types.defaults import Defaults
-    from planner.types.robot import Reach
     from planner.types.world_state import SeenObject
 
 
@@ -41,12 +41,22 @@ def _mm(length: float) -> str:
     return f"{1e3 * length:.0f} mm"
 
 
-def no_place(asked: Asked, target: SeenObject, sides: list[Side], reach: Reach) -> Refusal:
-    """The fingertips find no place on the face, whatever would come of it."""
-    size, lowest = target.model.top, reach.lowest_height
-    highest = size - reach.fingertip_radius
+def require_place(problem: PushProblem, step: PushStep, sides: list[Side]) -> None:
+    """Make sure that fingertips find a place on one of the sides, whatever the outcome there.
+
+    Raises:
+        NoPlanError: they find none.
+    """
+    if not has_place(problem, step, sides):
+        raise NoPlanError(_no_place(problem, sides))
+
+
+def _no_place(problem: PushProblem, sides: list[Side]) -> Refusal:
+    target, asked, limits = problem.target, problem.contact, problem.robot.limits
+    size, lowest = target.model.top, limits.lowest_height
+    highest = size - limits.fingertip_radius
     if max(asked.low, lowest) <= min(asked.high, highest):
-        return _too_narrow(asked, target, sides, reach)
+        return _too_narrow(problem, sides)
     numbers = {"lowest_height": lowest, "highest_height": highest}
     suggestions: tuple[str, ...] = ("leave out where to touch it",)
     reason: RefusalReason = "out_of_reach"
@@ -74,91 +84,90 @@ def no_place(asked: Asked, target: SeenObject, sides: list[Side], reach: Reach) 
         reason=reason,
         message=message,
         numbers=numbers,
-        spans=asked.contact_spans,
+        spans=asked.spans,
         suggestions=suggestions,
     )
 
 
-def _too_narrow(asked: Asked, target: SeenObject, sides: list[Side], reach: Reach) -> Refusal:
+def _too_narrow(problem: PushProblem, sides: list[Side]) -> Refusal:
+    asked, spreads = problem.contact, problem.robot.limits.finger_spreads
     width = max(side.face.width for side in sides)
     fingers = min(asked.fingers)
-    needed = 2 * EDGE + (reach.finger_spreads[-1] if fingers == 2 else 0.0)
+    needed = 2 * EDGE + (spreads[-1] if fingers == 2 else 0.0)
     tips = "two fingertips need" if fingers == 2 else "a fingertip needs"
     return Refusal(
         reason="impossible",
-        message=f"the {target.name} is {_mm(width)} wide there; {tips} {_mm(needed)}",
+        message=f"the {problem.target.name} is {_mm(width)} wide there; {tips} {_mm(needed)}",
         numbers={"width": width, "needed_width": needed},
-        spans=asked.contact_spans,
+        spans=asked.spans,
         suggestions=("push it with one finger",) if fingers == 2 else (),
     )
 
 
-def no_contact(
-    asked: Asked, target: SeenObject, sides: list[Side], reach: Reach, defaults: Defaults
-) -> Refusal:
-    """No contact that is allowed has the wanted outcome for sure."""
-    model = target.model
+def contact_refusal(problem: PushProblem, step: PushStep, sides: list[Side]) -> Refusal:
+    """Refusal of a push because no contact that is allowed has the wanted outcome for sure."""
+    model, limits, asked = problem.target.model, problem.robot.limits, problem.contact
     points = np.array([[*side.face.centre[:2], 0.5 * model.top] for side in sides])
     normals = np.array([side.face.normal for side in sides])
-    worst = model.cone_thresholds(points, normals, sigmas=defaults.sigmas, yaw=False)
+    worst = model.cone_thresholds(points, normals, sigmas=problem.defaults.sigmas, yaw=False)
     nominal = worst.critical_height
-    if asked.outcome == "slide":
+    if step.outcome == "slide":
         sure = min(float(worst.height_below.max()), model.top)
-        refusal = _cannot_slide(asked, target, float(nominal.max()), sure, reach)
-        side, height = sides[int(np.argmax(nominal))], max(asked.low, reach.lowest_height)
+        refusal = _cannot_slide(problem, float(nominal.max()), sure)
+        side, height = sides[int(np.argmax(nominal))], max(asked.low, limits.lowest_height)
     else:
-        refusal = _cannot_topple(asked, target, float(nominal.min()), reach)
-        highest = model.top - reach.fingertip_radius
+        refusal = _cannot_topple(problem, float(nominal.min()))
+        highest = model.top - limits.fingertip_radius
         side, height = sides[int(np.argmin(nominal))], min(asked.high, highest)
     if refusal.reason == "out_of_reach":
         return refusal
     touch = Touch(
         point=np.array([*side.face.centre[:2], height]),
         normal=side.face.normal,
-        outcome=asked.outcome,
-        turns=2 not in asked.fingers and asked.outcome == "slide",
+        outcome=step.outcome,
+        turns=2 not in asked.fingers and step.outcome == "slide",
     )
     if refusal.reason == "impossible":
         # As sure that it does not as a plan must be that it does.
-        if outcome_probability(model, touch) < 1.0 - defaults.probability:
+        if outcome_probability(model, touch) < 1.0 - problem.effort.probability:
             return refusal
         refusal = refusal.model_copy(update={"reason": "too_uncertain"})
     # The last case that candidates are looked at for is that of the hand's stiffness.
-    return _with_doubt(refusal, as_held(model, reach), touch, defaults)
+    return _with_doubt(problem, refusal, model_limited_by_hand(model, limits), touch)
 
 
-def _with_doubt(refusal: Refusal, model: ObjectModel, touch: Touch, d: Defaults) -> Refusal:
+def _with_doubt(
+    problem: PushProblem, refusal: Refusal, model: ObjectModel, touch: Touch
+) -> Refusal:
     """The refusal with how likely it is, and with what would settle it."""
-    probability = outcome_probability(model, touch)
-    learn, then = experiment(model, touch, d)
+    probability, asked = outcome_probability(model, touch), problem.effort.probability
+    learn, then = best_experiment(model, touch, problem.defaults)
     verb = "slides" if touch.outcome == "slide" else "topples"
     message = (
         f"{refusal.message}; pushed {_mm(touch.point[2])} up it {verb} with a probability of "
-        f"{probability:.2f}, and {d.probability:.2f} is asked"
+        f"{probability:.2f}, and {asked:.2f} is asked"
     )
     numbers = {"probability": probability, "probability_then": then}
     return refusal.model_copy(
         update={
             "message": message,
-            "numbers": {**refusal.numbers, **numbers, "asked_probability": d.probability},
+            "numbers": {**refusal.numbers, **numbers, "asked_probability": asked},
             "suggestions": (learn, *refusal.suggestions),
         }
     )
 
 
-def _cannot_slide(
-    asked: Asked, target: SeenObject, critical: float, sure: float, reach: Reach
-) -> Refusal:
+def _cannot_slide(problem: PushProblem, critical: float, sure: float) -> Refusal:
     """It would topple, or might, at every height that is allowed and reached.
 
     Args:
-        asked: what is asked.
-        target: the object.
+        problem: about the object.
         critical: height above which it topples, nominal; inf if never [m].
         sure: height below which it slides in the worst case; 0 if nowhere [m].
-        reach: the hand's reach.
     """
-    lowest = max(asked.low, reach.lowest_height)
+    asked, target = problem.contact, problem.target
+    reached_from = problem.robot.limits.lowest_height
+    lowest = max(asked.low, reached_from)
     numbers = {"lowest_height": lowest, "critical_height_worst": sure}
     if math.isfinite(critical):
         numbers["critical_height"] = critical
@@ -183,13 +192,13 @@ def _cannot_slide(
     heights = f"{_mm(asked.low)} or higher" if upright else f"{_mm(asked.low)} to {_mm(asked.high)}"
     reached = f", reached from {_mm(lowest)} up" if lowest > asked.low else ""
     verb = "tips" if lowest >= critical else "may tip"
-    elsewhere = ("push it at the bottom",) if asked.low >= sure > reach.lowest_height else ()
+    elsewhere = ("push it at the bottom",) if asked.low >= sure > reached_from else ()
     return Refusal(
         reason=reason,
         message=f"{asked.region} means {heights} on the {target.name}{reached}; "
         f"pushed there it {verb}, since {certain}",
         numbers=numbers,
-        spans=asked.contact_spans,
+        spans=asked.spans,
         suggestions=(*elsewhere, "leave out where to touch it"),
     )
 
@@ -207,9 +216,10 @@ def _other_side(target: SeenObject) -> tuple[str, ...]:
     return () if isinstance(target.model.base, Disc) else ("topple it to another side",)
 
 
-def _cannot_topple(asked: Asked, target: SeenObject, critical: float, reach: Reach) -> Refusal:
+def _cannot_topple(problem: PushProblem, critical: float) -> Refusal:
     """It would slide, or might, at every height that is allowed; `critical` as for sliding."""
-    highest = min(asked.high, target.model.top - reach.fingertip_radius)
+    asked, target = problem.contact, problem.target
+    highest = min(asked.high, target.model.top - problem.robot.limits.fingertip_radius)
     numbers = {"highest_height": highest}
     if math.isinf(critical):
         return Refusal(
@@ -217,7 +227,7 @@ def _cannot_topple(asked: Asked, target: SeenObject, critical: float, reach: Rea
             message=f"the {target.name} does not topple there: by what is known it slides "
             f"before it topples, even {_mm(highest)} above the table",
             numbers=numbers,
-            spans=asked.contact_spans,
+            spans=asked.spans,
             suggestions=_other_side(target),
         )
     numbers["critical_height"] = critical
@@ -228,7 +238,7 @@ def _cannot_topple(asked: Asked, target: SeenObject, critical: float, reach: Rea
             message=f"the {target.name} does not topple there: it slides before it topples below "
             f"{_mm(critical)}, and the highest contact is {_mm(highest)}",
             numbers=numbers,
-            spans=asked.contact_spans,
+            spans=asked.spans,
             suggestions=higher or _other_side(target),
         )
     return Refusal(
@@ -236,7 +246,7 @@ def _cannot_topple(asked: Asked, target: SeenObject, critical: float, reach: Rea
         message=f"the {target.name} should topple when pushed above {_mm(critical)}, but friction "
         f"and centre of mass are not known well enough to be sure up to {_mm(highest)}",
         numbers=numbers,
-        spans=asked.contact_spans,
+        spans=asked.spans,
         suggestions=higher,
     )
 
@@ -274,7 +284,7 @@ def outcome_probability(model: ObjectModel, touch: Touch) -> float:
     return float(p[0])
 
 
-def experiment(model: ObjectModel, touch: Touch, defaults: Defaults) -> tuple[str, float]:
+def best_experiment(model: ObjectModel, touch: Touch, defaults: Defaults) -> tuple[str, float]:
     """What to find out first, as a sentence, and the probability of the outcome then.
 
     Args:

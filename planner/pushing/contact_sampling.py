@@ -2,7 +2,7 @@
 
 Model: a fingertip may transmit any force in its friction cone, so a contact counts only if the
 wanted outcome holds for all of them. First the whole cone is taken; if nothing is left, the part
-of it that the hand's stiffness allows (`Reach.force_skew`), which the plan then says. The
+of it that the hand's stiffness allows (`RobotLimits.force_skew`), which the plan then says. The
 parameters are taken at two standard deviations, then at fewer if the outcome still has the
 probability that is asked.
 
@@ -14,7 +14,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, TypedDict
 
 import numpy as np
@@ -26,10 +26,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from objectmodels import ConeThresholds, Face, ObjectModel
-    from planner.problem.push_problem import Asked
-    from planner.pushing.touchable_sides import Side
-    from planner.types.defaults import Defaults
-    from planner.types.robot import Reach
+    from planner.problem.planning_problem import PushProblem
+    from planner.pushing.touchable_sides import PushStep, Side
+    from planner.types.robot import RobotLimits
 
 Array = NDArray[np.float64]
 
@@ -72,13 +71,70 @@ class Contacts:
     chosen: NDArray[np.intp]
     probability: Array
 
+    def __iter__(self) -> Iterator[Contact]:
+        """The chosen contacts, the best first."""
+        return (Contact(self, rank) for rank in range(len(self.chosen)))
 
-def grid(
-    model: ObjectModel, side: Side, fingers: int, asked: Asked, reach: Reach
-) -> tuple[Array, Array]:
-    """Contacts of a face: points in B, shape (n, 3) [m], and room to its edges, shape (n,) [m]."""
-    points, room, _ = _places(side.face, fingers, _allowed(model, side, fingers, asked, reach))
-    return points, room
+    def only(self, kept: NDArray[np.bool_]) -> Contacts:
+        """The same with some of the chosen contacts, shape (k,)."""
+        return replace(self, chosen=self.chosen[kept], probability=self.probability[kept])
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """One chosen contact.
+
+    Attributes:
+        among: the contacts of its face.
+        rank: its place in their order.
+    """
+
+    among: Contacts
+    rank: int
+
+    @property
+    def index(self) -> int:
+        """Its index among the contacts of its face."""
+        return int(self.among.chosen[self.rank])
+
+    @property
+    def point(self) -> Array:
+        """The contact (midpoint of two) in B, shape (3,) [m]."""
+        return np.asarray(self.among.points[self.index])
+
+    @property
+    def probability(self) -> float:
+        """Probability of the wanted outcome."""
+        return float(self.among.probability[self.rank])
+
+    @property
+    def side(self) -> Side:
+        """The face."""
+        return self.among.side
+
+    @property
+    def fingers(self) -> Literal[1, 2]:
+        """Number of fingertips."""
+        return self.among.fingers
+
+    @property
+    def spread(self) -> float:
+        """Distance between two of them [m]; 0 for one."""
+        return self.among.spread
+
+    @property
+    def sigmas(self) -> float:
+        """Standard deviations that the worst case takes."""
+        return self.among.sigmas
+
+
+def has_place(problem: PushProblem, step: PushStep, sides: list[Side]) -> bool:
+    """True if fingertips find a place on one of the sides, whatever the outcome there."""
+    return any(
+        len(_places(side.face, fingers, _allowed(problem, step, side, fingers))[0])
+        for side in sides
+        for fingers in problem.contact.fingers
+    )
 
 
 @dataclass(frozen=True)
@@ -103,25 +159,26 @@ class _Allowed:
     edge: float
 
 
-def _allowed(model: ObjectModel, side: Side, fingers: int, asked: Asked, reach: Reach) -> _Allowed:
-    tip, face = reach.fingertip_radius, side.face
-    low = max(asked.low, reach.lowest_height, face.bottom)
-    high = min(asked.high, face.top - tip)
-    spread, edge = _spread(face, fingers, reach)
-    if asked.swing:
-        return _Allowed(low, high, asked.lateral, (0.0,), tip, spread, edge)
+def _allowed(problem: PushProblem, step: PushStep, side: Side, fingers: int) -> _Allowed:
+    limits, contact, face = problem.robot.limits, problem.contact, side.face
+    tip = limits.fingertip_radius
+    low = max(contact.low, limits.lowest_height, face.bottom)
+    high = min(contact.high, face.top - tip)
+    spread, edge = _spread_and_edge(face, fingers, limits)
+    if step.swing:
+        return _Allowed(low, high, step.lateral, (0.0,), tip, spread, edge)
     # To a micrometre, so that equal pushes are looked up as such.
-    aim = round(_through_the_middle(model, side, asked), 6)
+    aim = round(_balanced_lateral(problem.target.model, step, side), 6)
     return _Allowed(low, high, aim, _SIDESTEPS[fingers], tip, spread, edge)
 
 
-def _spread(face: Face, fingers: int, reach: Reach) -> tuple[float, float]:
+def _spread_and_edge(face: Face, fingers: int, limits: RobotLimits) -> tuple[float, float]:
     """The largest distance at which fingertips find a place, and that place's from the edge [m].
 
     They find it whole if they can; the least of both if they do not find it at all.
     """
-    whole = reach.fingertip_radius
-    spreads = reach.finger_spreads if fingers == 2 else (0.0,)
+    whole = limits.fingertip_radius
+    spreads = limits.finger_spreads if fingers == 2 else (0.0,)
     if face.curvature:
         return spreads[0], whole  # two hold what is round between them
     for edge, spread in itertools.product((whole, EDGE), spreads):
@@ -130,14 +187,14 @@ def _spread(face: Face, fingers: int, reach: Reach) -> tuple[float, float]:
     return spreads[-1], EDGE
 
 
-def _through_the_middle(model: ObjectModel, side: Side, asked: Asked) -> float:
-    """Where a push along the asked heading goes through the centre of mass, on the face [m]."""
+def _balanced_lateral(model: ObjectModel, step: PushStep, side: Side) -> float:
+    """Place on the face at which a push along its heading goes through the centre of mass [m]."""
     face = side.face
     if face.curvature:
         return 0.0
     oblique = 0.0
-    if asked.outcome == "slide" and asked.heading is not None:
-        oblique = angle_between(asked.heading, side.heading)
+    if step.outcome == "slide" and step.heading is not None:
+        oblique = angle_between(step.heading, side.heading)
     off = np.array(model.com) - face.centre
     depth = -float(off @ np.array(face.normal))
     # The tangent is ẑ × normal: to the right of the push.
@@ -163,36 +220,37 @@ def _places(face: Face, fingers: int, allowed: _Allowed) -> tuple[Array, Array, 
     return points, room - np.abs(y[on]), np.abs(y[on] - aim)
 
 
-def as_held(model: ObjectModel, reach: Reach) -> ObjectModel:
+def model_limited_by_hand(model: ObjectModel, limits: RobotLimits) -> ObjectModel:
     """The object for forces that the hand's stiffness lets a fingertip transmit, and no others."""
     return model.model_copy(
         update={
-            "finger_friction": min(reach.force_skew, model.finger_friction),
+            "finger_friction": min(limits.force_skew, model.finger_friction),
             "finger_friction_sd": 0.0,
         }
     )
 
 
-def rated(
-    model: ObjectModel, sides: list[Side], asked: Asked, reach: Reach, defaults: Defaults
+def rate_contacts(
+    problem: PushProblem, step: PushStep, sides: list[Side]
 ) -> Iterator[list[Contacts]]:
     """Contacts at which the wanted outcome is sure enough, from the surest case to the least.
 
     Two fingers come before one, since they hold the object's heading by themselves.
     """
-    held = as_held(model, reach)
-    for fingers in asked.fingers:
-        places = [(side, _allowed(model, side, fingers, asked, reach)) for side in sides]
+    model, defaults = problem.target.model, problem.defaults
+    held = model_limited_by_hand(model, problem.robot.limits)
+    for fingers in problem.contact.fingers:
+        places = [(side, _allowed(problem, step, side, fingers)) for side in sides]
         turns = fingers == 1
         cases = [(model, False, turns), (held, True, turns)]
-        if turns and asked.outcome == "topple":
+        if turns and step.outcome == "topple":
             # Over an edge that lies on the table it does not turn; that it does not turn before it
-            # is over, `forecast.confirmed` looks at.
+            # is over, `confirm_with_exact_tier` looks at.
             cases.append((held, True, False))
         for believed, guarded, turning in cases:
             for sigmas in (defaults.sigmas, defaults.sigmas / 2, 0.0):
                 # Within all sigmas the outcome is sure; within fewer it must also be likely.
-                least = 0.0 if sigmas == defaults.sigmas else defaults.probability
+                least = 0.0 if sigmas == defaults.sigmas else problem.effort.probability
                 found = [
                     Contacts(
                         side=side,
@@ -206,7 +264,7 @@ def rated(
                             fingers,
                             allowed,
                             sigmas,
-                            asked.outcome,
+                            step.outcome,
                             least,
                             turning,
                         ),

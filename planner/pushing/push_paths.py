@@ -1,9 +1,9 @@
-"""Ways of an object over the table: straight legs along its faces from where it is to its aim.
+"""Ways of an object over the table: straight segments along its faces from where it is to its aim.
 
 Model: a straight push moves an object along the inward normal of a face, or a little oblique to it
-as long as the fingertips stick; its heading stays. So the way to a place is one leg, or two along
-the normals of two faces, or more around what stands in the way. A round object has a face
-everywhere. Legs must be free for the moving footprint; shorter ways come first.
+as long as the fingertips stick; its heading stays. So the path to a place is one segment, or two
+along the normals of two faces, or more around what stands in the way. A round object has a face
+everywhere. Segments must be free for the moving footprint; shorter ways come first.
 
 Frames: W, its table plane.
 """
@@ -40,11 +40,11 @@ ANOTHER_PUSH = 0.15
 """Way that costs as much as another push [m]."""
 
 _DETOURS = np.arange(0.04, 0.33, 0.04)
-"""Lengths of a first leg around what stands in the way [m]."""
+"""Lengths of a first segment around what stands in the way [m]."""
 
 
 @dataclass(frozen=True)
-class Leg:
+class PathSegment:
     """A straight piece of a way: heading in W [rad] and length [m]."""
 
     heading: float
@@ -57,26 +57,26 @@ class Leg:
 
 
 @dataclass(frozen=True)
-class Stop:
-    """What ends a way too early.
+class SegmentEnd:
+    """End of a path before its goal.
 
     Attributes:
         free: length that is free [m].
-        leg: on which it is met.
+        segment: on which it is met.
         other: name of the object in the way; None if it is the table's edge.
     """
 
     free: float
-    leg: Leg
+    segment: PathSegment
     other: str | None
 
 
-def displaced(target: SeenObject, leg: Leg) -> SeenObject:
-    """The object after a leg."""
-    return moved(target, (target.pose.p_WB + leg.displacement)[:2])
+def moved_along(target: SeenObject, segment: PathSegment) -> SeenObject:
+    """The object after a segment."""
+    return moved(target, (target.pose.p_WB + segment.displacement)[:2])
 
 
-def grip(target: SeenObject, sigmas: float, *, steep: bool = False) -> float:
+def largest_obliqueness(target: SeenObject, sigmas: float, *, steep: bool = False) -> float:
     """Largest angle between a push and the normal of a face at which fingertips stick [rad].
 
     Args:
@@ -98,26 +98,29 @@ def obliqueness(target: SeenObject, heading: float) -> float:
     return min((angle_between(heading, h) for h in inward), key=abs)
 
 
-def ways(target: SeenObject, aim: Aim, within: float, largest: float) -> Iterator[tuple[Leg, ...]]:
-    """Ways of one or two legs from where an object is to an aim, the shortest first.
+def direct_paths(
+    target: SeenObject, aim: Aim, within: float, largest: float
+) -> Iterator[tuple[PathSegment, ...]]:
+    """Ways of one or two segments from where an object is to an aim, the shortest first.
 
     Args:
         target: the object.
         aim: where it should be; its heading is not looked at.
-        within: distance that need not be travelled [m]; legs shorter than half of it are left out.
-        largest: angle between a leg and the normal of its face, if it is the only one [rad].
+        within: distance that need not be travelled [m]; segments shorter than half of it are left
+            out.
+        largest: angle between a segment and the normal of its face, if it is the only one [rad].
     """
     rest = np.array([aim.x, aim.y, 0.0]) - target.pose.p_WB
     length, heading = float(np.linalg.norm(rest)), heading_of(rest)
     if isinstance(target.model.base, Disc):
-        yield (Leg(heading, length),)
+        yield (PathSegment(heading, length),)
         return
     inward = _inward(target)
     if not inward:
         return
     off = min(abs(angle_between(heading, h)) for h in inward)
     if off <= largest:
-        yield (Leg(heading, length),)
+        yield (PathSegment(heading, length),)
     pairs = []
     for a, b in itertools.combinations(inward, 2):
         along = np.column_stack((unit(a)[:2], unit(b)[:2]))
@@ -126,15 +129,19 @@ def ways(target: SeenObject, aim: Aim, within: float, largest: float) -> Iterato
         lengths = np.linalg.solve(along, rest[:2])
         if (lengths < -0.5 * within).any():
             continue
-        legs = [Leg(h, float(s)) for h, s in zip((a, b), lengths, strict=True) if s > 0.5 * within]
-        pairs.append(sorted(legs, key=lambda leg: -leg.distance))
-    for legs in sorted(pairs, key=lambda each: sum(leg.distance for leg in each)):
-        for order in itertools.permutations(legs):
+        segments = [
+            PathSegment(h, float(s))
+            for h, s in zip((a, b), lengths, strict=True)
+            if s > 0.5 * within
+        ]
+        pairs.append(sorted(segments, key=lambda segment: -segment.distance))
+    for segments in sorted(pairs, key=lambda each: sum(segment.distance for segment in each)):
+        for order in itertools.permutations(segments):
             if order:
                 yield order
 
 
-def headings(target: SeenObject, aim: Aim) -> tuple[float, ...]:
+def push_headings(target: SeenObject, aim: Aim) -> tuple[float, ...]:
     """Headings in which an object is pushed square to a face; of a round one four [rad].
 
     Args:
@@ -147,44 +154,49 @@ def headings(target: SeenObject, aim: Aim) -> tuple[float, ...]:
     return tuple(ahead + quarter * math.pi / 2.0 for quarter in range(4))
 
 
-def around(target: SeenObject, aim: Aim, within: float, largest: float) -> list[tuple[Leg, ...]]:
-    """Ways that begin with a leg to the side, the shortest first."""
+def sidestep_paths(
+    target: SeenObject, aim: Aim, within: float, largest: float
+) -> list[tuple[PathSegment, ...]]:
+    """Ways that begin with a segment to the side, the shortest first."""
     found = []
-    for heading, length in itertools.product(headings(target, aim), _DETOURS):
-        first = Leg(heading, float(length))
-        found += [(first, *then) for then in ways(displaced(target, first), aim, within, largest)]
-    return sorted(found, key=lambda way: sum(leg.distance for leg in way))
+    for heading, length in itertools.product(push_headings(target, aim), _DETOURS):
+        first = PathSegment(heading, float(length))
+        found += [
+            (first, *then)
+            for then in direct_paths(moved_along(target, first), aim, within, largest)
+        ]
+    return sorted(found, key=lambda way: sum(segment.distance for segment in way))
 
 
-def stop(
+def first_stop(
     target: SeenObject,
-    way: tuple[Leg, ...],
+    way: tuple[PathSegment, ...],
     state: WorldState,
     clearances: dict[str, float],
     margin: float,
-) -> Stop | None:
-    """What stands in a way first; None if it is free.
+) -> SegmentEnd | None:
+    """The first thing that stands in a path; None if the path is free.
 
     Args:
         target: the object, where the way begins.
-        way: its legs.
+        way: its segments.
         state: what is believed.
         clearances: distance kept from each other object [m].
         margin: distance kept from the table's edge [m].
     """
     here, free = footprint(target), 0.0
     others = {name: footprint(state.objects[name]) for name in clearances}
-    for leg in way:
-        u = unit(leg.heading)[:2]
+    for segment in way:
+        u = unit(segment.heading)[:2]
         room: list[tuple[float, str | None]] = [
             (travel_to_edge(here, state.table, u, margin), None)
         ]
         for name, corners in others.items():
             room.append((free_travel(here, corners, u, clearances[name]), name))
         least, other = min(room, key=lambda each: each[0])
-        if least < leg.distance:
-            return Stop(free + max(least, 0.0), leg, other)
-        here, free = here + leg.distance * u, free + leg.distance
+        if least < segment.distance:
+            return SegmentEnd(free + max(least, 0.0), segment, other)
+        here, free = here + segment.distance * u, free + segment.distance
     return None
 
 

@@ -1,8 +1,9 @@
-"""Attempts to do by pushes what is asked, each with more effort than the one before.
+"""Strategies to plan pushes, tried in order: each with more effort, or less precision, than before.
 
 First as usual. Where the hand did not get to what would do, it looks thoroughly. What has begun
-goes on less surely. Last come ways of less precision: a steep push, a place that only just counts
-as the one that is asked, a fall askew or elsewhere.
+goes on less surely. Last come plans of less precision: an oblique push, a place that only just
+counts as the one that is asked, a fall askew or elsewhere. A new strategy is one class and one
+entry in `STRATEGIES`.
 
 Frames: W is the world, B the object.
 """
@@ -11,26 +12,28 @@ from __future__ import annotations
 
 import itertools
 import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from planner.geometry.directions import unit
-from planner.problem.goal_poses import here
-from planner.pushing.push_sequence import Journey
-from planner.pushing.topple_planner import Fall
+from planner.problem.goal_poses import pose_as_aim
+from planner.pushing.push_sequence import PushSequencePlanner
+from planner.pushing.search_budget import ReachSearch
+from planner.pushing.topple_planner import TopplePlanner
 from planner.refusals import push_refusals as refusals
-from planner.types.actions import Aim, Limits, Push
+from planner.types.actions import Limits
+from planner.types.dead_ends import Alternatives, NoPlanError
 from planner.types.plan import Plan, PlanTask, Reached
-from planner.types.refusal import Refusal
-from planner.types.robot import GivenUpError, Patient
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from planner.problem.push_problem import Asked
-    from planner.pushing.contact_planner import Found
-    from planner.types.defaults import Defaults
-    from planner.types.world_state import SeenObject, WorldState
+    from planner.problem.planning_problem import PushProblem
+    from planner.pushing.contact_planner import PushCandidate
+    from planner.types.actions import Aim, Push
+    from planner.types.refusal import Refusal
 
 _TASKS: dict[str, PlanTask] = {"toppled": "topple", "tilted": "tilt"}  # by the last push's end
 _SHORT = (0.0, 0.5, 1.0)  # of the room that the tolerance of the distance leaves
@@ -39,209 +42,316 @@ _LEAST = 3.0  # of tolerances; of shorter ways a bound ("at least") keeps less t
 _IN_THE_WAY = ("impossible", "blocked")  # refusals that a place near by may avoid
 
 
-def persistently(usual: Attempt) -> Plan | Reached | Refusal:
-    """The plan of an attempt, or of one with more effort, or why none makes one."""
-    attempt, made = usual, usual.made()
-    denied = usual.reach.denied
-    if isinstance(made, Refusal) and denied:
-        attempt = usual.thorough()
-        again = attempt.made()
-        # A search that was given up says less than one that came to its end.
-        if not isinstance(again, Refusal) or again.reason != "out_of_time":
-            made = again
-    if isinstance(made, Refusal) and made.reason == "too_uncertain" and usual.before:
-        made = attempt.bolder().made()
-    if isinstance(made, Refusal):
-        found = usual.imprecisely(made, denied=denied)
-        if found is not None:
-            why = f"another way, since {made.message}"
-            return found.model_copy(update={"notes": (why, *found.notes)})
-    return made
-
-
 @dataclass(frozen=True)
-class Attempt:
-    """One attempt.
+class DeadEnd:
+    """A strategy that found no plan.
 
     Attributes:
-        asked: what is to be done.
-        target: the object.
-        state: what is believed.
-        reach: whether the hand gets somewhere.
-        defaults: margins, and what a clause means when nothing more is said.
-        before: the plan whose first push was made last.
+        refusal: why.
+        denied: whether the hand did not get to something.
+        decides: whether the refusal stands in place of those before.
     """
 
-    asked: Asked
-    target: SeenObject
-    state: WorldState
-    reach: Patient
-    defaults: Defaults
-    before: Plan | None
+    refusal: Refusal
+    denied: bool
+    decides: bool
 
-    def made(self) -> Plan | Reached | Refusal:
-        """The plan, or why there is none."""
-        try:
-            if self.asked.aims:
-                return self._to_an_aim()
-            found = self._fall().pushes()
-            return found if isinstance(found, Refusal) else self._together(found, None)
-        except GivenUpError as given_up:
-            return refusals.given_up(self.target, given_up.answers)
 
-    def thorough(self) -> Attempt:
-        """The same with more contacts, for which the hand looks longer."""
-        return replace(
-            self,
-            reach=self.reach.thorough(self.defaults.most_looks_last),
-            defaults=replace(self.defaults, most_contacts=self.defaults.most_contacts_last),
-        )
+def deciding_refusal(so_far: Sequence[DeadEnd]) -> Refusal:
+    """The refusal of the last dead end that decides."""
+    return [end.refusal for end in so_far if end.decides][-1]
 
-    def bolder(self) -> Attempt:
-        """The same with the probability that what is left of a plan must have."""
-        probability = min(self.defaults.probability, self.defaults.probability_on)
-        defaults = replace(self.defaults, probability=probability)
-        return replace(self, defaults=defaults, reach=self.reach.again())
 
-    def imprecisely(self, refusal: Refusal, *, denied: bool) -> Plan | None:
-        """The plan of less precision, if there is one.
+def _was_denied(so_far: Sequence[DeadEnd]) -> bool:
+    """True if the hand did not get to something that is usually tried."""
+    return so_far[0].denied
 
-        Args:
-            refusal: of what is as precise as usual.
-            denied: whether the hand did not get to something.
+
+class PlanningStrategy(ABC):
+    """One way to look for a plan of pushes.
+
+    Attributes:
+        is_precise: whether its plan does exactly what is asked.
+    """
+
+    is_precise = True
+
+    @abstractmethod
+    def applies(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> bool:
+        """Return True if it may find a plan where those before did not."""
+
+    def relax(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> PushProblem:
+        """The problem that it solves in place of the one that is posed."""
+        return problem
+
+    def plan(self, problem: PushProblem, search: ReachSearch) -> Plan | Reached:
+        """The plan for the problem that it solves.
+
+        Raises:
+            NoPlanError: there is none.
         """
-        found: Plan | Reached | Refusal | None
-        if not self.asked.aims:
-            found = replace(self, reach=self.reach.thorough())._fallen_otherwise()
-        elif denied or self.asked.limits.duration is not None:
-            found = replace(self, reach=self.reach.thorough())._steeply()
-        elif self.before is None and refusal.reason in _IN_THE_WAY:
-            found = replace(self, reach=self.reach.again())._nearly()
-        else:
-            return None
-        return found if isinstance(found, Plan) else None
+        if problem.goal.aims:
+            return _plan_to_an_aim(problem, search)
+        return _joint_plan(problem, TopplePlanner(problem, search, _foreseen(problem)).pushes())
 
-    def _steeply(self) -> Plan | Reached | Refusal | None:
-        """One push straight to an aim, steep to the face, if two fingertips may make it."""
-        if 2 not in self.asked.fingers or self.asked.rotates:
-            return None
-        steep = replace(self.asked, steep=True, fingers=(2,))
-        return replace(self, asked=steep).made()
+    def decides(self, refusal: Refusal) -> bool:
+        """Return True if its refusal stands in place of those before."""
+        return self.is_precise
 
-    def _nearly(self) -> Plan | None:
-        """Straight to a place that only just counts as the one that is asked."""
-        told = dict(nearly(self.asked, self.target, self.defaults))
-        if not told:
-            return None
-        made = replace(self, asked=replace(self.asked, aims=tuple(told), direct=True)).made()
-        if not isinstance(made, Plan) or made.aim is None:
-            return None
-        return made.model_copy(update={"notes": (told[made.aim], *made.notes)})
 
-    def _fallen_otherwise(self) -> Plan | Refusal | None:
-        """The fall of what does not fall square to the side where it stands, if there is one."""
-        try:
-            found = self._fall().otherwise()
-        except GivenUpError:
-            return None
-        return None if found is None else self._together(found, None)
+class NominalPlan(PlanningStrategy):
+    """As usual."""
 
-    @property
-    def _foreseen(self) -> tuple[Push, ...]:
-        """Pushes that the plan before had meant to come now."""
-        return () if self.before is None else self.before.pushes[1:]
+    def applies(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> bool:
+        """Always."""
+        return True
 
-    def _fall(self) -> Fall:
-        return Fall(self.asked, self.target, self.state, self.reach, self.defaults, self._foreseen)
 
-    def _to_an_aim(self) -> Plan | Reached | Refusal:
-        """The plan to the first aim for which there is one."""
-        kept = None if self.before is None else self.before.aim
-        refusal: Refusal | None = None
-        for aim in self.asked.aims if kept is None else (kept,):
-            found = Journey(
-                self.asked, aim, self.target, self.state, self.reach, self.defaults, self._foreseen
-            ).pushes()
-            if isinstance(found, Reached):
-                return found
-            if not isinstance(found, Refusal):
-                made = self._together(found, aim)
-                if isinstance(made, Plan):
-                    return made
-                found = made
-            refusal = refusal or found
-        assert refusal is not None, "there is an aim"
-        return refusal
+class ExhaustiveReach(PlanningStrategy):
+    """More contacts, for which the robot looks longer."""
 
-    def _together(self, found: list[Found], aim: Aim | None) -> Plan | Refusal:
-        """Pushes one after another as a plan, if they are likely enough together."""
-        asked, target = self.asked, self.target
-        if asked.limits.duration is not None and len(found) > 1:
-            return refusals.several_pushes(asked, target, len(found))
-        first, *later = pushes = [each.move for each in found]
-        # At least so likely, however the outcomes hang together; those of equal pushes are equal.
-        doubts: dict[tuple[object, ...], float] = {}
-        for each in found:
-            doubt = 1.0 - each.move.prediction.probability
-            doubts[each.event] = max(doubt, doubts.get(each.event, 0.0))
-        probability = max(1.0 - sum(doubts.values()), 0.0)
-        if probability < self.defaults.probability:
-            return refusals.unlikely(target, len(found), probability, self.defaults)
-        # What must be done in time is pushed faster than by default.
-        quick = any(push.speed != asked.speed for push in pushes)
-        return Plan(
-            object=target.name,
-            task=_TASKS.get(pushes[-1].ends_on, "push"),
-            actions=(first.model_copy(update={"displacement": found[0].displacement}), *later),
-            committed=1,
-            limits=_shared([push.limits for push in pushes]),
-            aim=aim,
-            probability=probability,
-            defaults=tuple(d for d in asked.defaults if d.name != "speed" or not quick),
-            considered=sum(each.considered for each in found),
-            satisfying=sum(each.satisfying for each in found),
-            notes=tuple(_notes(found)),
+    def applies(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> bool:
+        """Return True if the hand did not get to something."""
+        return _was_denied(so_far)
+
+    def relax(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> PushProblem:
+        """The problem with more effort."""
+        last = problem.defaults
+        effort = replace(
+            problem.effort,
+            contacts=last.most_contacts_last,
+            questions=last.most_looks_last,
+            thorough=True,
         )
+        return replace(problem, effort=effort)
+
+    def decides(self, refusal: Refusal) -> bool:
+        """Return False of a search that was given up: it says less than one that ended."""
+        return refusal.reason != "out_of_time"
+
+
+class RelaxedProbability(PlanningStrategy):
+    """The probability that what is left of a plan must have."""
+
+    def applies(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> bool:
+        """Return True if a plan was begun, and its rest is not sure enough."""
+        begun = problem.previous is not None
+        return begun and deciding_refusal(so_far).reason == "too_uncertain"
+
+    def relax(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> PushProblem:
+        """The problem with less probability, and with the effort of the strategy before."""
+        if _was_denied(so_far):
+            problem = ExhaustiveReach().relax(problem, so_far)
+        defaults = problem.defaults
+        probability = min(defaults.probability, defaults.probability_on)
+        return replace(problem, effort=replace(problem.effort, probability=probability))
+
+
+class ObliquePush(PlanningStrategy):
+    """One push straight to an aim, oblique to the face, if two fingertips may make it."""
+
+    is_precise = False
+
+    def applies(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> bool:
+        """Return True if the hand did not get to something, or has little time."""
+        pressed = _was_denied(so_far) or problem.motion.duration is not None
+        goal = problem.goal
+        return pressed and bool(goal.aims) and not goal.rotates and 2 in problem.contact.fingers
+
+    def relax(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> PushProblem:
+        """The problem with two fingertips that may push obliquely."""
+        effort = replace(problem.effort, oblique=True, thorough=True)
+        return replace(problem, effort=effort, contact=replace(problem.contact, fingers=(2,)))
+
+
+class RelaxedGoal(PlanningStrategy):
+    """Straight to a pose at the edge of the tolerance."""
+
+    is_precise = False
+
+    def applies(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> bool:
+        """Return True if something stands in the way of what is to be begun."""
+        free_hand = not _was_denied(so_far) and problem.motion.duration is None
+        obstructed = deciding_refusal(so_far).reason in _IN_THE_WAY
+        new = problem.previous is None and bool(problem.goal.aims)
+        return new and free_hand and obstructed and any(True for _ in nearly_goal_poses(problem))
+
+    def relax(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> PushProblem:
+        """The problem with those poses, straight to which it goes."""
+        goal = replace(problem.goal, aims=tuple(dict(nearly_goal_poses(problem))))
+        return replace(problem, goal=goal, effort=replace(problem.effort, direct=True))
+
+    def plan(self, problem: PushProblem, search: ReachSearch) -> Plan | Reached:
+        """The plan, with a note on where it ends."""
+        made = super().plan(problem, search)
+        if not isinstance(made, Plan) or made.aim is None:
+            return made
+        note = dict(nearly_goal_poses(problem))[made.aim]
+        return made.model_copy(update={"notes": (note, *made.notes)})
+
+
+class OtherFall(PlanningStrategy):
+    """The fall of what does not fall square to the side where it stands."""
+
+    is_precise = False
+
+    def applies(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> bool:
+        """Return True if the object is to fall or to tilt."""
+        return not problem.goal.aims
+
+    def relax(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> PushProblem:
+        """The problem for which the robot looks longer."""
+        return replace(problem, effort=replace(problem.effort, thorough=True))
+
+    def plan(self, problem: PushProblem, search: ReachSearch) -> Plan | Reached:
+        """The plan of a fall askew, or of a push and a fall elsewhere."""
+        return _joint_plan(problem, TopplePlanner(problem, search).other_pushes())
+
+
+STRATEGIES: tuple[PlanningStrategy, ...] = (
+    NominalPlan(),
+    ExhaustiveReach(),
+    RelaxedProbability(),
+    ObliquePush(),
+    RelaxedGoal(),
+    OtherFall(),
+)
+"""In the order in which they are tried."""
+
+
+def plan_pushes(
+    problem: PushProblem, notify: Callable[[str], None] = lambda _: None
+) -> Plan | Reached:
+    """The plan of the first strategy that finds one.
+
+    Args:
+        problem: about the object.
+        notify: called with a sentence before a search that takes long.
+
+    Raises:
+        NoPlanError: none finds one.
+    """
+    so_far: list[DeadEnd] = []
+    for strategy in STRATEGIES:
+        if not strategy.applies(problem, so_far):
+            continue
+        relaxed = strategy.relax(problem, so_far)
+        if relaxed.effort.thorough:
+            notify("no plan as usual; looking thoroughly for what the hand can do")
+        search = ReachSearch(relaxed)
+        try:
+            made = strategy.plan(relaxed, search)
+        except NoPlanError as error:
+            decides = strategy.decides(error.refusal)
+            so_far.append(DeadEnd(error.refusal, search.was_denied, decides))
+            continue
+        if isinstance(made, Plan) and not strategy.is_precise:
+            why = f"another way, since {deciding_refusal(so_far).message}"
+            return made.model_copy(update={"notes": (why, *made.notes)})
+        return made
+    raise NoPlanError(deciding_refusal(so_far))
+
+
+# -- several pushes as one plan -----------------------------------------------------------------
+
+
+def _foreseen(problem: PushProblem) -> tuple[Push, ...]:
+    """Remaining pushes of the previous plan, tried first."""
+    return () if problem.previous is None else problem.previous.pushes[1:]
+
+
+def _plan_to_an_aim(problem: PushProblem, search: ReachSearch) -> Plan | Reached:
+    """The plan to the first aim for which there is one."""
+    kept = None if problem.previous is None else problem.previous.aim
+    attempts = Alternatives()
+    for aim in problem.goal.aims if kept is None else (kept,):
+        with attempts:
+            found = PushSequencePlanner(problem, aim, search, _foreseen(problem)).pushes()
+            return found if isinstance(found, Reached) else _joint_plan(problem, found, aim)
+    raise attempts.first
+
+
+def _joint_plan(problem: PushProblem, found: list[PushCandidate], aim: Aim | None = None) -> Plan:
+    """Pushes one after another as a plan.
+
+    Raises:
+        NoPlanError: they take too long, or are not likely enough together.
+    """
+    target, motion = problem.target, problem.motion
+    if motion.duration is not None and len(found) > 1:
+        raise NoPlanError(
+            refusals.several_pushes(target, len(found), motion.duration, motion.spans)
+        )
+    # At least so likely, however the outcomes hang together; those of equal pushes are equal.
+    doubts: dict[tuple[object, ...], float] = {}
+    for each in found:
+        doubt = 1.0 - each.push.prediction.probability
+        doubts[each.event] = max(doubt, doubts.get(each.event, 0.0))
+    probability = max(1.0 - sum(doubts.values()), 0.0)
+    if probability < problem.effort.probability:
+        asked = problem.effort.probability
+        raise NoPlanError(refusals.unlikely(target, len(found), probability, asked))
+    first, *later = pushes = [each.push for each in found]
+    # What must be done in time is pushed faster than by default.
+    if any(push.speed != motion.speed for push in pushes):
+        problem = problem.without_default("speed")
+    return Plan(
+        object=target.name,
+        task=_TASKS.get(pushes[-1].ends_on, "push"),
+        actions=(first, *(push.model_copy(update={"displacement": None}) for push in later)),
+        committed=1,
+        limits=_shared([push.limits for push in pushes]),
+        aim=aim,
+        probability=probability,
+        defaults=problem.defaults_used,
+        considered=sum(each.considered for each in found),
+        satisfying=sum(each.satisfying for each in found),
+        notes=tuple(_numbered_notes(found)),
+    )
 
 
 def _shared(limits: list[Limits]) -> Limits:
-    """What all pushes of a plan keep."""
+    """Limits that all pushes of a plan keep."""
     common = set(limits[0]).intersection(*limits[1:])
     return Limits(**dict(common))
 
 
-def _notes(found: list[Found]) -> Iterator[str]:
-    """How each push was chosen; of several with the number of the push."""
+def _numbered_notes(found: list[PushCandidate]) -> Iterator[str]:
+    """Notes on each push; of several with the number of the push."""
     for number, each in enumerate(found, start=1):
         for note in each.notes:
             yield note if len(found) == 1 else f"push {number}: {note}"
 
 
-# -- places that only just count ----------------------------------------------------------------
+# -- poses at the edge of the tolerance ---------------------------------------------------------
 
 
-def nearly(asked: Asked, target: SeenObject, defaults: Defaults) -> Iterator[tuple[Aim, str]]:
-    """The places, each with a plain sentence about it; none of what is no displacement.
+def nearly_goal_poses(problem: PushProblem) -> Iterator[tuple[Aim, str]]:
+    """Poses that only just count as the goal of a displacement, each with a sentence about it.
+
+    Model: a displacement holds if its length and its direction are within their tolerances. So an
+    object may end a little short of its aim, or beside it; how exactly the robot brings it there is
+    kept from the tolerance. The poses nearest to the aim come first.
 
     Args:
-        asked: with the heading and the distance, if it is a displacement.
-        target: the object, where it stands at first.
-        defaults: tolerances, and how exactly an object is brought somewhere.
+        problem: with the heading and the distance, if it is a displacement; any other has no such
+            poses.
     """
-    if asked.heading is None or asked.until is not None or asked.rotates:
+    goal, target, defaults = problem.goal, problem.target, problem.defaults
+    if goal.heading is None or goal.until is not None or goal.rotates:
         return
-    if not _LEAST * defaults.distance_tolerance <= asked.distance < math.inf:
+    if not _LEAST * defaults.distance_tolerance <= goal.distance < math.inf:
         return
     spare = max(defaults.distance_tolerance - defaults.aim_position, 0.0)
-    ahead, left = unit(asked.heading), unit(asked.heading + 0.5 * math.pi)
+    ahead, left = unit(goal.heading), unit(goal.heading + 0.5 * math.pi)
     shares = sorted(itertools.product(_SHORT, _ASIDE), key=lambda share: math.hypot(*share))
     for short, aside in ((spare * short, aside) for short, aside in shares[1:]):
-        along = asked.distance - short
+        along = goal.distance - short
         slant = along * math.tan(defaults.direction_tolerance) - defaults.aim_position
         if slant <= 0.0:
             continue
         x, y, _ = (target.pose.p_WB + along * ahead + aside * slant * left).tolist()
-        yield here(target, x, y), _place_note(short, aside * slant)
+        yield pose_as_aim(target, x, y), _place_note(short, aside * slant)
 
 
 def _place_note(short: float, aside: float) -> str:

@@ -12,22 +12,26 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from planner.pushing.contact_planner import Found, best_push
-from planner.pushing.push_paths import Leg, displaced, headings, obliqueness, stop
-from planner.pushing.push_sequence import Journey, clearances
-from planner.pushing.touchable_sides import straightest
+from planner.pushing.contact_planner import PushCandidate, best_push
+from planner.pushing.push_paths import (
+    PathSegment,
+    first_stop,
+    moved_along,
+    obliqueness,
+    push_headings,
+)
+from planner.pushing.push_sequence import PushSequencePlanner, path_clearances
+from planner.pushing.touchable_sides import PushStep, straightest_side
 from planner.refusals import push_refusals as refusals
 from planner.types.actions import Aim, Push
-from planner.types.plan import Reached
-from planner.types.refusal import Refusal
+from planner.types.dead_ends import Alternatives, NoPlanError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from planner.problem.push_problem import Asked
-    from planner.types.defaults import Defaults
-    from planner.types.robot import Reach
-    from planner.types.world_state import SeenObject, WorldState
+    from planner.problem.planning_problem import PushProblem
+    from planner.pushing.search_budget import ReachSearch
+    from planner.types.world_state import SeenObject
 
 _ASKEW = math.radians(5.0)  # a fall less askew than this is not made straighter
 _SURELY = math.radians(3.0)  # less askew by this, it falls to the side that is asked
@@ -36,112 +40,117 @@ _CONTACTS = 2  # of each push for such a place that the reach is asked for
 _ASIDE = (0.05, 0.10, 0.15, 0.20)  # ways to a place where it may fall instead [m]
 
 
-class Fall:
-    """A fall or a tilt of an object.
+class TopplePlanner:
+    """Plans the pushes that make an object fall, or tilt.
 
     Args:
-        asked: the fall or the tilt.
-        target: the object.
-        state: what is believed.
-        reach: whether the hand gets somewhere.
-        defaults: margins, and what a clause means when nothing more is said.
-        foreseen: pushes that a plan before this one had meant to come now.
+        problem: about the fall or the tilt.
+        search: the budget of questions to the robot.
+        foreseen: remaining pushes of the previous plan, tried first.
     """
 
     def __init__(
-        self,
-        asked: Asked,
-        target: SeenObject,
-        state: WorldState,
-        reach: Reach,
-        defaults: Defaults,
-        foreseen: tuple[Push, ...] = (),
+        self, problem: PushProblem, search: ReachSearch, foreseen: tuple[Push, ...] = ()
     ) -> None:
-        self._asked, self._target, self._state = asked, target, state
-        self._reach, self._defaults, self._foreseen = reach, defaults, foreseen
+        self._problem, self._search, self._foreseen = problem, search, foreseen
+        self._step = PushStep.from_goal(problem.goal)
 
-    def pushes(self) -> list[Found] | Refusal:
-        """The pushes that make it fall where it stands, square to the side that is asked."""
-        asked, target = self._asked, self._target
-        askew = 0.0 if asked.heading is None else obliqueness(target, asked.heading)
-        if abs(askew) <= 0.5 * self._defaults.side_tolerance or asked.face is not None:
-            direct = best_push(asked, target, self._state, self._reach, self._defaults)
-            if not isinstance(direct, Refusal):
-                return [direct]
+    def pushes(self) -> list[PushCandidate]:
+        """The pushes that make it fall where it stands, square to the side that is asked.
+
+        Raises:
+            NoPlanError: there are none.
+        """
+        problem, contact, heading = self._problem, self._problem.contact, self._step.heading
+        askew = 0.0 if heading is None else obliqueness(problem.target, heading)
+        if abs(askew) <= 0.5 * problem.defaults.side_tolerance or contact.face is not None:
+            direct = Alternatives()
+            with direct:
+                return [best_push(problem, self._step, self._search)]
             # Square to the direction it may still find room.
-            if abs(askew) < _ASKEW or asked.face is not None or asked.region is not None:
-                return direct
-        if asked.region is not None:
-            return refusals.turned_first(asked, target, askew)
+            if abs(askew) < _ASKEW or contact.face is not None or contact.region is not None:
+                raise direct.first
+        if contact.region is not None:
+            raise NoPlanError(
+                refusals.turned_first(problem.target, askew, contact.region, contact.spans)
+            )
         return self._turned_first(askew)
 
-    def otherwise(self) -> list[Found] | None:
-        """The pushes that make it fall askew or elsewhere; None if there are none."""
-        return self._askew() or self._elsewhere()
+    def other_pushes(self) -> list[PushCandidate]:
+        """The pushes that make it fall askew or elsewhere.
 
-    def _turned_first(self, askew: float) -> list[Found] | Refusal:
-        target = self._target
+        Raises:
+            NoPlanError: there are none.
+        """
+        falls = Alternatives()
+        for pushes in (self._askew, self._elsewhere):
+            with falls:
+                return pushes()
+        raise falls.first
+
+    def _turned_first(self, askew: float) -> list[PushCandidate]:
+        target, goal = self._problem.target, self._problem.goal
         square = target.pose.yaw + askew
         aim = Aim(x=target.pose.x, y=target.pose.y, yaw=square)
-        on_its_base = replace(self._asked, outcome="slide", rotates=True, aims=(aim,), tilt=None)
-        pushes = Journey(
-            on_its_base, aim, target, self._state, self._reach, self._defaults, self._foreseen
-        ).pushes()
-        assert not isinstance(pushes, Reached), "it stands askew"
-        if isinstance(pushes, Refusal):
-            return pushes
+        on_its_base = replace(goal, outcome="slide", rotates=True, aims=(aim,), tilt=None)
+        turning = replace(self._problem, goal=on_its_base)
+        pushes = PushSequencePlanner(turning, aim, self._search, self._foreseen).pushes()
+        assert isinstance(pushes, list), "it stands askew"
         there = replace(target, pose=replace(target.pose, yaw=square))
-        then = self._then(there, self._defaults)
-        return then if isinstance(then, Refusal) else [*pushes, then]
+        return [*pushes, self._fall_from(self._problem, there)]
 
-    def _then(self, there: SeenObject, defaults: Defaults) -> Found | Refusal:
+    def _fall_from(self, problem: PushProblem, there: SeenObject) -> PushCandidate:
         """The last push from where others leave the object, which will not be there exactly."""
-        after = replace(self._state, objects={**self._state.objects, there.name: there})
+        defaults = problem.defaults
         careful = replace(
             defaults,
             clearance=defaults.clearance + _FORESIGHT,
             clearance_fragile=defaults.clearance_fragile + _FORESIGHT,
         )
-        return best_push(self._asked, there, after, self._reach, careful)
+        then = replace(problem.with_target(there), defaults=careful)
+        return best_push(then, self._step, self._search)
 
-    def _askew(self) -> list[Found] | None:
+    def _askew(self) -> list[PushCandidate]:
         """The push over the face that is most square to the side, if it still falls there."""
-        asked, target = self._asked, self._target
-        if asked.heading is None or asked.face is not None:
-            return None
-        if abs(obliqueness(target, asked.heading)) > self._defaults.side_tolerance - _SURELY:
-            return None
-        side = straightest(target, asked.heading)
-        found = best_push(asked, target, self._state, self._reach, self._defaults, side)
-        return None if isinstance(found, Refusal) else [found]
+        problem, heading = self._problem, self._step.heading
+        largest = problem.defaults.side_tolerance - _SURELY
+        if (
+            heading is None
+            or problem.contact.face is not None
+            or abs(obliqueness(problem.target, heading)) > largest
+        ):
+            raise NoPlanError(refusals.no_way(problem.target))
+        step = replace(self._step, side=straightest_side(problem.target, heading))
+        return [best_push(problem, step, self._search)]
 
-    def _elsewhere(self) -> list[Found] | None:
+    def _elsewhere(self) -> list[PushCandidate]:
         """A push to a place near by, the nearest first, and the fall there.
 
         What is said about the contact holds for every push, and a tilt is about the place where
         the object stands: neither is brought elsewhere.
         """
-        asked, target, state = self._asked, self._target, self._state
-        bound = asked.face or asked.region or asked.tilt is not None or asked.limits.duration
-        if bound:
-            return None
-        few = replace(self._defaults, most_contacts=_CONTACTS)
-        kept = clearances(asked, target, state, self._defaults)
-        for leg in _ways_aside(target):
-            if stop(target, (leg,), state, kept, self._defaults.clearance + _FORESIGHT) is not None:
+        problem, contact = self._problem, self._problem.contact
+        bound = contact.face or contact.region or self._step.tilt is not None
+        if bound or problem.motion.duration:
+            raise NoPlanError(refusals.no_way(problem.target))
+        few = replace(problem, effort=replace(problem.effort, contacts=_CONTACTS))
+        kept = path_clearances(problem)
+        margin = problem.defaults.clearance + _FORESIGHT
+        places = Alternatives()
+        for segment in _segments_aside(problem.target):
+            if first_stop(problem.target, (segment,), problem.state, kept, margin) is not None:
                 continue
-            then = self._then(displaced(target, leg), few)
-            if isinstance(then, Refusal):
-                continue
-            aside = replace(asked, outcome="slide", heading=leg.heading, distance=leg.distance)
-            first = best_push(aside, target, state, self._reach, few)
-            if not isinstance(first, Refusal):
-                return [first, then]
-        return None
+            with places:
+                then = self._fall_from(few, moved_along(problem.target, segment))
+                aside = replace(
+                    self._step, outcome="slide", heading=segment.heading, distance=segment.distance
+                )
+                return [best_push(few, aside, self._search), then]
+        raise places.first if places else NoPlanError(refusals.no_way(problem.target))
 
 
-def _ways_aside(target: SeenObject) -> Iterator[Leg]:
+def _segments_aside(target: SeenObject) -> Iterator[PathSegment]:
     """Pushes square to its faces, the shortest first."""
     ahead = Aim(x=target.pose.x + 1.0, y=target.pose.y, yaw=target.pose.yaw)
-    for distance, heading in itertools.product(_ASIDE, headings(target, ahead)):
-        yield Leg(heading, distance)
+    for distance, heading in itertools.product(_ASIDE, push_headings(target, ahead)):
+        yield PathSegment(heading, distance)

@@ -7,23 +7,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from planner.geometry.directions import HEADINGS, angle_between, face_name, heading_of, unit
 from planner.geometry.footprints import footprint, landing_strip, overlaps, travel_to_edge
-from planner.problem import tilt_goals as tilts
-from planner.pushing.push_paths import grip
+from planner.problem.tilt_goals import require_free_tilt
+from planner.pushing.push_paths import largest_obliqueness
 from planner.refusals import push_refusals as refusals
-from planner.refusals.push_refusals import NoPlanError
+from planner.types.dead_ends import NoPlanError
 
 if TYPE_CHECKING:
     from objectmodels.geometry.side_faces import Face
-    from planner.problem.push_problem import Asked
-    from planner.types.defaults import Defaults
-    from planner.types.refusal import Refusal
-    from planner.types.world_state import SeenObject, WorldState
+    from planner.problem.planning_problem import PushGoal, PushProblem
+    from planner.types.actions import StopEvent
+    from planner.types.world_state import SeenObject
 
 UNCLEAR_FACE = math.radians(40.0)
 """A face turned by more from the direction of its name is within 5° of the next name."""
@@ -36,43 +35,101 @@ class Side:
     face: Face
     heading: float
 
+    @property
+    def inward(self) -> np.ndarray:
+        """Inward unit normal of the face in B, shape (3,)."""
+        return -np.array(self.face.normal)
 
-def touchable(asked: Asked, target: SeenObject, defaults: Defaults) -> list[Side]:
-    """Sides that a push as asked may touch: the straightest, or all if no direction is said.
+
+@dataclass(frozen=True)
+class PushStep:
+    """The part of one push in a plan.
+
+    Attributes:
+        outcome: wanted class at the onset.
+        heading: direction of motion or of the fall in W [rad]; None if any will do.
+        distance: to be moved [m]; the most if it is to topple.
+        tilt: angle by which it is tilted and then let back [rad]; None if it is not to come back.
+        turn: small angle by which a straight push turns the object [rad], counter-clockwise.
+        swing: angle by which a push off the middle of a side turns it [rad]; 0 for any other.
+        lateral: where along its face that push touches, from the middle [m].
+        until: event that ends the push earlier; `meets` names what is to be touched then.
+        side: that is touched; None if any will do that fits the heading.
+    """
+
+    outcome: Literal["slide", "topple"]
+    heading: float | None
+    distance: float
+    tilt: float | None = None
+    turn: float = 0.0
+    swing: float = 0.0
+    lateral: float = 0.0
+    until: StopEvent | None = None
+    meets: str | None = None
+    side: Side | None = None
+
+    @classmethod
+    def from_goal(cls, goal: PushGoal) -> PushStep:
+        """The one push that is all of a goal."""
+        return cls(
+            goal.outcome, goal.heading, goal.distance, goal.tilt,
+            until=goal.until, meets=goal.meets,
+        )  # fmt: skip
+
+
+def touchable_sides(problem: PushProblem, step: PushStep) -> list[Side]:
+    """Sides that a push may touch: the straightest, or all if no direction is said.
 
     Raises:
         NoPlanError: there is none, or it is not square enough to the direction.
     """
+    if step.side is not None:
+        return [step.side]
+    target, face_said, spans = problem.target, problem.contact.face, problem.contact.spans
     sides, unclear = [], None
-    for face in target.model.faces(_pushed_along(asked) - target.pose.yaw):
+    for face in target.model.faces(_push_headings(step) - target.pose.yaw):
         outward = target.pose.R_WB @ np.array(face.normal)
         name, off = face_name(outward)
-        if asked.face is not None:
+        if face_said is not None:
             if abs(off) > UNCLEAR_FACE:
                 unclear = off
                 continue
-            if name != asked.face:
+            if name != face_said:
                 continue
         sides.append(Side(face, heading_of(-outward)))
     if not sides and unclear is not None:
-        raise NoPlanError(refusals.unclear_face(asked, target, unclear))
+        raise NoPlanError(refusals.unclear_face(target, face_said, unclear, spans))
     if not sides:
-        raise NoPlanError(refusals.no_side(asked, target))
-    if asked.heading is None:
+        raise NoPlanError(refusals.no_side(target, face_said, spans))
+    if step.heading is None:
         return sides
-    side = _most_square(sides, asked.heading)
-    oblique = angle_between(asked.heading, side.heading)
+    return [_square_enough(problem, step, sides, step.heading)]
+
+
+def _square_enough(problem: PushProblem, step: PushStep, sides: list[Side], heading: float) -> Side:
+    """The side that is most square to a push along a heading in W [rad].
+
+    Raises:
+        NoPlanError: fingertips would slip off it.
+    """
+    target, contact = problem.target, problem.contact
+    side = _most_square(sides, heading)
+    oblique = angle_between(heading, side.heading)
     # An object that slides straight presses back along the push: that must be in the friction cone.
     # What topples or tilts is pushed square to its face, and goes about where it was meant to.
-    largest = grip(target, defaults.sigmas, steep=asked.steep)
-    if asked.outcome == "topple":
-        largest = 0.5 * defaults.side_tolerance
+    largest = largest_obliqueness(target, problem.defaults.sigmas, steep=problem.effort.oblique)
+    if step.outcome == "topple":
+        largest = 0.5 * problem.defaults.side_tolerance
     if abs(oblique) > largest:
-        raise NoPlanError(refusals.askew(asked, target, side, oblique, largest))
-    return [side]
+        raise NoPlanError(
+            refusals.askew(
+                target, contact.face, heading, side.heading, oblique, largest, contact.spans
+            )
+        )
+    return side
 
 
-def straightest(target: SeenObject, heading: float) -> Side:
+def straightest_side(target: SeenObject, heading: float) -> Side:
     """The side of an object that is most square to a push along a heading in W [rad]."""
     faces = target.model.faces(np.array([heading - target.pose.yaw]))
     inward = [Side(f, heading_of(-target.pose.R_WB @ np.array(f.normal))) for f in faces]
@@ -83,41 +140,41 @@ def _most_square(sides: list[Side], heading: float) -> Side:
     return min(sides, key=lambda side: abs(angle_between(side.heading, heading)))
 
 
-def _pushed_along(asked: Asked) -> np.ndarray:
+def _push_headings(step: PushStep) -> np.ndarray:
     """Headings in W along which a round object may be pushed: the one asked, else the robot's four.
 
     Shape (k,) [rad].
     """
-    if asked.heading is not None:
-        return np.array([asked.heading])
+    if step.heading is not None:
+        return np.array([step.heading])
     return np.array(list(HEADINGS.values()))
 
 
-def direction(asked: Asked, side: Side) -> np.ndarray:
-    """Unit direction of the push in W; a topple is pushed square to the face."""
-    if asked.outcome == "slide" and asked.heading is not None:
-        return unit(asked.heading)
+def push_direction(step: PushStep, side: Side) -> np.ndarray:
+    """Unit direction of the push in W, shape (3,); a topple is pushed square to the face."""
+    if step.outcome == "slide" and step.heading is not None:
+        return unit(step.heading)
     return unit(side.heading)
 
 
-def hindered(
-    side: Side, asked: Asked, target: SeenObject, state: WorldState, defaults: Defaults
-) -> Refusal | None:
-    """What the object would hit if it fell, or leaned over, from a face; None if nothing."""
-    u = direction(asked, side)
-    if asked.tilt is None:
-        return _fall_blocked(target, state, u, defaults)
-    return tilts.hindered(target, state, side.face.normal, u, asked.tilt, defaults)
+def require_room(problem: PushProblem, step: PushStep, side: Side) -> None:
+    """Make sure that the object hits nothing when it falls, or leans over, from a side.
+
+    Raises:
+        NoPlanError: there is no room, or a tilt may end in a fall.
+    """
+    u = push_direction(step, side)
+    if step.tilt is None:
+        _require_landing(problem, u)
+    else:
+        require_free_tilt(problem, side.face.normal, u, step.tilt)
 
 
-def _fall_blocked(
-    target: SeenObject, state: WorldState, u: np.ndarray, defaults: Defaults
-) -> Refusal | None:
+def _require_landing(problem: PushProblem, u: np.ndarray) -> None:
+    target = problem.target
     strip = landing_strip(target, u)
-    if travel_to_edge(strip, state.table, u[:2], 0.0) < defaults.clearance:
-        return refusals.falls_off(target)
-    for name, other in state.objects.items():
-        apart = defaults.clearance_fragile if other.fragile else defaults.clearance
-        if name != target.name and overlaps(strip, footprint(other), apart):
-            return refusals.falls_on(target, other)
-    return None
+    if travel_to_edge(strip, problem.state.table, u[:2], 0.0) < problem.defaults.clearance:
+        raise NoPlanError(refusals.falls_off(target))
+    for other in problem.others.values():
+        if overlaps(strip, footprint(other), problem.clearance(other)):
+            raise NoPlanError(refusals.falls_on(target, other))

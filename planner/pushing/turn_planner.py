@@ -59,7 +59,7 @@ _LOOKED_AT = 4  # poses of one push that must be free
 
 
 @dataclass(frozen=True)
-class Swing:
+class TurnStroke:
     """A push that turns the object.
 
     Attributes:
@@ -83,7 +83,7 @@ class Swing:
         face = self.side.face
         return float((np.array(self.push(target).point) - face.centre) @ np.array(face.tangent))
 
-    def left(self, target: SeenObject, share: float = 1.0) -> SeenObject:
+    def target_after(self, target: SeenObject, share: float = 1.0) -> SeenObject:
         """The object after a share of the turn, as predicted."""
         pose, angle = target.pose, share * self.angle
         pivot, after = np.array(self.pivot), replace(pose, yaw=pose.yaw + angle)
@@ -92,7 +92,7 @@ class Swing:
         return replace(target, pose=replace(after, x=x, y=y))
 
 
-def swings(target: SeenObject, turn: float, aim: Aim) -> Iterator[tuple[Swing, ...]]:
+def turn_sequences(target: SeenObject, turn: float, aim: Aim) -> Iterator[tuple[TurnStroke, ...]]:
     """Ways to turn an object, the best first.
 
     Args:
@@ -108,7 +108,7 @@ def swings(target: SeenObject, turn: float, aim: Aim) -> Iterator[tuple[Swing, .
         )
         offs, there = [], target
         for step in steps:
-            there = step.left(there)
+            there = step.target_after(there)
             offs.append(math.dist((aim.x, aim.y), (there.pose.x, there.pose.y)))
         rest = 0.0 if offs[-1] < _AT_PLACE else _CORRECTION[0] + offs[-1] / _CORRECTION[1]
         # On its way it had better stay near, too.
@@ -118,9 +118,9 @@ def swings(target: SeenObject, turn: float, aim: Aim) -> Iterator[tuple[Swing, .
         yield steps
 
 
-def continued(
+def remaining_turn(
     target: SeenObject, turn: float, foreseen: tuple[Push, ...]
-) -> tuple[Swing, ...] | None:
+) -> tuple[TurnStroke, ...] | None:
     """The rest of a turn as it was foreseen, its parts scaled to what is left; None if it ended.
 
     Args:
@@ -180,7 +180,7 @@ def turn_parts(angle: float, largest: float = LARGEST_TURN) -> tuple[float, ...]
     return (outer, *(middle, 2.0 * outer) * (threes - 1), middle, outer)
 
 
-def _turnable(target: SeenObject, angle: float) -> list[tuple[Swing, Swing]]:
+def _turnable(target: SeenObject, angle: float) -> list[tuple[TurnStroke, TurnStroke]]:
     """Opposite sides on which a finger turns the object in a sense, each as the first once."""
     found = []
     for side in _sides(target):
@@ -190,18 +190,18 @@ def _turnable(target: SeenObject, angle: float) -> list[tuple[Swing, Swing]]:
     return found
 
 
-def _swing(side: Side, target: SeenObject, angle: float) -> Swing | None:
+def _swing(side: Side, target: SeenObject, angle: float) -> TurnStroke | None:
     pushed = best_turn(target.model, side.face, angle, 0.0)
     if pushed is None:
         return None
     x, y, turned = pushed.pose
     across = 1.0 / math.tan(0.5 * turned)
-    return Swing(side, angle, (0.5 * (x - across * y), 0.5 * (y + across * x)))
+    return TurnStroke(side, angle, (0.5 * (x - across * y), 0.5 * (y + across * x)))
 
 
-def free(
+def turn_obstacle(
     target: SeenObject,
-    steps: tuple[Swing, ...],
+    steps: tuple[TurnStroke, ...],
     state: WorldState,
     clearances: dict[str, float],
     margin: float,
@@ -220,14 +220,14 @@ def free(
     """
     for step in steps:
         for share in np.linspace(0.0, 1.0, _LOOKED_AT + 1)[1:]:
-            here = footprint(step.left(target, float(share)))
+            here = footprint(step.target_after(target, float(share)))
             for name, apart in clearances.items():
                 if gap(here, footprint(state.objects[name])) < apart:
                     return name
             for u in np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]):
                 if travel_to_edge(here, state.table, u, margin) < 0.0:
                     return "table"
-        target = step.left(target)
+        target = step.target_after(target)
     return None
 
 

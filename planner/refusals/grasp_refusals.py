@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from planner.refusals.push_refusals import NoPlanError, unsupported
+from planner.refusals.push_refusals import unsupported
+from planner.types.dead_ends import NoPlanError
 from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
@@ -13,11 +14,10 @@ if TYPE_CHECKING:
 
     from objectmodels.models.object_parts import Graspable
     from planner.grasping.grasp_sampling import Candidate
-    from planner.problem.grasp_limits import Manner
-    from planner.problem.planning_problem import Task
+    from planner.problem.planning_problem import ContactLimits, GraspProblem
     from planner.types.plan import Plan
     from planner.types.refusal import RefusalReason
-    from planner.types.robot import HandReach, ReachAnswer
+    from planner.types.robot import ReachAnswer
     from planner.types.world_state import SeenObject
 
 Spans = tuple[tuple[int, int], ...]
@@ -58,26 +58,26 @@ def not_graspable(target: SeenObject) -> NoPlanError:
 
 
 def not_that_wide(
-    target: SeenObject, widths: Sequence[float], hand: HandReach, part: str = "body"
+    target: SeenObject, widths: Sequence[float], held: tuple[float, float], part: str = "body"
 ) -> NoPlanError:
     """The hand does not close about it."""
     what = f"the {target.name}" if part == "body" else f"the {target.name}'s lid"
     if not widths:
         return refused("impossible", f"{what} has no two sides that a hand could hold", ())
-    width = min(widths)
-    if width > hand.widest:
-        opens = f"the hand opens to {mm(hand.widest)}"
+    width, (narrowest, widest) = min(widths), held
+    if width > widest:
+        opens = f"the hand opens to {mm(widest)}"
     else:
         width = max(widths)
-        opens = f"the hand closes to {mm(hand.narrowest)}"
+        opens = f"the hand closes to {mm(narrowest)}"
     return refused(
         "impossible",
         f"{what} is {mm(width)} wide, {opens}",
         (),
         "push it",
         width=width,
-        widest=hand.widest,
-        narrowest=hand.narrowest,
+        widest=widest,
+        narrowest=narrowest,
     )
 
 
@@ -93,27 +93,27 @@ def low_lid(target: SeenObject, tall: float, needed: float) -> NoPlanError:
     )
 
 
-def no_such_height(target: SeenObject, graspable: Graspable, how: Manner) -> NoPlanError:
+def no_such_height(target: SeenObject, graspable: Graspable, asked: ContactLimits) -> NoPlanError:
     """The sentence leaves no height at which it may be held."""
     return refused(
         "impossible",
         f"the {target.name} may be held between {mm(graspable.lowest)} and "
-        f"{mm(graspable.highest)} above its base, not {how.region}",
-        how.contact_spans,
+        f"{mm(graspable.highest)} above its base, not {asked.region}",
+        asked.spans,
         "leave out where to hold it",
         lowest=graspable.lowest,
         highest=graspable.highest,
     )
 
 
-def no_room(target: SeenObject, low: float, high: float, how: Manner) -> NoPlanError:
+def no_room(target: SeenObject, low: float, high: float, asked: ContactLimits) -> NoPlanError:
     """The fingers, one beside the other, find no place on it."""
     return refused(
         "impossible",
         f"the fingers side by side find no room on the {target.name} between {mm(low)} and "
         f"{mm(high)} above its base",
-        how.contact_spans,
-        *(("leave out where to hold it",) if how.region else ()),
+        asked.spans,
+        *(("leave out where to hold it",) if asked.region else ()),
         lowest=low,
         highest=high,
     )
@@ -122,21 +122,21 @@ def no_room(target: SeenObject, low: float, high: float, how: Manner) -> NoPlanE
 # -- how hard it must be held -------------------------------------------------------------------
 
 
-def too_heavy(task: Task, candidate: Candidate, wanted: float, mu: float) -> NoPlanError:
+def too_heavy(problem: GraspProblem, candidate: Candidate, wanted: float, mu: float) -> NoPlanError:
     """It takes more squeeze than there is."""
-    how, model = task.how, task.target.model
+    force, model = problem.force, problem.target.model
     has = candidate.grip.strongest
     bears = math.inf if model.grasp is None or candidate.part == "lid" else model.grasp.crush
     numbers = {"needed_force": wanted, "strongest": has, "friction": mu}
-    what = f"{task.doing} the {task.target.name}"
+    what = f"{problem.goal.doing} the {problem.target.name}"
     needs = f"{what} needs {wanted:.1f} N of squeeze with μ {mu:.2f}; "
-    if how.most_force <= min(has, bears):
+    if force.max <= min(has, bears):
         return refused(
             "impossible",
-            f"{needs}{how.most_force:.1f} N are allowed",
-            how.force_spans,
+            f"{needs}{force.max:.1f} N are allowed",
+            force.spans,
             f"allow {math.ceil(2.0 * wanted) / 2.0:g} N",
-            allowed_force=how.most_force,
+            allowed_force=force.max,
             **numbers,
         )
     if bears < has:
@@ -146,13 +146,13 @@ def too_heavy(task: Task, candidate: Candidate, wanted: float, mu: float) -> NoP
 
 
 def may_slip(
-    task: Task, squeeze: float, probability: float, learn: str, then: float
+    problem: GraspProblem, squeeze: float, probability: float, learn: str, then: float
 ) -> NoPlanError:
     """It may slip, since weight or friction are not known well enough."""
-    asked = task.defaults.probability
+    asked = problem.effort.probability
     return refused(
         "too_uncertain",
-        f"squeezed with {squeeze:.1f} N the {task.target.name} holds with a probability of "
+        f"squeezed with {squeeze:.1f} N the {problem.target.name} holds with a probability of "
         f"{probability:.2f}, and {asked:.2f} is asked",
         (),
         learn,
@@ -163,32 +163,32 @@ def may_slip(
     )
 
 
-def unlikely(task: Task, made: Plan) -> NoPlanError:
+def unlikely(problem: GraspProblem, made: Plan) -> NoPlanError:
     """Each part of a plan is likely enough, but not all of them together."""
-    asked = task.defaults.probability
+    asked = problem.effort.probability
     return refused(
         "too_uncertain",
-        f"{task.doing} the {task.target.name} succeeds with a probability of "
+        f"{problem.goal.doing} the {problem.target.name} succeeds with a probability of "
         f"{made.probability:.2f}, and {asked:.2f} is asked",
         (),
-        f"find out the weight of the {task.target.name} first",
+        f"find out the weight of the {problem.target.name} first",
         probability=made.probability,
         asked_probability=asked,
     )
 
 
-def no_reach(task: Task, answers: Sequence[ReachAnswer]) -> NoPlanError:
+def no_reach(problem: GraspProblem, answers: Sequence[ReachAnswer]) -> NoPlanError:
     """There are ways, but the hand cannot make them."""
     blockers = [a for a in answers if a.reason == "obstacle" and a.blocker]
     last = (blockers or answers)[0]
     ways = "one way" if len(answers) == 1 else f"{len(answers)} ways"
     other = f"move the {blockers[0].blocker}" if blockers else "move it to another place"
-    if task.state.held is not None:
-        other = f"put the {task.target.name} down, then it may be held otherwise"
+    if problem.state.held is not None:
+        other = f"put the {problem.target.name} down, then it may be held otherwise"
     return refused(
         "blocked" if blockers else "out_of_reach",
-        f"there {'is' if len(answers) == 1 else 'are'} {ways} of {task.doing} the "
-        f"{task.target.name}, but the hand does not get there: {last.message}",
+        f"there {'is' if len(answers) == 1 else 'are'} {ways} of {problem.goal.doing} the "
+        f"{problem.target.name}, but the hand does not get there: {last.message}",
         (),
         other,
         **{"ways": float(len(answers)), **last.numbers},
@@ -203,21 +203,24 @@ def holds_nothing() -> NoPlanError:
     return refused("impossible", "the hand holds nothing that could be put down", ())
 
 
-def is_fixed(task: Task) -> NoPlanError:
+def is_fixed(problem: GraspProblem) -> NoPlanError:
     """A holder keeps it where it is."""
     return refused(
         "impossible",
-        f"the {task.target.name} is fixed in a holder; {task.doing} it would tear it out",
+        f"the {problem.target.name} is fixed in a holder; {problem.goal.doing} it would tear "
+        "it out",
         (),
     )
 
 
-def not_while(task: Task, spans: Spans, forbidden: str) -> NoPlanError:
+def not_while(problem: GraspProblem, spans: Spans, forbidden: str) -> NoPlanError:
     """The sentence asks for something and forbids what that takes."""
-    return refused("impossible", f"{task.doing} the {task.target.name} {forbidden}", spans)
+    return refused(
+        "impossible", f"{problem.goal.doing} the {problem.target.name} {forbidden}", spans
+    )
 
 
-def no_place(task: Task, what: str, blocker: str | None) -> NoPlanError:
+def no_place(problem: GraspProblem, what: str, blocker: str | None) -> NoPlanError:
     """Where it should stand there is no room."""
     met = "the table ends there" if blocker is None else f"the {blocker} stands there"
     return refused(

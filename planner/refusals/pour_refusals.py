@@ -9,8 +9,8 @@ from planner.refusals.grasp_refusals import Spans, refused
 if TYPE_CHECKING:
     from planner.grasping.pour_amounts import Amount
     from planner.grasping.pour_planner import Motion
-    from planner.problem.planning_problem import Task
-    from planner.refusals.push_refusals import NoPlanError
+    from planner.problem.planning_problem import GraspProblem
+    from planner.types.dead_ends import NoPlanError
     from planner.types.world_state import SeenObject
 
 
@@ -19,19 +19,19 @@ def ml(volume: float) -> str:
     return f"{1e6 * volume:.0f} ml"
 
 
-def into_nothing(task: Task, spans: Spans) -> NoPlanError:
+def into_nothing(problem: GraspProblem, spans: Spans) -> NoPlanError:
     """It would land on the table."""
     return refused(
         "impossible",
-        f"pouring from the {task.target.name} needs something to pour into",
+        f"pouring from the {problem.target.name} needs something to pour into",
         spans,
         "say what it is to be poured into",
     )
 
 
-def into_itself(task: Task, spans: Spans) -> NoPlanError:
+def into_itself(problem: GraspProblem, spans: Spans) -> NoPlanError:
     """Both are the same object."""
-    return refused("impossible", f"the {task.target.name} cannot be poured into itself", spans)
+    return refused("impossible", f"the {problem.target.name} cannot be poured into itself", spans)
 
 
 def no_container(seen: SeenObject) -> NoPlanError:
@@ -50,9 +50,9 @@ def is_closed(seen: SeenObject) -> NoPlanError:
     return refused("impossible", message, (), f"open the {seen.name} first")
 
 
-def is_empty(task: Task) -> NoPlanError:
+def is_empty(problem: GraspProblem) -> NoPlanError:
     """There is nothing in it."""
-    return refused("impossible", f"the {task.target.name} is empty", (), contents=0.0)
+    return refused("impossible", f"the {problem.target.name} is empty", (), contents=0.0)
 
 
 def does_not_fit(
@@ -72,11 +72,11 @@ def does_not_fit(
     )
 
 
-def not_so_much(task: Task, wanted: float, has: float, spans: Spans) -> NoPlanError:
+def not_so_much(problem: GraspProblem, wanted: float, has: float, spans: Spans) -> NoPlanError:
     """There is less in it."""
     return refused(
         "impossible",
-        f"{ml(wanted)} are asked; {ml(has)} are in the {task.target.name}",
+        f"{ml(wanted)} are asked; {ml(has)} are in the {problem.target.name}",
         spans,
         f"pour up to {ml(has)}",
         volume=wanted,
@@ -84,29 +84,31 @@ def not_so_much(task: Task, wanted: float, has: float, spans: Spans) -> NoPlanEr
     )
 
 
-def wrong_side(task: Task) -> NoPlanError:
+def wrong_side(problem: GraspProblem) -> NoPlanError:
     """Held as it can be, or is, it does not lean to where its opening is."""
-    held = task.state.held is not None
+    held = problem.state.held is not None
     as_it_is = "is held" if held else "can be held"
     return refused(
         "impossible",
-        f"as it {as_it_is}, the {task.target.name} does not lean to the side of its opening",
+        f"as it {as_it_is}, the {problem.target.name} does not lean to the side of its opening",
         (),
-        *((f"put the {task.target.name} down, then pour from it",) if held else ()),
+        *((f"put the {problem.target.name} down, then pour from it",) if held else ()),
     )
 
 
-def may_spill(task: Task, into: SeenObject, wanted: Amount, motion: Motion) -> NoPlanError:
+def may_spill(
+    problem: GraspProblem, into: SeenObject, wanted: Amount, motion: Motion
+) -> NoPlanError:
     """Too much may miss or run over, or too little run out."""
     mean = {name: float(value) for name, value in motion.poured.mean_volumes().items()}
-    asked = task.defaults.probability
+    asked = problem.effort.probability
     return refused(
         "too_uncertain",
         f"of {ml(wanted.volume)} the {into.name}, with room for {ml(wanted.room)}, receives "
         f"{ml(mean['received'])} and {ml(mean['spilled'])} are spilled; that it goes well has a "
         f"probability of {motion.probability:.2f}, and {asked:.2f} is asked",
         (),
-        f"find out the weight of the {task.target.name} first",
+        f"find out the weight of the {problem.target.name} first",
         "pour less",
         volume=wanted.volume,
         room=wanted.room,

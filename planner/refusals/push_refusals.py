@@ -6,22 +6,15 @@ import math
 from typing import TYPE_CHECKING
 
 from planner.geometry.directions import phrase
+from planner.types.dead_ends import NoPlanError
 from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
-    from planner.problem.push_problem import Asked
-    from planner.pushing.touchable_sides import Side
-    from planner.types.defaults import Defaults
-    from planner.types.robot import Reach, ReachAnswer
+    from planner.types.robot import ReachAnswer
     from planner.types.world_state import SeenObject
 
 
-class NoPlanError(Exception):
-    """Planning ends with a refusal; it never leaves the planner."""
-
-    def __init__(self, refusal: Refusal) -> None:
-        super().__init__(refusal.message)
-        self.refusal = refusal
+Spans = tuple[tuple[int, int], ...]
 
 
 def unsupported(
@@ -39,6 +32,12 @@ def unsupported(
     )
 
 
+def unsupported_while(what: str, doing: str, spans: Spans) -> NoPlanError:
+    """The sentence asks for something that no hand of this version does meanwhile."""
+    message = f"this version of the robot is not capable of {what} while {doing}"
+    return unsupported(f"{what} while {doing}", message, spans, "leave that out")
+
+
 def _mm(length: float) -> str:
     return f"{1e3 * length:.0f} mm"
 
@@ -47,15 +46,15 @@ def _deg(angle: float) -> str:
     return f"{math.degrees(abs(angle)):.0f}°"
 
 
-def unclear_face(asked: Asked, target: SeenObject, off: float) -> Refusal:
+def unclear_face(target: SeenObject, face: str | None, off: float, spans: Spans) -> Refusal:
     """The object stands so that a face could bear two names."""
     return Refusal(
         reason="unsupported",
         message=f"the {target.name} is turned by {_deg(off)}, "
-        f"so it is not clear which of its faces is the {asked.face} one",
+        f"so it is not clear which of its faces is the {face} one",
         numbers={"turned": off},
         capability="telling faces of a turned object apart",
-        spans=asked.contact_spans,
+        spans=spans,
         suggestions=("say the direction of the push instead of the face",),
     )
 
@@ -84,42 +83,49 @@ def _side(face: str) -> str:
     return face if face.startswith(("face", "nothing")) else f"its {face} side"
 
 
-def no_side(asked: Asked, target: SeenObject) -> Refusal:
+def no_side(target: SeenObject, face: str | None, spans: Spans) -> Refusal:
     """Nothing on the object, or on the side that is said, is wide enough to be touched."""
-    where = "side" if asked.face is None else f"{asked.face} face"
+    where = "side" if face is None else f"{face} face"
     return Refusal(
         reason="impossible",
         message=f"the {target.name} has no {where} that is wide enough for a fingertip",
-        spans=asked.contact_spans,
+        spans=spans,
     )
 
 
-def askew(asked: Asked, target: SeenObject, side: Side, angle: float, largest: float) -> Refusal:
-    """The face that is said is not square enough to the direction."""
-    assert asked.heading is not None
-    face = f"its {asked.face} face" if asked.face else "its nearest face"
+def askew(
+    target: SeenObject,
+    face: str | None,
+    heading: float,
+    square: float,
+    angle: float,
+    largest: float,
+    spans: Spans,
+) -> Refusal:
+    """The face that is said is not square enough to the heading; a push to `square` would be."""
+    meets = f"its {face} face" if face else "its nearest face"
     return Refusal(
         reason="impossible",
-        message=f"pushing the {target.name} {phrase(asked.heading)} would meet {face} at "
+        message=f"pushing the {target.name} {phrase(heading)} would meet {meets} at "
         f"{_deg(angle)} from square, where fingertips slip off (up to "
         f"{math.degrees(largest):.1f}° would do)",
         numbers={"obliqueness": abs(angle), "largest_obliqueness": largest},
-        spans=asked.contact_spans,
+        spans=spans,
         suggestions=(
-            f"push it {phrase(side.heading)}",
-            *(("leave out where to touch it",) if asked.face else ()),
+            f"push it {phrase(square)}",
+            *(("leave out where to touch it",) if face else ()),
         ),
     )
 
 
-def turned_first(asked: Asked, target: SeenObject, angle: float) -> Refusal:
+def turned_first(target: SeenObject, angle: float, region: str, spans: Spans) -> Refusal:
     """It would have to be turned before, which is done low on its sides."""
     return Refusal(
         reason="impossible",
         message=f"none of the {target.name}'s faces looks that way: it would have to be turned by "
-        f"{_deg(angle)} first, and is not turned by touching it {asked.region}",
+        f"{_deg(angle)} first, and is not turned by touching it {region}",
         numbers={"obliqueness": abs(angle)},
-        spans=asked.contact_spans,
+        spans=spans,
         suggestions=("turn it first", "leave out where to touch it"),
     )
 
@@ -133,10 +139,10 @@ def no_way(target: SeenObject) -> Refusal:
     )
 
 
-def off_the_table(asked: Asked, target: SeenObject, distance: float, room: float) -> Refusal:
+def off_the_table(target: SeenObject, distance: float, room: float, *, bounded: bool) -> Refusal:
     """The table ends before the distance does."""
     left = max(room, 0.0)
-    shorter = left > 0.01 and math.isfinite(asked.distance)
+    shorter = left > 0.01 and bounded
     return Refusal(
         reason="impossible",
         message=f"the table ends after {_mm(left)} in that direction; {_mm(distance)} would "
@@ -147,11 +153,11 @@ def off_the_table(asked: Asked, target: SeenObject, distance: float, room: float
 
 
 def in_the_way(
-    asked: Asked, target: SeenObject, other: SeenObject, distance: float, free: float
+    target: SeenObject, other: SeenObject, distance: float, free: float, *, bounded: bool
 ) -> Refusal:
     """Another object stands on the way."""
     # What is to be brought to a place would not be there after a shorter way.
-    shorter = free > 0.01 and math.isfinite(asked.distance)
+    shorter = free > 0.01 and bounded
     instead = f"up to {100 * free:.0f} cm would do"
     return Refusal(
         reason="blocked",
@@ -162,13 +168,13 @@ def in_the_way(
     )
 
 
-def unlikely(target: SeenObject, pushes: int, probability: float, defaults: Defaults) -> Refusal:
+def unlikely(target: SeenObject, pushes: int, probability: float, asked: float) -> Refusal:
     """Each push is likely enough, but not all of them together."""
     return Refusal(
         reason="too_uncertain",
         message=f"{pushes} pushes are needed, and all of them succeed with a probability of "
-        f"{probability:.2f}; {defaults.probability:.2f} is asked",
-        numbers={"probability": probability, "asked_probability": defaults.probability},
+        f"{probability:.2f}; {asked:.2f} is asked",
+        numbers={"probability": probability, "asked_probability": asked},
         suggestions=(f"find out the weight and the friction of the {target.name} first",),
     )
 
@@ -192,14 +198,14 @@ def cannot_turn(target: SeenObject) -> Refusal:
     )
 
 
-def turned_by_one(asked: Asked, target: SeenObject) -> Refusal:
+def turned_by_one(target: SeenObject, spans: Spans) -> Refusal:
     """Two fingertips hold its heading."""
     return Refusal(
         reason="unsupported",
         message=f"two fingertips side by side keep the {target.name} from turning; "
         "this robot turns objects with one",
         capability="turning an object with two fingers",
-        spans=asked.contact_spans,
+        spans=spans,
         suggestions=("say “with one finger”, or leave it out",),
     )
 
@@ -224,55 +230,55 @@ def falls_on(target: SeenObject, other: SeenObject) -> Refusal:
     )
 
 
-def too_weak(asked: Asked, target: SeenObject, needed: float, reach: Reach) -> Refusal:
-    """The allowed force does not suffice."""
-    fingers = max(asked.fingers)
-    limit = min(asked.max_force, fingers * reach.max_force)
-    said = asked.max_force <= fingers * reach.max_force
-    verb = "sliding" if asked.outcome == "slide" else "toppling"
+def too_weak(
+    target: SeenObject, outcome: str, needed: float, limit: float, *, said: bool, spans: Spans
+) -> Refusal:
+    """The allowed force does not suffice; it is `said`, or what the fingers have."""
+    verb = "sliding" if outcome == "slide" else "toppling"
     who = "are allowed" if said else "is what the fingers can give"
     return Refusal(
         reason="impossible" if said else "out_of_reach",
         message=f"{verb} the {target.name} may take {needed:.1f} N; {limit:.1f} N {who}",
         numbers={"needed_force": needed, "allowed_force": limit},
-        spans=asked.force_spans if said else (),
+        spans=spans if said else (),
         suggestions=(f"allow {math.ceil(2 * needed) / 2:g} N",) if said else (),
     )
 
 
-def too_light(asked: Asked, target: SeenObject, needed: float) -> Refusal:
+def too_light(target: SeenObject, needed: float, least: float, spans: Spans) -> Refusal:
     """It moves before as much force as is asked can be pressed on it."""
     return Refusal(
         reason="impossible",
         message=f"the {target.name} gives way at {needed:.1f} N at most, so that no push presses "
-        f"{asked.min_force:.1f} N on it",
-        numbers={"needed_force": needed, "min_force": asked.min_force},
-        spans=asked.force_spans,
+        f"{least:.1f} N on it",
+        numbers={"needed_force": needed, "min_force": least},
+        spans=spans,
         suggestions=(f"ask for no more than {needed:.1f} N",),
     )
 
 
-def too_slow(asked: Asked, target: SeenObject, least: float, most: float) -> Refusal:
+def too_slow(
+    target: SeenObject, distance: float, least: float, most: float, spans: Spans
+) -> Refusal:
     """It takes longer than it may."""
     return Refusal(
         reason="out_of_time",
-        message=f"pushing the {target.name} over {_mm(asked.distance)} takes {least:.1f} s; "
+        message=f"pushing the {target.name} over {_mm(distance)} takes {least:.1f} s; "
         f"{most:.1f} s are allowed",
         numbers={"least_time": least, "max_time": most},
-        spans=asked.time_spans,
+        spans=spans,
         suggestions=(f"allow {math.ceil(2 * least) / 2:g} s",),
     )
 
 
-def several_pushes(asked: Asked, target: SeenObject, pushes: int) -> Refusal:
+def several_pushes(target: SeenObject, pushes: int, most: float, spans: Spans) -> Refusal:
     """Between two pushes the hand goes around the object, which takes longer than it may."""
-    assert asked.limits.duration is not None
     return Refusal(
         reason="out_of_time",
         message=f"it takes {pushes} pushes to bring the {target.name} there, and the hand must go "
-        f"around it in between; {asked.limits.duration:.1f} s are allowed",
-        numbers={"pushes": float(pushes), "max_time": asked.limits.duration},
-        spans=asked.time_spans,
+        f"around it in between; {most:.1f} s are allowed",
+        numbers={"pushes": float(pushes), "max_time": most},
+        spans=spans,
         suggestions=("leave out how long it may take",),
     )
 

@@ -1,13 +1,13 @@
-"""The planner's question to the robot: can the hand get there?
+"""The planner's questions to the robot: can arm and hand carry it out?
 
-`sim` answers it from the arm's kinematics; a real robot's driver may answer it from its own. The
-planner only calls it.
+`sim` answers them from the kinematics of arm and hand; a real robot's driver may answer them from
+its own. The planner only asks.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
 
 if TYPE_CHECKING:
     import numpy as np
@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from planner.types.actions import Push
     from planner.types.plan import Plan
     from planner.types.world_state import WorldState
+
+ReachEffort = Literal["usual", "thorough"]
+"""How long a robot looks for a way of the hand. A thorough search also lets it pass nearer."""
 
 
 @dataclass(frozen=True)
@@ -41,38 +44,6 @@ class ReachAnswer:
     numbers: dict[str, float] = field(default_factory=dict)
 
 
-class Reach(Protocol):
-    """The hand's reach, in a state of the world."""
-
-    fingertip_radius: float
-    """Radius of a fingertip [m]."""
-
-    finger_spreads: tuple[float, ...]
-    """Distances between the two outer fingertips of a two-finger push, the largest first [m]."""
-
-    max_force: float
-    """Largest force that one fingertip can exert [N]."""
-
-    force_skew: float
-    """Largest vertical force at a fingertip per force along the push while the tip sticks: what the
-    hand's own stiffness lets it transmit, whatever friction would allow."""
-
-    lowest_height: float
-    """Lowest contact height above the table that a fingertip reaches anywhere [m]."""
-
-    def __call__(self, push: Push, state: WorldState) -> ReachAnswer:
-        """Answers for one push."""
-        ...
-
-    def prospect(self, push: Push, state: WorldState) -> float:
-        """Room to the joint limits at a glance [rad]; a push without may still be possible."""
-        ...
-
-    def thorough(self) -> Reach:
-        """The same, which looks longer and lets the hand pass nearer: for when all else fails."""
-        ...
-
-
 @dataclass(frozen=True, eq=False)
 class Grip:
     """How the hand closes about something of a width.
@@ -96,97 +67,87 @@ class Grip:
     ahead: float = 0.0
 
 
-class HandReach(Protocol):
-    """What the hand can hold, and whether the arm can carry out a plan with it."""
-
-    narrowest: float
-    """Least width between thumb and fingers [m]."""
-
-    widest: float
-    """Largest width [m]."""
-
-    lowest_level: float
-    """Least height above the table of the middle of a grasp from beside [m]."""
-
-    def grip(self, width: float) -> Grip | None:
-        """How it closes about that width [m]; None if it does not."""
-        ...
-
-    def pinch(self, width: float) -> Grip | None:
-        """How it closes about a knob or a cap of that width [m]; None if it does not."""
-        ...
-
-    def handles(self, plan: Plan, state: WorldState) -> ReachAnswer:
-        """Whether arm and hand can carry out a plan, all of its way free."""
-        ...
-
-
-class GivenUpError(Exception):
-    """Too many questions; it never leaves the planner.
+@dataclass(frozen=True)
+class RobotLimits:
+    """Figures of arm and hand on which plans depend.
 
     Attributes:
-        answers: those that were given.
+        fingertip_radius: radius of a fingertip [m].
+        finger_spreads: distances between the two outer fingertips of a two-finger push, the largest
+            first [m].
+        max_force: largest force that one fingertip can exert [N].
+        force_skew: largest vertical force at a fingertip per force along the push while the tip
+            sticks: what the hand's own stiffness lets it transmit, whatever friction would allow.
+        lowest_height: lowest contact height above the table that a fingertip reaches anywhere [m].
+        grasp_widths: least and largest width between thumb and fingers [m]; None of a robot that
+            only pushes.
+        lowest_grasp: least height above the table of the middle of a grasp from beside [m].
     """
 
-    def __init__(self, answers: list[ReachAnswer]) -> None:
-        super().__init__(f"{len(answers)} questions")
-        self.answers = answers
+    fingertip_radius: float
+    finger_spreads: tuple[float, ...]
+    max_force: float
+    force_skew: float
+    lowest_height: float
+    grasp_widths: tuple[float, float] | None = None
+    lowest_grasp: float = 0.0
 
 
-class Patient:
-    """A reach that answers so many questions of one plan.
+@dataclass(frozen=True)
+class FailedPush:
+    """A push that went wrong when it was carried out.
 
-    Args:
-        reach: of the robot.
-        most: questions.
-        now: what is believed when the plan is made.
-        foreseen: answers for pushes of an object that will stand elsewhere by then; the same reach
-            if not given.
+    Attributes:
+        push: the push.
+        detail: what went wrong, in words.
     """
 
-    def __init__(
-        self, reach: Reach, most: int, now: WorldState, foreseen: Reach | None = None
-    ) -> None:
-        self._reach = reach
-        self._most = most
-        self._now = now
-        self._foreseen = foreseen or reach
-        self._answers: list[ReachAnswer] = []
-        self.fingertip_radius = reach.fingertip_radius
-        self.finger_spreads = reach.finger_spreads
-        self.max_force = reach.max_force
-        self.force_skew = reach.force_skew
-        self.lowest_height = reach.lowest_height
+    push: Push
+    detail: str
+
+
+class Robot(Protocol):
+    """Arm and hand, as far as plans depend on them."""
 
     @property
-    def denied(self) -> bool:
-        """Whether the hand did not get to something that it has not tried before."""
-        return any(not answer.ok and answer.reason != "failed" for answer in self._answers)
+    def limits(self) -> RobotLimits:
+        """Figures of arm and hand."""
+        ...
 
-    def __call__(self, push: Push, state: WorldState) -> ReachAnswer:
-        """Answers for one push.
+    def reach(self, push: Push, state: WorldState, effort: ReachEffort = "usual") -> ReachAnswer:
+        """Answer whether the hand can make a push, all of its way free."""
+        ...
 
-        Raises:
-            GivenUpError: there were too many questions before.
-        """
-        if len(self._answers) == self._most:
-            raise GivenUpError(self._answers)
-        here = state.objects[push.object].pose == self._now.objects[push.object].pose
-        answer = self._reach(push, state) if here else self._foreseen(push, state)
-        self._answers.append(answer)
-        return self._answers[-1]
+    def estimate_reach(self, push: Push, state: WorldState) -> float:
+        """Room to the joint limits at a glance [rad]; a push without any may still be possible."""
+        ...
 
-    def prospect(self, push: Push, state: WorldState) -> float:
-        """At a glance, which does not count."""
-        return self._reach.prospect(push, state)
+    def grasp(self, width: float, *, pinch: bool = False) -> Grip | None:
+        """Grip of the hand about a width [m], or about a knob or a cap; None if there is none."""
+        ...
 
-    def again(self) -> Patient:
-        """As many questions to the same."""
-        return Patient(self._reach, self._most, self._now, self._foreseen)
+    def reach_plan(self, plan: Plan, state: WorldState) -> ReachAnswer:
+        """Answer whether arm and hand can carry out a plan, all of its way free."""
+        ...
 
-    def thorough(self, most: int | None = None) -> Patient:
-        """So many questions, or as many, to one that looks longer.
 
-        What is foreseen will not stand exactly there: then the hand must get there as usual.
-        """
-        return Patient(self._reach.thorough(), most or self._most, self._now, self._reach)
+class NoRobot:
+    """A robot that gets nowhere: for questions about a sentence alone."""
+
+    limits = RobotLimits(0.0, (0.0,), 0.0, 0.0, 0.0)
+
+    def reach(self, push: Push, state: WorldState, effort: ReachEffort = "usual") -> ReachAnswer:
+        """No."""
+        return ReachAnswer(ok=False, reason="kinematics", message="there is no robot")
+
+    def estimate_reach(self, push: Push, state: WorldState) -> float:
+        """No room [rad]."""
+        return 0.0
+
+    def grasp(self, width: float, *, pinch: bool = False) -> Grip | None:
+        """No grip."""
+        return None
+
+    def reach_plan(self, plan: Plan, state: WorldState) -> ReachAnswer:
+        """No."""
+        return ReachAnswer(ok=False, reason="kinematics", message="there is no robot")

@@ -22,7 +22,7 @@ from sim.exploration.trial_extraction import trials
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
-    from planner.types.robot import Reach
+    from planner.types.robot import Robot
     from sim.cell.cell_description import CellDescription
     from sim.control.free_motion import Progress
 
@@ -74,7 +74,7 @@ class TouchExecutor(Protocol):
     seed: int
 
     @property
-    def robot(self) -> Reach:
+    def robot(self) -> Robot:
         """Reach of arm and hand."""
         ...
 
@@ -129,7 +129,7 @@ class Explorer:
     def possible(self, kinds: Iterable[Kind]) -> list[Experiment]:
         """Experiments of these kinds that were not given up, planned with what is known now."""
         wanted = set(kinds)
-        found = experiments(self._look().objects[self.name], self._executor.robot)
+        found = experiments(self._look().objects[self.name], self._executor.robot.limits)
         return [e for e in found if e.kind in wanted and _key(e) not in self._given_up]
 
     def repeat(self, kinds: Sequence[Kind], repetition: int) -> None:
@@ -158,7 +158,7 @@ class Explorer:
         tried = next(
             (
                 e
-                for e in experiments(state.objects[self.name], self._executor.robot)
+                for e in experiments(state.objects[self.name], self._executor.robot.limits)
                 if (e.kind, e.push.face) == (kind, face) and e.lateral * lateral >= 0.0
             ),
             None,

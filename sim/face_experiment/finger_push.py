@@ -62,7 +62,9 @@ class FingerTouch:
             ArmHandReach(scene.cell, ARM, HAND),
             self._seen(scene, seed),
         )
-        experiment = press_at(state.objects[contact.object], np.array(contact.point), normal, reach)
+        experiment = press_at(
+            state.objects[contact.object], np.array(contact.point), normal, reach.limits
+        )
         recording = _press(experiment, RobotSetup(world.robot, world, reach), state)
         if not len(recording.time):
             return TouchResult(None, None, recording.detail)

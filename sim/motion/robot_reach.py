@@ -12,11 +12,13 @@ what is true.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from planner.types.actions import FlipOver, Push
 from planner.types.plan import Plan
-from planner.types.robot import Grip, ReachAnswer
+from planner.types.robot import Grip, ReachAnswer, ReachEffort, RobotLimits
 from planner.types.world_state import WorldState
 from sim.arms.arm_kinematics import ArmKinematics
 from sim.cell.cell_description import CellDescription
@@ -39,7 +41,7 @@ def lowest_contact(hand: Hand) -> float:
 
 
 class ArmHandReach:
-    """The reach of an arm and a hand in a cell.
+    """Arm and hand of a cell, as the planner asks for them (`planner.types.robot.Robot`).
 
     Args:
         cell: where the arm is mounted.
@@ -48,13 +50,9 @@ class ArmHandReach:
         effort: that a search makes.
 
     Attributes:
-        fingertip_radius: [m].
-        finger_spreads: distances between the fingertips of a two-finger push [m].
-        max_force: of one fingertip, in the hand that bears most [N].
-        force_skew: largest vertical force per force along the push.
-        lowest_height: of a contact above the table [m].
-        narrowest, widest: between thumb and fingers of a hand that holds something [m].
-        lowest_level: height above the table of the middle of a grasp from beside [m].
+        limits: figures of arm and hand.
+        mount: where they stand.
+        home: angles of the arm at rest [rad].
     """
 
     def __init__(
@@ -63,22 +61,25 @@ class ArmHandReach:
         self._cell, self._effort = cell, effort
         self.mount = Mount.of(cell.robot, arm, hand)
         self.home = np.radians(cell.robot.home_deg)
-        self.fingertip_radius = hand.tip_radius
-        self.finger_spreads = hand.finger_spreads
-        self.max_force = float(hand.pushing_postures(1, 0.0).strength.max())
-        self.force_skew = hand.force_skew
-        self.lowest_height = lowest_contact(hand)
-        self.narrowest, self.widest = hand.grasp_widths
-        self.lowest_level = arm.link_radius + TABLE_CLEARANCE
+        self.limits = RobotLimits(
+            fingertip_radius=hand.tip_radius,
+            finger_spreads=hand.finger_spreads,
+            max_force=float(hand.pushing_postures(1, 0.0).strength.max()),
+            force_skew=hand.force_skew,
+            lowest_height=lowest_contact(hand),
+            grasp_widths=hand.grasp_widths,
+            lowest_grasp=arm.link_radius + TABLE_CLEARANCE,
+        )
         self._map = reachability_map(cell.robot, arm, hand)
 
-    def __call__(self, push: Push, state: WorldState) -> ReachAnswer:
-        """Whether the whole way of a push is reachable and free."""
-        answer = self.push_configuration(push, state)
+    def reach(self, push: Push, state: WorldState, effort: ReachEffort = "usual") -> ReachAnswer:
+        """Answer whether the whole way of a push is reachable and free."""
+        robot = self._thorough if effort == "thorough" else self
+        answer = robot.push_configuration(push, state)
         return answer if isinstance(answer, ReachAnswer) else answer[1]
 
-    def prospect(self, push: Push, state: WorldState) -> float:
-        """How well the arm gets there on an empty table, at a glance: room to its limits [rad].
+    def estimate_reach(self, push: Push, state: WorldState) -> float:
+        """Room to the joint limits on an empty table, at a glance [rad].
 
         For the order in which pushes are asked for; a push without room may still be possible.
         """
@@ -89,24 +90,23 @@ class ArmHandReach:
 
     def fingertip_path(self, push: Push, state: WorldState) -> FingertipPath:
         """Path of the fingertips of a push."""
-        return FingertipPath.of(push, state.objects[push.object], self.fingertip_radius)
+        return FingertipPath.of(push, state.objects[push.object], self.limits.fingertip_radius)
+
+    @cached_property
+    def _thorough(self) -> ArmHandReach:
+        return self.thorough()
 
     def thorough(self) -> ArmHandReach:
         """The same, which looks at more hands and lets them pass nearer."""
         return ArmHandReach(self._cell, self.mount.arm, self.mount.hand, THOROUGH)
 
-    def grip(self, width: float) -> Grip | None:
-        """How the hand closes about a width [m]; None if it does not."""
-        found = self.mount.hand.grasp_posture(width)
+    def grasp(self, width: float, *, pinch: bool = False) -> Grip | None:
+        """Grip of the hand about a width [m], or about a knob or a cap; None if there is none."""
+        found = self.mount.hand.grasp_posture(width, pinch=pinch)
         return None if found is None else found.grip
 
-    def pinch(self, width: float) -> Grip | None:
-        """How it closes about a knob or a cap of that width [m]; None if it does not."""
-        found = self.mount.hand.grasp_posture(width, pinch=True)
-        return None if found is None else found.grip
-
-    def handles(self, plan: Plan, state: WorldState) -> ReachAnswer:
-        """Whether arm and hand can carry out a plan, all of its way free."""
+    def reach_plan(self, plan: Plan, state: WorldState) -> ReachAnswer:
+        """Answer whether arm and hand can carry out a plan, all of its way free."""
         if plan.grasp is None:
             return self._flips(plan, state)
         found = self.grasp_motion(plan, state)
@@ -143,15 +143,15 @@ class ArmHandReach:
         hand, grasp = self.mount.hand, plan.grasp
         grip = hand.grasp_posture(grasp.width, pinch=grasp.part != "body")
         if grip is None:
-            least, most = 1e3 * self.narrowest, 1e3 * self.widest
+            least, most = (1e3 * width for width in hand.grasp_widths)
             return ReachAnswer(
                 False,
                 "width",
                 f"the hand holds what is {least:.0f} to {most:.0f} mm wide",
                 numbers={
                     "width": plan.grasp.width,
-                    "narrowest": self.narrowest,
-                    "widest": self.widest,
+                    "narrowest": hand.grasp_widths[0],
+                    "widest": hand.grasp_widths[1],
                 },
             )
         if plan.grasp.squeeze > grip.grip.strongest:
@@ -174,7 +174,7 @@ class ArmHandReach:
             state: what is believed.
             spare: by how much less than its clearance each of the others may be away [m].
         """
-        if push.p_BC[2] < self.lowest_height - 1e-9:
+        if push.p_BC[2] < self.limits.lowest_height - 1e-9:
             height = 1e3 * push.p_BC[2]
             return ReachAnswer(
                 False, "table", f"the finger would touch the table {height:.0f} mm up"

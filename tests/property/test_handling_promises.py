@@ -20,7 +20,7 @@ from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
 from planner.types.world_state import PlanarPose, SeenObject, TableState, WorldState
-from tests.unit.planner.conftest import RuledReach, frame_of
+from tests.unit.planner.conftest import frame_of
 from tests.unit.planner.handling.conftest import RuledHand
 
 TEXTS = (
@@ -62,7 +62,7 @@ def test_an_accepted_plan_keeps_its_promises(
     text: str, yaw: float, scale: float, slippery: float, strongest: float
 ) -> None:
     state, hand = _state(yaw, scale, slippery), RuledHand(strongest=strongest)
-    made = plan(frame_of(text), state, RuledReach(), hand=hand)
+    made = plan(frame_of(text), state, hand)
     assert not isinstance(made, Reached)
     if isinstance(made, Refusal):
         assert made.message

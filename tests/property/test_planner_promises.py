@@ -19,7 +19,7 @@ from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
-from tests.unit.planner.conftest import TABLE, RuledReach, frame_of
+from tests.unit.planner.conftest import LIMITS, TABLE, RuledReach, frame_of
 
 pytestmark = pytest.mark.slow
 
@@ -110,7 +110,7 @@ def test_the_contact_lies_on_its_face_and_numbers_are_sane(
     # On one of the side faces, and both fingertips on it too.
     assert np.min(np.abs(np.abs(push.p_BC[:2]) - half)) < 1e-9
     assert made.push.margins.lateral >= -1e-9
-    assert RuledReach.lowest_height - 1e-9 <= push.p_BC[2] <= box.size[2] - 0.010 + 1e-9
+    assert LIMITS.lowest_height - 1e-9 <= push.p_BC[2] <= box.size[2] - 0.010 + 1e-9
     assert np.linalg.norm(push.direction_W) == pytest.approx(1.0)
     # The push goes into the face, at no more than the largest obliqueness.
     assert -np.dot(push.direction_W, push.normal_W) > math.cos(math.radians(17.6))

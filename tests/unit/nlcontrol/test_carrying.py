@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller
-from nlcontrol.session.frame_execution import Untried
 from planner.geometry.directions import angle_between
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
@@ -306,17 +305,6 @@ def test_after_a_push_that_failed_another_contact_is_tried(
     apart = math.dist(failed.p_BC, other.p_BC)
     assert apart > 0.02 or failed.fingers != other.fingers
     assert failed.direction_W == pytest.approx(other.direction_W, abs=EXACT)
-
-
-def test_what_has_failed_is_not_tried_again_for_looking_thoroughly(controller: Controller) -> None:
-    made = controller.plan(controller.resolve(controller.parse(SENTENCE)).frames[0])
-    assert isinstance(made, Plan)
-    untried = Untried(controller.reach)
-    thorough, state = untried.thorough(), controller.look()
-    assert thorough(made.push, state).ok
-    untried.failed(made.push, "it slipped off")
-    answer = thorough(made.push, state)
-    assert (answer.reason, answer.message) == ("failed", "tried before: it slipped off")
 
 
 def test_it_is_told_that_planning_takes_longer(

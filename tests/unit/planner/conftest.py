@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TypeVar
 
 import pytest
@@ -16,7 +16,7 @@ from planner import plan
 from planner.types.actions import Push
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
-from planner.types.robot import ReachAnswer
+from planner.types.robot import Grip, ReachAnswer, ReachEffort, RobotLimits
 from planner.types.world_state import PlanarPose, SeenObject, TableState, WorldState
 
 Part = TypeVar("Part", bound=BaseModel)
@@ -24,31 +24,40 @@ Part = TypeVar("Part", bound=BaseModel)
 TABLE = TableState(-0.2, 1.2, -0.8, 0.8)
 
 
+LIMITS = RobotLimits(
+    fingertip_radius=0.010,
+    finger_spreads=(0.04, 0.032, 0.024),
+    max_force=10.0,
+    force_skew=0.35,
+    lowest_height=0.025,
+)
+
+
 @dataclass
 class RuledReach:
-    """The planner's port to the robot, answering by a rule."""
+    """A robot that only pushes, and gets where a rule says."""
 
     rule: Callable[[Push], bool] = lambda _: True
-    fingertip_radius: float = 0.010
-    finger_spreads: tuple[float, ...] = (0.04, 0.032, 0.024)
-    max_force: float = 10.0
-    force_skew: float = 0.35
-    lowest_height: float = 0.025
+    limits: RobotLimits = LIMITS
     asked: list[Push] = field(default_factory=list)
     last: Callable[[Push], bool] | None = None
     """What it answers by when it looks thoroughly; as always if None."""
 
-    def __call__(self, push: Push, state: WorldState) -> ReachAnswer:
+    def reach(self, push: Push, state: WorldState, effort: ReachEffort = "usual") -> ReachAnswer:
         self.asked.append(push)
-        if self.rule(push):
+        rule = self.rule if self.last is None or effort == "usual" else self.last
+        if rule(push):
             return ReachAnswer(ok=True, margin=0.5)
         return ReachAnswer(ok=False, reason="kinematics", message="too far")
 
-    def prospect(self, push: Push, state: WorldState) -> float:
+    def estimate_reach(self, push: Push, state: WorldState) -> float:
         return 0.5
 
-    def thorough(self) -> RuledReach:
-        return self if self.last is None else replace(self, rule=self.last, last=None)
+    def grasp(self, width: float, *, pinch: bool = False) -> Grip | None:
+        return None
+
+    def reach_plan(self, plan: Plan, state: WorldState) -> ReachAnswer:
+        return ReachAnswer(ok=False, reason="width", message="it only pushes")
 
 
 def world(**poses: PlanarPose) -> WorldState:

@@ -9,10 +9,10 @@ import pytest
 
 from objectmodels import BoxModel, CylinderModel, HullModel, ObjectModel
 from planner.planning import plan
-from planner.problem.push_problem import read
-from planner.pushing.contact_sampling import rated
-from planner.pushing.outcome_prediction import confirmed
-from planner.pushing.touchable_sides import Side
+from planner.problem.push_problem import interpret_frame
+from planner.pushing.contact_sampling import rate_contacts
+from planner.pushing.outcome_prediction import confirm_with_exact_tier
+from planner.pushing.touchable_sides import PushStep, Side
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
@@ -36,14 +36,15 @@ def verdicts(model: ObjectModel, sentence: str) -> list[tuple[float, bool]]:
     state = state_of(model)
     frame = frame_of(sentence)
     # In the middle of the face, as a push that turns it is placed where it is said.
-    asked = replace(read(frame, state, DEFAULTS), fingers=(1,), swing=0.1, lateral=0.0)
+    problem = interpret_frame(frame, state, DEFAULTS, RuledReach())
+    problem = replace(problem, contact=replace(problem.contact, fingers=(1,)))
+    step = replace(PushStep.from_goal(problem.goal), swing=0.1, lateral=0.0)
     face = model.faces(np.array([0.0]))[2 if isinstance(model, BoxModel) else 0]
-    reach, target = RuledReach(), state.objects[model.name]
     found = [
-        (float(contacts.points[i, 2]), confirmed(contacts, k, asked, target, reach))
-        for case in rated(model, [Side(face, 0.0)], asked, reach, DEFAULTS)
+        (float(contact.point[2]), confirm_with_exact_tier(problem, step, contact))
+        for case in rate_contacts(problem, step, [Side(face, 0.0)])
         for contacts in case
-        for k, i in enumerate(contacts.chosen)
+        for contact in contacts
     ]
     assert found
     return found

@@ -8,7 +8,7 @@ import pytest
 
 from grammar.frames import command as g
 from planner.geometry.directions import angle_between
-from planner.problem.displacement_goals import asked_distance, asked_heading
+from planner.problem.displacement_goals import goal_distance, goal_heading
 from planner.types.defaults import DEFAULTS
 from planner.types.world_state import PlanarPose
 from tests.unit.planner.conftest import world
@@ -33,7 +33,7 @@ TEA = STATE.objects["ice tea box"]
     ],
 )
 def test_where_to(goal: g.Displace, heading: float | None) -> None:
-    found = asked_heading(goal, TEA, STATE, DEFAULTS)
+    found = goal_heading(goal, TEA, STATE, DEFAULTS)
     if found is None or heading is None:
         assert found is heading
     else:
@@ -44,7 +44,7 @@ def test_towards_an_edge_that_is_close_already() -> None:
     near = world(ice_tea_box=PlanarPose(0.40, 0.74))
     tea = near.objects["ice tea box"]
     # 15 mm are left, less than "at the edge" leaves; the way still leads to it.
-    assert asked_heading(g.Displace(toward="left_edge"), tea, near, DEFAULTS) == pytest.approx(
+    assert goal_heading(g.Displace(toward="left_edge"), tea, near, DEFAULTS) == pytest.approx(
         math.pi / 2
     )
 
@@ -54,7 +54,7 @@ def test_shares_of_the_way_to_an_object() -> None:
     free = 0.40 - 0.045 - half_depth - DEFAULTS.place_gap
     for share in (0.5, 1.0):
         goal = g.Displace(toward=CEREAL, fraction=share)
-        distance, reason = asked_distance(goal, TEA, STATE, DEFAULTS)
+        distance, reason = goal_distance(goal, TEA, STATE, DEFAULTS)
         assert reason is None
         assert distance == pytest.approx(share * free, abs=1e-9)
 
@@ -68,7 +68,7 @@ def test_shares_of_the_way_to_an_object() -> None:
     ],
 )
 def test_how_far_by_default(goal: g.Displace, distance: float) -> None:
-    found, reason = asked_distance(goal, TEA, STATE, DEFAULTS)
+    found, reason = goal_distance(goal, TEA, STATE, DEFAULTS)
     assert (found, bool(reason)) == (distance, True)
 
 
@@ -76,13 +76,13 @@ def test_a_default_stops_at_what_it_leads_to_and_at_what_is_allowed() -> None:
     near = world(ice_tea_box=PlanarPose(0.40, 0.0), cereal_box=PlanarPose(0.40, 0.18))
     tea = near.objects["ice tea box"]
     half_depth = near.objects["cereal box"].model.extents[1] / 2
-    found, _ = asked_distance(g.Displace(toward=CEREAL), tea, near, DEFAULTS)
+    found, _ = goal_distance(g.Displace(toward=CEREAL), tea, near, DEFAULTS)
     assert found == pytest.approx(0.18 - 0.045 - half_depth - DEFAULTS.place_gap, abs=1e-9)
     most = (g.MaxDistance(value=0.05),)
-    found, _ = asked_distance(g.Displace(direction="away"), tea, near, DEFAULTS, most)
+    found, _ = goal_distance(g.Displace(direction="away"), tea, near, DEFAULTS, most)
     assert found == pytest.approx(0.04)
 
 
 def test_a_distance_that_is_said_stands() -> None:
     goal = g.Displace(toward=CEREAL, distance=0.33)
-    assert asked_distance(goal, TEA, STATE, DEFAULTS) == (0.33, None)
+    assert goal_distance(goal, TEA, STATE, DEFAULTS) == (0.33, None)

@@ -7,7 +7,7 @@ import pytest
 
 from objectmodels import BoxModel
 from planner import plan
-from planner.pushing.contact_diagnosis import Touch, experiment, outcome_probability
+from planner.pushing.contact_diagnosis import Touch, best_experiment, outcome_probability
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
@@ -36,7 +36,7 @@ def test_the_worst_known_parameter_is_to_be_found_out(model: BoxModel, words: st
     # Just above the critical height of 119 mm.
     touch = Touch(np.array([-0.045, 0.0, 0.135]), NORMAL, "topple")
     before = outcome_probability(model, touch)
-    sentence, then = experiment(model, touch, DEFAULTS)
+    sentence, then = best_experiment(model, touch, DEFAULTS)
     assert words in sentence
     assert then > before
 
@@ -79,6 +79,6 @@ def test_what_has_begun_goes_on_where_it_would_not_begin() -> None:
     assert DEFAULTS.probability_on < refusal.numbers["probability"] < DEFAULTS.probability
     before = plan(frame_of("push the ice tea box away"), state, RuledReach())
     assert isinstance(before, Plan)
-    made = plan(frame, state, RuledReach(), before=before)
+    made = plan(frame, state, RuledReach(), previous=before)
     assert isinstance(made, Plan)
     assert made.probability == pytest.approx(refusal.numbers["probability"], abs=0.02)

@@ -19,7 +19,7 @@ from planner.touch_experiments import (
     expected,
     experiments,
 )
-from planner.types.robot import Reach
+from planner.types.robot import RobotLimits
 from planner.types.world_state import PlanarPose, SeenObject
 from sim import load_scene
 from sim.motion.robot_reach import ArmHandReach
@@ -33,8 +33,8 @@ YAWS = [0.0, 0.35, -2.0]
 
 
 @pytest.fixture(scope="module")
-def arm() -> Reach:
-    return ArmHandReach(load_scene("kitchen").cell, ARM, HAND)
+def arm() -> RobotLimits:
+    return ArmHandReach(load_scene("kitchen").cell, ARM, HAND).limits
 
 
 def seen(model: ObjectModel, yaw: float = 0.0) -> SeenObject:
@@ -47,7 +47,7 @@ def inward(experiment: Experiment) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", sorted(MODELS))
-def test_what_is_proposed_for_the_built_in_objects(name: str, arm: Reach) -> None:
+def test_what_is_proposed_for_the_built_in_objects(name: str, arm: RobotLimits) -> None:
     found = experiments(seen(MODELS[name]), arm)
     kinds = {experiment.kind for experiment in found}
     if name == LOW:
@@ -60,7 +60,7 @@ def test_what_is_proposed_for_the_built_in_objects(name: str, arm: Reach) -> Non
 
 
 @pytest.mark.parametrize("name", sorted(set(MODELS) - {LOW}))
-def test_where_the_fingertip_touches_and_how_far_it_goes(name: str, arm: Reach) -> None:
+def test_where_the_fingertip_touches_and_how_far_it_goes(name: str, arm: RobotLimits) -> None:
     model = MODELS[name]
     for e in experiments(seen(model, 0.35), arm):
         height, u = e.push.p_BC[2], inward(e)
@@ -85,7 +85,7 @@ def test_where_the_fingertip_touches_and_how_far_it_goes(name: str, arm: Reach) 
 
 @pytest.mark.parametrize("name", sorted(set(MODELS) - ROUND - {LOW}))
 def test_off_centre_slides_are_low_at_one_end_and_as_high_as_is_sure_at_the_other(
-    name: str, arm: Reach
+    name: str, arm: RobotLimits
 ) -> None:
     model = MODELS[name]
     off = [e for e in experiments(seen(model), arm) if e.kind == "off-centre slide"]
@@ -100,7 +100,7 @@ def test_off_centre_slides_are_low_at_one_end_and_as_high_as_is_sure_at_the_othe
     assert any(e.push.p_BC[2] > 1.5 * arm.lowest_height for e in off)
 
 
-def test_no_tilt_where_it_cannot_tilt(arm: Reach) -> None:
+def test_no_tilt_where_it_cannot_tilt(arm: RobotLimits) -> None:
     tile = BoxModel(
         name="tile", size=(0.15, 0.06, 0.07), mass=0.5, mass_sd=0.02, friction=0.2,
         friction_sd=0.02,
@@ -114,13 +114,13 @@ def test_no_tilt_where_it_cannot_tilt(arm: Reach) -> None:
     assert tilts == {"left", "right"}
 
 
-def test_none_beside_a_side_that_is_narrower_than_the_fingertip(arm: Reach) -> None:
+def test_none_beside_a_side_that_is_narrower_than_the_fingertip(arm: RobotLimits) -> None:
     plank = BoxModel(name="plank", size=(0.3, 0.015, 0.1), mass=0.5, friction=0.3)
     assert {e.push.face for e in experiments(seen(plank), arm)} == {"left", "right"}
 
 
 @pytest.mark.parametrize("width", [0.02, 0.02 + 1e-9])
-def test_a_side_as_wide_as_the_fingertip_has_no_ends(width: float, arm: Reach) -> None:
+def test_a_side_as_wide_as_the_fingertip_has_no_ends(width: float, arm: RobotLimits) -> None:
     plank = BoxModel(name="plank", size=(0.3, width, 0.1), mass=0.5, friction=0.3)
     at_front = [e for e in experiments(seen(plank), arm) if e.push.face == "front"]
     assert [e.kind for e in at_front if "slide" in e.kind] == ["slide"]
@@ -128,7 +128,7 @@ def test_a_side_as_wide_as_the_fingertip_has_no_ends(width: float, arm: Reach) -
 
 @pytest.mark.parametrize("yaw", YAWS)
 @pytest.mark.parametrize("name", sorted(set(MODELS) - {LOW}))
-def test_what_is_expected_agrees_with_the_model(name: str, yaw: float, arm: Reach) -> None:
+def test_what_is_expected_agrees_with_the_model(name: str, yaw: float, arm: RobotLimits) -> None:
     model = MODELS[name]
     for e in experiments(seen(model, yaw), arm):
         trials = expected(e, model)
@@ -159,7 +159,7 @@ def test_what_is_expected_agrees_with_the_model(name: str, yaw: float, arm: Reac
             assert turn == lever
 
 
-def test_the_object_is_touched_at_the_same_places_however_it_stands(arm: Reach) -> None:
+def test_the_object_is_touched_at_the_same_places_however_it_stands(arm: RobotLimits) -> None:
     model = MODELS["cereal box"]
 
     def places(yaw: float) -> set[tuple[str, tuple[float, ...]]]:
@@ -177,14 +177,14 @@ def test_the_object_is_touched_at_the_same_places_however_it_stands(arm: Reach) 
     assert faces(np.pi / 2)["front"] == pytest.approx(0.096)
 
 
-def test_a_round_side_is_touched_where_the_robot_stands(arm: Reach) -> None:
+def test_a_round_side_is_touched_where_the_robot_stands(arm: RobotLimits) -> None:
     can = CylinderModel(name="can", radius=0.04, height=0.15, mass=0.4, friction=0.3)
     for yaw in YAWS:
         directions = [e.push.direction_W for e in experiments(seen(can, yaw), arm)]
         assert np.abs(np.round(directions, 9)).max(axis=1) == pytest.approx(1.0)
 
 
-def test_another_belief_expects_another_turn(arm: Reach) -> None:
+def test_another_belief_expects_another_turn(arm: RobotLimits) -> None:
     model = MODELS["ice tea box"]
     e = next(e for e in experiments(seen(model), arm) if e.kind == "off-centre slide")
     wide = model.model_copy(update={"friction_radius": 1.5 * model.friction_radius})

@@ -78,10 +78,10 @@ def test_where_the_hand_does_not_get_it_is_brought_elsewhere() -> None:
     state = world(ice_tea_box=PlanarPose(0.45, 0.0))
 
     class Sideways(RuledReach):
-        def __call__(self, push, state):  # type: ignore[no-untyped-def]
+        def reach(self, push, state, effort="usual"):  # type: ignore[no-untyped-def]
             y = state.objects["ice tea box"].pose.y
             self.rule = lambda push: push.ends_on == "stroke" or abs(y) > 0.08
-            return super().__call__(push, state)
+            return super().reach(push, state, effort)
 
     made = planned("topple the ice tea box away", state, Sideways())
     assert made.push.ends_on == "stroke"
@@ -115,8 +115,8 @@ def test_what_was_tried_before_is_no_reason_to_look_thoroughly() -> None:
     state = world(ice_tea_box=PlanarPose(0.45, 0.0))
 
     class Failed(RuledReach):
-        def __call__(self, push, state):  # type: ignore[no-untyped-def]
-            answer = super().__call__(push, state)
+        def reach(self, push, state, effort="usual"):  # type: ignore[no-untyped-def]
+            answer = super().reach(push, state, effort)
             return replace(answer, reason="failed")
 
     reach = Failed(lambda _: False, last=lambda _: True)

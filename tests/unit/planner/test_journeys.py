@@ -160,7 +160,7 @@ def test_a_steep_push_keeps_the_aim_of_the_plan_before() -> None:
         start, x=start.x + 0.05 * math.cos(heading), y=start.y + 0.05 * math.sin(heading)
     )
     here = WorldState({"ice tea box": replace(alone().objects["ice tea box"], pose=half)})
-    made = plan(frame, here, RuledReach(steep), before=before)
+    made = plan(frame, here, RuledReach(steep), previous=before)
     assert isinstance(made, Plan)
     assert made.push.stroke == pytest.approx(0.05)
 
@@ -233,7 +233,7 @@ def test_it_is_not_turned_into_what_it_is_to_meet() -> None:
     text = "push the ice tea box until it touches the mug"
     askew = Aim(x=0.465, y=0.0, yaw=math.radians(45.0))
     before = planned(text, state).model_copy(update={"aim": askew, "later": ()})
-    made = plan(frame_of(text), state, RuledReach(), before=before)
+    made = plan(frame_of(text), state, RuledReach(), previous=before)
     assert isinstance(made, Plan)
     assert made.push.ends_on == "turned"
     assert made.push.displacement is not None
@@ -333,7 +333,7 @@ def test_a_turn_goes_on_as_it_was_begun() -> None:
     x, y, _ = (start.objects["ice tea box"].pose.p_WB + before.push.displacement).tolist()
     turned = first.turn - math.radians(2.0)
     here = world(ice_tea_box=PlanarPose(x, y, turned))
-    made = plan(frame, here, RuledReach(), before=before)
+    made = plan(frame, here, RuledReach(), previous=before)
     assert isinstance(made, Plan)
     assert made.push.p_BC == pytest.approx(second.p_BC)
     left = math.radians(90.0) - turned
@@ -344,7 +344,7 @@ def test_a_turn_goes_on_as_it_was_begun() -> None:
 
 def test_nothing_is_left_to_be_done_at_the_aim() -> None:
     frame, aim = frame_of("push the ice tea box away"), Aim(x=0.5005, y=0.0, yaw=0.005)
-    made = plan(frame, alone(), RuledReach(), before=towards(aim))
+    made = plan(frame, alone(), RuledReach(), previous=towards(aim))
     assert isinstance(made, Reached)
     assert made.off == pytest.approx(0.0005)
 
@@ -356,18 +356,18 @@ def test_the_last_millimetres_are_no_reason_to_go_there_and_back() -> None:
     frame = frame_of("push the ice tea box away")
     for off, kind in ((0.003, Reached), (0.006, Plan)):
         made = plan(
-            frame, alone(), RuledReach(long), before=towards(Aim(x=0.5 + off, y=0.0, yaw=0.0))
+            frame, alone(), RuledReach(long), previous=towards(Aim(x=0.5 + off, y=0.0, yaw=0.0))
         )
         assert isinstance(made, kind)
     # Where the hand gets there, it corrects them.
     assert isinstance(
-        plan(frame, alone(), RuledReach(), before=towards(Aim(x=0.503, y=0.0, yaw=0.0))), Plan
+        plan(frame, alone(), RuledReach(), previous=towards(Aim(x=0.503, y=0.0, yaw=0.0))), Plan
     )
 
 
 def test_what_is_missed_is_corrected_towards_the_same_aim() -> None:
     frame, aim = frame_of("push the ice tea box away"), Aim(x=0.49, y=0.004, yaw=0.0)
-    made = plan(frame, alone(degrees=2.0), RuledReach(), before=towards(aim))
+    made = plan(frame, alone(degrees=2.0), RuledReach(), previous=towards(aim))
     assert isinstance(made, Plan)
     assert made.aim == aim
     assert made.pushes[0].direction_W[0] < -0.9

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from planner import plan
 from planner.geometry.directions import angle_between, heading_of
 from planner.geometry.footprints import footprint, free_travel, gap
-from planner.problem.push_problem import read
-from planner.pushing.strategies import nearly
+from planner.problem.push_problem import interpret_frame
+from planner.pushing.strategies import nearly_goal_poses
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.world_state import PlanarPose, WorldState
@@ -69,7 +69,7 @@ def test_where_the_table_ends_it_is_alike() -> None:
 def test_what_was_begun_keeps_its_aim() -> None:
     begun = planned("push the soup can 11 cm away", _before_a_mug(0.3))
     state = _before_a_mug(0.104)
-    after = plan(frame_of("push the soup can 11 cm away"), state, RuledReach(), before=begun)
+    after = plan(frame_of("push the soup can 11 cm away"), state, RuledReach(), previous=begun)
     assert not isinstance(after, Plan)
 
 
@@ -79,7 +79,7 @@ def test_the_aim_of_a_place_near_by_is_kept_by_the_next_plan() -> None:
     can = state.objects["soup can"]
     on = replace(can, pose=replace(can.pose, x=can.pose.x + 0.05))
     state = replace(state, objects={**state.objects, "soup can": on})
-    after = plan(frame_of("push the soup can 11 cm away"), state, RuledReach(), before=begun)
+    after = plan(frame_of("push the soup can 11 cm away"), state, RuledReach(), previous=begun)
     assert isinstance(after, Plan)
     assert after.aim == begun.aim
 
@@ -100,9 +100,7 @@ def test_only_a_displacement_has_places_near_by(text: str) -> None:
         ice_tea_box=PlanarPose(0.5, 0.3),
     )
     frame = frame_of(text)
-    assert frame.object is not None
-    target = state.objects[frame.object.id or ""]
-    assert not list(nearly(read(frame, state, DEFAULTS), target, DEFAULTS))
+    assert not list(nearly_goal_poses(interpret_frame(frame, state, DEFAULTS)))
 
 
 @given(
@@ -118,13 +116,13 @@ def test_places_near_by_are_within_the_tolerances(
     state = world(ice_tea_box=PlanarPose(0.45, 0.0, yaw))
     target, d = state.objects["ice tea box"], DEFAULTS
     frame = frame_of(f"push the ice tea box {words} by {bound}{centimetres} cm")
-    asked = read(frame, state, d)
-    assert asked.heading is not None
-    found = list(nearly(asked, target, d))
+    problem = interpret_frame(frame, state, d)
+    assert problem.goal.heading is not None
+    found = list(nearly_goal_poses(problem))
     assert len(found) == 14
     for aim, _ in found:
         way = np.array([aim.x, aim.y, 0.0]) - target.pose.p_WB
-        off = angle_between(heading_of(way), asked.heading)
+        off = angle_between(heading_of(way), problem.goal.heading)
         along = float(np.linalg.norm(way)) * math.cos(off)
         # The way there ends as exactly as a look is trusted: so much is left of the tolerances.
         length, spare = 0.01 * centimetres, d.distance_tolerance - d.aim_position

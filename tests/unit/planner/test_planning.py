@@ -13,7 +13,7 @@ from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
 from planner.types.world_state import PlanarPose, WorldState
-from tests.unit.planner.conftest import RuledReach, frame_of, planned, refused, world
+from tests.unit.planner.conftest import LIMITS, RuledReach, frame_of, planned, refused, world
 
 LENGTHS = 1e-9  # sums of a few numbers of order one
 
@@ -34,7 +34,7 @@ def test_a_push_in_each_direction(
     assert push.face == face
     assert push.direction_W == pytest.approx((*direction, 0.0), abs=LENGTHS)
     assert push.stroke == pytest.approx(0.12)
-    assert (push.fingers, push.spread) == (2, reach.finger_spreads[0])
+    assert (push.fingers, push.spread) == (2, reach.limits.finger_spreads[0])
     # On the face that looks against the push: half the width of 90 mm from the middle.
     assert np.dot(push.p_BC[:2], direction) == pytest.approx(-0.045, abs=LENGTHS)
     assert np.dot(push.normal_W[:2], direction) == pytest.approx(-1.0, abs=LENGTHS)
@@ -44,7 +44,7 @@ def test_without_toppling_takes_the_contact_farthest_from_it(
     kitchen: WorldState, reach: RuledReach
 ) -> None:
     made = planned("push the ice tea box away without toppling it", kitchen, reach)
-    assert made.push.p_BC[2] == pytest.approx(reach.lowest_height)
+    assert made.push.p_BC[2] == pytest.approx(reach.limits.lowest_height)
     assert made.push.prediction.outcome == "slide"
     # Golden height b/μ of the ice tea box.
     assert made.push.prediction.critical_height == pytest.approx(0.119, abs=5e-4)
@@ -79,18 +79,18 @@ def test_a_narrow_face_takes_fingers_closer_together(
     push = planned("push the cereal box to the left", kitchen, reach).push
     # 52 mm wide: both fingertips, 20 mm each, find a place.
     assert push.fingers == 2
-    assert push.spread in reach.finger_spreads[1:]
+    assert push.spread in reach.limits.finger_spreads[1:]
     assert push.spread + 0.02 <= 0.052 + LENGTHS
     # Their edges may overhang a face on which both touch 6 mm from its edges.
-    reach.finger_spreads = (0.04, 0.036)
+    reach.limits = replace(LIMITS, finger_spreads=(0.04, 0.036))
     push = planned("push the cereal box to the left", kitchen, reach).push
     assert (push.fingers, push.spread) == (2, 0.04)
-    reach.finger_spreads = (0.042,)
+    reach.limits = replace(LIMITS, finger_spreads=(0.042,))
     assert planned("push the cereal box to the left", kitchen, reach).push.fingers == 1
 
 
 def test_a_face_too_narrow_for_two_fingers(kitchen: WorldState, reach: RuledReach) -> None:
-    reach.finger_spreads = (0.06, 0.042)
+    reach.limits = replace(LIMITS, finger_spreads=(0.06, 0.042))
     refusal = refused("push the cereal box to the left with two fingers", kitchen, reach)
     assert refusal.reason == "impossible"
     assert refusal.message == "the cereal box is 52 mm wide there; two fingertips need 54 mm"
@@ -124,8 +124,8 @@ def test_what_two_fingers_pushed_is_not_turned_back_by_one(reach: RuledReach) ->
     state = world(ice_tea_box=PlanarPose(0.45, 0.0))
     begun = planned(text, state, reach)
     there = world(ice_tea_box=PlanarPose(0.55, 0.0, math.radians(3.0)))
-    assert isinstance(plan(frame_of(text), there, reach, before=begun), Reached)
-    one = plan(frame_of(text.removesuffix(" with two fingers")), there, reach, before=begun)
+    assert isinstance(plan(frame_of(text), there, reach, previous=begun), Reached)
+    one = plan(frame_of(text.removesuffix(" with two fingers")), there, reach, previous=begun)
     assert isinstance(one, Plan)
     assert one.push.ends_on == "turned"
 

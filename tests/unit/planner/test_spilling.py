@@ -9,9 +9,9 @@ import pytest
 
 from objectmodels import BoxModel
 from objectmodels.models.object_parts import Container, FlipLid, Opening
-from planner.problem.push_problem import read
+from planner.problem.push_problem import interpret_frame
 from planner.problem.tilt_goals import spill_tilt
-from planner.refusals.push_refusals import NoPlanError
+from planner.types.dead_ends import NoPlanError
 from planner.types.defaults import DEFAULTS
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import TABLE, frame_of
@@ -38,8 +38,10 @@ def _spills(seen: SeenObject) -> float:
 
 
 def test_a_push_may_tilt_it_as_far_as_it_holds() -> None:
-    asked = read(frame_of("push the ice tea box away without spilling"), _state(_seen()), DEFAULTS)
-    assert asked.limits.tilt == pytest.approx(_spills(_seen()))
+    asked = interpret_frame(
+        frame_of("push the ice tea box away without spilling"), _state(_seen()), DEFAULTS
+    )
+    assert asked.motion.tilt == pytest.approx(_spills(_seen()))
     vessel = CUP.vessel
     assert vessel is not None
     # Whichever way it leans: towards a short side it spills first.
@@ -62,15 +64,15 @@ def test_a_brimful_one_still_slides() -> None:
     seen = _seen(CUP.model_copy(update={"container": full}))
     assert _spills(seen) == 0.0
     frame = frame_of("push the ice tea box away without spilling")
-    assert read(frame, _state(seen), DEFAULTS).limits.tilt == DEFAULTS.rest_tilt
+    assert interpret_frame(frame, _state(seen), DEFAULTS).motion.tilt == DEFAULTS.rest_tilt
 
 
 @pytest.mark.parametrize(
     "order", ["by 8 degrees without spilling", "without spilling by 8 degrees"]
 )
 def test_a_tilt_short_of_it_is_made(order: str) -> None:
-    asked = read(frame_of(f"tilt the ice tea box {order}"), _state(_seen()), DEFAULTS)
-    assert asked.tilt == pytest.approx(np.radians(8.0))
+    asked = interpret_frame(frame_of(f"tilt the ice tea box {order}"), _state(_seen()), DEFAULTS)
+    assert asked.goal.tilt == pytest.approx(np.radians(8.0))
 
 
 @pytest.mark.parametrize(
@@ -83,7 +85,7 @@ def test_a_tilt_short_of_it_is_made(order: str) -> None:
 )
 def test_what_would_spill_is_refused_with_the_angle(sentence: str) -> None:
     with pytest.raises(NoPlanError) as refused:
-        read(frame_of(sentence), _state(_seen()), DEFAULTS)
+        interpret_frame(frame_of(sentence), _state(_seen()), DEFAULTS)
     refusal = refused.value.refusal
     assert refusal.numbers["spill_angle"] == pytest.approx(_spills(_seen()))
     degrees = round(np.degrees(_spills(_seen())))
@@ -101,7 +103,7 @@ def test_what_holds_nothing_may_be_toppled() -> None:
         CUP.model_copy(update={"lid": LID}),
     ):
         frame = frame_of("topple the ice tea box without spilling")
-        assert read(frame, _state(_seen(model)), DEFAULTS).outcome == "topple"
+        assert interpret_frame(frame, _state(_seen(model)), DEFAULTS).goal.outcome == "topple"
 
 
 def test_an_open_lid_keeps_nothing_in() -> None:

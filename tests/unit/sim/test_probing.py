@@ -42,7 +42,7 @@ def seen(world: DrakeWorld, *, off: float = 0.0, far: float = 0.0) -> WorldState
 
 def experiment(state: WorldState, kind: Kind, **changes: Any) -> Experiment:
     """The one at the left."""
-    found = experiments(state.objects[BOX], REACH)
+    found = experiments(state.objects[BOX], REACH.limits)
     one = next(e for e in found if (e.kind, e.push.face) == (kind, "left"))
     if not changes:
         return one

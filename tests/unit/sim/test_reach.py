@@ -161,7 +161,7 @@ def test_the_tips_go_where_the_push_says(reach: ArmHandReach, scene: Scene) -> N
 
 def test_too_low_is_refused(reach: ArmHandReach, scene: Scene) -> None:
     state = _believed(scene)
-    answer = reach(_push(state, "ice tea box", "front", 0.01), state)
+    answer = reach.reach(_push(state, "ice tea box", "front", 0.01), state)
     assert (answer.ok, answer.reason) == (False, "table")
 
 
@@ -173,7 +173,7 @@ def test_a_wall_of_boxes_is_an_obstacle(reach: ArmHandReach, scene: Scene) -> No
         for i, y in enumerate((-0.1, 0.0, 0.1))
     }
     crowded = WorldState({"ice tea box": tea, **wall})
-    answer = reach(_push(crowded, "ice tea box", "front", 0.029), crowded)
+    answer = reach.reach(_push(crowded, "ice tea box", "front", 0.029), crowded)
     assert not answer.ok
     assert answer.reason in {"obstacle", "approach"}
 
@@ -182,7 +182,7 @@ def test_far_away_is_out_of_reach(reach: ArmHandReach, scene: Scene) -> None:
     state = _believed(scene)
     far = SeenObject("ice tea box", PlanarPose(2.5, 0.0), state.objects["ice tea box"].model)
     alone = WorldState({"ice tea box": far})
-    answer = reach(_push(alone, "ice tea box", "front", 0.03), alone)
+    answer = reach.reach(_push(alone, "ice tea box", "front", 0.03), alone)
     assert (answer.ok, answer.reason) == (False, "kinematics")
 
 

@@ -209,7 +209,7 @@ def test_what_looks_thoroughly_gets_past_what_is_nearer() -> None:
         at = np.arange(0.0, 0.2, 0.001)
         seen = [SeenObject("wall", PlanarPose(behind - 0.2 + x, 0.0), wall) for x in at]
         states = [WorldState({tea.name: tea, "wall": each}) for each in seen]
-        got = [x for x, s in zip(at, states, strict=True) if reach(push, s).ok]
+        got = [x for x, s in zip(at, states, strict=True) if reach.reach(push, s).ok]
         return float(max(got))
 
     # As much as it may pass nearer, but for the millimetre between two walls.
@@ -220,9 +220,9 @@ def test_what_looks_thoroughly_gets_past_what_is_nearer() -> None:
 def test_a_strong_push_is_refused_with_what_the_hands_there_bear() -> None:
     state = _alone("ice tea box", 0.5, 0.1)
     gentle = _push(state.objects["ice tea box"], 0.0, 0.05, stroke=0.1)
-    most = REACH.max_force
-    assert REACH(gentle, state).ok
-    refused = REACH(gentle.model_copy(update={"force_limit": most + 1.0}), state)
+    most = REACH.limits.max_force
+    assert REACH.reach(gentle, state).ok
+    refused = REACH.reach(gentle.model_copy(update={"force_limit": most + 1.0}), state)
     assert (refused.ok, refused.reason) == (False, "torque")
     assert 0.0 < refused.numbers["strength"] <= most < refused.numbers["force"]
 
@@ -250,8 +250,8 @@ def test_the_hand_that_is_chosen_bears_the_force() -> None:
 
 
 def test_the_largest_force_is_that_of_the_strongest_hand() -> None:
-    assert REACH.max_force == HAND.pushing_postures(1, 0.0).strength.max()
-    assert REACH.max_force > 10.0  # what the joints' 2 N·m were always said to bear
+    assert REACH.limits.max_force == HAND.pushing_postures(1, 0.0).strength.max()
+    assert REACH.limits.max_force > 10.0  # what the joints' 2 N·m were always said to bear
 
 
 def test_answers_do_not_depend_on_what_was_asked_before() -> None:
@@ -260,11 +260,11 @@ def test_answers_do_not_depend_on_what_was_asked_before() -> None:
     def plain(push: Push, state: WorldState) -> tuple[object, ...]:
         answer = REACH.push_configuration(push, state)
         if isinstance(answer, ReachAnswer):
-            return (answer, REACH.prospect(push, state))
+            return (answer, REACH.estimate_reach(push, state))
         stance = answer[0]
         way = [q.tobytes() for q in (stance.R_WP, *stance.via)]
         told = (stance.posture.name, stance.elbow, stance.branch, stance.lift, way)
-        return (*told, answer[1], REACH.prospect(push, state))
+        return (*told, answer[1], REACH.estimate_reach(push, state))
 
     first = [plain(*case) for case in cases]
     pushing_postures.cache_clear()
@@ -286,7 +286,7 @@ def test_a_wall_around_the_object_is_named() -> None:
         for k, phi in enumerate(np.arange(4) * np.pi / 2)
     }
     crowd = WorldState({**state.objects, **ring})
-    answer = REACH(_push(state.objects["soup can"], 0.0, 0.03, stroke=0.02), crowd)
+    answer = REACH.reach(_push(state.objects["soup can"], 0.0, 0.03, stroke=0.02), crowd)
     assert not answer.ok
     assert answer.reason == "obstacle"
     assert answer.blocker in ring
@@ -296,8 +296,8 @@ def test_a_wall_around_the_object_is_named() -> None:
 def test_the_map_knows_near_from_far() -> None:
     near, far = _alone("ice tea box", 0.5, 0.1), _alone("ice tea box", 2.0, 0.0)
     push = _push(near.objects["ice tea box"], 0.0, 0.05, stroke=0.1)
-    assert REACH.prospect(push, near) > 0.35  # more is no better
-    assert REACH.prospect(push, far) == 0.0
+    assert REACH.estimate_reach(push, near) > 0.35  # more is no better
+    assert REACH.estimate_reach(push, far) == 0.0
 
 
 def test_every_finger_of_a_posture_is_there() -> None:

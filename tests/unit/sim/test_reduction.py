@@ -28,7 +28,7 @@ RNG = np.random.default_rng(0)
 
 
 def experiment(kind: str) -> Experiment:
-    found = experiments(SEEN, ArmHandReach(load_scene("kitchen").cell, ARM, HAND))
+    found = experiments(SEEN, ArmHandReach(load_scene("kitchen").cell, ARM, HAND).limits)
     return next(e for e in found if e.kind == kind and e.push.face == "front")
 
 

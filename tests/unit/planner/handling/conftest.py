@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
@@ -11,36 +11,36 @@ import pytest
 from planner import plan
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
-from planner.types.robot import Grip, ReachAnswer
+from planner.types.robot import Grip, ReachAnswer, RobotLimits
 from planner.types.world_state import PlanarPose, WorldState
-from tests.unit.planner.conftest import RuledReach, frame_of, world
+from tests.unit.planner.conftest import LIMITS, RuledReach, frame_of, world
 
 CONTACTS = np.array([[0.0, 0.0], [0.0, 0.027], [0.0, 0.0], [0.0, -0.027]])
 """Three fingers side by side, the thumb opposite the middle one [m]."""
 
 
-@dataclass
-class RuledHand:
-    """The planner's port to the hand, answering by a rule."""
+HAND = replace(LIMITS, grasp_widths=(0.008, 0.100))
 
-    rule: Callable[[Plan], bool] = lambda _: True
-    narrowest: float = 0.008
-    widest: float = 0.100
-    lowest_level: float = 0.0
+
+@dataclass
+class RuledHand(RuledReach):
+    """A robot that pushes where it wants, and whose hand gets where a rule says."""
+
+    holds: Callable[[Plan], bool] = lambda _: True
+    limits: RobotLimits = HAND
     strongest: float = 11.0
     blocker: str | None = None
-    asked: list[Plan] = field(default_factory=list)
+    plans: list[Plan] = field(default_factory=list)
 
-    def grip(self, width: float) -> Grip | None:
+    def grasp(self, width: float, *, pinch: bool = False) -> Grip | None:
+        if pinch:
+            return Grip(np.zeros((2, 2)), np.ones(2), self.strongest, (0.09, 0.06), 0.014)
         shares = np.array([1.0, 1 / 3, 1 / 3, 1 / 3])
         return Grip(CONTACTS, shares, self.strongest, (0.09, 0.04))
 
-    def pinch(self, width: float) -> Grip | None:
-        return Grip(np.zeros((2, 2)), np.ones(2), self.strongest, (0.09, 0.06), 0.014)
-
-    def handles(self, plan: Plan, state: WorldState) -> ReachAnswer:
-        self.asked.append(plan)
-        if self.rule(plan):
+    def reach_plan(self, plan: Plan, state: WorldState) -> ReachAnswer:
+        self.plans.append(plan)
+        if self.holds(plan):
             return ReachAnswer(ok=True, margin=0.5)
         reason = "kinematics" if self.blocker is None else "obstacle"
         return ReachAnswer(ok=False, reason=reason, message="too far", blocker=self.blocker)
@@ -48,14 +48,14 @@ class RuledHand:
 
 def planned(text: str, state: WorldState, hand: RuledHand) -> Plan:
     """The plan of a sentence that takes a hand."""
-    made = plan(frame_of(text), state, RuledReach(), hand=hand)
+    made = plan(frame_of(text), state, hand)
     assert isinstance(made, Plan), made
     return made
 
 
 def refused(text: str, state: WorldState, hand: RuledHand) -> Refusal:
     """The refusal of a sentence that takes a hand."""
-    made = plan(frame_of(text), state, RuledReach(), hand=hand)
+    made = plan(frame_of(text), state, hand)
     assert isinstance(made, Refusal), made
     assert made.message
     return made

@@ -51,11 +51,11 @@ def test_what_is_too_heavy_is_refused_with_both_forces(table: WorldState, hand: 
     assert made.numbers["strongest"] == 11.0
     assert "needs 14." in made.message
     assert "the fingers have 11.0 N at 90 mm" in made.message
-    assert not hand.asked
+    assert not hand.plans
 
 
 def test_what_is_too_wide_is_refused_with_both_widths(table: WorldState, hand: RuledHand) -> None:
-    hand.widest = 0.04
+    hand.limits = replace(hand.limits, grasp_widths=(0.008, 0.04))
     made = refused("lift the ice tea", table, hand)
     assert made.message == "the ice tea is 44 mm wide, the hand opens to 40 mm"
 
@@ -80,10 +80,8 @@ def test_force_that_the_sentence_does_not_allow(table: WorldState, hand: RuledHa
 
 def test_gentle_squeezes_less_and_is_slower(table: WorldState, hand: RuledHand) -> None:
     careful = replace(DEFAULTS, grasp_reserve=2.5)
-    usual = plan(frame_of("lift the ice tea"), table, RuledReach(), hand=hand, defaults=careful)
-    gentle = plan(
-        frame_of("lift the ice tea gently"), table, RuledReach(), hand=hand, defaults=careful
-    )
+    usual = plan(frame_of("lift the ice tea"), table, hand, defaults=careful)
+    gentle = plan(frame_of("lift the ice tea gently"), table, hand, defaults=careful)
     assert isinstance(usual, Plan)
     assert isinstance(gentle, Plan)
     assert usual.grasp is not None
@@ -110,17 +108,17 @@ def test_what_no_hand_keeps_is_refused_by_its_words(
 
 
 def test_what_stands_in_the_way_is_named(table: WorldState) -> None:
-    made = refused("lift the ice tea", table, RuledHand(lambda _: False, blocker="mug"))
+    made = refused("lift the ice tea", table, RuledHand(holds=lambda _: False, blocker="mug"))
     assert made.reason == "blocked"
     assert made.suggestions == ("move the mug",)
-    assert refused("lift the mug", table, RuledHand(lambda _: False)).reason == "out_of_reach"
+    assert refused("lift the mug", table, RuledHand(holds=lambda _: False)).reason == "out_of_reach"
 
 
 def test_the_hand_looks_at_so_many_ways(table: WorldState) -> None:
-    hand = RuledHand(lambda _: False)
+    hand = RuledHand(holds=lambda _: False)
     few = replace(DEFAULTS, most_grasps=3)
-    plan(frame_of("lift the ice tea"), table, RuledReach(), hand=hand, defaults=few)
-    assert len(hand.asked) == 3
+    plan(frame_of("lift the ice tea"), table, hand, defaults=few)
+    assert len(hand.plans) == 3
 
 
 # -- what the hand holds ------------------------------------------------------------------------
@@ -178,13 +176,13 @@ def test_what_cannot_be_held_is_pushed_there(table: WorldState, hand: RuledHand)
     text = "put the ice tea box to the left of the ice tea cup"
     pushed = plan(frame_of(text), table, RuledReach())
     assert isinstance(pushed, Plan)
-    assert plan(frame_of(text), table, RuledReach(), hand=hand) == pushed
+    assert plan(frame_of(text), table, hand) == pushed
 
 
 def test_what_is_pushed_by_word_is_pushed(table: WorldState, hand: RuledHand) -> None:
-    made = plan(frame_of("push the mug next to the ice tea cup"), table, RuledReach(), hand=hand)
+    made = plan(frame_of("push the mug next to the ice tea cup"), table, hand)
     assert isinstance(made, Plan)
-    assert not hand.asked
+    assert not hand.plans
 
 
 def test_a_place_that_is_taken(table: WorldState, hand: RuledHand) -> None:
@@ -202,7 +200,9 @@ def test_a_place_that_is_taken(table: WorldState, hand: RuledHand) -> None:
 def test_a_low_mug_is_held_by_fingers_that_come_down_askew(
     table: WorldState, hand: RuledHand
 ) -> None:
-    hand.lowest_level = 0.06  # where the mug may not be touched by all three fingers any more
+    hand.limits = replace(
+        hand.limits, lowest_grasp=0.06
+    )  # where the mug may not be touched by all three fingers any more
     grasp = planned("lift the mug", table, hand).grasp
     assert grasp is not None
     assert -1.0 < grasp.approach_W[2] < 0.0

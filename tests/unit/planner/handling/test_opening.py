@@ -15,7 +15,7 @@ from planner.types.actions import Carry, FlipOver, LiftUp, PutOn, TurnCap
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Reached
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
-from tests.unit.planner.conftest import RuledReach, frame_of, world
+from tests.unit.planner.conftest import frame_of, world
 from tests.unit.planner.handling.conftest import RuledHand, planned, refused
 
 
@@ -88,7 +88,7 @@ def test_nothing_is_left_to_be_done(
     text: str, name: str, lid: float, pantry: WorldState, hand: RuledHand
 ) -> None:
     state = _with(pantry, name, lid=lid)
-    assert plan(frame_of(text), state, RuledReach(), hand=hand) == Reached(lid=lid)
+    assert plan(frame_of(text), state, hand) == Reached(lid=lid)
 
 
 def test_an_open_flip_lid_is_closed(pantry: WorldState, hand: RuledHand) -> None:
@@ -154,7 +154,7 @@ def test_a_lid_is_held_where_the_fingertips_find_room(pantry: WorldState, hand: 
     assert isinstance(jar.lid, LiftOffLid)
     grasp = planned("open the jar", pantry, hand).grasp
     assert grasp is not None
-    grip = hand.pinch(grasp.width)
+    grip = hand.grasp(grasp.width, pinch=True)
     assert grip is not None
     assert grasp.p_BG[2] > jar.top + jar.lid.height + grip.ahead
     flat = jar.model_copy(update={"lid": jar.lid.model_copy(update={"knob_height": 0.015})})

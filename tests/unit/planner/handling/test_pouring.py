@@ -15,7 +15,6 @@ from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
 from planner.types.world_state import Held, WorldState
-from tests.unit.planner.conftest import RuledReach
 from tests.unit.planner.handling.conftest import RuledHand, planned
 
 MUG = 3.285e-4  # what the mug of the registry holds [m³]
@@ -39,7 +38,7 @@ def _pour(state: WorldState, hand: RuledHand, **said: object) -> object:
         object=ObjectRef(text="ice tea", id="ice tea"),
         goal=Pour.model_validate({"into": ObjectRef(text="mug", id="mug"), **said}),
     )
-    return plan(frame, state, RuledReach(), hand=hand)
+    return plan(frame, state, hand)
 
 
 def _step(made: object) -> PourOut:
@@ -88,7 +87,7 @@ def test_it_leans_along_the_line_between_thumb_and_fingers(
 
 
 def test_where_the_arm_does_not_reach_it_is_turned_first(known: WorldState) -> None:
-    hand = RuledHand(lambda made: any(step.kind == "carry" for step in made.steps))
+    hand = RuledHand(holds=lambda made: any(step.kind == "carry" for step in made.steps))
     made = planned("pour the ice tea into the mug", known, hand)
     kinds = [step.kind for step in made.steps]
     assert kinds == ["lift_up", "carry", "pour_out", "carry", "set_down"]

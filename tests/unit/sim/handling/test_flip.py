@@ -103,7 +103,7 @@ def test_a_cup_beside_the_arm_is_opened_and_closed_whichever_way_it_faces(
 ) -> None:
     reach = ArmHandReach(load_scene("kitchen").cell, ARM, HAND)
     plan, state = _plan(*way), _state(0.24, 0.20, heading, opened=way[0])
-    answer = reach.handles(plan, state)
+    answer = reach.reach_plan(plan, state)
     assert answer.ok
     assert answer.margin > 0.08
     found = reach.flip_configuration(plan.steps[0], CUP, state)  # type: ignore[arg-type]
@@ -128,7 +128,7 @@ def test_what_stands_where_the_hand_must_be_is_named() -> None:
         )
         for k, a in enumerate(np.radians([0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0]))
     ]
-    answer = reach.handles(_plan(0.0, OPEN), _state(0.24, 0.20, 0.0, *walls))
+    answer = reach.reach_plan(_plan(0.0, OPEN), _state(0.24, 0.20, 0.0, *walls))
     assert not answer.ok
     assert answer.reason == "obstacle"
     assert answer.blocker in {each.name for each in walls}
@@ -136,7 +136,7 @@ def test_what_stands_where_the_hand_must_be_is_named() -> None:
 
 def test_out_of_reach_is_told() -> None:
     reach = ArmHandReach(load_scene("kitchen").cell, ARM, HAND)
-    answer = reach.handles(_plan(0.0, OPEN), _state(2.0, 0.0, 0.0))
+    answer = reach.reach_plan(_plan(0.0, OPEN), _state(2.0, 0.0, 0.0))
     assert not answer.ok
     assert answer.reason == "kinematics"
 

@@ -37,20 +37,20 @@ def _way(made: Plan, seen: WorldState) -> GraspMotion:
 
 
 def _refused(made: Plan, seen: WorldState) -> ReachAnswer:
-    answer = REACH.handles(made, seen)
+    answer = REACH.reach_plan(made, seen)
     assert not answer.ok
     return answer
 
 
 def test_the_carton_is_lifted_and_set_down() -> None:
-    answer = REACH.handles(plan(LIFT, DOWN), state())
+    answer = REACH.reach_plan(plan(LIFT, DOWN), state())
     assert answer.ok
     assert answer.margin > 0.3
 
 
 def test_the_carton_is_poured_from() -> None:
     turned = state(PlanarPose(0.75, 0.0, np.pi / 2.0))
-    assert REACH.handles(plan(LIFT, POUR, DOWN), turned).ok
+    assert REACH.reach_plan(plan(LIFT, POUR, DOWN), turned).ok
 
 
 def test_the_palm_is_where_the_legs_want_it() -> None:
@@ -66,9 +66,10 @@ def test_the_palm_is_where_the_legs_want_it() -> None:
 
 
 def test_a_grasp_too_low_brings_the_hand_to_the_table() -> None:
-    low = REACH.lowest_level - 0.02
+    low = REACH.limits.lowest_grasp - 0.02
     assert _refused(plan(LIFT, DOWN, of=grasp(height=low)), state()).reason == "table"
-    assert REACH.handles(plan(LIFT, DOWN, of=grasp(height=REACH.lowest_level)), state()).ok
+    least = plan(LIFT, DOWN, of=grasp(height=REACH.limits.lowest_grasp))
+    assert REACH.reach_plan(least, state()).ok
 
 
 def test_what_stands_where_the_knuckles_go_is_named() -> None:
@@ -81,13 +82,13 @@ def test_what_is_carried_hits_nothing() -> None:
     carry = Carry(to=Aim(x=0.75, y=0.25))
     low, high = (plan(LiftUp(height=h), carry) for h in (0.02, 0.16))
     assert _refused(low, state()).blocker == "mug"
-    assert REACH.handles(high, state()).ok
+    assert REACH.reach_plan(high, state()).ok
 
 
 def test_a_distance_that_is_asked_for_is_kept() -> None:
     carry = Carry(to=Aim(x=0.75, y=0.12))
     made = plan(LiftUp(height=0.02), carry)
-    assert REACH.handles(made, state()).ok
+    assert REACH.reach_plan(made, state()).ok
     limits = made.limits.model_copy(update={"clear_of": (("mug", 0.10),)})
     asked = made.model_copy(update={"limits": limits})
     assert _refused(asked, state()).blocker == "mug"
@@ -96,7 +97,7 @@ def test_a_distance_that_is_asked_for_is_kept() -> None:
 def test_too_wide_and_too_hard_are_said_with_numbers() -> None:
     wide = _refused(plan(LIFT, of=grasp(width=0.12)), state())
     assert wide.reason == "width"
-    assert wide.numbers["widest"] == REACH.widest
+    assert wide.numbers["widest"] == HAND.grasp_widths[1]
     hard = _refused(plan(LIFT, of=grasp(squeeze=30.0)), state())
     assert hard.reason == "torque"
     assert hard.numbers["force"] == 30.0
@@ -145,4 +146,4 @@ def test_near_the_arm_any_heading_does(heading: float) -> None:
         strongest=12.0,
     )
     alone = WorldState({"carton": SeenObject("carton", PlanarPose(0.6, 0.0, yaw), CARTON)})
-    assert REACH.handles(plan(LIFT, DOWN, of=turned), alone).ok
+    assert REACH.reach_plan(plan(LIFT, DOWN, of=turned), alone).ok

@@ -1,0 +1,103 @@
+"""Questions to the robot about pushes: no contact twice, no more than are worth it."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from planner.refusals import push_refusals as refusals
+from planner.types.dead_ends import NoPlanError
+from planner.types.robot import ReachAnswer
+
+if TYPE_CHECKING:
+    from planner.problem.planning_problem import PushProblem
+    from planner.types.actions import Push, Vector3
+    from planner.types.world_state import WorldState
+
+_SAME_PLACE = 0.02  # contacts nearer than this count as the same [m]
+
+
+class ReachSearch:
+    """Questions of one attempt to the robot, within its budget.
+
+    A contact at which a push of the frame has failed is not asked for. What is foreseen for an
+    object that will stand elsewhere by then will not stand exactly there, so that the hand must get
+    there with the usual effort.
+
+    Args:
+        problem: about the object, where it stands when the plan begins.
+    """
+
+    def __init__(self, problem: PushProblem) -> None:
+        self._problem = problem
+        self._answers: list[ReachAnswer] = []
+
+    @property
+    def was_denied(self) -> bool:
+        """Whether the hand did not get to something that it has not tried before."""
+        return any(not answer.ok and answer.reason != "failed" for answer in self._answers)
+
+    def reach(self, push: Push, state: WorldState) -> ReachAnswer:
+        """Ask for one push.
+
+        Raises:
+            NoPlanError: the budget is used up.
+        """
+        if len(self._answers) == self._problem.effort.questions:
+            refusal = refusals.given_up(self._problem.target, self._answers)
+            raise NoPlanError(refusal, ends_search=True)
+        answer = self._failed_before(push) or self._robots_answer(push, state)
+        self._answers.append(answer)
+        return answer
+
+    def _failed_before(self, push: Push) -> ReachAnswer | None:
+        for failed in self._problem.failed:
+            other = failed.push
+            near = math.dist(other.p_BC, push.p_BC) < _SAME_PLACE
+            if near and (other.fingers, other.ends_on) == (push.fingers, push.ends_on):
+                message = f"tried before: {failed.detail}"
+                return ReachAnswer(ok=False, reason="failed", message=message)
+        return None
+
+    def _robots_answer(self, push: Push, state: WorldState) -> ReachAnswer:
+        now = self._problem.state.objects[push.object].pose
+        thorough = self._problem.effort.thorough and state.objects[push.object].pose == now
+        return self._problem.robot.reach(push, state, "thorough" if thorough else "usual")
+
+
+class ContactQueries:
+    """Questions about the contacts of one push.
+
+    Args:
+        search: the budget.
+        problem: about the object, where it stands when the push begins.
+
+    Attributes:
+        denied: answers about contacts that the hand does not get to.
+    """
+
+    def __init__(self, search: ReachSearch, problem: PushProblem) -> None:
+        self._search, self._problem = search, problem
+        self._asked: dict[int, set[Vector3]] = {1: set(), 2: set()}
+        self._hopeless: set[int] = set()
+        self.denied: list[ReachAnswer] = []
+
+    def is_reached(self, push: Push) -> bool:
+        """Ask for a push, if it is worth asking for; True if the hand gets there.
+
+        Raises:
+            NoPlanError: the budget is used up.
+        """
+        before, problem = self._asked[push.fingers], self._problem
+        if push.p_BC in before or len(before) == problem.effort.contacts:
+            return False
+        if problem.robot.estimate_reach(push, problem.state) == 0.0:
+            # A glance is not sure, so one such push is asked for.
+            if push.fingers in self._hopeless:
+                return False
+            self._hopeless.add(push.fingers)
+        before.add(push.p_BC)
+        answer = self._search.reach(push, problem.state)
+        if not answer.ok:
+            self.denied.append(answer)
+        return answer.ok

@@ -1,0 +1,66 @@
+"""Questions to the robot: within a budget, and never where a push has failed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from planner.problem.push_problem import interpret_frame
+from planner.pushing.search_budget import ContactQueries, ReachSearch
+from planner.types.dead_ends import NoPlanError
+from planner.types.defaults import DEFAULTS
+from planner.types.robot import FailedPush
+from planner.types.world_state import PlanarPose, WorldState
+from tests.unit.planner.conftest import RuledReach, frame_of, planned
+
+SENTENCE = "push the ice tea box away"
+
+
+@pytest.mark.parametrize("thorough", [False, True])
+def test_a_contact_that_has_failed_is_not_tried_again(kitchen: WorldState, thorough: bool) -> None:
+    robot = RuledReach()
+    push = planned(SENTENCE, kitchen, robot).push
+    problem = interpret_frame(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
+    problem = replace(problem, effort=replace(problem.effort, thorough=thorough))
+    assert ReachSearch(problem).reach(push, kitchen).ok
+    search = ReachSearch(replace(problem, failed=(FailedPush(push, "it slipped off"),)))
+    answer = search.reach(push, kitchen)
+    assert (answer.ok, answer.reason) == (False, "failed")
+    assert not search.was_denied
+    aside = push.model_copy(update={"p_BC": (push.p_BC[0], push.p_BC[1], push.p_BC[2] + 0.021)})
+    assert search.reach(aside, kitchen).ok
+
+
+def test_a_budget_that_is_used_up_ends_the_search(kitchen: WorldState) -> None:
+    robot = RuledReach(lambda _: False)
+    push = planned(SENTENCE, kitchen).push
+    problem = interpret_frame(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
+    search = ReachSearch(replace(problem, effort=replace(problem.effort, questions=2)))
+    search.reach(push, kitchen)
+    search.reach(push, kitchen)
+    with pytest.raises(NoPlanError) as ended:
+        search.reach(push, kitchen)
+    assert ended.value.ends_search
+    assert ended.value.refusal.reason == "out_of_time"
+    assert ended.value.refusal.numbers["looks"] == 2.0
+
+
+def test_only_what_stands_as_now_is_looked_at_thoroughly(kitchen: WorldState) -> None:
+    robot = RuledReach(lambda _: False, last=lambda _: True)
+    push = planned(SENTENCE, kitchen).push
+    problem = interpret_frame(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
+    search = ReachSearch(replace(problem, effort=replace(problem.effort, thorough=True)))
+    assert search.reach(push, kitchen).ok
+    later = problem.with_target(replace(problem.target, pose=PlanarPose(0.5, 0.0)))
+    assert not search.reach(push, later.state).ok
+
+
+def test_no_contact_is_asked_for_twice(kitchen: WorldState) -> None:
+    robot = RuledReach(lambda _: False)
+    push = planned(SENTENCE, kitchen).push
+    problem = interpret_frame(frame_of(SENTENCE), kitchen, DEFAULTS, robot)
+    queries = ContactQueries(ReachSearch(problem), problem)
+    assert not queries.is_reached(push)
+    assert not queries.is_reached(push)
+    assert (len(robot.asked), len(queries.denied)) == (1, 1)
