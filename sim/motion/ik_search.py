@@ -1,9 +1,9 @@
 """How the arm stands along the way of a push, for many hands at once.
 
 Model: all solutions of the arm over a ring of redundancy angles (of the elbow), first at both ends
-of the stroke, which sorts out most, then along the whole way for the best. They are ranked by the room to
-the joint limits, and by how far from home they are. What is continuous and bears the force of the
-push is an arm pose of a stance, if nothing is in the way.
+of the stroke, which sorts out most, then along the whole way for the best. They are ranked by the
+room to the joint limits, and by how far from home they are. What is continuous and bears the force
+of the push is an arm pose of a stance, if nothing is in the way.
 
 Frames: see `sim.motion.arm_configuration`; D is the frame of the push.
 """

@@ -10,8 +10,8 @@ from scipy.integrate import quad
 
 from objectmodels import Disc, Polygon
 from objectmodels.containers.pour_dynamics import (
-    DISCHARGE,
     Catch,
+    Pour,
     angle_for,
     caught_volume,
     landing_distance,
@@ -31,6 +31,7 @@ CARTON = Vessel(
 )
 MUG = Vessel(Disc(0.037), 0.003, 0.082, Opening(radius=0.037))
 FULL = 0.3e-3
+SHARP_EDGE = 0.6  # share of the ideal flow over a weir or through a hole with a sharp edge
 FORWARDS = np.pi / 2.0  # to the side on which the carton has its opening
 OVER = {"heading": FORWARDS, "angle": np.radians(115.0), "rate": np.radians(20.0), "wait": 2.0}
 
@@ -45,16 +46,16 @@ def test_an_upright_opening_is_the_circular_weir(head: float) -> None:
 
     flow, _ = quad(layer, 0.0, min(head, 2.0 * r))
     # Twelve nodes for an arc that ends as a root.
-    assert outflow_rate(head, np.pi / 2.0, r) == pytest.approx(DISCHARGE * flow, rel=2e-3)
+    assert outflow_rate(head, np.pi / 2.0, r) == pytest.approx(SHARP_EDGE * flow, rel=2e-3)
 
 
 def test_a_level_opening_overflows_all_round() -> None:
-    weir = 2.0 / 3.0 * DISCHARGE * np.sqrt(2.0 * GRAVITY) * 2.0 * np.pi * 0.03 * 0.004**1.5
+    weir = 2.0 / 3.0 * SHARP_EDGE * np.sqrt(2.0 * GRAVITY) * 2.0 * np.pi * 0.03 * 0.004**1.5
     assert outflow_rate(0.004, 0.0, 0.03) == pytest.approx(weir, rel=1e-9)
 
 
 def test_no_more_than_the_whole_hole_lets_through() -> None:
-    hole = DISCHARGE * np.pi * 0.01**2 * np.sqrt(2.0 * GRAVITY * 0.1)
+    hole = SHARP_EDGE * np.pi * 0.01**2 * np.sqrt(2.0 * GRAVITY * 0.1)
     assert outflow_rate(0.1, np.pi, 0.01) == pytest.approx(hole)
     assert outflow_rate(-0.01, 1.0, 0.01) == 0.0
 
@@ -166,3 +167,15 @@ def test_a_mug_can_be_poured_from_any_side() -> None:
     # It is round: all of it, and alike.
     assert running.total_volume == pytest.approx(0.2e-3, rel=0.01)
     assert np.ptp(running.end_time) < 1e-6
+
+
+def test_the_end_is_when_all_but_a_hundredth_has_run_out() -> None:
+    time = np.linspace(0.0, 1.0, 1001)
+    even = Pour(time, np.zeros(1001), 1e-4 * time, np.zeros(1001))
+    assert even.end_time == pytest.approx(0.99, abs=2e-3)
+    assert even.start_time == pytest.approx(0.0, abs=2e-3)
+
+
+def test_a_pour_leans_to_130_degrees_at_most() -> None:
+    hasty = {"heading": FORWARDS, "rate": np.radians(2000.0), "wait": 0.0}
+    assert np.degrees(angle_for(CARTON, FULL, 0.5 * FULL, **hasty)) == pytest.approx(130.0)

@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from objectmodels import CylinderModel, ModelError
+from objectmodels import CylinderModel, ModelError, PrismModel
 from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification import (
     Estimates,
+    Trial,
     estimates_by_repetition,
     estimates_from_trials,
     repetition_table,
@@ -155,3 +156,53 @@ def test_slips_give_the_fingers_friction() -> None:
     assert estimates_from_trials(BELIEF, touched(TRUTH, [slip()])).finger_friction == pytest.approx(
         0.7
     )
+
+
+def level_slide(arm: float, height: float = 0.02, turn: bool = True) -> Trial:
+    """A slide whose arm about the centre of mass is a share of the friction radius."""
+    off = arm * TRUTH.friction_radius + TRUTH.com[1]
+    return replace(slide(off, turn), point=(-0.045, off, height))
+
+
+@pytest.mark.parametrize(("arm", "found"), [(0.15, False), (0.25, True)])
+def test_a_turn_shows_the_radius_from_an_arm_of_a_fifth_on(arm: float, found: bool) -> None:
+    (trial,) = touched(TRUTH, [level_slide(arm)])
+    radius = estimates_from_trials(TRUTH, [trial]).friction_radius
+    assert radius == (pytest.approx(TRUTH.friction_radius, rel=1e-6) if found else None)
+
+
+@pytest.mark.parametrize(("arm", "found"), [(0.08, True), (0.12, False)])
+def test_a_slide_is_straight_up_to_an_arm_of_a_tenth(arm: float, found: bool) -> None:
+    # Without turns a straight and an off-centre slide give the radius together.
+    trials = touched(TRUTH, [level_slide(arm, turn=False), level_slide(0.6, turn=False)])
+    assert (estimates_from_trials(TRUTH, trials).friction_radius is not None) == found
+
+
+@pytest.mark.parametrize(("height", "found"), [(0.030, True), (0.040, False)])
+def test_slides_count_up_to_half_as_much_again_as_the_lowest(height: float, found: bool) -> None:
+    trials = touched(TRUTH, [level_slide(0.0, turn=False), level_slide(0.5, height)])
+    assert (estimates_from_trials(TRUTH, trials).friction_radius is not None) == found
+
+
+@pytest.mark.parametrize(("apart", "found"), [(0.0055, False), (0.0085, True)])
+def test_two_tilts_tell_the_height_once_their_angles_differ(apart: float, found: bool) -> None:
+    plan = [tilt(side, angle) for side in ("front", "back") for angle in (0.12, 0.12 + apart)]
+    estimates = estimates_from_trials(TRUTH, touched(TRUTH, plan))
+    assert (estimates.com_z is not None) == found
+
+
+def test_tilts_nearly_along_y_tell_the_place_along_y() -> None:
+    corners = np.array([[0.04, 0.04], [-0.04, 0.04], [-0.04, -0.04], [0.04, -0.04]])
+    c, s = np.cos(np.radians(10.0)), np.sin(np.radians(10.0))
+    turned = corners @ np.array([[c, s], [-s, c]])
+    block = PrismModel(
+        name="b", corners=tuple(map(tuple, turned.tolist())), height=0.2, mass=1.0, friction=0.4
+    )
+    ways = [(-s, c), (s, -c)]
+    plan = [
+        Trial("topple", (-0.04 * x, -0.04 * y, 0.19), (x, y, 0.0), 0.02, source="tilt")
+        for x, y in ways
+    ]
+    estimates = estimates_from_trials(block, touched(block, plan))
+    assert estimates.com_y is not None
+    assert estimates.com_x is None
