@@ -65,7 +65,7 @@ class FlipConfiguration:
     p_WE: Array
 
     def joints(self, p_ET: Array, share: float) -> Array:
-        """Arm angles with T at a point of E, the palm turned by a share of the arc, (joints,).
+        """Arm angles, shape (joints,), with T at a point of E and the palm turned by a share.
 
         Raises:
             UnreachableError: the arm does not get there in this stance.

@@ -80,7 +80,7 @@ class GraspMotion:
     room: float = 0.0
 
     def joints(self, R_WB: Array, p_WB: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Arm angles, shape (n, joints), for object poses, and which are reached, shape (n,)."""
+        """Arm angles for object poses, shape (n, joints), and which of them are reached, (n,)."""
         n = len(p_WB)
         R_AF, p_AF = self.mount.flange(R_WB @ self.R_BP, p_WB + R_WB @ self.p_BP)
         q, valid = self.mount.arm.inverse(R_AF, p_AF, np.full(n, self.elbow), [self.branch])
