@@ -53,12 +53,12 @@ def reach(request: pytest.FixtureRequest) -> ArmHandReach:
 
 def test_what_the_planner_asks_of_a_robot_is_that_of_its_hand() -> None:
     reach = _reach(SIX, GRIPPER, load_scene("kitchen").cell)
-    assert reach.fingertip_radius == 0.006
-    assert reach.finger_spreads == (0.05,)
-    assert (reach.narrowest, reach.widest) == (0.01, 0.07)
-    assert reach.max_force == 20.0
-    assert reach.lowest_level == pytest.approx(0.08 + 0.005)
-    assert reach.grip(0.09) is None
+    assert reach.limits.fingertip_radius == 0.006
+    assert reach.limits.finger_spreads == (0.05,)
+    assert reach.limits.grasp_widths == (0.01, 0.07)
+    assert reach.limits.max_force == 20.0
+    assert reach.limits.lowest_grasp == pytest.approx(0.08 + 0.005)
+    assert reach.grasp(0.09) is None
 
 
 @pytest.mark.parametrize("fingers", [1, 2])
@@ -78,7 +78,7 @@ def test_the_tips_of_any_hand_follow_the_path_of_a_push(reach: ArmHandReach, fin
         tips = p_WP + stance.posture.tips @ R_WP.T
         # arccos of a direction cosine near ±1 halves the digits.
         np.testing.assert_allclose(tips.mean(axis=0), point, atol=1e-7)
-    assert reach.prospect(push, there) > 0.0
+    assert reach.estimate_reach(push, there) > 0.0
 
 
 def test_any_hand_closes_about_the_middle_of_a_grasp(reach: ArmHandReach) -> None:
@@ -102,6 +102,6 @@ def test_any_hand_closes_about_the_middle_of_a_grasp(reach: ArmHandReach) -> Non
 
 def test_a_squeeze_beyond_the_hand_is_refused_with_its_own_strength() -> None:
     reach = _reach(ARM, GRIPPER, scene().cell)
-    answer = reach.handles(plan(LiftUp(height=0.03), of=grasp(squeeze=16.0)), state())
+    answer = reach.reach_plan(plan(LiftUp(height=0.03), of=grasp(squeeze=16.0)), state())
     assert answer.reason == "torque"
     assert answer.numbers["strength"] == 15.0
