@@ -136,7 +136,9 @@ def fuzz(atheris: Any, seconds: float, seed: int, limit: float) -> None:
         from grammar.words.normalisation import MAX_LENGTH
     lexicon = default_lexicon()
     names = {*lexicon.terminals, *lexicon.verb_words}
-    phrases = sorted({p for name in names for p in lexicon.phrases(name)} | lexicon.reserved)
+    phrases = sorted(
+        {p for name in names for p in lexicon.phrases_of(name)} | lexicon.reserved_words
+    )
     sentences = understood() + refused()
     findings = Findings(parse, limit, ParseError)
     parse("push the box")  # the parser is built with the first sentence

@@ -94,7 +94,7 @@ def earley_dynamic(lexicon: Lexicon) -> Lark:
         "NUMBER_WORD": lexicon.numbers.pattern.pattern,
     }
     for name in (*NAME_TERMINALS, *lexicon.terminals):
-        terminals[name] = "|".join(re.escape(phrase) for phrase in lexicon.phrases(name))
+        terminals[name] = "|".join(re.escape(phrase) for phrase in lexicon.phrases_of(name))
     # A number may have its unit glued to it; all else ends where a word does.
     ends = {name: "" if name == "NUMBER" else "(?= |$)" for name in terminals}
     patterns = {name: text.replace("/", r"\/") for name, text in terminals.items()}

@@ -29,7 +29,7 @@ def parse(text: str) -> Command:
 
 
 def paraphrase(said: Frame | Sequence[Frame], lexicon: Lexicon | None = None) -> str:
-    """Says in plain words what frames ask; see `command_wording.paraphrase`."""
+    """Return frames in plain words; see `command_wording.paraphrase`."""
     from grammar.paraphrasing import command_wording as wording
 
     return wording.paraphrase(said, lexicon)

@@ -17,7 +17,7 @@ from grammar.phrases.parse_table import parse_table
 from grammar.phrases.tree_transform import parts_of
 from grammar.syntax_diagnosis import diagnose
 from grammar.words.lexicon import Lexicon
-from grammar.words.lexicon_plugins import installed
+from grammar.words.lexicon_plugins import installed_lexicon
 from grammar.words.normalisation import Normalised, normalise
 from grammar.words.phrase_lexer import PhraseLexer
 
@@ -46,11 +46,11 @@ class Parser:
             ParseError: if the sentence, or a part of it, is not understood.
         """
         sentence = normalise(text, self.lexicon.contractions)
-        parts = parts_of(self._tree(sentence), self.lexicon, sentence)
+        parts = parts_of(self._parse_tree(sentence), self.lexicon, sentence)
         frames = frames_of(parts, self.lexicon, sentence)
         return Command(text=text, frames=frames, paraphrase=paraphrase(frames, self.lexicon))
 
-    def _tree(self, sentence: Normalised) -> Tree:
+    def _parse_tree(self, sentence: Normalised) -> Tree:
         try:
             return self._lalr.parse(sentence.text)
         except UnexpectedTokenError as error:
@@ -62,7 +62,7 @@ def parser_for(names: Iterable[str]) -> Parser:
 
     A name that would be read as something else ("hard drive") becomes a word of the language.
     """
-    lexicon, _ = installed()
+    lexicon, _ = installed_lexicon()
     phrasing = Phrasing(lexicon)
     unread = sorted(name for name in names if not phrasing.needs_no_article(name))
     return _parser_with(tuple(unread)) if unread else default_parser()
@@ -70,14 +70,14 @@ def parser_for(names: Iterable[str]) -> Parser:
 
 @cache
 def _parser_with(names: tuple[str, ...]) -> Parser:
-    lexicon, _ = installed()
+    lexicon, _ = installed_lexicon()
     return Parser(lexicon.extended(names=names))
 
 
 @cache
 def default_parser() -> Parser:
     """The parser for the language that is installed: nlcontrol's own and its plug-ins'."""
-    lexicon, _ = installed()
+    lexicon, _ = installed_lexicon()
     return Parser(lexicon)
 
 

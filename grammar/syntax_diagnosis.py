@@ -35,33 +35,35 @@ def diagnose(error: UnexpectedTokenError, sentence: Normalised, lexicon: Lexicon
         lexicon: the words of the language.
     """
     at_end, accepts = error.token.type == END, error.accepts
-    start, word = _word(sentence, len(sentence.text) if at_end else error.token.start_pos)
-    said, last = _word(sentence, sentence.text.rfind(" ") + 1)
+    start, word = _word_at(sentence, len(sentence.text) if at_end else error.token.start_pos)
+    said, last = _word_at(sentence, sentence.text.rfind(" ") + 1)
     span = (
-        sentence.span(said, said + len(last)) if at_end else sentence.span(start, start + len(word))
+        sentence.original_span(said, said + len(last))
+        if at_end
+        else sentence.original_span(start, start + len(word))
     )
     if word.startswith('"'):
-        return _no_object(span)
+        return _no_object_error(span)
     if not at_end and word in lexicon.vague:
-        return _vague(word, span, lexicon)
+        return _vague_word_error(word, span, lexicon)
     if (
         not at_end
         and "VERB" in accepts
-        and (missing := _no_verb(start, word, span, sentence, lexicon))
+        and (missing := _missing_verb_error(start, word, span, sentence, lexicon))
     ):
         return missing
     taken = [m for m in _TAKEN_BY.finditer(sentence.text) if m.start() <= start < m.end()]
     if taken and "VERB" not in accepts:
-        return _taken_by(sentence.span(*taken[0].span()), sentence)
+        return _taken_by_error(sentence.original_span(*taken[0].span()), sentence)
     if "SIDE_OF_OBJECT" in accepts and not accepts & {*_UNITS, "VERB"}:
-        return _no_unit(start, sentence, lexicon)
+        return _no_unit_error(start, sentence, lexicon)
     if "WORD" in accepts and "$END" not in accepts and "VERB" not in accepts:
         before = sentence.text[:start].split()[-1:]
         if not any(name in accepts for name in _UNITS) or before in (["a"], ["an"]):
-            return _no_object(span)
+            return _no_object_error(span)
     if units := [_UNITS[name] for name in _UNITS if name in accepts and "VERB" not in accepts]:
         number = last if at_end else sentence.text[:start].split()[-1]
-        wanted = _did_you_mean(word, _words(accepts, lexicon))
+        wanted = _nearest_words(word, _words_of_terminals(accepts, lexicon))
         return ParseError(
             "missing_unit",
             f'"{number}" lacks its unit',
@@ -69,25 +71,25 @@ def diagnose(error: UnexpectedTokenError, sentence: Normalised, lexicon: Lexicon
             (*wanted, *(f"{number} {unit}" for unit in units)),
         )
     if at_end:
-        return _incomplete(accepts, span, lexicon)
-    written = sentence.written(span)
+        return _incomplete_error(accepts, span, lexicon)
+    written = sentence.words_as_written(span)
     anything = "VERB" in accepts
     instead = (f'leave out "{written}"',) if anything else _could_stand_here(accepts, lexicon)
     return ParseError(
         "unexpected_words",
         f'"{written}" is not understood here',
         span,
-        (*_did_you_mean(word, _words(accepts, lexicon)), *instead),
+        (*_nearest_words(word, _words_of_terminals(accepts, lexicon)), *instead),
     )
 
 
-def _word(sentence: Normalised, position: int) -> tuple[int, str]:
+def _word_at(sentence: Normalised, position: int) -> tuple[int, str]:
     """The word at a position of the plain form, and where it starts."""
     match = _WORD.search(sentence.text, position)
     return (match.start(), match.group()) if match else (len(sentence.text), "")
 
 
-def _vague(word: str, span: Span, lexicon: Lexicon) -> ParseError:
+def _vague_word_error(word: str, span: Span, lexicon: Lexicon) -> ParseError:
     return ParseError(
         "unexpected_words",
         f'"{word}" may mean several things',
@@ -96,29 +98,29 @@ def _vague(word: str, span: Span, lexicon: Lexicon) -> ParseError:
     )
 
 
-def _no_verb(
+def _missing_verb_error(
     start: int, word: str, span: Span, sentence: Normalised, lexicon: Lexicon
 ) -> ParseError | None:
     """The error for a word where a command should begin; None if one has begun."""
     before = sentence.text[:start].split()
-    first = set(before) <= lexicon.silent
+    first = set(before) <= lexicon.silent_words
     if not (first or before[-1] in lexicon.joints):
         return None
     if word in lexicon.later_verbs:
         known = ", ".join(sorted(lexicon.verb_words["VERB"]))
         message = f'the verb "{word}" is not understood yet'
         return ParseError("unsupported_verb", message, span, (f"understood are {known}",))
-    if not word.isalpha() or word in lexicon.reserved | lexicon.first_words:
+    if not word.isalpha() or word in lexicon.reserved_words | lexicon.first_words:
         return None
-    close = _did_you_mean(word, lexicon.verb_words["VERB"], close=65.0)
+    close = _nearest_words(word, lexicon.verb_words["VERB"], close=65.0)
     if not (first or close):
         return None
     return ParseError("unknown_verb", f'"{word}" is no known verb', span, close or (EXAMPLE,))
 
 
-def _taken_by(span: Span, sentence: Normalised) -> ParseError:
+def _taken_by_error(span: Span, sentence: Normalised) -> ParseError:
     """The error for a part by which something is to be held: "by its handle"."""
-    written = sentence.written(span)
+    written = sentence.words_as_written(span)
     return ParseError(
         "unexpected_words",
         f'where to take hold is up to the robot: "{written}" is not understood',
@@ -127,23 +129,23 @@ def _taken_by(span: Span, sentence: Normalised) -> ParseError:
     )
 
 
-def _no_unit(end: int, sentence: Normalised, lexicon: Lexicon) -> ParseError:
+def _no_unit_error(end: int, sentence: Normalised, lexicon: Lexicon) -> ParseError:
     """The error for a word behind a number that is no unit: "10 blorps"."""
     start = sentence.text[:end].rstrip().rfind(" ") + 1
-    span = sentence.span(start, len(sentence.text[:end].rstrip()))
-    written = sentence.written(span)
-    close = _did_you_mean(written.casefold(), _words(_UNITS, lexicon))
+    span = sentence.original_span(start, len(sentence.text[:end].rstrip()))
+    written = sentence.words_as_written(span)
+    close = _nearest_words(written.casefold(), _words_of_terminals(_UNITS, lexicon))
     message = f'"{written}" is no unit'
     return ParseError("missing_unit", message, span, close or ("cm", "degrees", "N"))
 
 
-def _no_object(span: Span) -> ParseError:
+def _no_object_error(span: Span) -> ParseError:
     return ParseError("no_object", "the name of an object is missing", span, (EXAMPLE,))
 
 
-def _incomplete(expected: Set[str], span: Span, lexicon: Lexicon) -> ParseError:
+def _incomplete_error(expected: Set[str], span: Span, lexicon: Lexicon) -> ParseError:
     if "THE" in expected and not expected & {"AVOIDING", "TOOL", "VERB"}:
-        return _no_object(span)
+        return _no_object_error(span)
     return ParseError(
         "incomplete",
         "the sentence ends too early",
@@ -157,18 +159,18 @@ def _could_stand_here(expected: Set[str], lexicon: Lexicon) -> tuple[str, ...]:
     return (f"could stand here: {', '.join(labels)}",) if labels else (EXAMPLE,)
 
 
-def _words(expected: Iterable[str], lexicon: Lexicon) -> set[str]:
+def _words_of_terminals(expected: Iterable[str], lexicon: Lexicon) -> set[str]:
     """Every word of the terminals that could have stood here."""
     known = [n for n in expected if n in lexicon.terminals or n in lexicon.verb_words]
-    return {w for name in known for p in lexicon.phrases(name) for w in p.split() if len(w) > 3}
+    return {w for name in known for p in lexicon.phrases_of(name) for w in p.split() if len(w) > 3}
 
 
 def words_like(word: str, lexicon: Lexicon) -> tuple[str, ...]:
-    """What a word may have been meant for that is no word of the language."""
-    return _did_you_mean(word.casefold(), _words(lexicon.terminals, lexicon))
+    """Suggestions for a word that is no word of the language."""
+    return _nearest_words(word.casefold(), _words_of_terminals(lexicon.terminals, lexicon))
 
 
-def _did_you_mean(word: str, known: Iterable[str], close: float = 75.0) -> tuple[str, ...]:
+def _nearest_words(word: str, known: Iterable[str], close: float = 75.0) -> tuple[str, ...]:
     """The known words nearest to a word; of near ties all, since none is a better guess."""
     from rapidfuzz import fuzz, process
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, cast
 
-from grammar.clauses.clause_errors import unexpected
+from grammar.clauses.clause_errors import unexpected_part
 from grammar.clauses.clause_parts import Clause
 from grammar.clauses.consistency import is_still, require_consistent
 from grammar.clauses.constraint_builder import constraints_of, require_same
-from grammar.clauses.goal_builder import intended
-from grammar.clauses.object_descriptions import parted_of
+from grammar.clauses.goal_builder import goal_builder_for
+from grammar.clauses.object_descriptions import part_and_owner
 from grammar.errors import ParseError
 from grammar.frames import command as g
 from grammar.frames.command import Span
@@ -77,20 +77,20 @@ class ActionReader:
         self._lexicon = lexicon
         self._sentence = sentence
 
-    def frame(self, thing: ThingPart) -> g.Frame:
+    def frame_about(self, thing: ThingPart) -> g.Frame:
         """The frame of the clause as it is about a thing.
 
         Raises:
             ParseError: with the words that do not fit.
         """
         rest, constraints = constraints_of(
-            _stopping(self._parts), thing, self._lexicon, self._sentence
+            _with_stop_as_constraint(self._parts), thing, self._lexicon, self._sentence
         )
-        verb, name, spans, rest = self._verb(self._head, rest)
-        result, rest, event, asked = self._asked_about(rest, thing, verb)
+        verb, name, spans, rest = self._find_verb(self._head, rest)
+        result, rest, event, asked = self._result_and_event(rest, thing, verb)
         if self._query in _ASK_FOR_EVENTS and event is None:
             constraints, event, asked = _without_stops(constraints)
-        goal = self._goal(verb, name, result, rest, thing, spans[0])
+        goal = self._goal_of_parts(verb, name, result, rest, thing, spans[0])
         goal, thing = self._of_a_part(goal, thing)
         if verb.action == "push" and is_still(constraints) and not _says_more(goal):
             goal = g.NoGoal()  # a push need not move what it pushes
@@ -107,7 +107,7 @@ class ActionReader:
         require_consistent(frame, self._sentence)
         return _with_it_bound(frame)
 
-    def _goal(
+    def _goal_of_parts(
         self,
         verb: Verb,
         name: str,
@@ -116,7 +116,7 @@ class ActionReader:
         thing: ThingPart,
         span: Span,
     ) -> g.Goal:
-        """What should become of the object; every part that is left finds its place in it."""
+        """Build the goal; every part that is left finds its place in it."""
         if thing.contents and verb.goal not in ("pour", "fill"):
             message = f'the contents of a thing do not go with "{name}"'
             raise ParseError(
@@ -125,31 +125,31 @@ class ActionReader:
         if verb.goal not in _PUSHED or verb.action == "pull":
             rest = [p for p in rest if not (isinstance(p, DirectionPart) and p.implied)]
         clause = Clause(rest, verb, self._sentence, span)
-        goal = intended(verb, result, clause)(clause)
-        clause.finish(name)
+        goal = goal_builder_for(verb, result, clause)(clause)
+        clause.require_all_taken(name)
         if result is None:
             return goal
         return goal.model_copy(update={"spans": tuple(sorted((*goal.spans, result.span)))})
 
-    def _asked_about(
+    def _result_and_event(
         self, rest: Parts, thing: ThingPart, verb: Verb
     ) -> tuple[ResultPart | None, Parts, g.Event | None, g.Spans]:
-        """What should come of it, or what a question asks about, with the words of that."""
+        """Find the wanted result, or the event that a question asks about, with its words."""
         event = next((each.event for each in self._asks if each.event), None)
         said = tuple(p.span for p in rest if isinstance(p, ResultPart | PurposePart))
-        result, rest, asked = self._results(rest, thing, self._query, verb)
+        result, rest, asked = self._wanted_result(rest, thing, self._query, verb)
         return result, rest, event or asked, said if asked else ()
 
-    def _results(
+    def _wanted_result(
         self, rest: Parts, thing: ThingPart, query: g.Query | None, verb: Verb
     ) -> tuple[ResultPart | None, Parts, g.Event | None]:
-        """What should come of it; in a question it is what is asked about."""
+        """Find the wanted result; in a question it is the event that is asked about."""
         results = [p for p in rest if isinstance(p, ResultPart | PurposePart)]
         rest = [p for p in rest if not isinstance(p, ResultPart | PurposePart)]
         if not results:
             return None, rest, None
         if len(results) > 1:
-            raise unexpected(results[1], self._sentence)
+            raise unexpected_part(results[1], self._sentence)
         part = results[0]
         mention = part.subject if isinstance(part, ResultPart) else part.thing
         require_same(mention, thing, part, self._sentence)
@@ -159,7 +159,7 @@ class ActionReader:
         if query in ("how_hard", "where") and part.event == "stays_upright":
             return None, rest, "stays_upright"
         if query or before or part.event == "stays_upright":
-            raise unexpected(part, self._sentence)
+            raise unexpected_part(part, self._sentence)
         if isinstance(part, PurposePart):
             part = ResultPart(part.span, part.event, thing)
         elif part.amount:
@@ -170,26 +170,26 @@ class ActionReader:
         """Takes "the lid of the cup", when it is opened, for a part of the cup."""
         if not isinstance(goal, g.Open | g.Close):
             return goal, thing
-        parted = parted_of(thing, self._lexicon, self._sentence)
+        parted = part_and_owner(thing, self._lexicon, self._sentence)
         if parted is None or parted[0] not in self._lexicon.parts:
             return goal, thing
         part, span, whole = parted
         return goal.model_copy(update={"part": part, "spans": (*goal.spans, span)}), whole
 
-    def _verb(self, part: VerbPart, rest: Parts) -> tuple[Verb, str, tuple[Span, ...], Parts]:
+    def _find_verb(self, part: VerbPart, rest: Parts) -> tuple[Verb, str, tuple[Span, ...], Parts]:
         """Finds the verb with or without its particle; returns what it leaves of the rest."""
         lexicon = self._lexicon
         particle = next((p for p in rest if isinstance(p, ParticlePart)), None)
-        alone = lexicon.verb(part.word)
+        alone = lexicon.find_verb(part.word)
         if particle is not None and particle.optional:
-            topples = lexicon.verb(part.word, particle.word)
+            topples = lexicon.find_verb(part.word, particle.word)
             if topples is None or (alone and alone.goal == "displace"):
                 rest, particle = [p for p in rest if p is not particle], None
         if particle is not None:
-            verb = lexicon.verb(part.word, particle.word)
+            verb = lexicon.find_verb(part.word, particle.word)
             if verb is not None:
                 left = [p for p in rest if p is not particle]
-                spans = _joined([part.span, particle.span], self._sentence)
+                spans = _join_spans([part.span, particle.span], self._sentence)
                 return verb, f"{part.word} {particle.word}", spans, left
         if alone is not None and part.completed is not None:
             return alone, part.word, (part.span, part.completed), rest
@@ -240,7 +240,7 @@ def _without_stops(
     return constraints, None, ()
 
 
-def _stopping(parts: Parts) -> Parts:
+def _with_stop_as_constraint(parts: Parts) -> Parts:
     """Takes "to the left so that it touches the mug" for a direction and where to stop."""
     ends = next((p for p in parts if isinstance(p, ResultPart) and p.event == "ends_up"), None)
     place = next((p for p in parts if isinstance(p, PlacePart)), None)
@@ -259,7 +259,7 @@ def _says_more(goal: g.Goal) -> bool:
     return goal != g.Displace() and bool(goal.spans)
 
 
-def _joined(spans: list[Span], sentence: Normalised) -> tuple[Span, ...]:
+def _join_spans(spans: list[Span], sentence: Normalised) -> tuple[Span, ...]:
     """One span if only space lies between."""
     (start, middle), (again, end) = sorted(spans)
     between = sentence.original[middle:again]

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from grammar.clauses.clause_errors import unexpected
+from grammar.clauses.clause_errors import unexpected_part
 from grammar.errors import ParseError
 from grammar.frames.command import Span
 from grammar.phrases.phrase_parts import (
@@ -43,30 +43,30 @@ def clauses_of(parts: Sequence[Part], sentence: Normalised) -> list[Parts]:
     Raises:
         ParseError: `several_commands`, `unexpected_words`, `incomplete`, `unsupported_question`.
     """
-    parts = _joined(_without_requests(parts, sentence), sentence)
+    parts = _require_joints_join(_without_requests(parts, sentence), sentence)
     if any(isinstance(part, AskPart) for part in parts):
-        return [_question(parts, sentence)]
+        return [_question_parts(parts, sentence)]
     if sentence.question and not _is_request(sentence):
-        raise _unclear(sentence)
+        raise _unclear_question_error(sentence)
     clauses: list[Parts] = [[]]
     for part in parts:
         if isinstance(part, _HEADS) and any(isinstance(p, _HEADS) for p in clauses[-1]):
-            clauses.append(_opening(clauses[-1], part, sentence))
-        elif isinstance(part, NextPart) and part.word == "then" and _content(clauses[-1]):
+            clauses.append(_take_opening(clauses[-1], part, sentence))
+        elif isinstance(part, NextPart) and part.word == "then" and _without_joints(clauses[-1]):
             clauses.append([])
         clauses[-1].append(part)
-    return [_content(clause) for clause in clauses]
+    return [_without_joints(clause) for clause in clauses]
 
 
-def _content(clause: Parts) -> Parts:
+def _without_joints(clause: Parts) -> Parts:
     return [part for part in clause if not isinstance(part, _JOINTS)]
 
 
-def _opening(clause: Parts, verb: Part, sentence: Normalised) -> Parts:
+def _take_opening(clause: Parts, verb: Part, sentence: Normalised) -> Parts:
     """Takes from a clause what opens the next one, back to the joint between them."""
     last = max((i for i, part in enumerate(clause) if isinstance(part, _JOINTS)), default=None)
     if last is None or not all(isinstance(part, _OPENINGS) for part in clause[last + 1 :]):
-        written = sentence.written(verb.span)
+        written = sentence.words_as_written(verb.span)
         raise ParseError(
             "several_commands",
             f'"{written}" begins a second command',
@@ -78,7 +78,7 @@ def _opening(clause: Parts, verb: Part, sentence: Normalised) -> Parts:
     return opening
 
 
-def _joined(parts: Sequence[Part], sentence: Normalised) -> Parts:
+def _require_joints_join(parts: Sequence[Part], sentence: Normalised) -> Parts:
     """The parts, once every joint is found to join something."""
     said = [part for part in parts if not isinstance(part, FillerPart)]
     if isinstance(parts[-1], FillerPart) and said and isinstance(said[-1], SeparatorPart):
@@ -89,27 +89,27 @@ def _joined(parts: Sequence[Part], sentence: Normalised) -> Parts:
         if after is None:
             raise ParseError(
                 "incomplete",
-                f'the sentence ends after "{sentence.written(part.span)}"',
+                f'the sentence ends after "{sentence.words_as_written(part.span)}"',
                 part.span,
-                (f'leave out "{sentence.written(part.span)}", or say what comes then',),
+                (f'leave out "{sentence.words_as_written(part.span)}", or say what comes then',),
             )
         if before is None and part.word != ",":
-            raise _unjoined(part, sentence)
+            raise _joint_error(part, sentence)
         doubled = isinstance(after, SeparatorPart)
-        if doubled or (part.word == "or" and not _goes_on_avoiding(after)):
-            raise _unjoined(after if doubled else part, sentence)
+        if doubled or (part.word == "or" and not _is_avoidance(after)):
+            raise _joint_error(after if doubled else part, sentence)
     return list(parts)
 
 
-def _goes_on_avoiding(part: Part) -> bool:
+def _is_avoidance(part: Part) -> bool:
     return isinstance(part, AvoidPart | FurtherNoTouchPart)
 
 
-def _unjoined(part: Part, sentence: Normalised) -> ParseError:
+def _joint_error(part: Part, sentence: Normalised) -> ParseError:
     """A joint that joins nothing, or that leaves a choice."""
     if not isinstance(part, SeparatorPart) or part.word != "or":
-        return unexpected(part, sentence)
-    message = f'"{sentence.written(part.span)}" leaves a choice'
+        return unexpected_part(part, sentence)
+    message = f'"{sentence.words_as_written(part.span)}" leaves a choice'
     return ParseError("unexpected_words", message, part.span, ("say the one that is meant",))
 
 
@@ -126,45 +126,46 @@ def _without_requests(parts: Sequence[Part], sentence: Normalised) -> Parts:
 
 
 def _is_request(sentence: Normalised) -> bool:
-    """Whether a question mark belongs to a request: could you, would you mind."""
+    """Check for a question mark that belongs to a request: could you, would you mind."""
     words = f"{sentence.text} "
     return any(f"{word} you " in words for word in ("could", "would", "will", "do"))
 
 
-def _unclear(sentence: Normalised) -> ParseError:
+def _unclear_question_error(sentence: Normalised) -> ParseError:
     span = len(sentence.original.rstrip()) - 1, len(sentence.original.rstrip())
     return ParseError(
         "unsupported_question",
         "with a question mark it is not clear whether this is to be done or to be answered",
         span,
         (
-            f'to have it done: "{sentence.written((0, span[0]))}"',
-            f'to ask: "can you {sentence.written((0, span[0]))}?"',
+            f'to have it done: "{sentence.words_as_written((0, span[0]))}"',
+            f'to ask: "can you {sentence.words_as_written((0, span[0]))}?"',
         ),
     )
 
 
-def _question(parts: Parts, sentence: Normalised) -> Parts:
+def _question_parts(parts: Parts, sentence: Normalised) -> Parts:
     """The parts of a question, which is about one action."""
     verbs = [part for part in parts if isinstance(part, _HEADS)]
     asks = [part for part in parts if isinstance(part, AskPart)]
     actions = 0 if asks[0].query in ("value", "affordances") else 1
-    others = [ask for ask in asks[1:] if not _same_question(asks[0], ask)]
+    others = [ask for ask in asks[1:] if not _is_same_question(asks[0], ask)]
     extra: Parts = [*verbs[actions:], *others]
     if extra:
-        raise _second(extra[0].span, sentence)
-    return _content(parts)
+        raise _second_question_error(extra[0].span, sentence)
+    return _without_joints(parts)
 
 
-def _same_question(first: AskPart, second: AskPart) -> bool:
-    """Whether two parts ask one question: "if you push it, what happens, will it topple"."""
+def _is_same_question(first: AskPart, second: AskPart) -> bool:
+    """Check for two parts of one question: "if you push it, what happens, will it topple"."""
     return first.query == second.query == "predict" and None in (first.event, second.event)
 
 
-def _second(span: Span, sentence: Normalised) -> ParseError:
+def _second_question_error(span: Span, sentence: Normalised) -> ParseError:
+    written = sentence.words_as_written(span)
     return ParseError(
         "unsupported_question",
-        f'"{sentence.written(span)}" asks about a second action; one at a time is answered',
+        f'"{written}" asks about a second action; one at a time is answered',
         span,
         ("ask one question for each action",),
     )

@@ -9,18 +9,18 @@ from grammar.phrases.phrase_parts import FillerPart, Part, ThingPart, VerbPart
 from grammar.words.normalisation import Normalised
 
 
-def unexpected(part: Part, sentence: Normalised) -> ParseError:
+def unexpected_part(part: Part, sentence: Normalised) -> ParseError:
     """Words that have no place where they stand."""
-    written = sentence.written(part.span)
+    written = sentence.words_as_written(part.span)
     message = f'"{written}" is not understood here'
     return ParseError("unexpected_words", message, part.span, (f'leave out "{written}"',))
 
 
-def several(thing: ThingPart, sentence: Normalised) -> ParseError:
+def several_objects(thing: ThingPart, sentence: Normalised) -> ParseError:
     """A second object."""
     return ParseError(
         "several_objects",
-        f'"{sentence.written(thing.span)}" is a second object',
+        f'"{sentence.words_as_written(thing.span)}" is a second object',
         thing.span,
         ("say one command for each object",),
     )
@@ -40,6 +40,6 @@ def no_object(verb: VerbPart, parts: Sequence[Part]) -> ParseError:
 def no_verb(sentence: Normalised, parts: Sequence[Part] = ()) -> ParseError:
     """Nothing says what to do."""
     said = [part for part in parts if not isinstance(part, FillerPart)] or parts
-    span = said[0].span if said else sentence.span(0, len(sentence.text))
+    span = said[0].span if said else sentence.original_span(0, len(sentence.text))
     message = "the sentence does not say what to do"
     return ParseError("no_verb", message, span, ('say, for example, "push the box away"',))

@@ -45,18 +45,18 @@ class Clause:
         self.verb_span = verb_span
         self.spans: list[Span] = []
 
-    def has(self, *kinds: type[Part]) -> bool:
-        """Whether a part of these kinds is left; a direction that is implied does not count."""
+    def has_part(self, *kinds: type[Part]) -> bool:
+        """Check for a part of these kinds that is left; an implied direction does not count."""
         return any(
             isinstance(part, kinds) and not (isinstance(part, DirectionPart) and part.implied)
             for part in self._left
         )
 
-    def first(self, kind: type[P]) -> P | None:
+    def first_part(self, kind: type[P]) -> P | None:
         """The first part of a kind, which stays to be taken."""
         return next((part for part in self._left if isinstance(part, kind)), None)
 
-    def put(self, instead_of: Part, part: Part) -> None:
+    def replace_part(self, instead_of: Part, part: Part) -> None:
         """Takes a part for another one."""
         self._left = [part if each is instead_of else each for each in self._left]
 
@@ -71,14 +71,14 @@ class Clause:
         self.spans += [part.span for part in taken]
         return taken
 
-    def take(self, kind: type[P]) -> P | None:
+    def take_only(self, kind: type[P]) -> P | None:
         """Takes the only part of a kind."""
         taken = self.take_all(kind)
         if len(taken) > 1:
-            raise self.twice(taken[0], taken[1])
+            raise self.said_twice_error(taken[0], taken[1])
         return taken[0] if taken else None
 
-    def twice(self, first: Part, second: Part) -> ParseError:
+    def said_twice_error(self, first: Part, second: Part) -> ParseError:
         """Two parts say the same thing."""
         quotes = self.quote(first), self.quote(second)
         return ParseError(
@@ -89,7 +89,7 @@ class Clause:
             spans=(first.span, second.span),
         )
 
-    def against(self, first: Part, second: Part) -> ParseError:
+    def contradiction_error(self, first: Part, second: Part) -> ParseError:
         """Two parts contradict each other."""
         quotes = self.quote(first), self.quote(second)
         return ParseError(
@@ -100,16 +100,16 @@ class Clause:
             spans=(first.span, second.span),
         )
 
-    def refused(self, part: Part, message: str, *suggestions: str) -> ParseError:
+    def does_not_apply_error(self, part: Part, message: str, *suggestions: str) -> ParseError:
         """A part that does not apply."""
         text = f"{self.quote(part)} {message}"
         return ParseError("does_not_apply", text, part.span, suggestions)
 
     def quote(self, part: Part) -> str:
         """The words of a part, in quotation marks."""
-        return f'"{self._sentence.written(part.span)}"'
+        return f'"{self._sentence.words_as_written(part.span)}"'
 
-    def directions(self) -> tuple[g.Direction, ...]:
+    def take_directions(self) -> tuple[g.Direction, ...]:
         """Takes what is said of the direction: none, one, or two across each other."""
         parts = self.take_all(DirectionPart)
         if any(not part.implied for part in parts):
@@ -118,45 +118,47 @@ class Clause:
         for i, part in enumerate(parts):
             for other in parts[:i]:
                 if {part.value, other.value} in _OPPOSITES:
-                    raise self.against(other, part)
+                    raise self.contradiction_error(other, part)
         said = {part.value for part in parts}
-        diagonal = self.take(DiagonalPart)
+        diagonal = self.take_only(DiagonalPart)
         if diagonal is not None and len(said) < 2:
             message = "needs two directions"
-            raise self.refused(diagonal, message, "away and to the left", "back and to the right")
+            raise self.does_not_apply_error(
+                diagonal, message, "away and to the left", "back and to the right"
+            )
         return tuple(sorted(said, key=("away", "toward", "left", "right").index))
 
     def drop_implied(self) -> None:
         """Forgets the direction that a side implies, where another says where to go."""
         self._left = [p for p in self._left if not (isinstance(p, DirectionPart) and p.implied)]
 
-    def direction(self) -> g.Direction | None:
+    def take_direction(self) -> g.Direction | None:
         """Takes what is said of the direction, where only a single one makes sense."""
         last = next((p for p in reversed(self._left) if isinstance(p, DirectionPart)), None)
-        directions = self.directions()
+        directions = self.take_directions()
         if last is not None and len(directions) > 1:
             message = "is a second direction; a single one is possible here"
-            raise self.refused(last, message, *directions)
+            raise self.does_not_apply_error(last, message, *directions)
         return directions[0] if directions else None
 
-    def angle(self) -> tuple[float | None, g.Bound]:
+    def take_angle(self) -> tuple[float | None, g.Bound]:
         """Takes an angle and its bound."""
-        part = self.take(AnglePart)
+        part = self.take_only(AnglePart)
         return (None, "exact") if part is None else (part.value, part.bound)
 
-    def amount(self) -> g.Amount | None:
+    def take_amount(self) -> g.Amount | None:
         """Takes "a little", unless a quantity says how much."""
         measure = next((part for part in self._left if isinstance(part, _MEASURES)), None)
-        part = self.take(AmountPart)
+        part = self.take_only(AmountPart)
         if part is not None and measure is not None:
-            raise self.twice(part, measure)
+            raise self.said_twice_error(part, measure)
         return None if part is None else cast(g.Amount, part.value)
 
-    def finish(self, verb: str) -> None:
+    def require_all_taken(self, verb: str) -> None:
         """Refuses parts that were not taken."""
         for part in self._left:
             message = f"does not go with {verb!r}" if verb else "says nothing here"
-            raise self.refused(part, message, f"leave out {self.quote(part)}")
+            raise self.does_not_apply_error(part, message, f"leave out {self.quote(part)}")
 
     @property
     def all_spans(self) -> tuple[Span, ...]:

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
-from grammar.clauses.clause_errors import no_object, several, unexpected
+from grammar.clauses.clause_errors import no_object, several_objects, unexpected_part
 from grammar.clauses.constraint_builder import require_same
-from grammar.clauses.object_descriptions import parted_of
+from grammar.clauses.object_descriptions import part_and_owner
 from grammar.frames import command as g
 from grammar.phrases.phrase_parts import (
     AmountPart,
@@ -53,7 +53,7 @@ def clause_objects(
     lexicon: Lexicon,
     sentence: Normalised,
 ) -> list[ThingPart]:
-    """What a clause with a verb is about: one object, or several of a list.
+    """Find the objects of a clause with a verb: one, or several of a list.
 
     Raises:
         ParseError: `no_object`, `several_objects`, `other_object`, `unexpected_words`.
@@ -61,7 +61,7 @@ def clause_objects(
     named = [part.thing for part in ask if part.thing is not None]
     things = [part for part in parts if isinstance(part, ThingPart)]
     if named and len(things) > 1:
-        raise several(things[1], sentence)
+        raise several_objects(things[1], sentence)
     if named and named[0].ref.pronoun and things:
         return things
     if named and things and not things[0].ref.pronoun:
@@ -75,18 +75,18 @@ def clause_objects(
     if not things:
         raise no_object(verb, parts)
     if not (verb.passive or remarks or ask) and things[0].span < verb.span:
-        raise unexpected(things[0], sentence)
+        raise unexpected_part(things[0], sentence)
     if any(thing.ref.text.casefold() == "them" for thing in things):
-        raise several(things[0], sentence)
-    if things[0].ref.pronoun and (earlier := _restricted_before(things[0], parts)):
+        raise several_objects(things[0], sentence)
+    if things[0].ref.pronoun and (earlier := _object_of_constraints(things[0], parts)):
         return [earlier]
-    if len(things) > 1 and not _listed(things, lexicon, sentence):
-        raise several(things[1], sentence)
+    if len(things) > 1 and not _is_list(things, lexicon, sentence):
+        raise several_objects(things[1], sentence)
     return things
 
 
-def _restricted_before(thing: ThingPart, parts: Sequence[Part]) -> ThingPart | None:
-    """What "it" stands for after "be careful not to topple the jar when you push it"."""
+def _object_of_constraints(thing: ThingPart, parts: Sequence[Part]) -> ThingPart | None:
+    """Object of "it" after "be careful not to topple the jar when you push it"."""
     named = [part.thing for part in parts if isinstance(part, AvoidPart)]
     named += [part.subject for part in parts if isinstance(part, ConstraintPart)]
     for other in named:
@@ -96,8 +96,8 @@ def _restricted_before(thing: ThingPart, parts: Sequence[Part]) -> ThingPart | N
     return None
 
 
-def _listed(things: Sequence[ThingPart], lexicon: Lexicon, sentence: Normalised) -> bool:
-    """Whether things stand side by side, joined by "and"."""
+def _is_list(things: Sequence[ThingPart], lexicon: Lexicon, sentence: Normalised) -> bool:
+    """Check for things that stand side by side, joined by "and"."""
     for one, other in pairwise(things):
         between = sentence.original[one.span[1] : other.span[0]].casefold()
         words = between.replace(",", " , ").split()
@@ -117,24 +117,24 @@ def attach_objects(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised
         return list(parts)
     asks = _asks_for(verb, parts, lexicon)
     if asks is not None and asks.goal == "fill":
-        return _filled(parts, verb)
+        return _with_fill_as_pour(parts, verb)
     if asks is not None and asks.goal == "pour":
-        return _poured(parts, verb)
-    parts = _lidded(parts, verb, asks, lexicon, sentence)
+        return _with_poured_object(parts, verb)
+    parts = _with_owner_of_lid(parts, verb, asks, lexicon, sentence)
     said = any(isinstance(part, LengthPart | AmountPart) for part in parts)
     if asks is not None and asks.goal == "lift" and not said:
-        return [_height(part, sentence) for part in parts]
+        return [_with_lift_height(part, sentence) for part in parts]
     return list(parts)
 
 
 def _asks_for(verb: VerbPart, parts: Sequence[Part], lexicon: Lexicon) -> Verb | None:
     particle = next((p for p in parts if isinstance(p, ParticlePart)), None)
-    with_it = particle and lexicon.verb(verb.word, particle.word)
-    return with_it or lexicon.verb(verb.word)
+    with_it = particle and lexicon.find_verb(verb.word, particle.word)
+    return with_it or lexicon.find_verb(verb.word)
 
 
-def _it(after: Part) -> ThingPart:
-    """What was spoken of before."""
+def _pronoun_after(after: Part) -> ThingPart:
+    """A pronoun behind a part, for the object that was spoken of before."""
     end = after.span[1]
     return ThingPart((end, end), g.ObjectRef(text="it", pronoun=True))
 
@@ -142,27 +142,27 @@ def _it(after: Part) -> ThingPart:
 # --- contents ---------------------------------------------------------------------------------
 
 
-def _filled(parts: Sequence[Part], verb: VerbPart) -> Parts:
+def _with_fill_as_pour(parts: Sequence[Part], verb: VerbPart) -> Parts:
     """Takes "fill the mug with ice tea" for pouring the ice tea into the mug."""
     filled = next((part for part in parts if isinstance(part, ThingPart)), None)
     if filled is None or any(isinstance(part, IntoPart) for part in parts):
         return list(parts)
     out: Parts = [IntoPart(filled.span, filled.ref) if p is filled else p for p in parts]
     source = next((part.thing for part in parts if isinstance(part, FilledWithPart)), None)
-    return [*out, source or _it(verb)]
+    return [*out, source or _pronoun_after(verb)]
 
 
-def _poured(parts: Sequence[Part], verb: VerbPart) -> Parts:
+def _with_poured_object(parts: Sequence[Part], verb: VerbPart) -> Parts:
     """Takes "pour 100 ml into the mug" for 100 ml of what was spoken of before."""
     amount = any(isinstance(part, VolumePart | AmountPart) for part in parts)
     named = any(isinstance(part, ThingPart) for part in parts)
-    return list(parts) if named or not amount else [*parts, _it(verb)]
+    return list(parts) if named or not amount else [*parts, _pronoun_after(verb)]
 
 
 # --- lids -------------------------------------------------------------------------------------
 
 
-def _lidded(
+def _with_owner_of_lid(
     parts: Sequence[Part],
     verb: VerbPart,
     asks: Verb | None,
@@ -174,10 +174,10 @@ def _lidded(
     if thing is None:
         return list(parts)
     place = next((part for part in parts if isinstance(part, PlacePart)), None)
-    off = lexicon.verb(verb.word, "off")
+    off = lexicon.find_verb(verb.word, "off")
     words = " ".join(thing.ref.text.casefold().split())
     if words not in lexicon.lids:
-        parted = parted_of(thing, lexicon, sentence)
+        parted = part_and_owner(thing, lexicon, sentence)
         lifts = asks is not None and asks.goal == "lift" and off is not None
         if parted is None or parted[0] not in lexicon.lids or not lifts:
             return list(parts)
@@ -185,35 +185,35 @@ def _lidded(
         own: Parts = [ParticlePart(verb.span, "off"), LidPart(span, name), whole]
         return [p for part in parts for p in (own if part is thing else [part])]
     if place is None:
-        return _unplaced(parts, verb, asks, off, LidPart(thing.span, words))
+        return _with_lid_of_known_object(parts, verb, asks, off, LidPart(thing.span, words))
     particle = _MOVED_BY.get(place.relation, "")
-    known = lexicon.verb(verb.word, particle)
+    known = lexicon.find_verb(verb.word, particle)
     opens = asks is not None and asks.goal == "open" and particle == "off"
     closes_or_opens = known is not None and known.goal in ("open", "close")
     if not isinstance(place.reference, tuple) or not (opens or closes_or_opens):
         return list(parts)
     whole = ThingPart(place.reference[0].spans[0], place.reference[0])
-    start, end = _before(place, whole, sentence)
+    start, end = _relation_span(place, whole, sentence)
     lid = LidPart((thing.span[0], end) if opens else thing.span, words)
     moved: Parts = [whole] if opens else [ParticlePart((start, end), particle), whole]
     said = [lid if part is thing else part for part in parts]
     return [p for part in said for p in (moved if part is place else [part])]
 
 
-def _unplaced(
+def _with_lid_of_known_object(
     parts: Sequence[Part], verb: VerbPart, asks: Verb | None, off: Verb | None, lid: LidPart
 ) -> Parts:
     """Takes "lift the lid", "put the lid back on" for the lid of what was spoken of before."""
     said = [p for p in parts if not (isinstance(p, ThingPart) and p.span == lid.span)]
     if asks is not None and asks.goal in ("open", "close"):
-        return [*said, lid, _it(lid)]
+        return [*said, lid, _pronoun_after(lid)]
     if asks is not None and asks.goal == "lift" and off is not None:
-        return [*said, ParticlePart(verb.span, "off"), lid, _it(lid)]
+        return [*said, ParticlePart(verb.span, "off"), lid, _pronoun_after(lid)]
     return list(parts)
 
 
-def _before(place: PlacePart, whole: ThingPart, sentence: Normalised) -> g.Span:
-    """Where the relation of a place stands, without the object and its article."""
+def _relation_span(place: PlacePart, whole: ThingPart, sentence: Normalised) -> g.Span:
+    """Span of the relation of a place, without the object and its article."""
     start, end = place.span[0], whole.span[0]
     return start, start + len(sentence.original[start:end].rstrip())
 
@@ -221,13 +221,13 @@ def _before(place: PlacePart, whole: ThingPart, sentence: Normalised) -> g.Span:
 # --- heights ----------------------------------------------------------------------------------
 
 
-def _height(part: Part, sentence: Normalised) -> Part:
+def _with_lift_height(part: Part, sentence: Normalised) -> Part:
     """Takes "10 cm above the table" for how high it is lifted; "at 10 cm …" is where to touch."""
     if not isinstance(part, ConstraintPart) or not isinstance(part.constraint, g.ContactRegion):
         return part
     clause = part.constraint
     height = clause.height
-    touched = sentence.written(part.span).casefold().startswith("at ")
+    touched = sentence.words_as_written(part.span).casefold().startswith("at ")
     if height is None or height.origin != "table" or height.bound != "exact" or touched:
         return part
     return LengthPart(part.span, height.value, "exact")

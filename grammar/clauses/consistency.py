@@ -20,10 +20,10 @@ def require_consistent(frame: g.Frame, sentence: Normalised) -> None:
     Raises:
         ParseError: `contradiction`, with the spans of both places.
     """
-    places = contradiction(frame)
+    places = first_contradiction(frame)
     if places is None:
         return
-    quotes = [f'"{_written(spans, sentence)}"' for spans in places]
+    quotes = [f'"{_quote_spans(spans, sentence)}"' for spans in places]
     raise ParseError(
         "contradiction",
         f"{quotes[0]} and {quotes[1]} contradict each other",
@@ -33,29 +33,29 @@ def require_consistent(frame: g.Frame, sentence: Normalised) -> None:
     )
 
 
-def contradiction(frame: g.Frame) -> Places | None:
+def first_contradiction(frame: g.Frame) -> Places | None:
     """The words of the first two things that contradict each other; None if none do."""
-    return next(_contradictions(frame), None)
+    return next(_find_contradictions(frame), None)
 
 
-def _written(spans: g.Spans, sentence: Normalised) -> str:
-    return " … ".join(sentence.written(span) for span in spans)
+def _quote_spans(spans: g.Spans, sentence: Normalised) -> str:
+    return " … ".join(sentence.words_as_written(span) for span in spans)
 
 
-def _contradictions(frame: g.Frame) -> Iterator[Places]:
+def _find_contradictions(frame: g.Frame) -> Iterator[Places]:
     for clause in frame.constraints:
-        if _forbids(clause, frame):
-            yield _asks(clause, frame), clause.spans
+        if _forbids_goal(clause, frame):
+            yield _goal_words(clause, frame), clause.spans
     for i, second in enumerate(frame.constraints):
         for first in frame.constraints[:i]:
-            if _exclude(first, second) or _exclude(second, first):
+            if _exclude_each_other(first, second) or _exclude_each_other(second, first):
                 yield first.spans, second.spans
     for clause in frame.constraints:
-        if isinstance(clause, g.ContactRegion) and _no_such_height(clause):
+        if isinstance(clause, g.ContactRegion) and _leaves_no_height(clause):
             yield clause.spans[:1], clause.spans[1:] or clause.spans
 
 
-def _forbids(clause: g.Constraint, frame: g.Frame) -> bool:
+def _forbids_goal(clause: g.Constraint, frame: g.Frame) -> bool:
     """Check for a constraint that forbids what the goal asks."""
     goal = frame.goal
     if clause.kind in FORBIDS.get(goal.kind, ()):
@@ -80,8 +80,8 @@ def _keeps_off_goal(clause: g.NoTouch, frame: g.Frame) -> bool:
     return itself or _brings_to(frame.goal, other)
 
 
-def _asks(clause: g.Constraint, frame: g.Frame) -> g.Spans:
-    """The words that ask for what a constraint forbids: the goal's, or the verb if it says it."""
+def _goal_words(clause: g.Constraint, frame: g.Frame) -> g.Spans:
+    """Words that ask for what a constraint forbids: the goal's, or the verb if it says it."""
     goal = frame.goal
     _, limit = FORBIDS_BELOW.get(goal.kind, ("", ""))
     by_goal = clause.kind == limit or isinstance(goal, g.Displace | g.Place)
@@ -110,7 +110,7 @@ def _brings_to(goal: g.Goal, other: g.ObjectRef) -> bool:
     return goal.relation in ("touching", "on") and other.text.casefold() in names
 
 
-def _exclude(first: g.Constraint, second: g.Constraint) -> bool:
+def _exclude_each_other(first: g.Constraint, second: g.Constraint) -> bool:
     if (first.kind, second.kind) in EXCLUSIVE:
         return True
     if (first.kind, second.kind) in ORDERED:
@@ -125,7 +125,7 @@ def _exclude(first: g.Constraint, second: g.Constraint) -> bool:
     return False
 
 
-def _no_such_height(contact: g.ContactRegion) -> bool:
+def _leaves_no_height(contact: g.ContactRegion) -> bool:
     """Check for a third of the face and a bound of the height with nothing between them."""
     height = contact.height
     if height is None or contact.region is None or height.bound == "exact":
@@ -134,7 +134,7 @@ def _no_such_height(contact: g.ContactRegion) -> bool:
     return contact.region == ("top" if low else "bottom")
 
 
-def once(constraints: Sequence[g.Constraint]) -> list[g.Constraint]:
+def join_equal(constraints: Sequence[g.Constraint]) -> list[g.Constraint]:
     """Joins constraints that say the same ("gently … carefully")."""
     out: list[g.Constraint] = []
     for new in constraints:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from grammar.clauses.consistency import once
+from grammar.clauses.consistency import join_equal
 from grammar.errors import ParseError
 from grammar.frames.command import Constraint, ContactRegion, MaxDistance, NoTouch
 from grammar.frames.constraints import CONSTRAINTS, STILL, new_constraint
@@ -37,7 +37,7 @@ def constraints_of(
         if isinstance(part, AvoidPart | FurtherNoTouchPart):
             _require_opened(part, previous, sentence)
         if isinstance(part, AvoidPart):
-            constraints += _avoided(part, thing, sentence)
+            constraints += _avoidance_constraints(part, thing, sentence)
         elif isinstance(part, ConstraintPart):
             require_same(part.subject, thing, part, sentence)
             constraints.append(part.constraint)
@@ -46,7 +46,7 @@ def constraints_of(
         else:
             rest.append(part)
         previous = part
-    return rest, tuple(once(_one_contact(constraints, sentence)))
+    return rest, tuple(join_equal(_one_contact(constraints, sentence)))
 
 
 def require_same(
@@ -57,11 +57,11 @@ def require_same(
     Raises:
         ParseError: `other_object`.
     """
-    if mention is None or same(mention, thing):
+    if mention is None or can_be_same(mention, thing):
         return
     raise ParseError(
         "other_object",
-        f'the sentence is about "{thing.ref.text}", but "{sentence.written(part.span)}" '
+        f'the sentence is about "{thing.ref.text}", but "{sentence.words_as_written(part.span)}" '
         f'is about "{mention.ref.text}"',
         mention.span,
         (f'name "{thing.ref.text}" in both places, or say "it"',),
@@ -69,8 +69,8 @@ def require_same(
     )
 
 
-def same(mention: ThingPart, thing: ThingPart) -> bool:
-    """Whether a later mention can be the object itself: "it", or the end of its name."""
+def can_be_same(mention: ThingPart, thing: ThingPart) -> bool:
+    """Check for a mention that can be the object itself: "it", or the end of its name."""
     words, name = mention.ref.text.casefold().split(), thing.ref.text.casefold().split()
     return mention.ref.pronoun or words == name[-len(words) :]
 
@@ -84,7 +84,7 @@ def _require_opened(
     )
     if not getattr(part, "further", True) or listed:
         return
-    written = sentence.written(part.span)
+    written = sentence.words_as_written(part.span)
     message = f'"{written}" needs "without" before it'
     raise ParseError("unexpected_words", message, part.span, (f"without {written}",))
 
@@ -138,7 +138,7 @@ def _with_bounds(parts: Sequence[Part]) -> list[Part]:
     out: list[Part] = []
     for part in parts:
         before = out[-1] if out else None
-        limit = _limit(before, part) if isinstance(before, AvoidPart) else None
+        limit = _limit_part(before, part) if isinstance(before, AvoidPart) else None
         if limit is not None:
             out[-1] = limit
         else:
@@ -146,7 +146,7 @@ def _with_bounds(parts: Sequence[Part]) -> list[Part]:
     return out
 
 
-def _limit(avoid: AvoidPart, part: Part) -> ConstraintPart | None:
+def _limit_part(avoid: AvoidPart, part: Part) -> ConstraintPart | None:
     if not isinstance(part, AnglePart | LengthPart) or part.bound != "at_least":
         return None
     avoided = CONSTRAINTS.get(STILL[0] if avoid.kind == _NO_MOVE else avoid.kind)
@@ -159,7 +159,9 @@ def _limit(avoid: AvoidPart, part: Part) -> ConstraintPart | None:
     return ConstraintPart(span, constraint, avoid.thing)
 
 
-def _avoided(part: AvoidPart, thing: ThingPart, sentence: Normalised) -> list[Constraint]:
+def _avoidance_constraints(
+    part: AvoidPart, thing: ThingPart, sentence: Normalised
+) -> list[Constraint]:
     if not part.kind:
         raise ParseError(
             "unexpected_words",
@@ -167,7 +169,7 @@ def _avoided(part: AvoidPart, thing: ThingPart, sentence: Normalised) -> list[Co
             part.span,
             (f"{part.word} it over",),
         )
-    if part.word.startswith("knock") and part.thing and not same(part.thing, thing):
+    if part.word.startswith("knock") and part.thing and not can_be_same(part.thing, thing):
         # What is not touched is not knocked over.
         return [NoTouch(object=part.thing.ref, spans=(part.span,))]
     require_same(part.thing, thing, part, sentence)
@@ -186,7 +188,7 @@ def _one_contact(constraints: Sequence[Constraint], sentence: Normalised) -> lis
         said = known.model_dump(exclude_none=True, exclude={"kind", "spans"})
         more = new.model_dump(exclude_none=True, exclude={"kind", "spans"})
         if any(said.get(key, value) != value for key, value in more.items()):
-            quoted = [f'"{sentence.written(c.spans[-1])}"' for c in (known, new)]
+            quoted = [f'"{sentence.words_as_written(c.spans[-1])}"' for c in (known, new)]
             raise ParseError(
                 "contradiction",
                 f"{quoted[0]} and {quoted[1]} name different places to touch",

@@ -7,13 +7,13 @@ from typing import Any
 
 from grammar.clauses.action_reader import ActionReader
 from grammar.clauses.clause_boundaries import clauses_of
-from grammar.clauses.clause_errors import no_verb, several, unexpected
+from grammar.clauses.clause_errors import no_verb, several_objects, unexpected_part
 from grammar.clauses.clause_parts import Clause
 from grammar.clauses.clause_subjects import NOBODY, attach_objects, clause_objects
 from grammar.clauses.consistency import require_consistent
 from grammar.clauses.constraint_builder import constraints_of
-from grammar.clauses.goal_builder import intended, method
-from grammar.clauses.object_descriptions import described
+from grammar.clauses.goal_builder import goal_builder_for, take_method
+from grammar.clauses.object_descriptions import attach_descriptions
 from grammar.errors import ParseError
 from grammar.frames import command as g
 from grammar.phrases.phrase_parts import (
@@ -62,13 +62,13 @@ def frames_of(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> 
     previous: Parts = []
     for said in clauses_of(parts, sentence):
         headed = any(isinstance(p, VerbPart | ExplorePart | RemarkPart) for p in said)
-        clause = said if headed or not frames else _elliptic(said, previous, sentence)
-        frames += _Reader(clause, lexicon, sentence).frames()
+        clause = said if headed or not frames else _complete_clause(said, previous, sentence)
+        frames += _ClauseReader(clause, lexicon, sentence).read_frames()
         previous = clause
     return tuple(frames)
 
 
-def _elliptic(clause: Parts, previous: Parts, sentence: Normalised) -> Parts:
+def _complete_clause(clause: Parts, previous: Parts, sentence: Normalised) -> Parts:
     """A clause without its verb ("then to the left") goes on with verb and object of the last."""
     if not any(isinstance(part, _GOES_ON) for part in clause):
         raise no_verb(sentence, clause)
@@ -78,49 +78,51 @@ def _elliptic(clause: Parts, previous: Parts, sentence: Normalised) -> Parts:
     return [*verb, *thing, *clause]
 
 
-class _Reader:
+class _ClauseReader:
     """Reads one clause."""
 
     def __init__(self, parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> None:
         self._lexicon = lexicon
         self._sentence = sentence
-        self._parts = described(attach_objects(parts, lexicon, sentence), lexicon, sentence)
+        self._parts = attach_descriptions(
+            attach_objects(parts, lexicon, sentence), lexicon, sentence
+        )
 
-    def frames(self) -> list[g.Frame]:
+    def read_frames(self) -> list[g.Frame]:
         """The frames of the clause, one for each of its objects."""
-        remarks, explore = self._take(RemarkPart), self._take(ExplorePart)
+        remarks, explore = self._take_parts(RemarkPart), self._take_parts(ExplorePart)
         if explore:
-            return self._remarked([self._explored(explore[0])], remarks)
-        ask = self._take(AskPart)
+            return self._with_remarks([self._exploration_frame(explore[0])], remarks)
+        ask = self._take_parts(AskPart)
         verbs = [part for part in self._parts if isinstance(part, VerbPart)]
         self._require_there_is_clear(ask)
         if ask and remarks:
-            raise unexpected(remarks[0], self._sentence)
+            raise unexpected_part(remarks[0], self._sentence)
         if ask and not verbs:
-            return [self._asked(ask)]
+            return [self._question_frame(ask)]
         if ask and ask[0].query in ("value", "affordances"):
-            raise unexpected(verbs[0], self._sentence)
+            raise unexpected_part(verbs[0], self._sentence)
         if not verbs:
-            return [self._remark(remarks)]
-        excluded = self._take(NotThisPart)
+            return [self._remark_frame(remarks)]
+        excluded = self._take_parts(NotThisPart)
         things = clause_objects(self._parts, ask, remarks, self._lexicon, self._sentence)
-        self._take(ThingPart)
+        self._take_parts(ThingPart)
         if not ask:
             self._require_no_condition()
         reader = ActionReader(self._parts, ask, self._lexicon, self._sentence)
-        frames = [reader.frame(thing) for thing in things]
-        return self._remarked(frames, remarks, excluded)
+        frames = [reader.frame_about(thing) for thing in things]
+        return self._with_remarks(frames, remarks, excluded)
 
-    def _remarked(
+    def _with_remarks(
         self,
         frames: list[g.Frame],
         remarks: Sequence[RemarkPart],
         excluded: Sequence[NotThisPart] = (),
     ) -> list[g.Frame]:
         """The frames of a clause, with what its remarks do to them."""
-        dialogue = self._dialogue(remarks)
+        dialogue = self._joint_dialogue(remarks)
         if dialogue in ("undo", "stop"):
-            raise unexpected(remarks[0], self._sentence)
+            raise unexpected_part(remarks[0], self._sentence)
         restored = dialogue == "repeat" and frames[0].goal.kind == "upright"
         if restored:  # "stand it up again" repeats nothing
             dialogue = None
@@ -132,15 +134,15 @@ class _Reader:
 
     # --- parts --------------------------------------------------------------------------------
 
-    def _take(self, *kinds: type[Part]) -> list[Any]:
+    def _take_parts(self, *kinds: type[Part]) -> list[Any]:
         taken = [part for part in self._parts if isinstance(part, kinds)]
         self._parts = [part for part in self._parts if not isinstance(part, kinds)]
         return taken
 
     def _require_there_is_clear(self, ask: Sequence[AskPart]) -> None:
-        for part in self._take(TherePart):
+        for part in self._take_parts(TherePart):
             if not any(each.query == "why" for each in ask):
-                written = self._sentence.written(part.span)
+                written = self._sentence.words_as_written(part.span)
                 raise ParseError(
                     "unexpected_words",
                     f'"{written}" does not say where',
@@ -154,15 +156,15 @@ class _Reader:
         for part in self._parts:
             restricted = restricted or isinstance(part, AvoidPart | ConstraintPart)
             if isinstance(part, IfPart) and not restricted:
-                raise unexpected(part, self._sentence)
+                raise unexpected_part(part, self._sentence)
 
     # --- questions and remarks ----------------------------------------------------------------
 
-    def _explored(self, part: ExplorePart) -> g.Frame:
+    def _exploration_frame(self, part: ExplorePart) -> g.Frame:
         rest, constraints = constraints_of(self._parts, part.thing, self._lexicon, self._sentence)
         clause = Clause(rest, Verb("explore", "parameters"), self._sentence)
-        how = method(clause)
-        clause.finish("find out")
+        how = take_method(clause)
+        clause.require_all_taken("find out")
         return g.Frame(
             action="explore",
             object=part.thing.ref,
@@ -171,10 +173,12 @@ class _Reader:
             spans=(part.span,),
         )
 
-    def _asked(self, asks: Sequence[AskPart]) -> g.Frame:
+    def _question_frame(self, asks: Sequence[AskPart]) -> g.Frame:
         """A question without a verb: how heavy, what can you do with, why."""
         ask = asks[0]
-        Clause(self._parts, Verb("push", "contact"), self._sentence).finish("this question")
+        Clause(self._parts, Verb("push", "contact"), self._sentence).require_all_taken(
+            "this question"
+        )
         if not ask.whole:
             raise ParseError(
                 "incomplete",
@@ -190,36 +194,36 @@ class _Reader:
             spans=(ask.span,),
         )
 
-    def _dialogue(self, remarks: Sequence[RemarkPart]) -> g.Dialogue | None:
-        """What the remarks do together: "no, again" corrects; "again and again" is too much."""
+    def _joint_dialogue(self, remarks: Sequence[RemarkPart]) -> g.Dialogue | None:
+        """Act of all remarks together: "no, again" corrects; "again and again" is too much."""
         again = [remark for remark in remarks if remark.dialogue == "repeat"]
         if len(again) > 1:
-            raise unexpected(again[1], self._sentence)
+            raise unexpected_part(again[1], self._sentence)
         said = {remark.dialogue for remark in remarks}
         for dialogue in ("correct", "undo", "stop", "repeat", "more"):
             if dialogue in said:
                 return dialogue
         return None
 
-    def _remark(self, remarks: Sequence[RemarkPart]) -> g.Frame:
+    def _remark_frame(self, remarks: Sequence[RemarkPart]) -> g.Frame:
         """A remark without a verb: undo that, a bit more to the left, no, the coffee box."""
-        excluded = self._take(NotThisPart)
-        things = self._take(ThingPart)
-        dialogue = self._dialogue(remarks)
+        excluded = self._take_parts(NotThisPart)
+        things = self._take_parts(ThingPart)
+        dialogue = self._joint_dialogue(remarks)
         if dialogue is None and excluded and things:
             dialogue = "correct"
         if dialogue is None:
             raise no_verb(self._sentence, [*things, *self._parts])
         if len(things) > 1:
-            raise several(things[1], self._sentence)
+            raise several_objects(things[1], self._sentence)
         thing = things[0] if things else NOBODY
         rest, constraints = constraints_of(self._parts, thing, self._lexicon, self._sentence)
         rest = [p for p in rest if not (isinstance(p, ParticlePart) and p.optional)]
         content = [part for part in rest if not isinstance(part, FillerPart)]
         if dialogue in ("undo", "stop") and (content or constraints):
-            raise unexpected((content or remarks)[0], self._sentence)
+            raise unexpected_part((content or remarks)[0], self._sentence)
         if dialogue == "stop" and things:
-            raise several(things[0], self._sentence)
+            raise several_objects(things[0], self._sentence)
         if dialogue in ("more", "repeat") and things:
             raise no_verb(self._sentence, things)
         if dialogue == "correct" and not (content or constraints or things):
@@ -232,10 +236,10 @@ class _Reader:
         turns = any(isinstance(part, AnglePart | SensePart) for part in content)
         goal: g.Goal = g.NoGoal()
         clause = Clause(rest, Verb("turn" if turns else "push", ""), self._sentence)
-        if clause.has(*_GOES_ON):
+        if clause.has_part(*_GOES_ON):
             kind = Verb("", "rotate") if turns else Verb("", "displace")
-            goal = intended(kind, None, clause)(clause)
-        clause.finish("")
+            goal = goal_builder_for(kind, None, clause)(clause)
+        clause.require_all_taken("")
         spans = [part.span for part in (*remarks, *excluded)]
         frame = g.Frame(
             dialogue=dialogue,

@@ -39,22 +39,26 @@ from grammar.words.lexicon import Verb
 _SENSES: dict[g.Direction, g.Sense] = {"left": "ccw", "right": "cw"}
 
 
-def _displace(clause: Clause) -> g.Displace | g.Place:
+def _displace_goal(clause: Clause) -> g.Displace | g.Place:
     place = next((p for p in clause.take_all(PlacePart)), None)
     if place is not None and place.relation not in ("away_from", "to"):
-        return _place_at(clause, place)
-    share = clause.take(SharePart)
+        return _place_goal_at(clause, place)
+    share = clause.take_only(SharePart)
     if place is not None and place.relation == "to" and share is None:
-        return _place_at(clause, place)
-    heading, toward, me = clause.take(HeadingPart), clause.take(TowardPart), clause.take(MePart)
-    off = clause.take(AwayFromPart)
+        return _place_goal_at(clause, place)
+    heading, toward, me = (
+        clause.take_only(HeadingPart),
+        clause.take_only(TowardPart),
+        clause.take_only(MePart),
+    )
+    off = clause.take_only(AwayFromPart)
     said = [part for part in (heading, toward, place, me, off) if part is not None]
     if said:
         clause.drop_implied()
-    if len(said) > 1 or (said and clause.has(DirectionPart)):
+    if len(said) > 1 or (said and clause.has_part(DirectionPart)):
         other = said[1] if len(said) > 1 else clause.take_all(DirectionPart)[0]
-        raise clause.against(*sorted((said[0], other), key=lambda part: part.span))
-    directions = clause.directions()
+        raise clause.contradiction_error(*sorted((said[0], other), key=lambda part: part.span))
+    directions = clause.take_directions()
     if me is not None or (clause.verb.direction and not said and not directions):
         directions = (cast(g.Direction, clause.verb.direction or "toward"),)
     target = None if toward is None else toward.target
@@ -67,12 +71,14 @@ def _displace(clause: Clause) -> g.Displace | g.Place:
             away_from = place.reference[0]
     if share is not None and (not share.of_way or target is None):
         if not share.of_way:
-            raise clause.refused(share, "is no single object", "say it for each object")
-        raise clause.refused(share, "needs to say where to", "halfway to the mug")
-    amount = clause.amount()
-    length = clause.take(LengthPart)
+            raise clause.does_not_apply_error(
+                share, "is no single object", "say it for each object"
+            )
+        raise clause.does_not_apply_error(share, "needs to say where to", "halfway to the mug")
+    amount = clause.take_amount()
+    length = clause.take_only(LengthPart)
     if share is not None and length is not None:
-        raise clause.twice(share, length)
+        raise clause.said_twice_error(share, length)
     if amount is None and length is None and share is None:
         amount = cast(g.Amount | None, clause.verb.amount)
     return g.Displace(
@@ -88,8 +94,8 @@ def _displace(clause: Clause) -> g.Displace | g.Place:
     )
 
 
-def _place(clause: Clause) -> g.Place | g.SetDown:
-    place, table = clause.take(PlacePart), clause.take(TablePart)
+def _place_goal(clause: Clause) -> g.Place | g.SetDown:
+    place, table = clause.take_only(PlacePart), clause.take_only(TablePart)
     if place is None and table is not None:
         return g.SetDown(spans=clause.all_spans)
     if place is None:
@@ -99,20 +105,24 @@ def _place(clause: Clause) -> g.Place | g.SetDown:
             clause.verb_span,
             ("next to the mug", "to the middle of the table", "to x 0.6 y -0.1"),
         )
-    return _place_at(clause, place)
+    return _place_goal_at(clause, place)
 
 
-def _place_at(clause: Clause, place: PlacePart) -> g.Place:
+def _place_goal_at(clause: Clause, place: PlacePart) -> g.Place:
     relation = "next_to" if place.relation in ("from", "away_from", "to") else place.relation
-    length, share = clause.take(LengthPart), clause.take(SharePart)
+    length, share = clause.take_only(LengthPart), clause.take_only(SharePart)
     if place.relation == "from" and length is None:
-        raise clause.refused(place, "needs a distance", "10 cm from the mug")
+        raise clause.does_not_apply_error(place, "needs a distance", "10 cm from the mug")
     objects = isinstance(place.reference, tuple)
     apart = relation not in ("touching", "on", "between", "at")
     if length is not None and (not apart or length.bound != "exact" or length.most):
-        raise clause.refused(length, "does not go with this place", "10 cm from the mug")
+        raise clause.does_not_apply_error(
+            length, "does not go with this place", "10 cm from the mug"
+        )
     if share is not None and (objects or not share.of_way):
-        raise clause.refused(share, "does not go with this place", "halfway to the left edge")
+        raise clause.does_not_apply_error(
+            share, "does not go with this place", "halfway to the left edge"
+        )
     clause.drop_implied()
     return g.Place(
         relation=cast(g.Relation, relation),
@@ -123,16 +133,18 @@ def _place_at(clause: Clause, place: PlacePart) -> g.Place:
     )
 
 
-def _rotate(clause: Clause) -> g.Rotate:
-    sense = clause.take(SensePart)
-    aside = clause.first(DirectionPart)
-    direction = clause.direction()
+def _rotate_goal(clause: Clause) -> g.Rotate:
+    sense = clause.take_only(SensePart)
+    aside = clause.first_part(DirectionPart)
+    direction = clause.take_direction()
     turned = _SENSES.get(direction) if direction else None
     if aside is not None and not aside.implied and (turned is None or sense is not None):
         message = "says the sense of turning twice" if sense else "is no way to turn"
-        raise clause.refused(aside, message, "to the left", "to the right", "clockwise")
-    amount = clause.amount()
-    angle, bound = clause.angle()
+        raise clause.does_not_apply_error(
+            aside, message, "to the left", "to the right", "clockwise"
+        )
+    amount = clause.take_amount()
+    angle, bound = clause.take_angle()
     if angle is None and clause.verb.turns is not None:
         angle = math.tau * clause.verb.turns
     return g.Rotate(
@@ -144,21 +156,21 @@ def _rotate(clause: Clause) -> g.Rotate:
     )
 
 
-def _tilt(clause: Clause) -> g.Tilt:
-    direction, amount = clause.direction(), clause.amount()
-    angle, bound = clause.angle()
+def _tilt_goal(clause: Clause) -> g.Tilt:
+    direction, amount = clause.take_direction(), clause.take_amount()
+    angle, bound = clause.take_angle()
     return g.Tilt(
         angle=angle, direction=direction, bound=bound, amount=amount, spans=clause.all_spans
     )
 
 
-def _topple(clause: Clause) -> g.Topple:
-    return g.Topple(direction=clause.direction(), spans=clause.all_spans)
+def _topple_goal(clause: Clause) -> g.Topple:
+    return g.Topple(direction=clause.take_direction(), spans=clause.all_spans)
 
 
-def _hand_over(clause: Clause) -> g.HandOver:
-    clause.take(MePart)
-    if clause.has(DirectionPart) and clause.direction() != "toward":
+def _hand_over_goal(clause: Clause) -> g.HandOver:
+    clause.take_only(MePart)
+    if clause.has_part(DirectionPart) and clause.take_direction() != "toward":
         raise ParseError(
             "does_not_apply",
             "things are handed to the one who speaks",
@@ -168,30 +180,30 @@ def _hand_over(clause: Clause) -> g.HandOver:
     return g.HandOver(spans=clause.all_spans)
 
 
-def _contact(clause: Clause) -> g.Displace | g.Place | g.NoGoal:
+def _contact_goal(clause: Clause) -> g.Displace | g.Place | g.NoGoal:
     moves = (DirectionPart, HeadingPart, TowardPart, AwayFromPart, PlacePart, LengthPart,
              AmountPart, SharePart)  # fmt: skip
-    if clause.has(*moves, MePart):
-        return _displace(clause)
+    if clause.has_part(*moves, MePart):
+        return _displace_goal(clause)
     # The side that is touched says where to push, but a touch need not move anything.
     clause.take_all(DirectionPart)
     return g.NoGoal()
 
 
-def _set_down(clause: Clause) -> g.Place | g.SetDown:
-    if clause.has(PlacePart, TablePart):
-        return _place(clause)
+def _set_down_goal(clause: Clause) -> g.Place | g.SetDown:
+    if clause.has_part(PlacePart, TablePart):
+        return _place_goal(clause)
     return g.SetDown()
 
 
-def _parameters(clause: Clause) -> g.Parameters:
+def _parameters_goal(clause: Clause) -> g.Parameters:
     which = (clause.verb.which,) if clause.verb.which else ()
-    return g.Parameters(which=which, method=method(clause), spans=clause.all_spans)
+    return g.Parameters(which=which, method=take_method(clause), spans=clause.all_spans)
 
 
-def method(clause: Clause) -> g.Method | None:
+def take_method(clause: Clause) -> g.Method | None:
     """Takes how something is to be found out: "by lifting it"."""
-    part = clause.take(MethodPart)
+    part = clause.take_only(MethodPart)
     return None if part is None else part.value
 
 
@@ -200,7 +212,7 @@ def method(clause: Clause) -> g.Method | None:
 
 def lift_goal(clause: Clause) -> g.Lift:
     """Lift the mug by 10 cm."""
-    amount, height = clause.amount(), clause.take(LengthPart)
+    amount, height = clause.take_amount(), clause.take_only(LengthPart)
     return g.Lift(
         height=None if height is None else height.value,
         bound="exact" if height is None else height.bound,
@@ -211,34 +223,38 @@ def lift_goal(clause: Clause) -> g.Lift:
 
 def open_goal(clause: Clause) -> g.Open:
     """Take the lid off the jar."""
-    return g.Open(part=_part(clause), spans=clause.all_spans)
+    return g.Open(part=_take_lid_name(clause), spans=clause.all_spans)
 
 
 def close_goal(clause: Clause) -> g.Close:
     """Put the lid back on the jar."""
-    return g.Close(part=_part(clause), spans=clause.all_spans)
+    return g.Close(part=_take_lid_name(clause), spans=clause.all_spans)
 
 
-def _part(clause: Clause) -> str | None:
-    lid = clause.take(LidPart)
+def _take_lid_name(clause: Clause) -> str | None:
+    lid = clause.take_only(LidPart)
     return None if lid is None else lid.name
 
 
 def pour_goal(clause: Clause) -> g.Pour:
     """Pour half of the ice tea into the mug; until it is half full."""
-    full, said = clause.take(FullPart), clause.how_much()
-    into, amount, share = clause.take(IntoPart), clause.amount(), clause.take(SharePart)
-    volume = clause.take(VolumePart)
+    full, said = clause.take_only(FullPart), clause.how_much()
+    into, amount, share = (
+        clause.take_only(IntoPart),
+        clause.take_amount(),
+        clause.take_only(SharePart),
+    )
+    volume = clause.take_only(VolumePart)
     if share is not None and share.of_way:
-        raise clause.refused(share, "is no part of a liquid", "half of the water")
-    if full is not None and full.subject and into and not _same(full.subject, into):
-        raise clause.refused(full, "is about something else", "until it is half full")
+        raise clause.does_not_apply_error(share, "is no part of a liquid", "half of the water")
+    if full is not None and full.subject and into and not _can_be_target(full.subject, into):
+        raise clause.does_not_apply_error(full, "is about something else", "until it is half full")
     if full is not None and into is None:
-        raise clause.refused(full, "needs to say what is filled", "into the mug")
+        raise clause.does_not_apply_error(full, "needs to say what is filled", "into the mug")
     if full is not None and said:
-        raise clause.twice(*sorted((full, said[0]), key=lambda part: part.span))
+        raise clause.said_twice_error(*sorted((full, said[0]), key=lambda part: part.span))
     if len(said) > 1:
-        raise clause.twice(said[0], said[1])
+        raise clause.said_twice_error(said[0], said[1])
     return g.Pour(
         into=None if into is None else into.target,
         amount=amount,
@@ -249,17 +265,17 @@ def pour_goal(clause: Clause) -> g.Pour:
     )
 
 
-def _same(subject: ThingPart, into: IntoPart) -> bool:
+def _can_be_target(subject: ThingPart, into: IntoPart) -> bool:
     words, name = subject.ref.text.casefold().split(), into.target.text.casefold().split()
     return subject.ref.pronoun or words == name[-len(words) :]
 
 
 def fill_goal(clause: Clause) -> g.Pour:
     """Fill the mug with ice tea: to the brim, if nothing else is said."""
-    into, share = clause.first(IntoPart), clause.first(SharePart)
+    into, share = clause.first_part(IntoPart), clause.first_part(SharePart)
     if into and share and share.span < into.span and not share.of_way:
-        clause.put(share, FullPart(share.span, share.value))  # fill half of the mug
-    clause.take(FilledWithPart)
+        clause.replace_part(share, FullPart(share.span, share.value))  # fill half of the mug
+    clause.take_only(FilledWithPart)
     goal = pour_goal(clause)
     said = (goal.amount, goal.fraction, goal.volume, goal.fill)
     return goal if any(said) else goal.model_copy(update={"fill": 1.0})
@@ -268,28 +284,30 @@ def fill_goal(clause: Clause) -> g.Pour:
 # --- which goal --------------------------------------------------------------------------------
 
 GOAL_BUILDERS: dict[str, Callable[[Clause], g.Goal]] = {
-    "displace": _displace,
-    "contact": _contact,
-    "place": _place,
-    "rotate": _rotate,
-    "tilt": _tilt,
-    "topple": _topple,
+    "displace": _displace_goal,
+    "contact": _contact_goal,
+    "place": _place_goal,
+    "rotate": _rotate_goal,
+    "tilt": _tilt_goal,
+    "topple": _topple_goal,
     "upright": lambda _: g.Upright(),
     "lift": lift_goal,
-    "set_down": _set_down,
+    "set_down": _set_down_goal,
     "open": open_goal,
     "close": close_goal,
     "pour": pour_goal,
     "fill": fill_goal,
-    "hand_over": _hand_over,
-    "parameters": _parameters,
+    "hand_over": _hand_over_goal,
+    "parameters": _parameters_goal,
 }
 
 _OUTCOMES = {event: kind for kind, goal in GOALS.items() for event in goal.words.outcomes}
 """Event that is wanted → goal."""
 
 
-def intended(verb: Verb, result: ResultPart | None, clause: Clause) -> Callable[[Clause], g.Goal]:
+def goal_builder_for(
+    verb: Verb, result: ResultPart | None, clause: Clause
+) -> Callable[[Clause], g.Goal]:
     """The goal that takes the parts of a clause: the verb's, or that of "so that it falls".
 
     Raises:
@@ -300,7 +318,7 @@ def intended(verb: Verb, result: ResultPart | None, clause: Clause) -> Callable[
     goal = _OUTCOMES.get(result.event)
     allowed = verb.goal in ("displace", "contact") or goal == verb.goal
     if goal is None or not allowed:
-        raise clause.refused(
+        raise clause.does_not_apply_error(
             result, "is no outcome of this", "so that it moves", "so that it falls"
         )
     return GOAL_BUILDERS[goal]

@@ -1,4 +1,4 @@
-"""What tells objects apart: "the box next to the mug", "the one on the left".
+"""Descriptions that distinguish objects: "the box next to the mug", "the one on the left".
 
 A place behind an object is where the object is, if the verb takes no place or the sentence says
 elsewhere where to go; else it is where to go. A length before a place is the gap to it.
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import cast
 
-from grammar.clauses.clause_errors import unexpected
+from grammar.clauses.clause_errors import unexpected_part
 from grammar.frames import command as g
 from grammar.phrases.phrase_parts import (
     AskPart,
@@ -52,64 +52,66 @@ _OF = re.compile(
 Parts = list[Part]
 
 
-def described(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
+def attach_descriptions(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
     """The parts of a clause, with the places that tell objects apart given to the objects.
 
     Raises:
         ParseError: `unexpected_words` if there is nothing that they could belong to.
     """
     out: Parts = []
-    parts = _touching(_touched(parts, lexicon, sentence))
+    parts = _with_touching_as_place(_with_touched_parts(parts, lexicon, sentence))
     for i, part in enumerate(parts):
         telling = isinstance(part, SidePart)
         if isinstance(part, PlacePart):
             after_that_is = bool(out) and isinstance(out[-1], ThatIsPart)
             told = after_that_is and part.relation in _TELLING
-            telling = told or _tells(part, parts, i, out, lexicon)
+            telling = told or _is_description(part, parts, i, out, lexicon)
             if told:
                 out.pop()
         if telling:
-            _give(cast("SidePart | PlacePart", part), out, sentence)
+            _attach_to_last(cast("SidePart | PlacePart", part), out, sentence)
         else:
             out.append(part)
     for part in out:
         if isinstance(part, ThatIsPart):
-            raise unexpected(part, sentence)
+            raise unexpected_part(part, sentence)
     return out
 
 
-def _touched(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
+def _with_touched_parts(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
     """Takes "the top of the box" for the box, touched at the top, unless it is opened."""
-    if _goal(list(parts), lexicon) in ("open", "close", None):
+    if _goal_of_verb(list(parts), lexicon) in ("open", "close", None):
         return list(parts)
     return [
         said
         for part in parts
-        for said in (_split(part, lexicon, sentence) if isinstance(part, ThingPart) else [part])
+        for said in (
+            _split_touched_part(part, lexicon, sentence) if isinstance(part, ThingPart) else [part]
+        )
     ]
 
 
-def _split(thing: ThingPart, lexicon: Lexicon, sentence: Normalised) -> Parts:
+def _split_touched_part(thing: ThingPart, lexicon: Lexicon, sentence: Normalised) -> Parts:
     """A thing as it is, but "the top of the box" as the box and where it is touched."""
-    parted = parted_of(thing, lexicon, sentence)
-    contact = _contact(parted[0], lexicon) if parted else None
+    parted = part_and_owner(thing, lexicon, sentence)
+    contact = _contact_region(parted[0], lexicon) if parted else None
     if parted is None or contact is None:
         return [thing]
     _, span, whole = parted
     return [whole, ConstraintPart(span, contact.model_copy(update={"spans": (span,)}))]
 
 
-def parted_of(
+def part_and_owner(
     thing: ThingPart, lexicon: Lexicon, sentence: Normalised
 ) -> tuple[str, g.Span, ThingPart] | None:
-    """What "the lid of the cup" is made of: the part, where it stands, and the whole."""
+    """Split "the lid of the cup" into the part, its span, and the whole."""
     start, end = thing.span
     match = _OF.fullmatch(sentence.original[start:end])
     quoted = sentence.original[:start].endswith(_QUOTES)
     if match is None or quoted:
         return None
     span = start + match.start("whole"), end
-    text = sentence.written(span)
+    text = sentence.words_as_written(span)
     update: dict[str, object] = {"text": text, "spans": (span, *thing.ref.spans[1:])}
     if thing.ref.qualities:
         words = text.casefold().replace("-", " ").split()
@@ -123,7 +125,7 @@ def parted_of(
     return part, (start, start + match.end("of")), ThingPart(span, ref, thing.contents)
 
 
-def _contact(where: str, lexicon: Lexicon) -> g.ContactRegion | None:
+def _contact_region(where: str, lexicon: Lexicon) -> g.ContactRegion | None:
     """The third or the face of an object that some words name."""
     region = lexicon.terminals["REGION"].get(f"at the {where}")
     face = lexicon.terminals["FACE"].get(f"on the {where}")
@@ -132,7 +134,7 @@ def _contact(where: str, lexicon: Lexicon) -> g.ContactRegion | None:
     return g.ContactRegion.model_validate({"region": region, "face": None if region else face})
 
 
-def _touching(parts: Sequence[Part]) -> Parts:
+def _with_touching_as_place(parts: Sequence[Part]) -> Parts:
     """Takes "touching the block" for a place, unless it goes on with what is to be avoided."""
     out: Parts = []
     for part in parts:
@@ -149,8 +151,8 @@ def _touching(parts: Sequence[Part]) -> Parts:
     return out
 
 
-def _tells(part: PlacePart, parts: Parts, i: int, before: Parts, lexicon: Lexicon) -> bool:
-    """Whether a place tells an object from others, rather than where to go."""
+def _is_description(part: PlacePart, parts: Parts, i: int, before: Parts, lexicon: Lexicon) -> bool:
+    """Check for a place that distinguishes an object, rather than saying where to go."""
     if part.relation == "nearest":
         return True
     owner = before[-1] if before else None
@@ -159,11 +161,11 @@ def _tells(part: PlacePart, parts: Parts, i: int, before: Parts, lexicon: Lexico
         return False
     if asked or any(isinstance(p, ResultPart) and p.event == "ends_up" for p in parts[:i]):
         return asked
-    goal = _goal(parts, lexicon)
+    goal = _goal_of_verb(parts, lexicon)
     if goal not in _TAKES_PLACE:
         # "Lean it against the wall" is no box that stands against the wall.
         return goal is not None and part.relation != "touching"
-    rest = _not_avoided(parts[i + 1 :])
+    rest = _without_avoidances(parts[i + 1 :])
     if any(isinstance(p, PlacePart) and p.relation != "nearest" for p in rest):
         return True
     said = [*parts[:i], *rest]
@@ -173,7 +175,7 @@ def _tells(part: PlacePart, parts: Parts, i: int, before: Parts, lexicon: Lexico
     )
 
 
-def _not_avoided(parts: Parts) -> Parts:
+def _without_avoidances(parts: Parts) -> Parts:
     """The parts that say where to go; "more than 5 cm" behind something to avoid is its limit."""
     return [
         part
@@ -183,33 +185,33 @@ def _not_avoided(parts: Parts) -> Parts:
     ]
 
 
-def _goal(parts: Parts, lexicon: Lexicon) -> str | None:
+def _goal_of_verb(parts: Parts, lexicon: Lexicon) -> str | None:
     """Goal of the clause's verb; None if it has none."""
     verb = next((p for p in parts if isinstance(p, VerbPart)), None)
     if verb is None:
         return "none" if any(isinstance(p, RemarkPart) for p in parts) else None
     particle = next((p for p in parts if isinstance(p, ParticlePart)), None)
-    found = particle and lexicon.verb(verb.word, particle.word)
-    found = found or lexicon.verb(verb.word)
+    found = particle and lexicon.find_verb(verb.word, particle.word)
+    found = found or lexicon.find_verb(verb.word)
     return found.goal if found else "displace"
 
 
-def _give(part: SidePart | PlacePart, out: Parts, sentence: Normalised) -> None:
+def _attach_to_last(part: SidePart | PlacePart, out: Parts, sentence: Normalised) -> None:
     """Gives what tells it apart to the last thing that was named."""
     for i in reversed(range(len(out))):
         owner = out[i]
         if isinstance(owner, ThingPart):
-            out[i] = _with(owner, part)
+            out[i] = _described_thing(owner, part)
             return
         if isinstance(owner, AskPart | ExplorePart) and owner.thing is not None:
-            out[i] = replace(owner, thing=_with(owner.thing, part))
+            out[i] = replace(owner, thing=_described_thing(owner.thing, part))
             return
-    raise unexpected(part, sentence)
+    raise unexpected_part(part, sentence)
 
 
-def _with(thing: ThingPart, part: SidePart | PlacePart) -> ThingPart:
+def _described_thing(thing: ThingPart, part: SidePart | PlacePart) -> ThingPart:
     ref = thing.ref
-    noun = ref.noun if ref.qualities else _noun(ref)
+    noun = ref.noun if ref.qualities else _noun_of(ref)
     update: dict[str, object] = {"spans": (*ref.spans, part.span)}
     if isinstance(part, SidePart):
         update |= {"qualities": (*ref.qualities, part.quality), "noun": noun}
@@ -222,5 +224,5 @@ def _with(thing: ThingPart, part: SidePart | PlacePart) -> ThingPart:
     return replace(thing, ref=ref.model_copy(update=update))
 
 
-def _noun(ref: g.ObjectRef) -> str:
+def _noun_of(ref: g.ObjectRef) -> str:
     return "" if ref.pronoun or ref.text.casefold() in ("one", "ones") else ref.text.casefold()

@@ -149,7 +149,7 @@ __all__ = [
 
 
 class Frame(Part):
-    """What one clause of a command asks.
+    """One clause of a command: action, object, goal and constraints; or a question or remark.
 
     Attributes:
         action: what is done; None for a question or a remark that names none.

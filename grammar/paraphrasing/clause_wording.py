@@ -44,49 +44,55 @@ class Phrasing:
         self.lexicon = lexicon
         self._choose = choose or (lambda phrases: phrases[0])
 
-    def say(self, terminal: str, value: str = "", *, ending: str = "") -> str:
+    def phrase_for(self, terminal: str, value: str = "", *, ending: str = "") -> str:
         """A phrase of the lexicon, with that at its end."""
-        phrases = [p for p in self.lexicon.says(terminal, value) if p.endswith(ending)]
+        phrases = [p for p in self.lexicon.phrases_for(terminal, value) if p.endswith(ending)]
         if not phrases:
             raise no_words(f"{value} as {terminal}")
         return _I.sub("I", self._choose(phrases))
 
     # --- names --------------------------------------------------------------------------------
 
-    def name(self, ref: g.ObjectRef) -> str:
+    def object_words(self, ref: g.ObjectRef) -> str:
         """An object, with its article and what tells it apart."""
-        words = _words(ref.text)
+        words = _name_words(ref.text)
         said = tuple(self.lexicon.adjectives[w] for w in words if w in self.lexicon.adjectives)
         plain = self.is_plain(ref.text) and said == ref.qualities[: len(said)]
         text = ref.text if ref.pronoun else f"the {ref.text}" if plain else f'"{ref.text}"'
         told = [text]
         for quality in ref.qualities[len(said) :]:
             if quality == "near" and ref.reference and ref.relation is None:
-                told.append(f"{self.say('RELATION', 'nearest')} {self._names(ref.reference)}")
+                told.append(
+                    f"{self.phrase_for('RELATION', 'nearest')} {self._joined_names(ref.reference)}"
+                )
             else:
-                told.append(self.say("SIDE_QUALITY", quality))
+                told.append(self.phrase_for("SIDE_QUALITY", quality))
         if ref.relation is not None:
-            told += [self.say("THAT_IS"), self._related(ref.relation, ref.reference)]
+            told += [self.phrase_for("THAT_IS"), self._relation_words(ref.relation, ref.reference)]
         return " ".join(told)
 
-    def _names(self, refs: Sequence[g.ObjectRef]) -> str:
-        return " and ".join(self.name(ref) for ref in refs)
+    def _joined_names(self, refs: Sequence[g.ObjectRef]) -> str:
+        return " and ".join(self.object_words(ref) for ref in refs)
 
-    def _related(self, relation: str, reference: Sequence[g.ObjectRef]) -> str:
-        said = self.say("BETWEEN") if relation == "between" else self.say("RELATION", relation)
-        return f"{said} {self._names(reference)}"
+    def _relation_words(self, relation: str, reference: Sequence[g.ObjectRef]) -> str:
+        said = (
+            self.phrase_for("BETWEEN")
+            if relation == "between"
+            else self.phrase_for("RELATION", relation)
+        )
+        return f"{said} {self._joined_names(reference)}"
 
     def needs_no_article(self, name: str) -> bool:
-        """Whether a name is read whole wherever it stands, also behind adjectives."""
+        """Check for a name that is read whole wherever it stands, also behind adjectives."""
         lexicon = self.lexicon
-        ends = lexicon.reserved | lexicon.first_words
+        ends = lexicon.reserved_words | lexicon.first_words
         ends -= lexicon.openers | lexicon.verb_words["VERB"].keys() | lexicon.adjectives.keys()
-        words = _words(name)
-        return not any(w in ends and not _joins(words, i) for i, w in enumerate(words))
+        words = _name_words(name)
+        return not any(w in ends and not _is_joining_of(words, i) for i, w in enumerate(words))
 
     def is_plain(self, name: str) -> bool:
-        """Whether a name is read whole without quotation marks."""
-        words = _words(name)
+        """Check for a name that is read whole without quotation marks."""
+        words = _name_words(name)
         if " ".join(words) in self.lexicon.names:
             return True
         if (
@@ -100,9 +106,9 @@ class Phrasing:
         return all(self._stays_a_name(words, i) for i in range(len(words)))
 
     def _ends_a_phrase(self, words: Sequence[str]) -> bool:
-        """Whether a name would be read as the end of a phrase ("the front", after "against")."""
+        """Check for a name that would end a phrase ("the front", after "against")."""
         ends = (i for i in range(1, len(words) + 1)
-                if " ".join(words[:i]) in self.lexicon.definite)  # fmt: skip
+                if " ".join(words[:i]) in self.lexicon.definite_endings)  # fmt: skip
         return any(i == len(words) or words[i - 1] not in self.lexicon.adjectives for i in ends)
 
     def _stays_a_name(self, words: Sequence[str], i: int) -> bool:
@@ -114,241 +120,250 @@ class Phrasing:
             return True
         if after_adjectives and word in lexicon.adjectives and i + 1 < len(words):
             return words[i + 1] not in lexicon.ends_names
-        if word in lexicon.openers or word in lexicon.verb_words["VERB"] or _joins(words, i):
+        if (
+            word in lexicon.openers
+            or word in lexicon.verb_words["VERB"]
+            or _is_joining_of(words, i)
+        ):
             return True
-        return not (word[0].isdigit() or word in lexicon.reserved | lexicon.first_words)
+        return not (word[0].isdigit() or word in lexicon.reserved_words | lexicon.first_words)
 
     # --- quantities ---------------------------------------------------------------------------
 
-    def length(self, length: float | g.RelativeLength) -> str:
+    def length_words(self, length: float | g.RelativeLength) -> str:
         """A length in centimetres, or in millimetres below one; exact, so that it is read back."""
         if isinstance(length, g.RelativeLength):
-            return self._relative(length)
+            return self._relative_length_words(length)
         metres = Decimal(repr(length))
         if metres < Decimal("0.01"):
-            return f"{_plain(metres * 1000)} {self.say('LENGTH_UNIT', '0.001')}"
-        return f"{_plain(metres * 100)} {self.say('LENGTH_UNIT', '0.01')}"
+            return f"{_plain_number(metres * 1000)} {self.phrase_for('LENGTH_UNIT', '0.001')}"
+        return f"{_plain_number(metres * 100)} {self.phrase_for('LENGTH_UNIT', '0.01')}"
 
-    def _relative(self, length: g.RelativeLength) -> str:
-        times = _TIMES.get(length.value, f"{_plain(length.value)} times ")
+    def _relative_length_words(self, length: g.RelativeLength) -> str:
+        times = _TIMES.get(length.value, f"{_plain_number(length.value)} times ")
         if length.side is None:
             raise no_words("lengths measured in objects without a side")
         if length.of.text == "its":
             return f"{times}its {length.side}"
-        return f"{times}the {length.side} of {self.name(length.of)}"
+        return f"{times}the {length.side} of {self.object_words(length.of)}"
 
-    def angle(self, radians: float) -> str:
+    def angle_words(self, radians: float) -> str:
         """An angle in degrees, or in radians if only they are exact."""
         degrees = round(math.degrees(radians), 9)
         if math.radians(degrees) == radians:
-            return f"{_plain(degrees)} {self.say('ANGLE_UNIT', 'degree')}"
-        return f"{_plain(radians)} {self.say('ANGLE_UNIT', 'radian')}"
+            return f"{_plain_number(degrees)} {self.phrase_for('ANGLE_UNIT', 'degree')}"
+        return f"{_plain_number(radians)} {self.phrase_for('ANGLE_UNIT', 'radian')}"
 
-    def bound(self, bound: g.Bound) -> str:
+    def bound_words(self, bound: g.Bound) -> str:
         """A bound, with a space behind it."""
-        return "" if bound == "exact" else f"{self.say('BOUND', bound)} "
+        return "" if bound == "exact" else f"{self.phrase_for('BOUND', bound)} "
 
     # --- goals --------------------------------------------------------------------------------
 
-    def goal(self, goal: g.Goal) -> list[str]:
-        """What should become of the object."""
+    def goal_words(self, goal: g.Goal) -> list[str]:
+        """Words of a goal, each phrase on its own."""
         match goal:
             case g.Displace():
-                return self._displace(goal)
+                return self._displace_words(goal)
             case g.Place():
-                return self._place(goal)
+                return self._place_words(goal)
             case g.Topple(direction=str(direction)):
-                return [self.say("DIRECTION", direction)]
+                return [self.phrase_for("DIRECTION", direction)]
             case g.Tilt() | g.Rotate():
-                return self._turned(goal)
+                return self._turn_words(goal)
             case g.Lift():
-                return self._lift(goal)
+                return self._lift_words(goal)
             case g.Pour():
-                into = [f"into {self.name(goal.into)}"] if goal.into else []
-                return into if goal.fill is None else [*into, self._filled(goal.fill)]
+                into = [f"into {self.object_words(goal.into)}"] if goal.into else []
+                return into if goal.fill is None else [*into, self._fill_words(goal.fill)]
             case g.Parameters(method=str(method)):
-                return [self.say("METHOD", method)]
+                return [self.phrase_for("METHOD", method)]
             case _:
                 return []
 
-    def portion(self, goal: g.Pour) -> str:
-        """How much is poured, with a space behind it."""
+    def portion_words(self, goal: g.Pour) -> str:
+        """Words for how much is poured, with a space behind them."""
         if goal.volume is not None:
-            millilitres = _plain(Decimal(repr(goal.volume)) * 1_000_000)
-            return f"{millilitres} {self.say('VOLUME_UNIT', '0.000001')} of "
+            millilitres = _plain_number(Decimal(repr(goal.volume)) * 1_000_000)
+            return f"{millilitres} {self.phrase_for('VOLUME_UNIT', '0.000001')} of "
         if goal.amount is not None:
             return f"a {goal.amount if goal.amount == 'little' else 'lot'} of "
         if goal.fraction is None:
             return ""
         if goal.fraction not in _WAYS:
             raise no_words(f"a share of {goal.fraction}")
-        return f"{self.say('PORTION', _WAYS[goal.fraction], ending='of')} "
+        return f"{self.phrase_for('PORTION', _WAYS[goal.fraction], ending='of')} "
 
-    def _filled(self, share: float) -> str:
-        until = f"{self.say('UNTIL')} it"
+    def _fill_words(self, share: float) -> str:
+        until = f"{self.phrase_for('UNTIL')} it"
         if share in _WAYS:
-            return f"{until} {self.say('IS_FULL', _WAYS[share])}"
-        percent = _plain(Decimal(repr(share)) * 100)
-        return f"{until} {self.say('IS_AT')} {percent} {self.say('PERCENT')}"
+            return f"{until} {self.phrase_for('IS_FULL', _WAYS[share])}"
+        percent = _plain_number(Decimal(repr(share)) * 100)
+        return f"{until} {self.phrase_for('IS_AT')} {percent} {self.phrase_for('PERCENT')}"
 
-    def _amount(self, amount: g.Amount | None) -> list[str]:
-        return [self.say("AMOUNT", amount)] if amount else []
+    def _amount_words(self, amount: g.Amount | None) -> list[str]:
+        return [self.phrase_for("AMOUNT", amount)] if amount else []
 
-    def _lift(self, goal: g.Lift) -> list[str]:
+    def _lift_words(self, goal: g.Lift) -> list[str]:
         if goal.height is None:
-            return self._amount(goal.amount)
-        return [f"by {self.bound(goal.bound)}{self.length(goal.height)}"]
+            return self._amount_words(goal.amount)
+        return [f"by {self.bound_words(goal.bound)}{self.length_words(goal.height)}"]
 
-    def _turned(self, goal: g.Tilt | g.Rotate) -> list[str]:
+    def _turn_words(self, goal: g.Tilt | g.Rotate) -> list[str]:
         words = []
         if isinstance(goal, g.Rotate) and goal.sense:
-            words.append(self.say("SENSE", goal.sense))
+            words.append(self.phrase_for("SENSE", goal.sense))
         if isinstance(goal, g.Tilt) and goal.direction:
-            words.append(self.say("DIRECTION", goal.direction))
+            words.append(self.phrase_for("DIRECTION", goal.direction))
         if goal.angle is not None:
-            words.append(f"by {self.bound(goal.bound)}{self.angle(goal.angle)}")
-        return words + self._amount(goal.amount)
+            words.append(f"by {self.bound_words(goal.bound)}{self.angle_words(goal.angle)}")
+        return words + self._amount_words(goal.amount)
 
-    def _displace(self, goal: g.Displace) -> list[str]:
+    def _displace_words(self, goal: g.Displace) -> list[str]:
         words = []
         if goal.fraction is not None:
             if goal.fraction not in _WAYS:
                 raise no_words(f"a share of {goal.fraction} of the way")
-            words.append(self.say("WAY", _WAYS[goal.fraction]))
+            words.append(self.phrase_for("WAY", _WAYS[goal.fraction]))
         if goal.direction is not None:
             pair = (goal.direction,) if isinstance(goal.direction, str) else goal.direction
-            words.append(" and ".join(self.say("DIRECTION", part) for part in pair))
+            words.append(" and ".join(self.phrase_for("DIRECTION", part) for part in pair))
         if goal.heading is not None:
-            words.append(f"{self.say('HEADING')} {self.angle(goal.heading)}")
+            words.append(f"{self.phrase_for('HEADING')} {self.angle_words(goal.heading)}")
         if isinstance(goal.toward, str):
-            words.append(self.say("TOWARD_REGION", goal.toward))
+            words.append(self.phrase_for("TOWARD_REGION", goal.toward))
         elif goal.toward is not None:
-            words.append(f"{self.say('TOWARD')} {self.name(goal.toward)}")
+            words.append(f"{self.phrase_for('TOWARD')} {self.object_words(goal.toward)}")
         if isinstance(goal.away_from, str):
-            words.append(self.say("AWAY_FROM_REGION", goal.away_from))
+            words.append(self.phrase_for("AWAY_FROM_REGION", goal.away_from))
         elif goal.away_from is not None:
-            words.append(f"{self.say('RELATION', 'away_from')} {self.name(goal.away_from)}")
+            words.append(
+                f"{self.phrase_for('RELATION', 'away_from')} {self.object_words(goal.away_from)}"
+            )
         if goal.distance is not None:
-            words.append(f"by {self.bound(goal.bound)}{self.length(goal.distance)}")
-        return words + self._amount(goal.amount)
+            words.append(f"by {self.bound_words(goal.bound)}{self.length_words(goal.distance)}")
+        return words + self._amount_words(goal.amount)
 
-    def _place(self, goal: g.Place) -> list[str]:
+    def _place_words(self, goal: g.Place) -> list[str]:
         words = []
         if goal.fraction is not None:
             if goal.fraction not in _WAYS:
                 raise no_words(f"a share of {goal.fraction} of the way")
-            words.append(self.say("WAY", _WAYS[goal.fraction]))
+            words.append(self.phrase_for("WAY", _WAYS[goal.fraction]))
         match goal.reference:
             case g.Point(x=x, y=y):
-                words.append(f"to x {_plain(x)} y {_plain(y)}")
+                words.append(f"to x {_plain_number(x)} y {_plain_number(y)}")
             case str():
-                words.append(self.say("REGION_OF_TABLE", goal.reference))
+                words.append(self.phrase_for("REGION_OF_TABLE", goal.reference))
             case _:
                 if goal.distance is not None:
-                    words.append(self.length(goal.distance))
-                words.append(self._related(goal.relation, goal.reference))
+                    words.append(self.length_words(goal.distance))
+                words.append(self._relation_words(goal.relation, goal.reference))
         return words
 
     # --- constraints --------------------------------------------------------------------------
 
-    def manner(self, constraint: g.Constraint) -> str | None:
+    def manner_words(self, constraint: g.Constraint) -> str | None:
         """Gently, hard, slowly, quickly; None for anything else."""
         said = constraint.words.terminal == "MANNER"
-        return self.say("MANNER", constraint.kind) if said else None
+        return self.phrase_for("MANNER", constraint.kind) if said else None
 
-    def constraints(self, constraints: Sequence[g.Constraint], *, directed: bool) -> list[str]:
+    def constraint_words(self, constraints: Sequence[g.Constraint], *, directed: bool) -> list[str]:
         """Everything that must hold on the way."""
         words: list[str] = []
         listed = False
         for constraint in constraints:
             avoided = constraint.words.terminal == "AVOIDING"
             if isinstance(constraint, g.ContactRegion):
-                words.append(self._contact(constraint, directed=directed))
+                words.append(self._contact_words(constraint, directed=directed))
             elif avoided:
-                doing = self.say("AVOIDING", constraint.kind)
-                words.append(f"or {doing} it" if listed else f"{self.say('WITHOUT')} {doing} it")
+                doing = self.phrase_for("AVOIDING", constraint.kind)
+                words.append(
+                    f"or {doing} it" if listed else f"{self.phrase_for('WITHOUT')} {doing} it"
+                )
             else:
-                words.append(self._constraint(constraint))
+                words.append(self._one_constraint_words(constraint))
             listed = avoided
         return words
 
-    def _constraint(self, constraint: g.Constraint) -> str:
-        if manner := self.manner(constraint):
+    def _one_constraint_words(self, constraint: g.Constraint) -> str:
+        if manner := self.manner_words(constraint):
             return manner
         match constraint:
             case g.NoTouch():
-                return self._no_touch(constraint)
+                return self._no_touch_words(constraint)
             case g.Effector():
-                return _effector(constraint)
+                return _effector_words(constraint)
             case g.Until():
-                return self._until(constraint)
+                return self._until_words(constraint)
             case _:
                 words, value = constraint.words, cast(Any, constraint).value
-                return words.phrase.format(self._value(value, words.unit))
+                return words.phrase.format(self._value_words(value, words.unit))
 
-    def _value(self, value: float, unit: str) -> str:
+    def _value_words(self, value: float, unit: str) -> str:
         if unit == "m":
-            return self.length(value)
-        return self.angle(value) if unit == "rad" else f"{_plain(value)} {unit}"
+            return self.length_words(value)
+        return self.angle_words(value) if unit == "rad" else f"{_plain_number(value)} {unit}"
 
-    def _no_touch(self, clause: g.NoTouch) -> str:
+    def _no_touch_words(self, clause: g.NoTouch) -> str:
         if clause.clearance is not None and clause.object is not None:
             if clause.clearance == 0.0:
                 raise no_words("a clearance of nothing")
-            return f"keeping {self.length(clause.clearance)} away from {self.name(clause.object)}"
-        touching = f"{self.say('WITHOUT')} {self.say('TOUCHING')}"
+            clearance = self.length_words(clause.clearance)
+            return f"keeping {clearance} away from {self.object_words(clause.object)}"
+        touching = f"{self.phrase_for('WITHOUT')} {self.phrase_for('TOUCHING')}"
         if clause.object is None:
-            return f"{touching} {self.say('ANYTHING')}"
-        return f"{touching} {self.name(clause.object)}"
+            return f"{touching} {self.phrase_for('ANYTHING')}"
+        return f"{touching} {self.object_words(clause.object)}"
 
-    def _until(self, clause: g.Until) -> str:
-        until = f"{self.say('UNTIL')} it"
+    def _until_words(self, clause: g.Until) -> str:
+        until = f"{self.phrase_for('UNTIL')} it"
         if clause.event in _TOUCHES:
             if clause.object is None:
                 raise no_words(f"an event {clause.event} without an object")
-            return f"{until} {self.say('TOUCHES', clause.event)} {self.name(clause.object)}"
+            touches = self.phrase_for("TOUCHES", clause.event)
+            return f"{until} {touches} {self.object_words(clause.object)}"
         if clause.event == "edge":
-            return f"{until} {self.say('REACHES_EDGE', 'edge')}"
-        return f"{until} {self.say('EVENT', clause.event)}"
+            return f"{until} {self.phrase_for('REACHES_EDGE', 'edge')}"
+        return f"{until} {self.phrase_for('EVENT', clause.event)}"
 
-    def _contact(self, contact: g.ContactRegion, *, directed: bool) -> str:
+    def _contact_words(self, contact: g.ContactRegion, *, directed: bool) -> str:
         # "From the left" also means "to the right" unless a direction is said; keep it for then.
         words = []
         if contact.region:
-            words.append(self.say("REGION", contact.region))
+            words.append(self.phrase_for("REGION", contact.region))
         if contact.height:
-            words.append(self._height(contact.height))
+            words.append(self._height_words(contact.height))
         if contact.face:
             from_side = directed and contact.face != "top"
-            words.append(self.say("FROM_SIDE" if from_side else "FACE", contact.face))
+            words.append(self.phrase_for("FROM_SIDE" if from_side else "FACE", contact.face))
         return " ".join(words)
 
-    def _height(self, height: g.ContactHeight) -> str:
-        value = f"{self.bound(height.bound)}{self.length(height.value)}"
+    def _height_words(self, height: g.ContactHeight) -> str:
+        value = f"{self.bound_words(height.bound)}{self.length_words(height.value)}"
         if not isinstance(height.value, g.RelativeLength):
-            reference = self.say("HEIGHT_REFERENCE", height.origin)
+            reference = self.phrase_for("HEIGHT_REFERENCE", height.origin)
             if height.bound == "exact":
                 return f"at {value} {reference}"
             if height.origin == "top":
                 return f"{value} {reference}"
-            return (
-                f"{self.say('HEIGHT_BOUND', height.bound)} {self.length(height.value)} {reference}"
-            )
+            bound = self.phrase_for("HEIGHT_BOUND", height.bound)
+            return f"{bound} {self.length_words(height.value)} {reference}"
         if height.origin == "top":
             raise no_words("a height below the top measured in objects")
         return f"at {value}"
 
 
-def _joins(words: Sequence[str], i: int) -> bool:
-    """Whether this word is the "of" of "can of soup"."""
+def _is_joining_of(words: Sequence[str], i: int) -> bool:
+    """Check for the "of" of "can of soup"."""
     return words[i] == "of" and 0 < i < len(words) - 1 and words[i + 1] not in _NO_NAMES
 
 
-def _words(name: str) -> list[str]:
+def _name_words(name: str) -> list[str]:
     return name.replace("-", " ").casefold().split()
 
 
-def _effector(effector: g.Effector) -> str:
+def _effector_words(effector: g.Effector) -> str:
     if (effector.count or 1) > len(_COUNTS):
         raise no_words(f"{effector.count} {effector.tool}s")
     count = "your" if effector.count is None else _COUNTS[effector.count - 1]
@@ -357,6 +372,6 @@ def _effector(effector: g.Effector) -> str:
     return " ".join(word for word in words if word)
 
 
-def _plain(value: float | Decimal) -> str:
+def _plain_number(value: float | Decimal) -> str:
     text = f"{Decimal(repr(value)) if isinstance(value, float) else value:f}"
     return re.sub(r"\.?0+$", "", text) if "." in text else text

@@ -27,7 +27,7 @@ def paraphrase(
     lexicon: Lexicon | None = None,
     choose: Choice | None = None,
 ) -> str:
-    """Says in plain words what frames ask.
+    """Return frames in plain words.
 
     Args:
         said: what was understood, one frame or several.
@@ -39,7 +39,7 @@ def paraphrase(
     """
     frames = (said,) if isinstance(said, g.Frame) else said
     speaker = _Speaker(default_lexicon() if lexicon is None else lexicon, choose)
-    return ", then ".join(speaker.frame(frame) for frame in frames)
+    return ", then ".join(speaker.frame_words(frame) for frame in frames)
 
 
 class _Speaker:
@@ -48,145 +48,151 @@ class _Speaker:
     def __init__(self, lexicon: Lexicon, choose: Choice | None) -> None:
         self._p = Phrasing(lexicon, choose)
 
-    def frame(self, frame: g.Frame) -> str:
+    def frame_words(self, frame: g.Frame) -> str:
         """One frame: a command, a question or a remark."""
         if frame.dialogue is not None:
-            return self._remark(_with_it(frame), frame.dialogue)
+            return self._remark_words(_with_it(frame), frame.dialogue)
         if frame.query is not None:
-            return self._question(_with_it(frame), frame.query)
-        return self._command(frame)
+            return self._question_words(_with_it(frame), frame.query)
+        return self._command_words(frame)
 
     # --- commands -----------------------------------------------------------------------------
 
-    def _command(self, frame: g.Frame, name: str | None = None, more: str = "") -> str:
+    def _command_words(self, frame: g.Frame, name: str | None = None, more: str = "") -> str:
         """A clause; `name` stands for the object, `more` behind the goal."""
         if frame.object is None or frame.action is None:
             raise no_words(f"action {frame.action} without an object")
         goal = frame.goal
         if isinstance(goal, g.Parameters) and goal.which:
-            return self._explored(frame, goal.which, more)
-        verb, result = self._verb(frame)
+            return self._exploration_words(frame, goal.which, more)
+        verb, result = self._verb_and_result(frame)
         constraints = list(frame.constraints)
         words = []
-        if constraints and (manner := self._p.manner(constraints[0])):
+        if constraints and (manner := self._p.manner_words(constraints[0])):
             words.append(manner)
             constraints.pop(0)
         words += [verb, name or self._of_a_part(frame)]
         if goal.words.particle:
             words.append(goal.words.particle)
-        words += [*result, *self._p.goal(goal), *([more] if more else [])]
-        words += self._constraints(goal, constraints)
+        words += [*result, *self._p.goal_words(goal), *([more] if more else [])]
+        words += self._constraint_words(goal, constraints)
         return " ".join(words)
 
-    def _verb(self, frame: g.Frame) -> tuple[str, list[str]]:
+    def _verb_and_result(self, frame: g.Frame) -> tuple[str, list[str]]:
         """The verb, and the result if another outcome than its own is wanted."""
         action, goal = frame.action or "", frame.goal
         if isinstance(goal, g.Open | g.Close) and goal.part and frame.object is not None:
             # Only what is called "the …" has a "lid of the …".
-            named = self._p.name(frame.object).startswith("the ")
+            named = self._p.object_words(frame.object).startswith("the ")
             moved = "take" if isinstance(goal, g.Open) else "put"
             return goal.words.verbs[action] if named else moved, []
         if action in goal.words.verbs:
             return goal.words.verbs[action], []
         if action in g.Displace.words.verbs and goal.words.outcomes:
-            event = self._p.say("EVENT", goal.words.outcomes[0])
+            event = self._p.phrase_for("EVENT", goal.words.outcomes[0])
             return g.Displace.words.verbs[action], [f"so that it {event}"]
         raise no_words(f"action {action}, goal {goal.kind}")
 
     def _of_a_part(self, frame: g.Frame) -> str:
         """The object; with its part, if that is opened; with its contents, if they are poured."""
         assert frame.object is not None
-        name, goal = self._p.name(frame.object), frame.goal
+        name, goal = self._p.object_words(frame.object), frame.goal
         if isinstance(goal, g.Open | g.Close) and goal.part:
             if name.startswith("the "):
                 return f"the {goal.part} of {name}"
             if goal.part not in self._p.lexicon.lids:
                 raise no_words(f"the {goal.part} of {name}")
             return f"the {goal.part} {'off' if isinstance(goal, g.Open) else 'on'} {name}"
-        return f"{self._p.portion(goal)}{name}" if isinstance(goal, g.Pour) else name
+        return f"{self._p.portion_words(goal)}{name}" if isinstance(goal, g.Pour) else name
 
-    def _constraints(self, goal: g.Goal, constraints: Sequence[g.Constraint]) -> list[str]:
+    def _constraint_words(self, goal: g.Goal, constraints: Sequence[g.Constraint]) -> list[str]:
         said = ("direction", "heading", "toward", "away_from", "reference")
         directed = any(getattr(goal, field, None) is not None for field in said)
-        return self._p.constraints(constraints, directed=directed)
+        return self._p.constraint_words(constraints, directed=directed)
 
-    def _explored(self, frame: g.Frame, which: Sequence[str], more: str) -> str:
-        words = [f"find out {self._property(frame, which)}", *self._p.goal(frame.goal)]
+    def _exploration_words(self, frame: g.Frame, which: Sequence[str], more: str) -> str:
+        words = [f"find out {self._property_words(frame, which)}", *self._p.goal_words(frame.goal)]
         words += [more] if more else []
-        return " ".join([*words, *self._constraints(frame.goal, frame.constraints)])
+        return " ".join([*words, *self._constraint_words(frame.goal, frame.constraints)])
 
-    def _property(self, frame: g.Frame, which: Sequence[str]) -> str:
+    def _property_words(self, frame: g.Frame, which: Sequence[str]) -> str:
         """The mass and the friction of an object."""
         assert frame.object is not None
         if frame.object.text == "its":
-            return " and ".join(self._p.say("ITS_PROPERTY", name) for name in which)
+            return " and ".join(self._p.phrase_for("ITS_PROPERTY", name) for name in which)
         *others, last = which
-        known = self._p.lexicon.says("THE_PROPERTY_OF", last)
+        known = self._p.lexicon.phrases_for("THE_PROPERTY_OF", last)
         of = "THE_PROPERTY_OF" if known else "THE_SIDE_OF"
-        said = [self._p.say("THE_PROPERTY", name) for name in others]
-        return f"{' and '.join([*said, self._p.say(of, last)])} {self._p.name(frame.object)}"
+        said = [self._p.phrase_for("THE_PROPERTY", name) for name in others]
+        properties = " and ".join([*said, self._p.phrase_for(of, last)])
+        return f"{properties} {self._p.object_words(frame.object)}"
 
     # --- questions ----------------------------------------------------------------------------
 
-    def _question(self, frame: g.Frame, query: g.Query) -> str:
+    def _question_words(self, frame: g.Frame, query: g.Query) -> str:
         if query == "value" and isinstance(frame.goal, g.Parameters):
-            return f"{self._p.say('WHAT_IS')} {self._property(frame, frame.goal.which)}?"
+            return (
+                f"{self._p.phrase_for('WHAT_IS')} {self._property_words(frame, frame.goal.which)}?"
+            )
         if query == "affordances" and frame.object is not None:
-            return f"{self._p.say('WHAT_CAN')} {self._p.name(frame.object)}?"
+            return f"{self._p.phrase_for('WHAT_CAN')} {self._p.object_words(frame.object)}?"
         if query == "why" and frame.action is None:
-            return f"{self._p.say('WHY')}?"
+            return f"{self._p.phrase_for('WHY')}?"
         if query == "predict":
-            return f"{self._predicted(frame)}?"
+            return f"{self._prediction_words(frame)}?"
         if query not in _OPENINGS:
             raise no_words(f"the question {query}")
         if frame.negated:
-            return f"{self._p.say('WHY_DID', 'not')} {self._command(frame)}?"
+            return f"{self._p.phrase_for('WHY_DID', 'not')} {self._command_words(frame)}?"
         event = [] if frame.event is None else [self._to_make(frame.event)]
-        clause = self._command(frame)
+        clause = self._command_words(frame)
         terminal, sense = _OPENINGS[query]
         if query == "how_hard" and not event and any(c.kind in _LIMITS for c in frame.constraints):
             sense = "most"
-        return f"{' '.join([self._p.say(terminal, sense), clause, *event])}?"
+        return f"{' '.join([self._p.phrase_for(terminal, sense), clause, *event])}?"
 
     def _to_make(self, event: g.Event) -> str:
-        return f"{self._p.say('TO_MAKE')} it {self._p.say('EVENT_INFINITIVE', event)}"
+        return f"{self._p.phrase_for('TO_MAKE')} it {self._p.phrase_for('EVENT_INFINITIVE', event)}"
 
-    def _predicted(self, frame: g.Frame) -> str:
+    def _prediction_words(self, frame: g.Frame) -> str:
         if frame.event is None:
-            return f"{self._p.say('WHAT_IF')} you {self._command(frame)}"
+            return f"{self._p.phrase_for('WHAT_IF')} you {self._command_words(frame)}"
         assert frame.object is not None
-        happens = self._p.say("EVENT_INFINITIVE", frame.event)
+        happens = self._p.phrase_for("EVENT_INFINITIVE", frame.event)
         partly = isinstance(frame.goal, g.Pour | g.Open | g.Close)
-        name, text = self._p.name(frame.object), frame.object.text
+        name, text = self._p.object_words(frame.object), frame.object.text
         if partly or name not in (text, f"the {text}", f'"{text}"'):
-            return f"if you {self._command(frame)}, will it {happens}"
-        return f"will {name} {happens} if you {self._command(frame, name='it')}"
+            return f"if you {self._command_words(frame)}, will it {happens}"
+        return f"will {name} {happens} if you {self._command_words(frame, name='it')}"
 
     # --- remarks ------------------------------------------------------------------------------
 
-    def _remark(self, frame: g.Frame, dialogue: g.Dialogue) -> str:
+    def _remark_words(self, frame: g.Frame, dialogue: g.Dialogue) -> str:
         if dialogue == "undo" and frame.object is not None:
-            return f"{self._p.say('UNDO_OF')} {self._p.name(frame.object)}"
+            return f"{self._p.phrase_for('UNDO_OF')} {self._p.object_words(frame.object)}"
         if dialogue in ("undo", "stop"):
-            return self._p.say(dialogue.upper())
+            return self._p.phrase_for(dialogue.upper())
         if dialogue == "correct":
-            return f"no, {self._corrected(frame)}"
-        word = self._p.say(dialogue.upper())
+            return f"no, {self._correction_words(frame)}"
+        word = self._p.phrase_for(dialogue.upper())
         if frame.action is not None:
-            return self._command(frame, more=word)
+            return self._command_words(frame, more=word)
         if frame.object is not None:
             raise no_words(f"{dialogue} with an object and no action")
-        rest = [*self._p.goal(frame.goal), *self._constraints(frame.goal, frame.constraints)]
+        rest = [
+            *self._p.goal_words(frame.goal),
+            *self._constraint_words(frame.goal, frame.constraints),
+        ]
         return " ".join([word, *rest])
 
-    def _corrected(self, frame: g.Frame) -> str:
+    def _correction_words(self, frame: g.Frame) -> str:
         if frame.action is not None:
-            return self._command(frame)
-        words = [] if frame.object is None else [self._p.name(frame.object)]
-        goal = self._p.goal(frame.goal)
+            return self._command_words(frame)
+        words = [] if frame.object is None else [self._p.object_words(frame.object)]
+        goal = self._p.goal_words(frame.goal)
         if words and isinstance(frame.goal, g.Place):
             words.append(",")
-        words += [*goal, *self._constraints(frame.goal, frame.constraints)]
+        words += [*goal, *self._constraint_words(frame.goal, frame.constraints)]
         return " ".join(words).replace(" ,", ",")
 
 

@@ -12,7 +12,7 @@ from decimal import Decimal
 from random import Random
 from typing import Any, NamedTuple, TypeVar
 
-from grammar.clauses.consistency import contradiction
+from grammar.clauses.consistency import first_contradiction
 from grammar.frames import command as g
 from grammar.frames.constraints import CONSTRAINTS, new_constraint
 from grammar.frames.vocabulary import Unit
@@ -44,7 +44,7 @@ class Sample(NamedTuple):
     frames: tuple[g.Frame, ...]
 
 
-def samples(
+def random_sentences(
     seed: int = 0, *, lexicon: Lexicon | None = None, nouns: Sequence[str] = NOUNS
 ) -> Iterator[Sample]:
     """Yields random sentences with their frames, without end.
@@ -56,7 +56,7 @@ def samples(
     """
     sampler = Sampler(Random(seed), lexicon=lexicon, nouns=nouns)
     while True:
-        yield sampler.sample()
+        yield sampler.draw_sentence()
 
 
 class Sampler:
@@ -75,71 +75,77 @@ class Sampler:
         self._lexicon = default_lexicon() if lexicon is None else lexicon
         self._nouns = nouns
 
-    def sample(self) -> Sample:
+    def draw_sentence(self) -> Sample:
         """A sentence and its frames."""
-        frames = tuple(self.frame() for _ in range(1 if self._rng.random() < 0.8 else 2))
+        frames = tuple(self.draw_frame() for _ in range(1 if self._rng.random() < 0.8 else 2))
         if len(frames) > 1 and any(f.query or f.dialogue for f in frames):
             frames = frames[:1]
         text = paraphrase(frames, self._lexicon, self._rng.choice)
         return Sample(text, frames)
 
-    def frame(self) -> g.Frame:
+    def draw_frame(self) -> g.Frame:
         """A frame that does not contradict itself."""
         while True:
             kind = self._rng.random()
-            draw = self._command if kind < 0.6 else self._question if kind < 0.85 else self._remark
+            draw = (
+                self._draw_command
+                if kind < 0.6
+                else self._draw_question
+                if kind < 0.85
+                else self._draw_remark
+            )
             frame = draw()
-            if contradiction(frame) is None:
+            if first_contradiction(frame) is None:
                 return frame
 
     # --- choices ------------------------------------------------------------------------------
 
-    def _maybe(self, draw: Callable[[], T], chance: float = 0.5) -> T | None:
+    def _draw_perhaps(self, draw: Callable[[], T], chance: float = 0.5) -> T | None:
         return draw() if self._rng.random() < chance else None
 
     def _pick(self, options: Sequence[T]) -> T:
         return self._rng.choice(options)
 
-    def _length(self) -> float:
+    def _draw_length(self) -> float:
         return self._rng.randint(1, 300) / self._pick((1000, 100))
 
-    def _angle(self) -> float:
+    def _draw_angle(self) -> float:
         return math.radians(self._rng.randint(1, 360))
 
-    def _bound(self) -> g.Bound:
+    def _draw_bound(self) -> g.Bound:
         return self._pick(("exact", "exact", "at_least", "at_most"))
 
-    def _measure(self) -> float | g.RelativeLength:
+    def _draw_measure(self) -> float | g.RelativeLength:
         if self._rng.random() < 0.7:
-            return self._length()
+            return self._draw_length()
         its = g.ObjectRef(text="its", pronoun=True)
-        of = its if self._rng.random() < 0.6 else self._thing()
+        of = its if self._rng.random() < 0.6 else self._draw_thing()
         side = self._pick(("width", "height", "length"))
         return g.RelativeLength(value=self._rng.randint(1, 8) / 2, of=of, side=side)
 
     # --- objects ------------------------------------------------------------------------------
 
-    def _thing(self) -> g.ObjectRef:
+    def _draw_thing(self) -> g.ObjectRef:
         """A thing by its name, perhaps with an adjective."""
         noun = self._pick(self._nouns)
-        adjective = self._maybe(lambda: self._pick(sorted(self._lexicon.adjectives)), 0.3)
+        adjective = self._draw_perhaps(lambda: self._pick(sorted(self._lexicon.adjectives)), 0.3)
         if adjective is None:
             return g.ObjectRef(text=noun)
         quality = self._lexicon.adjectives[adjective]
         return g.ObjectRef(text=f"{adjective} {noun}", qualities=(quality,), noun=noun)
 
-    def _object(self) -> g.ObjectRef:
+    def _draw_object(self) -> g.ObjectRef:
         if self._rng.random() < 0.2:
             return g.ObjectRef(text="it", pronoun=True)
-        ref = self._thing()
+        ref = self._draw_thing()
         if self._rng.random() < 0.85:
             return ref
         relation = self._pick(_RELATIONS)
-        return ref.model_copy(update={"relation": relation, "reference": (self._thing(),)})
+        return ref.model_copy(update={"relation": relation, "reference": (self._draw_thing(),)})
 
     # --- goals --------------------------------------------------------------------------------
 
-    def _displace(self) -> g.Displace:
+    def _draw_displace(self) -> g.Displace:
         where: dict[str, Any] = {}
         match self._rng.randint(0, 7):
             case 0 | 1 | 2:
@@ -147,20 +153,20 @@ class Sampler:
             case 3:
                 where["direction"] = (self._pick(("away", "toward")), self._pick(("left", "right")))
             case 4:
-                where["heading"] = self._angle()
+                where["heading"] = self._draw_angle()
             case 5:
-                where["toward"] = self._pick((self._thing(), "edge", "left_edge"))
+                where["toward"] = self._pick((self._draw_thing(), "edge", "left_edge"))
             case 6:
-                where["away_from"] = self._pick((self._thing(), "edge", "right_edge"))
+                where["away_from"] = self._pick((self._draw_thing(), "edge", "right_edge"))
             case _:
                 pass
         if isinstance(where.get("toward"), g.ObjectRef) and self._rng.random() < 0.3:
             return g.Displace(**where, fraction=self._pick(_FRACTIONS))
         if self._rng.random() < 0.5:
-            return g.Displace(**where, distance=self._measure(), bound=self._bound())
+            return g.Displace(**where, distance=self._draw_measure(), bound=self._draw_bound())
         return g.Displace(**where, amount=self._pick((None, "little", "lot")))
 
-    def _place(self) -> g.Place:
+    def _draw_place(self) -> g.Place:
         match self._rng.randint(0, 5):
             case 0:
                 x, y = (self._rng.randint(-90, 90) / 100 for _ in range(2))
@@ -170,51 +176,53 @@ class Sampler:
                 return g.Place(
                     relation="at",
                     reference=region,
-                    fraction=self._maybe(lambda: self._pick(_FRACTIONS), 0.2),
+                    fraction=self._draw_perhaps(lambda: self._pick(_FRACTIONS), 0.2),
                 )
             case 2:
-                return g.Place(relation="between", reference=(self._thing(), self._thing()))
+                return g.Place(
+                    relation="between", reference=(self._draw_thing(), self._draw_thing())
+                )
             case _:
                 relation = self._pick(_RELATIONS)
-                gap = self._maybe(self._length, 0.3) if relation in _GAPS else None
-                return g.Place(relation=relation, reference=(self._thing(),), distance=gap)
+                gap = self._draw_perhaps(self._draw_length, 0.3) if relation in _GAPS else None
+                return g.Place(relation=relation, reference=(self._draw_thing(),), distance=gap)
 
-    def _goal(self, action: str) -> g.Goal:
+    def _draw_goal(self, action: str) -> g.Goal:
         if action in _SHIFTING:
-            return self._displace() if self._rng.random() < 0.7 else self._place()
+            return self._draw_displace() if self._rng.random() < 0.7 else self._draw_place()
         amount: g.Amount | None = self._pick((None, None, "little", "lot"))
-        angle = self._maybe(self._angle) if amount is None else None
-        bound = self._bound() if angle is not None else "exact"
+        angle = self._draw_perhaps(self._draw_angle) if amount is None else None
+        bound = self._draw_bound() if angle is not None else "exact"
         match action:
             case "turn":
                 sense: g.Sense | None = self._pick((None, "cw", "ccw"))
                 return g.Rotate(angle=angle, sense=sense, bound=bound, amount=amount)
             case "tilt":
-                way = self._maybe(lambda: self._pick(_DIRECTIONS))
+                way = self._draw_perhaps(lambda: self._pick(_DIRECTIONS))
                 return g.Tilt(angle=angle, direction=way, bound=bound, amount=amount)
             case "topple":
-                return g.Topple(direction=self._maybe(lambda: self._pick(_DIRECTIONS)))
+                return g.Topple(direction=self._draw_perhaps(lambda: self._pick(_DIRECTIONS)))
             case "lift":
                 if angle is None:
                     return g.Lift(amount=amount)
-                return g.Lift(height=self._measure(), bound=bound)
+                return g.Lift(height=self._draw_measure(), bound=bound)
             case "place":
                 if self._rng.random() < 0.6:
-                    return self._place()
+                    return self._draw_place()
                 return g.Upright() if self._rng.random() < 0.5 else g.SetDown()
             case "pour":
-                return self._pour()
+                return self._draw_pour()
             case "open" | "close":
-                part = self._maybe(lambda: self._pick(sorted(self._lexicon.lids)))
+                part = self._draw_perhaps(lambda: self._pick(sorted(self._lexicon.lids)))
                 return g.Open(part=part) if action == "open" else g.Close(part=part)
             case "hand_over":
                 return g.HandOver()
             case _:
-                which = self._maybe(lambda: (self._pick(_PROPERTIES),), 0.7)
+                which = self._draw_perhaps(lambda: (self._pick(_PROPERTIES),), 0.7)
                 method: g.Method | None = self._pick((None, None, "lift", "tilt"))
                 return g.Parameters(which=which or (), method=method)
 
-    def _pour(self) -> g.Pour:
+    def _draw_pour(self) -> g.Pour:
         """Everything, or so much of it; or until what it is poured into is so full."""
         how_much: dict[str, Any] = self._pick(
             (
@@ -225,93 +233,105 @@ class Sampler:
                 {"fill": self._pick((*_FRACTIONS, 1.0, self._rng.randint(1, 100) / 100))},
             )
         )
-        into = self._thing() if "fill" in how_much else self._maybe(self._thing, 0.8)
+        into = (
+            self._draw_thing() if "fill" in how_much else self._draw_perhaps(self._draw_thing, 0.8)
+        )
         return g.Pour(into=into, **how_much)
 
     # --- constraints --------------------------------------------------------------------------
 
-    def _constraints(self) -> tuple[g.Constraint, ...]:
+    def _draw_constraints(self) -> tuple[g.Constraint, ...]:
         count = self._pick((0, 0, 1, 1, 2, 3))
-        return tuple(self._constraint(kind) for kind in self._rng.sample([*CONSTRAINTS], count))
+        return tuple(
+            self._draw_constraint(kind) for kind in self._rng.sample([*CONSTRAINTS], count)
+        )
 
-    def _constraint(self, kind: str) -> g.Constraint:
+    def _draw_constraint(self, kind: str) -> g.Constraint:
         unit = CONSTRAINTS[kind].words.unit
         match kind:
             case "no_touch":
-                return self._no_touch()
+                return self._draw_no_touch()
             case "contact":
-                return self._contact()
+                return self._draw_contact()
             case "effector":
-                return self._effector()
+                return self._draw_effector()
             case "until":
-                return self._until()
-        return new_constraint(kind, **({"value": self._value(unit)} if unit else {}))
+                return self._draw_until()
+        return new_constraint(kind, **({"value": self._draw_value(unit)} if unit else {}))
 
-    def _value(self, unit: Unit) -> float:
+    def _draw_value(self, unit: Unit) -> float:
         match unit:
             case "rad":
-                return self._angle()
+                return self._draw_angle()
             case "N":
                 return self._rng.randint(1, 200) / 10
             case "m/s":
                 return self._rng.randint(1, 50) / 100
             case "s":
                 return float(self._rng.randint(1, 20))
-        return self._length()
+        return self._draw_length()
 
-    def _no_touch(self) -> g.NoTouch:
+    def _draw_no_touch(self) -> g.NoTouch:
         if self._rng.random() < 0.2:
             return g.NoTouch(object=None)
-        return g.NoTouch(object=self._thing(), clearance=self._maybe(self._length, 0.4))
+        return g.NoTouch(
+            object=self._draw_thing(), clearance=self._draw_perhaps(self._draw_length, 0.4)
+        )
 
-    def _contact(self) -> g.ContactRegion:
-        face = self._maybe(lambda: self._pick(("front", "back", "left", "right", "top")))
-        region = self._maybe(lambda: self._pick(("top", "middle", "bottom")))
+    def _draw_contact(self) -> g.ContactRegion:
+        face = self._draw_perhaps(lambda: self._pick(("front", "back", "left", "right", "top")))
+        region = self._draw_perhaps(lambda: self._pick(("top", "middle", "bottom")))
         if region is None and self._rng.random() < 0.5:
             height = g.ContactHeight(
-                value=self._length(), origin=self._pick(("table", "top")), bound=self._bound()
+                value=self._draw_length(),
+                origin=self._pick(("table", "top")),
+                bound=self._draw_bound(),
             )
             return g.ContactRegion(face=face, height=height)
         return g.ContactRegion(face=face or (None if region else "front"), region=region)
 
-    def _effector(self) -> g.Effector:
+    def _draw_effector(self) -> g.Effector:
         tool, count = self._pick((("finger", None), ("finger", 1), ("finger", 2), ("hand", None)))
-        side = self._maybe(lambda: self._pick(("left", "right"))) if count is None else None
+        side = self._draw_perhaps(lambda: self._pick(("left", "right"))) if count is None else None
         return g.Effector.model_validate({"tool": tool, "count": count, "side": side})
 
-    def _until(self) -> g.Until:
+    def _draw_until(self) -> g.Until:
         event = self._pick(("touching", "in_line", "next_to", "edge", "about_to_tip", "tips",
                             "moves"))  # fmt: skip
         named = event in ("touching", "in_line", "next_to")
-        return g.Until.model_validate({"event": event, "object": self._thing() if named else None})
+        return g.Until.model_validate(
+            {"event": event, "object": self._draw_thing() if named else None}
+        )
 
     # --- frames -------------------------------------------------------------------------------
 
-    def _command(self) -> g.Frame:
+    def _draw_command(self) -> g.Frame:
         action = self._pick((*_SHIFTING, *_SHIFTING, "turn", "tilt", "topple", "lift", "place",
                              "open", "close", "pour", "explore", "hand_over"))  # fmt: skip
         return g.Frame.model_validate(
             {
                 "action": action,
-                "object": self._object(),
-                "goal": self._goal(action),
-                "constraints": self._constraints(),
+                "object": self._draw_object(),
+                "goal": self._draw_goal(action),
+                "constraints": self._draw_constraints(),
             }
         )
 
-    def _question(self) -> g.Frame:
+    def _draw_question(self) -> g.Frame:
         query = self._pick(("predict", "possible", "how_hard", "where", "why", "value",
                             "affordances"))  # fmt: skip
         if query == "value":
             which = (self._pick(_PROPERTIES),)
-            return g.Frame(query="value", object=self._object(), goal=g.Parameters(which=which))
+            return g.Frame(
+                query="value", object=self._draw_object(), goal=g.Parameters(which=which)
+            )
         if query == "affordances":
-            return g.Frame(query="affordances", object=self._object())
+            return g.Frame(query="affordances", object=self._draw_object())
         if query == "why" and self._rng.random() < 0.5:
             return g.Frame(query="why")
-        frame = self._command()
+        frame = self._draw_command()
         while isinstance(frame.goal, g.Parameters):
-            frame = self._command()
+            frame = self._draw_command()
         events: list[g.Event | None] = [None, "slides", "tips", "tilts", "turns", "moves"]
         if query == "predict":
             events += ["spills", "holds"]
@@ -323,7 +343,7 @@ class Sampler:
         negated = query == "why" and self._rng.random() < 0.5
         return frame.model_copy(update={**update, "negated": negated})
 
-    def _remark(self) -> g.Frame:
+    def _draw_remark(self) -> g.Frame:
         dialogue = self._pick(("undo", "stop", "repeat", "more", "correct"))
         match dialogue:
             case "undo" | "stop":
@@ -331,19 +351,21 @@ class Sampler:
             case "correct":
                 said = self._pick(("object", "goal", "command"))
                 if said == "command":
-                    frame = self._command()
+                    frame = self._draw_command()
                     while isinstance(frame.goal, g.Parameters):
-                        frame = self._command()
+                        frame = self._draw_command()
                     return frame.model_copy(update={"dialogue": "correct"})
                 if said == "object":
-                    return g.Frame(dialogue="correct", object=self._thing())
-                return g.Frame(dialogue="correct", goal=self._moved())
+                    return g.Frame(dialogue="correct", object=self._draw_thing())
+                return g.Frame(dialogue="correct", goal=self._draw_said_displace())
             case _:
-                goal: g.Goal = g.NoGoal() if self._rng.random() < 0.3 else self._moved()
+                goal: g.Goal = (
+                    g.NoGoal() if self._rng.random() < 0.3 else self._draw_said_displace()
+                )
                 return g.Frame.model_validate({"dialogue": dialogue, "goal": goal})
 
-    def _moved(self) -> g.Displace:
+    def _draw_said_displace(self) -> g.Displace:
         """Somewhere; a direction, a distance or an amount is always said."""
-        while (goal := self._displace()) == g.Displace():
+        while (goal := self._draw_displace()) == g.Displace():
             pass
         return goal

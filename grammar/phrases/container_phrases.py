@@ -1,4 +1,4 @@
-"""What phrases say of contents and lids: how much is poured, until it is how full, by lifting."""
+"""Parts from phrases of contents: how much is poured, until it is how full, by lifting."""
 
 from __future__ import annotations
 
@@ -29,31 +29,31 @@ class Contents(Phrases):
 
     # --- how much -----------------------------------------------------------------------------
 
-    def volume(self, children: Children) -> list[Part]:
+    def volume_part(self, children: Children) -> list[Part]:
         """100 ml; 100 ml of ice tea."""
         said = [child for child in children if isinstance(child, Token)]
-        span = self._w.span(said)
-        if self._w.bound(children) != "exact":
-            message = f'"{self._w.sentence.written(span)}" leaves open how much to pour'
+        span = self._w.span_of(said)
+        if self._w.bound_of(children) != "exact":
+            message = f'"{self._w.sentence.words_as_written(span)}" leaves open how much to pour'
             raise ParseError("does_not_apply", message, span, ("100 ml", "half of it"))
         range_ = f"a volume is more than 0 and at most {1e3 * q.MAX_VOLUME:g} l"
         unit = "CUPS" if any(token.type == "CUPS" for token in said) else "VOLUME_UNIT"
         value = self._w.in_unit(children, unit)[0]
-        value = self._w.possible(said, value, q.MAX_VOLUME, range_)
+        value = self._w.require_possible(said, value, q.MAX_VOLUME, range_)
         return [VolumePart(span, value), *self._things_of(children)]
 
-    def some_of(self, children: Children) -> list[Part]:
+    def some_of_part(self, children: Children) -> list[Part]:
         """A little of the ice tea."""
-        amount = AmountPart(self._w.span(children[:1]), self._w.value(children, "SOME_OF"))
+        amount = AmountPart(self._w.span_of(children[:1]), self._w.value_of(children, "SOME_OF"))
         return [amount, *self._things_of(children)]
 
-    def portion(self, children: Children) -> list[Part]:
+    def portion_part(self, children: Children) -> list[Part]:
         """Half of the ice tea."""
-        value = self.fraction(self._w.value(children, "PORTION"))
-        share = SharePart(self._w.span(children[:1]), value, of_way=False)
+        value = self.fraction_value(self._w.value_of(children, "PORTION"))
+        share = SharePart(self._w.span_of(children[:1]), value, of_way=False)
         return [share, *self._things_of(children)]
 
-    def fraction(self, text: str) -> float:
+    def fraction_value(self, text: str) -> float:
         """The number that "2/3" stands for."""
         over, _, under = text.partition("/")
         return float(over) / float(under or 1)
@@ -63,36 +63,36 @@ class Contents(Phrases):
 
     # --- how full -----------------------------------------------------------------------------
 
-    def until_full(self, children: Children) -> FullPart:
+    def until_full_part(self, children: Children) -> FullPart:
         """Until it is half full; so that it is 80 percent full."""
         thing = next(child for child in children if isinstance(child, ThingPart))
-        return FullPart(self._w.span(children), self._level(children, "IS_FULL"), thing)
+        return FullPart(self._w.span_of(children), self._fill_level(children, "IS_FULL"), thing)
 
-    def full(self, children: Children) -> FullPart:
+    def full_part(self, children: Children) -> FullPart:
         """To the brim; half full; to 80 percent."""
-        return FullPart(self._w.span(children), self._level(children, "FILLED"))
+        return FullPart(self._w.span_of(children), self._fill_level(children, "FILLED"))
 
-    def _level(self, children: Children, terminal: str) -> float:
-        if said := self._w.value(children, terminal):
-            return self.fraction(said)
-        share = float(self._w.numbers(children)[0] / 100)
+    def _fill_level(self, children: Children, terminal: str) -> float:
+        if said := self._w.value_of(children, terminal):
+            return self.fraction_value(said)
+        share = float(self._w.numbers_in(children)[0] / 100)
         range_ = "what is filled is filled up to at most 100 percent"
-        return self._w.possible(children, share, 1.0, range_)
+        return self._w.require_possible(children, share, 1.0, range_)
 
-    def filled_with(self, children: Children) -> list[Part]:
+    def filled_with_part(self, children: Children) -> list[Part]:
         """With ice tea; with half of the ice tea."""
         flat = [p for c in children for p in (c if isinstance(c, list) else [c])]
         thing = next(part for part in flat if isinstance(part, ThingPart))
         others = [part for part in flat if isinstance(part, Part) and part is not thing]
-        return [FilledWithPart(self._w.span(children[:1]), thing), *others]
+        return [FilledWithPart(self._w.span_of(children[:1]), thing), *others]
 
     # --- where, and how -----------------------------------------------------------------------
 
-    def on_table(self, children: Children) -> TablePart:
+    def on_table_part(self, children: Children) -> TablePart:
         """On the table."""
-        return TablePart(self._w.span(children))
+        return TablePart(self._w.span_of(children))
 
-    def method(self, children: Children) -> MethodPart:
+    def method_part(self, children: Children) -> MethodPart:
         """By lifting it."""
-        value = cast(g.Method, self._w.value(children, "METHOD"))
-        return MethodPart(self._w.span(children), value)
+        value = cast(g.Method, self._w.value_of(children, "METHOD"))
+        return MethodPart(self._w.span_of(children), value)

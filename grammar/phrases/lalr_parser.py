@@ -30,12 +30,12 @@ class Tree(NamedTuple):
                 yield child
 
     def transform(self, builders: object) -> Any:
-        """Build the value of the tree: at each node the method of its name, from the leaves up."""
+        """Build the value of the tree, leaves first; at `length` by the method `length_part`."""
         children = [
             child.transform(builders) if isinstance(child, Tree) else child
             for child in self.children
         ]
-        return getattr(builders, self.name)(children)
+        return getattr(builders, f"{self.name}_part")(children)
 
 
 class UnexpectedTokenError(Exception):
@@ -102,7 +102,9 @@ class _Stack:
         while True:
             action = states[self._states[-1]].get(token.type)
             if action is None:
-                raise UnexpectedTokenError(token, self._accepted(states[self._states[-1]]))
+                raise UnexpectedTokenError(
+                    token, self._acceptable_terminals(states[self._states[-1]])
+                )
             if action >= 0:
                 self._states.append(action)
                 self._values.append(token)
@@ -127,7 +129,7 @@ class _Stack:
         self._values.append(children[0] if single else Tree(rule.name, children))
         self._states.append(self._table.states[self._states[-1]][rule.origin])
 
-    def _accepted(self, symbols: Iterable[str]) -> frozenset[str]:
+    def _acceptable_terminals(self, symbols: Iterable[str]) -> frozenset[str]:
         """The terminals among symbols that may come next; rules have names in lower case."""
         return frozenset(s for s in symbols if s.isupper() and self._can_shift(s))
 

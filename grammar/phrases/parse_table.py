@@ -112,7 +112,7 @@ def table_data(source: str) -> dict[str, Any]:
         states.append([shifts, sorted(follow.items())])
     return {
         "digest": _digest(source),
-        "rules": [_rule(rule) for rule in lark.rules],
+        "rules": [_reduced_rule(rule) for rule in lark.rules],
         "symbols": symbols,
         "sets": [list(known) for known in sets],
         "states": states,
@@ -120,7 +120,7 @@ def table_data(source: str) -> dict[str, Any]:
     }
 
 
-def _rule(rule: Any) -> Rule:
+def _reduced_rule(rule: Any) -> Rule:
     inlined = [
         i
         for i, symbol in enumerate(rule.expansion)

@@ -1,4 +1,4 @@
-"""What the phrases of a sentence say, one by one, before they are put together as frames.
+"""Phrases of a sentence, one by one, before they are put together as frames.
 
 Quantities are in SI units and radians; spans are columns of the sentence as given.
 """
@@ -86,7 +86,7 @@ class VerbPart(Part):
 
 @dataclass(frozen=True)
 class ThingPart(Part):
-    """What is named: the name, or "it"; `span` is the name's, without the article."""
+    """A named object, or "it"; `span` is the name's, without the article."""
 
     ref: ObjectRef
     contents: bool = False
@@ -94,7 +94,7 @@ class ThingPart(Part):
 
 @dataclass(frozen=True)
 class ThatIsPart(Part):
-    """That is, which stands: a place follows that tells the object from others."""
+    """Words such as "that is": a place follows that distinguishes the object."""
 
 
 @dataclass(frozen=True)
@@ -141,21 +141,21 @@ class HeadingPart(Part):
 
 @dataclass(frozen=True)
 class TowardPart(Part):
-    """What to move towards."""
+    """A target to move towards."""
 
     target: ObjectRef | TableRegion
 
 
 @dataclass(frozen=True)
 class AwayFromPart(Part):
-    """What part of the table to move away from."""
+    """A part of the table to move away from."""
 
     region: TableRegion
 
 
 @dataclass(frozen=True)
 class PlacePart(Part):
-    """Where to bring it; the relation is one of the contract's, or `from`, `away_from`, `to`."""
+    """A place; the relation is one of the contract's, or `from`, `away_from`, `to`."""
 
     relation: str
     reference: tuple[ObjectRef, ...] | Point | TableRegion
@@ -163,7 +163,7 @@ class PlacePart(Part):
 
 @dataclass(frozen=True)
 class IntoPart(Part):
-    """What to pour into."""
+    """The object to pour into."""
 
     target: ObjectRef
 
@@ -202,7 +202,7 @@ class SharePart(Part):
 
 @dataclass(frozen=True)
 class VolumePart(Part):
-    """How much of a liquid [m³]."""
+    """A volume of a liquid [m³]."""
 
     value: float
 
@@ -217,7 +217,7 @@ class FullPart(Part):
 
 @dataclass(frozen=True)
 class FilledWithPart(Part):
-    """What something is filled with."""
+    """The liquid to fill with."""
 
     thing: ThingPart
 
@@ -261,7 +261,7 @@ class ConstraintPart(Part):
 
 @dataclass(frozen=True)
 class AvoidPart(Part):
-    """What must not happen.
+    """An event that must not happen.
 
     Attributes:
         kind: kind of the constraint, "" if a particle is still needed ("knocking it over").
@@ -286,7 +286,7 @@ class FurtherNoTouchPart(Part):
 
 @dataclass(frozen=True)
 class ResultPart(Part):
-    """What should come of it: "so that it falls over"."""
+    """A wanted event: "so that it falls over"."""
 
     event: str
     subject: ThingPart
@@ -298,7 +298,7 @@ class ResultPart(Part):
 
 @dataclass(frozen=True)
 class AskPart(Part):
-    """What is asked.
+    """The opening of a question.
 
     Attributes:
         query: kind of the question; None if it is asked only with a question mark ("can you").
@@ -341,7 +341,7 @@ class ExplorePart(Part):
 
 @dataclass(frozen=True)
 class RemarkPart(Part):
-    """What a remark does: undo that, again, no."""
+    """A remark: undo that, again, no."""
 
     dialogue: Dialogue
 

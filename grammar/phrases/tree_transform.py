@@ -54,157 +54,157 @@ class Parts(Manners, Contents, Outcomes, Questions):
 
     # --- what holds the sentence together -----------------------------------------------------
 
-    def separator(self, children: Children) -> SeparatorPart:
+    def separator_part(self, children: Children) -> SeparatorPart:
         """And."""
-        word = self._w.value(children, "SEPARATOR") or self._w.value(children, "OR")
-        return SeparatorPart(self._w.span(children), word)
+        word = self._w.value_of(children, "SEPARATOR") or self._w.value_of(children, "OR")
+        return SeparatorPart(self._w.span_of(children), word)
 
-    def next(self, children: Children) -> NextPart:
+    def next_part(self, children: Children) -> NextPart:
         """Then."""
-        return NextPart(self._w.span(children), self._w.value(children, "NEXT"))
+        return NextPart(self._w.span_of(children), self._w.value_of(children, "NEXT"))
 
-    def filler(self, children: Children) -> FillerPart:
+    def filler_part(self, children: Children) -> FillerPart:
         """Please."""
-        polite = self._w.value(children, "FILLER") == "please"
-        return FillerPart(self._w.span(children), anywhere=polite)
+        polite = self._w.value_of(children, "FILLER") == "please"
+        return FillerPart(self._w.span_of(children), anywhere=polite)
 
-    def me(self, children: Children) -> MePart:
+    def me_part(self, children: Children) -> MePart:
         """To me."""
-        return MePart(self._w.span(children))
+        return MePart(self._w.span_of(children))
 
-    def there(self, children: Children) -> TherePart:
+    def there_part(self, children: Children) -> TherePart:
         """There."""
-        return TherePart(self._w.span(children))
+        return TherePart(self._w.span_of(children))
 
-    def diagonally(self, children: Children) -> DiagonalPart:
+    def diagonally_part(self, children: Children) -> DiagonalPart:
         """Diagonally."""
-        return DiagonalPart(self._w.span(children))
+        return DiagonalPart(self._w.span_of(children))
 
     # --- the verb and things ------------------------------------------------------------------
 
-    def verb(self, children: Children) -> list[Part]:
+    def verb_part(self, children: Children) -> list[Part]:
         """Push; you push; would you mind pushing."""
         token = next(c for c in children if isinstance(c, Token) and c.type.startswith("VERB"))
         word = self._w.lexicon.verb_words[token.type][str(token)]
         rest = [c for c in children if isinstance(c, Part)]
-        return [VerbPart(self._w.span([token]), word), *rest]
+        return [VerbPart(self._w.span_of([token]), word), *rest]
 
-    def causes(self, children: Children) -> list[Part]:
+    def causes_part(self, children: Children) -> list[Part]:
         """Make the box slide: slide the box."""
-        event = self._w.value(children, "EVENT_INFINITIVE")
+        event = self._w.value_of(children, "EVENT_INFINITIVE")
         if event not in _CAUSED:
-            raise self._refuse(children, "asks for nothing to be done", "push it …")
+            raise self._does_not_apply_error(children, "asks for nothing to be done", "push it …")
         thing = next(c for c in children if isinstance(c, ThingPart))
         ends = [c for c in children if isinstance(c, Token)]
-        first, last = self._w.span(ends[:1]), self._w.span(ends[-1:])
+        first, last = self._w.span_of(ends[:1]), self._w.span_of(ends[-1:])
         return [VerbPart(first, _CAUSED[event], completed=last), thing]
 
-    def particle(self, children: Children) -> list[Part]:
+    def particle_part(self, children: Children) -> list[Part]:
         """Over, up, down."""
         rest = [c for c in children if isinstance(c, Part)]
-        word = self._w.value(children, "PARTICLE")
-        return [ParticlePart(self._w.span(children[:1]), word), *rest]
+        word = self._w.value_of(children, "PARTICLE")
+        return [ParticlePart(self._w.span_of(children[:1]), word), *rest]
 
-    def name(self, children: Children) -> ThingPart:
+    def name_part(self, children: Children) -> ThingPart:
         """A name, without its article; quotation marks are no part of it."""
         words = [c for c in children if c.type in ("WORD", "QUOTED", "IT")]
         contents = any(c.type == "CONTENTS" for c in children)
         if not words:
             words = [c for c in children if c.type == "THAT"]
-        first, last = self._w.span(words[:1])[0], self._w.span(words[-1:])[1]
+        first, last = self._w.span_of(words[:1])[0], self._w.span_of(words[-1:])[1]
         span = first, last
         if words[0].type == "QUOTED":
             span = span[0] + 1, span[1] - 1
             inner = self._w.sentence.original[span[0] : span[1]]
             span = span[0] + len(inner) - len(inner.lstrip()), span[0] + len(inner.rstrip())
-        text = self._w.sentence.written(span)
+        text = self._w.sentence.words_as_written(span)
         if words[0].type in ("IT", "THAT"):
             ref = g.ObjectRef(text=text, spans=(span,), pronoun=True)
         else:
-            ref = self._named(text, span, [w for w in words if w.type == "WORD"])
+            ref = self._named_object(text, span, [w for w in words if w.type == "WORD"])
         return ThingPart(span, ref, contents)
 
-    def _named(self, text: str, span: g.Span, words: list[Token]) -> g.ObjectRef:
+    def _named_object(self, text: str, span: g.Span, words: list[Token]) -> g.ObjectRef:
         """A name with what its adjectives say; a quoted name has none."""
         lexicon = self._w.lexicon
         qualities = tuple(lexicon.adjectives[w] for w in words if w in lexicon.adjectives)
         if not qualities and not set(words) <= {"one", "ones"}:
             return g.ObjectRef(text=text, spans=(span,))
         nouns = [w for w in words if w not in lexicon.adjectives and w not in lexicon.nobodies]
-        noun = " ".join(self._w.sentence.written(self._w.span([w])) for w in nouns)
+        noun = " ".join(self._w.sentence.words_as_written(self._w.span_of([w])) for w in nouns)
         return g.ObjectRef(text=text, spans=(span,), qualities=qualities, noun=noun)
 
-    def that_is(self, children: Children) -> ThatIsPart:
-        """That is."""
-        return ThatIsPart(self._w.span(children))
+    def that_is_part(self, children: Children) -> ThatIsPart:
+        """Words such as "that is"."""
+        return ThatIsPart(self._w.span_of(children))
 
-    def side(self, children: Children) -> SidePart:
+    def side_part(self, children: Children) -> SidePart:
         """On the left."""
-        quality = cast(g.Quality, self._w.value(children, "SIDE_QUALITY"))
-        return SidePart(self._w.span(children), quality)
+        quality = cast(g.Quality, self._w.value_of(children, "SIDE_QUALITY"))
+        return SidePart(self._w.span_of(children), quality)
 
     # --- where to -----------------------------------------------------------------------------
 
-    def direction(self, children: Children) -> list[Part]:
+    def direction_part(self, children: Children) -> list[Part]:
         """Away, over to the left."""
-        span = self._w.span(children)
-        direction = DirectionPart(span, cast(g.Direction, self._w.value(children, "DIRECTION")))
+        span = self._w.span_of(children)
+        direction = DirectionPart(span, cast(g.Direction, self._w.value_of(children, "DIRECTION")))
         if str(children[0]).startswith("over "):
             return [ParticlePart((span[0], span[0] + 4), "over", optional=True), direction]
         return [direction]
 
-    def off_straight(self, children: Children) -> HeadingPart:
+    def off_straight_part(self, children: Children) -> HeadingPart:
         """30 degrees left of straight ahead."""
-        sign = 1.0 if self._w.value(children, "OFF_STRAIGHT") == "left" else -1.0
-        return HeadingPart(self._w.span(children), sign * self._w.angle(children))
+        sign = 1.0 if self._w.value_of(children, "OFF_STRAIGHT") == "left" else -1.0
+        return HeadingPart(self._w.span_of(children), sign * self._w.angle_in(children))
 
-    def heading(self, children: Children) -> HeadingPart:
+    def heading_part(self, children: Children) -> HeadingPart:
         """At a heading of 30 degrees."""
-        return HeadingPart(self._w.span(children), self._w.angle(children, signed=True))
+        return HeadingPart(self._w.span_of(children), self._w.angle_in(children, signed=True))
 
-    def toward(self, children: Children) -> TowardPart:
+    def toward_part(self, children: Children) -> TowardPart:
         """Towards the mug."""
-        return TowardPart(self._w.span(children), children[1].ref)
+        return TowardPart(self._w.span_of(children), children[1].ref)
 
-    def toward_region(self, children: Children) -> TowardPart:
+    def toward_region_part(self, children: Children) -> TowardPart:
         """Towards the edge."""
-        region = cast(g.TableRegion, self._w.value(children, "TOWARD_REGION"))
-        return TowardPart(self._w.span(children), region)
+        region = cast(g.TableRegion, self._w.value_of(children, "TOWARD_REGION"))
+        return TowardPart(self._w.span_of(children), region)
 
-    def away_from_region(self, children: Children) -> AwayFromPart:
+    def away_from_region_part(self, children: Children) -> AwayFromPart:
         """Away from the edge."""
-        region = cast(g.TableRegion, self._w.value(children, "AWAY_FROM_REGION"))
-        return AwayFromPart(self._w.span(children), region)
+        region = cast(g.TableRegion, self._w.value_of(children, "AWAY_FROM_REGION"))
+        return AwayFromPart(self._w.span_of(children), region)
 
-    def into(self, children: Children) -> IntoPart:
+    def into_part(self, children: Children) -> IntoPart:
         """Into the mug."""
-        return IntoPart(self._w.span(children), children[1].ref)
+        return IntoPart(self._w.span_of(children), children[1].ref)
 
-    def place(self, children: Children) -> PlacePart:
+    def place_part(self, children: Children) -> PlacePart:
         """Next to the mug; between the mug and the box."""
         things = tuple(c.ref for c in children if isinstance(c, ThingPart))
         if children[0].type == "BETWEEN":
             joined = children[2]
-            if self._w.value([joined], "SEPARATOR") != "and":
+            if self._w.value_of([joined], "SEPARATOR") != "and":
                 raise ParseError(
                     "unexpected_words",
                     'two things are joined by "and"',
-                    self._w.span([joined]),
+                    self._w.span_of([joined]),
                     ('say "between the one and the other"',),
                 )
-            return PlacePart(self._w.span(children), "between", things)
-        return PlacePart(self._w.span(children), self._w.value(children, "RELATION"), things)
+            return PlacePart(self._w.span_of(children), "between", things)
+        return PlacePart(self._w.span_of(children), self._w.value_of(children, "RELATION"), things)
 
-    def region_of_table(self, children: Children) -> PlacePart:
+    def region_of_table_part(self, children: Children) -> PlacePart:
         """To the middle of the table."""
-        region = cast(g.TableRegion, self._w.value(children, "REGION_OF_TABLE"))
-        return PlacePart(self._w.span(children), "at", region)
+        region = cast(g.TableRegion, self._w.value_of(children, "REGION_OF_TABLE"))
+        return PlacePart(self._w.span_of(children), "at", region)
 
-    def point(self, children: Children) -> PlacePart:
+    def point_part(self, children: Children) -> PlacePart:
         """To x 0.6 y −0.1."""
-        numbers = [float(number) for number in self._w.numbers(children)]
+        numbers = [float(number) for number in self._w.numbers_in(children)]
         units = [
-            float(self._w.lexicon.value("LENGTH_UNIT", str(c)))
+            float(self._w.lexicon.value_of("LENGTH_UNIT", str(c)))
             for c in children
             if isinstance(c, Token) and c.type == "LENGTH_UNIT"
         ]
@@ -213,30 +213,30 @@ class Parts(Manners, Contents, Outcomes, Questions):
         for value in (x, y):
             # A place may lie on either side of the middle, so only its size is of interest.
             range_ = f"a place is at most {q.MAX_LENGTH_M:g} m away"
-            self._w.possible(children, max(abs(value), 1e-9), q.MAX_LENGTH_M, range_)
-        return PlacePart(self._w.span(children), "at", g.Point(x=x, y=y))
+            self._w.require_possible(children, max(abs(value), 1e-9), q.MAX_LENGTH_M, range_)
+        return PlacePart(self._w.span_of(children), "at", g.Point(x=x, y=y))
 
     # --- how far ------------------------------------------------------------------------------
 
-    def length(self, children: Children) -> LengthPart:
+    def length_part(self, children: Children) -> LengthPart:
         """By at least 10 cm."""
-        value, span = self._w.lengths(children)[0], self._w.span(children)
-        return LengthPart(span, value, self._w.bound(children))
+        value, span = self._w.lengths_in(children)[0], self._w.span_of(children)
+        return LengthPart(span, value, self._w.bound_of(children))
 
-    def length_range(self, children: Children) -> LengthPart:
+    def length_range_part(self, children: Children) -> LengthPart:
         """5 to 10 cm."""
-        low, high = self._w.lengths(children)
-        span = self._w.span(children)
-        if low >= high or self._w.bound(children) != "exact":
+        low, high = self._w.lengths_in(children)
+        span = self._w.span_of(children)
+        if low >= high or self._w.bound_of(children) != "exact":
             raise ParseError(
                 "impossible_quantity",
-                f'"{self._w.sentence.written(span)}" is no range',
+                f'"{self._w.sentence.words_as_written(span)}" is no range',
                 span,
                 ('say it like "5 to 10 cm"',),
             )
         return LengthPart(span, low, "at_least", high)
 
-    def relative(self, children: Children) -> LengthPart:
+    def relative_part(self, children: Children) -> LengthPart:
         """Twice its width; the width of the mug."""
         things = [c for c in children if isinstance(c, ThingPart)]
         its = [c for c in children if isinstance(c, Token) and c.type == "ITS"]
@@ -244,47 +244,51 @@ class Parts(Manners, Contents, Outcomes, Questions):
         if things:
             of = things[0].ref
         elif its:
-            start, _ = self._w.span(its)
+            start, _ = self._w.span_of(its)
             of = g.ObjectRef(text="its", spans=((start, start + 3),), pronoun=True)
         else:
             of = g.ObjectRef(text="its", pronoun=True)
-        return self._relative(children, of, self._w.value(children, terminal))
+        return self._relative_length_part(children, of, self._w.value_of(children, terminal))
 
-    def relative_to_word(self, children: Children) -> LengthPart:
+    def relative_to_word_part(self, children: Children) -> LengthPart:
         """Two box widths."""
         words = [c for c in children if isinstance(c, Token) and c.type == "WORD"]
-        span = self._w.span(words)
-        of = g.ObjectRef(text=self._w.sentence.written(span), spans=(span,))
-        return self._relative(children, of, self._w.value(children, "SIDE_OF_OBJECT"))
+        span = self._w.span_of(words)
+        of = g.ObjectRef(text=self._w.sentence.words_as_written(span), spans=(span,))
+        return self._relative_length_part(
+            children, of, self._w.value_of(children, "SIDE_OF_OBJECT")
+        )
 
-    def _relative(self, children: Children, of: g.ObjectRef, side: str) -> LengthPart:
-        span = self._w.span(children)
-        times = float(next(iter(self._w.numbers(children)), 1))
-        times = self._w.possible(children, times, 100.0, "a length is at most 100 objects long")
+    def _relative_length_part(self, children: Children, of: g.ObjectRef, side: str) -> LengthPart:
+        span = self._w.span_of(children)
+        times = float(next(iter(self._w.numbers_in(children)), 1))
+        times = self._w.require_possible(
+            children, times, 100.0, "a length is at most 100 objects long"
+        )
         length = g.RelativeLength(value=times, of=of, side=cast(g.Side, side))
-        return LengthPart(span, length, self._w.bound(children))
+        return LengthPart(span, length, self._w.bound_of(children))
 
-    def angle(self, children: Children) -> AnglePart:
+    def angle_part(self, children: Children) -> AnglePart:
         """By 30 degrees."""
-        value = self._w.angle(children)
-        return AnglePart(self._w.span(children), value, self._w.bound(children))
+        value = self._w.angle_in(children)
+        return AnglePart(self._w.span_of(children), value, self._w.bound_of(children))
 
-    def sense(self, children: Children) -> SensePart:
+    def sense_part(self, children: Children) -> SensePart:
         """Clockwise."""
-        return SensePart(self._w.span(children), self._w.value(children, "SENSE"))
+        return SensePart(self._w.span_of(children), self._w.value_of(children, "SENSE"))
 
-    def amount(self, children: Children) -> AmountPart:
+    def amount_part(self, children: Children) -> AmountPart:
         """A little."""
-        return AmountPart(self._w.span(children), self._w.value(children, "AMOUNT"))
+        return AmountPart(self._w.span_of(children), self._w.value_of(children, "AMOUNT"))
 
-    def way(self, children: Children) -> SharePart:
+    def way_part(self, children: Children) -> SharePart:
         """Halfway."""
-        value = self.fraction(self._w.value(children, "WAY"))
-        return SharePart(self._w.span(children), value, of_way=True)
+        value = self.fraction_value(self._w.value_of(children, "WAY"))
+        return SharePart(self._w.span_of(children), value, of_way=True)
 
     # --- the whole ----------------------------------------------------------------------------
 
-    def start(self, children: Children) -> list[Part]:
+    def start_part(self, children: Children) -> list[Part]:
         """The parts of the sentence."""
         parts: list[Part] = []
         for child in children:

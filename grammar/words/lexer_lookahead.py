@@ -1,4 +1,4 @@
-"""What must follow a phrase for it to be taken: the lexer's look at the next word or two.
+"""Lookahead of the lexer: the next word or two that a phrase needs behind it.
 
 Some words mean one thing before a number and another before a name ("up to 5 cm", "up to the mug"),
 and some phrases are the beginning of a name ("from the left", "from the left box").
@@ -29,8 +29,8 @@ _NAMES_BEGIN = re.compile(r" (?:the|a|an|my|your|its) ")
 Rule = Callable[[str, str, int, str], bool]
 
 
-def stands(phrase: str, text: str, start: int) -> bool:
-    """Whether a phrase stands in a text, from here to the end of a word."""
+def stands_at(phrase: str, text: str, start: int) -> bool:
+    """Check for a phrase in a text, from here to the end of a word."""
     end = start + len(phrase)
     return text.startswith(phrase, start) and (end == len(text) or text[end] == " ")
 
@@ -49,14 +49,14 @@ class Phrases:
         names.sort(key=lambda name: name not in {*_OF_CONTENTS, *BEFORE_NUMBERS, "TO_DO", "OR"})
         self._kinds: dict[str, list[str]] = {phrase: ["WORD"] for phrase in lexicon.names}
         for name in names:
-            for phrase in lexicon.phrases(name):
+            for phrase in lexicon.phrases_of(name):
                 self._kinds.setdefault(phrase, []).append(name)
         self._most: dict[str, int] = {}
         for phrase in self._kinds:
             first, *more = phrase.split()
             self._most[first] = max(self._most.get(first, 1), 1 + len(more))
 
-    def at(self, text: str, start: int) -> list[tuple[str, list[str]]]:
+    def phrases_at(self, text: str, start: int) -> list[tuple[str, list[str]]]:
         """The phrases that stand in a text from the start of a word, longest first."""
         found = []
         end = _word_end(text, start)
@@ -68,9 +68,9 @@ class Phrases:
             end = _word_end(text, end + 1)
         return found[::-1]
 
-    def any(self, kind: str, text: str, start: int) -> bool:
-        """Whether a phrase of a terminal stands here."""
-        return any(kind in kinds for _, kinds in self.at(text, start))
+    def has_terminal_at(self, kind: str, text: str, start: int) -> bool:
+        """Check for a phrase of a terminal that stands here."""
+        return any(kind in kinds for _, kinds in self.phrases_at(text, start))
 
 
 class Lookahead:
@@ -82,12 +82,12 @@ class Lookahead:
     """
 
     def __init__(self, lexicon: Lexicon, phrases: Phrases) -> None:
-        self._any = phrases.any
-        self._from_sides = lexicon.phrases("FROM_SIDE")
+        self._any = phrases.has_terminal_at
+        self._from_sides = lexicon.phrases_of("FROM_SIDE")
         self._first_of_number = lexicon.numbers.first_words
         self._adjectives = lexicon.adjectives
-        self._function_words = lexicon.reserved | lexicon.first_words
-        self._determiners = {p for n in ("THE", "A", "THAT", "IT") for p in lexicon.phrases(n)}
+        self._function_words = lexicon.reserved_words | lexicon.first_words
+        self._determiners = {p for n in ("THE", "A", "THAT", "IT") for p in lexicon.phrases_of(n)}
         self._verbs = {
             form: verb
             for kind in ("VERB", "VERB_ING")
@@ -110,7 +110,7 @@ class Lookahead:
             "PART_OF": lambda _phrase, _text, _end, last: last == "VOLUME_UNIT",
             "PORTION": self._of_a_liquid,
             "TO_LEVEL": lambda _phrase, text, end, _last: bool(_PERCENT.match(text, end + 1)),
-            "FROM_SIDE": lambda _phrase, text, end, _last: self._ends(text, end),
+            "FROM_SIDE": lambda _phrase, text, end, _last: self._ends_name(text, end),
             "LENGTH_UNIT": self._no_preposition,
             "NEXT": self._not_next_to,
             "OF": lambda _phrase, text, end, _last: bool(_NAMES_BEGIN.match(text, end)),
@@ -123,8 +123,8 @@ class Lookahead:
             "WHY_DID": lambda _phrase, text, end, _last: end < len(text),
         }
 
-    def fits(self, kind: str, phrase: str, text: str, end: int, last: str) -> bool:
-        """Whether a phrase that ends here is what it seems.
+    def can_be(self, kind: str, phrase: str, text: str, end: int, last: str) -> bool:
+        """Check that a phrase that ends here can be of a terminal.
 
         Args:
             kind: terminal that it may be.
@@ -136,8 +136,8 @@ class Lookahead:
         rule = self._rules.get(kind)
         return rule is None or rule(phrase, text, end, last)
 
-    def _ends(self, text: str, end: int) -> bool:
-        """Whether no word of a name follows."""
+    def _ends_name(self, text: str, end: int) -> bool:
+        """Check that no word of a name follows."""
         follower = WORD.match(text, end + 1)
         if follower is None or not follower.group()[0].isalpha():
             return True
@@ -163,15 +163,15 @@ class Lookahead:
     def _not_into_a_name(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """On the right, but not on the right bottle."""
         word = phrase.rsplit(maxsplit=1)[-1]
-        return word not in self._adjectives or self._ends(text, end)
+        return word not in self._adjectives or self._ends_name(text, end)
 
     def _not_towards_a_name(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """Towards the left, but not towards the left mug."""
-        return not phrase.startswith(("toward", "away from")) or self._ends(text, end)
+        return not phrase.startswith(("toward", "away from")) or self._ends_name(text, end)
 
     def _no_little_box(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """A little, but not a little box."""
-        return not phrase.startswith("a ") or self._ends(text, end)
+        return not phrase.startswith("a ") or self._ends_name(text, end)
 
     def _no_can(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """It can not topple, but not the soup can not below 3 cm."""
@@ -184,7 +184,7 @@ class Lookahead:
 
     def _not_next_to(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """Next, but not next to."""
-        return not (phrase.endswith("next") and stands("to", text, end + 1))
+        return not (phrase.endswith("next") and stands_at("to", text, end + 1))
 
     def _in_a_list(self, phrase: str, text: str, end: int, last: str) -> bool:
         """A comma stands for "or" in "do not tilt, turn or topple it"."""
@@ -199,7 +199,7 @@ class Lookahead:
             return True
         start = end - len("from")
         return not any(
-            stands(side, text, start) and self._ends(text, start + len(side))
+            stands_at(side, text, start) and self._ends_name(text, start + len(side))
             for side in self._from_sides
         )
 
@@ -213,42 +213,44 @@ class Lookahead:
         """A bit of the milk, but not a bit, of its front side; pour some milk, no little box."""
         if phrase.endswith("of"):
             return not self._any("FACE", text, end - len("of"))
-        poured = last == "FILLED_WITH" or (last == "VERB" and self._goal(text, end) == "pour")
-        return poured and not self._ends(text, end)
+        poured = last == "FILLED_WITH" or (last == "VERB" and self._last_goal(text, end) == "pour")
+        return poured and not self._ends_name(text, end)
 
     def _of_a_liquid(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """A quarter of the milk, but not a quarter of its width; half the milk, but not half 5."""
         if phrase.startswith("all"):
             return True
-        poured = self._goal(text, end) in ("pour", "fill")
+        poured = self._last_goal(text, end) in ("pour", "fill")
         return poured and (phrase.endswith("of") or bool(_NAMED.match(text, end)))
 
     def _behind_fill(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """Fill it half with milk, but do not push it with the hand."""
-        return self._goal(text, end - len(phrase)) == "fill"
+        return self._last_goal(text, end - len(phrase)) == "fill"
 
     def _put_there(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """Put it on the table, but not the box on the table, nor on the table mat."""
-        put = self._goal(text, end - len(phrase)) in ("place", "set_down")
-        return put and self._ends(text, end)
+        put = self._last_goal(text, end - len(phrase)) in ("place", "set_down")
+        return put and self._ends_name(text, end)
 
     def _not_off_a_thing(self, phrase: str, text: str, end: int, last: str) -> bool:
         """Take the lid off, but not off the jar; take off the lid."""
         if not phrase.endswith(("on", "off")) or last == "VERB":
             return True
         follower = WORD.match(text, end + 1)
-        return self._ends(text, end) and not (follower and follower.group() in self._determiners)
+        return self._ends_name(text, end) and not (
+            follower and follower.group() in self._determiners
+        )
 
     def _not_back_on(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """Put it back, but not back on the book."""
-        onto = any(stands(word, text, end + 1) for word in ("on", "onto"))
+        onto = any(stands_at(word, text, end + 1) for word in ("on", "onto"))
         return not (phrase.endswith("back") and onto)
 
     def _no_cup(self, phrase: str, text: str, end: int, _last: str) -> bool:
         """A cup of milk to be poured, but not any other cup."""
-        return self._goal(text, end - len(phrase)) in ("pour", "fill")
+        return self._last_goal(text, end - len(phrase)) in ("pour", "fill")
 
-    def _goal(self, text: str, end: int) -> str | None:
+    def _last_goal(self, text: str, end: int) -> str | None:
         """Goal of the last verb before a place in the text."""
         words = reversed(text[:end].replace("fill level", "").split())
         verb = next((self._verbs[word] for word in words if word in self._verbs), None)

@@ -27,7 +27,7 @@ OPENERS = frozenset({"CAN", "WILL", "FIND_OUT", "TELL", "STOP", "VOCATIVE"})
 """Terminals that begin something new, so that right behind a name they are a part of it."""
 
 
-def expand(template: str) -> Iterator[str]:
+def expand_template(template: str) -> Iterator[str]:
     """Yields the phrases of a template: `(a|b)` is a choice, `[c]` may be left out."""
     # Innermost groups first, so that groups may stand inside one another.
     group = _GROUP.search(template)
@@ -36,12 +36,12 @@ def expand(template: str) -> Iterator[str]:
         return
     choices = group[1].split("|") if group[1] is not None else ["", *group[2].split("|")]
     for choice in choices:
-        yield from expand(template[: group.start()] + choice + template[group.end() :])
+        yield from expand_template(template[: group.start()] + choice + template[group.end() :])
 
 
 @dataclass(frozen=True)
 class Verb:
-    """What a verb asks for.
+    """Meaning of a verb.
 
     Attributes:
         action: action of the frame.
@@ -97,7 +97,7 @@ class Lexicon:
     labels: Mapping[str, str]
 
     @classmethod
-    def read(cls, path: Path) -> Lexicon:
+    def from_file(cls, path: Path) -> Lexicon:
         """Reads a lexicon from its YAML file.
 
         Raises:
@@ -112,10 +112,12 @@ class Lexicon:
     def from_data(cls, data: Mapping[str, Any]) -> Lexicon:
         """Builds a lexicon from the mapping that its file holds."""
         return cls(
-            verbs=_verbs(data["verbs"]),
+            verbs=_expand_verbs(data["verbs"]),
             verb_forms={verb: (ed, ing) for verb, (ed, ing) in data["verb_forms"].items()},
-            terminals={name: _phrases(name, v) for name, v in data["terminals"].items()},
-            adjectives=cast("dict[str, Quality]", _phrases("adjectives", data["adjectives"])),
+            terminals={name: _expand_phrases(name, v) for name, v in data["terminals"].items()},
+            adjectives=cast(
+                "dict[str, Quality]", _expand_phrases("adjectives", data["adjectives"])
+            ),
             nobodies=frozenset(data["nobodies"]),
             parts=frozenset(data["parts"]),
             lids=frozenset(data["lids"]),
@@ -147,24 +149,25 @@ class Lexicon:
         Raises:
             ValueError: if a word already means something else, or a terminal is unknown.
         """
-        more = {name: _phrases(name, v) for name, v in (terminals or {}).items()}
+        more = {name: _expand_phrases(name, v) for name, v in (terminals or {}).items()}
         verbs = list(verbs)
         self._require_verbs(verbs)
         self._require_phrases(more)
         if unknown := sorted(more.keys() - self.terminals.keys()):
             raise ValueError(f"no terminal is called {', '.join(unknown)}")
         merged = {
-            name: _merged(name, known, more.get(name, {})) for name, known in self.terminals.items()
+            name: _merge_words(name, known, more.get(name, {}))
+            for name, known in self.terminals.items()
         }
-        words = cast("dict[str, Quality]", _phrases("adjectives", adjectives or {}))
+        words = cast("dict[str, Quality]", _expand_phrases("adjectives", adjectives or {}))
         if unknown := sorted(set(words.values()) - set(self.adjectives.values())):
             raise ValueError(f"objects are not told apart by {', '.join(unknown)}")
         plain = {" ".join(name.casefold().replace("-", " ").split()) for name in names}
         return replace(
             self,
-            verbs=_merged("VERB", self.verbs, _verbs(verbs)),
+            verbs=_merge_words("VERB", self.verbs, _expand_verbs(verbs)),
             terminals=merged,
-            adjectives=_merged("adjectives", self.adjectives, words),
+            adjectives=_merge_words("adjectives", self.adjectives, words),
             names=self.names | plain,
         )
 
@@ -176,7 +179,9 @@ class Lexicon:
                 raise ValueError(f"{entry['says']!r}: what a verb says is a list of phrases")
             if entry["action"] not in get_args(Action) or entry["goal"] not in goals:
                 raise ValueError(f"{entry['says']}: no action {entry['action']}, {entry['goal']}")
-            for phrase in (phrase for template in entry["says"] for phrase in expand(template)):
+            for phrase in (
+                phrase for template in entry["says"] for phrase in expand_template(template)
+            ):
                 _, _, particle = phrase.partition(" ")
                 if particle and particle not in self.terminals["PARTICLE"]:
                     raise ValueError(f"{phrase!r}: there is no particle {particle!r}")
@@ -190,11 +195,11 @@ class Lexicon:
                 if value not in self.terminals[name].values() and not _is_factor(name, value):
                     raise ValueError(f"{name}: {value!r}, for {phrase!r}, means nothing")
 
-    def value(self, terminal: str, phrase: str) -> str:
-        """What a phrase means as this terminal."""
+    def value_of(self, terminal: str, phrase: str) -> str:
+        """Value of a phrase as this terminal."""
         return self.terminals[terminal][phrase]
 
-    def verb(self, word: str, particle: str | None = None) -> Verb | None:
+    def find_verb(self, word: str, particle: str | None = None) -> Verb | None:
         """The verb that a word makes, alone or with a particle; None if it makes none."""
         return self.verbs.get(word if particle is None else f"{word} {particle}")
 
@@ -202,15 +207,15 @@ class Lexicon:
     def verb_words(self) -> Mapping[str, Mapping[str, str]]:
         """`VERB`, `VERB_ED` and `VERB_ING`: form → the verb that it is a form of."""
         words = sorted({phrase.split()[0] for phrase in self.verbs})
-        forms = [(word, *self.verb_forms.get(word, _regular(word))) for word in words]
+        forms = [(word, *self.verb_forms.get(word, _regular_forms(word))) for word in words]
         return {name: {form[i]: form[0] for form in forms} for i, name in enumerate(NAME_TERMINALS)}
 
-    def phrases(self, terminal: str) -> list[str]:
+    def phrases_of(self, terminal: str) -> list[str]:
         """Everything that a terminal may be, longest first."""
         known = self.verb_words.get(terminal) or self.terminals[terminal]
         return sorted(known, key=lambda phrase: (-len(phrase), phrase))
 
-    def says(self, terminal: str, value: str = "") -> list[str]:
+    def phrases_for(self, terminal: str, value: str = "") -> list[str]:
         """The phrases by which a terminal says a value; paraphrases use the first."""
         return [phrase for phrase, meaning in self.terminals[terminal].items() if meaning == value]
 
@@ -226,8 +231,8 @@ class Lexicon:
         return frozenset(p.split()[0] for known in kinds for p in known)
 
     @cached_property
-    def definite(self) -> frozenset[str]:
-        """What phrases end with behind a "the"."""
+    def definite_endings(self) -> frozenset[str]:
+        """Ends of phrases behind a "the"."""
         phrases = (f" {p}".rpartition(" the ") for k in self.terminals.values() for p in k)
         return frozenset(end for _, the, end in phrases if the)
 
@@ -238,7 +243,7 @@ class Lexicon:
         return frozenset(phrase.split()[-1] for phrase in known)
 
     @cached_property
-    def silent(self) -> frozenset[str]:
+    def silent_words(self) -> frozenset[str]:
         """Words that may stand before a command without being a part of it."""
         names = ("FILLER", "VOCATIVE", "SEPARATOR", "NEXT", "CAN_YOU", "NO")
         return frozenset(w for n in names for p in self.terminals[n] for w in p.split())
@@ -255,10 +260,10 @@ class Lexicon:
     @cached_property
     def ends_names(self) -> frozenset[str]:
         """Words that are never a part of a name, unless they stand right behind its article."""
-        return self.reserved - self.openers - self.verb_words["VERB"].keys()
+        return self.reserved_words - self.openers - self.verb_words["VERB"].keys()
 
     @cached_property
-    def reserved(self) -> frozenset[str]:
+    def reserved_words(self) -> frozenset[str]:
         """Words that mean something by themselves; they end a name."""
         single = {p for known in self.terminals.values() for p in known if " " not in p}
         return frozenset(
@@ -273,7 +278,7 @@ def _require_plain(phrase: str) -> None:
 
 
 def _is_factor(name: str, value: str) -> bool:
-    """Whether a value is the factor of a unit."""
+    """Check for the factor of a unit."""
     if not name.endswith("_UNIT") or name == "ANGLE_UNIT":
         return False
     try:
@@ -282,29 +287,33 @@ def _is_factor(name: str, value: str) -> bool:
         return False
 
 
-def _regular(verb: str) -> tuple[str, str]:
+def _regular_forms(verb: str) -> tuple[str, str]:
     """Participle and gerund of a regular verb."""
     if verb.endswith("e"):
         return f"{verb}d", f"{verb[:-1]}ing"
     return f"{verb}ed", f"{verb}ing"
 
 
-def _verbs(entries: Iterable[Mapping[str, Any]]) -> dict[str, Verb]:
+def _expand_verbs(entries: Iterable[Mapping[str, Any]]) -> dict[str, Verb]:
     verbs: dict[str, Verb] = {}
     for entry in entries:
         verb = Verb(**{key: value for key, value in entry.items() if key != "says"})
-        verbs = _merged("VERB", verbs, {p: verb for t in entry["says"] for p in expand(t)})
+        verbs = _merge_words(
+            "VERB", verbs, {p: verb for t in entry["says"] for p in expand_template(t)}
+        )
     return verbs
 
 
-def _phrases(name: str, values: Mapping[str, Iterable[str]]) -> dict[str, str]:
+def _expand_phrases(name: str, values: Mapping[str, Iterable[str]]) -> dict[str, str]:
     phrases: dict[str, str] = {}
     for value, templates in values.items():
-        phrases = _merged(name, phrases, {p: value for t in templates for p in expand(t)})
+        phrases = _merge_words(
+            name, phrases, {p: value for t in templates for p in expand_template(t)}
+        )
     return phrases
 
 
-def _merged(name: str, known: Mapping[str, T], more: Mapping[str, T]) -> dict[str, T]:
+def _merge_words(name: str, known: Mapping[str, T], more: Mapping[str, T]) -> dict[str, T]:
     for phrase in known.keys() & more.keys():
         if known[phrase] != more[phrase]:
             raise ValueError(f"{name}: {phrase!r} means both {known[phrase]} and {more[phrase]}")
@@ -314,4 +323,4 @@ def _merged(name: str, known: Mapping[str, T], more: Mapping[str, T]) -> dict[st
 @cache
 def default_lexicon() -> Lexicon:
     """The language that nlcontrol comes with."""
-    return Lexicon.read(Path(__file__).with_name("lexicon.yaml"))
+    return Lexicon.from_file(Path(__file__).with_name("lexicon.yaml"))

@@ -28,23 +28,23 @@ _KEYS = frozenset({"verbs", "terminals", "adjectives", "names"})
 
 
 @cache
-def installed() -> tuple[Lexicon, tuple[str, ...]]:
+def installed_lexicon() -> tuple[Lexicon, tuple[str, ...]]:
     """The lexicon with the words of the installed plug-ins, and what is wrong with the others."""
     lexicon, problems = default_lexicon(), []
-    for point in sorted(entry_points(group=GROUP), key=lambda p: (_package(p), p.name)):
+    for point in sorted(entry_points(group=GROUP), key=lambda p: (_package_name(p), p.name)):
         try:
-            lexicon = lexicon.extended(**_words(point.load()))
+            lexicon = lexicon.extended(**_plug_in_words(point.load()))
         except Exception as error:  # a plug-in may fail in any way
-            place = f"plug-in {point.name!r} of {_package(point)}"
+            place = f"plug-in {point.name!r} of {_package_name(point)}"
             problems.append(f"{place}: {type(error).__name__}: {error}")
     return lexicon, tuple(problems)
 
 
-def _package(point: EntryPoint) -> str:
+def _package_name(point: EntryPoint) -> str:
     return point.dist.name if point.dist else point.value.partition(":")[0]
 
 
-def _words(thing: object) -> Mapping[str, Any]:
+def _plug_in_words(thing: object) -> Mapping[str, Any]:
     """The words in what an entry point names.
 
     Raises:
@@ -57,7 +57,7 @@ def _words(thing: object) -> Mapping[str, Any]:
     if isinstance(thing, str | PathLike):
         import yaml
 
-        return _words(yaml.safe_load(Path(thing).read_text(encoding="utf-8")))
+        return _plug_in_words(yaml.safe_load(Path(thing).read_text(encoding="utf-8")))
     if callable(thing):
-        return _words(thing())
+        return _plug_in_words(thing())
     raise TypeError(f"expected a mapping, a path or a function, found {type(thing).__name__}")

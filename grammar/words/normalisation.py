@@ -53,11 +53,11 @@ class Normalised:
     columns: tuple[Span, ...]
     question: bool
 
-    def span(self, start: int, end: int) -> Span:
+    def original_span(self, start: int, end: int) -> Span:
         """Maps `[start, end)` of the plain form to the sentence as given."""
         return self.columns[start][0], self.columns[end - 1][1]
 
-    def written(self, span: Span) -> str:
+    def words_as_written(self, span: Span) -> str:
         """The words of a span as they were written, one space apart."""
         return " ".join(self.original[span[0] : span[1]].split())
 
@@ -80,7 +80,7 @@ def normalise(text: str, contractions: Mapping[str, str]) -> Normalised:
             (MAX_LENGTH, len(text)),
             ("say it in one short sentence",),
         )
-    letters = [_Letter(c, i, i + 1) for i, char in enumerate(text) for c in _plain(char, i)]
+    letters = [_Letter(c, i, i + 1) for i, char in enumerate(text) for c in _plain_letters(char, i)]
     question = "".join(letter.char for letter in letters).rstrip(" .!").endswith("?")
     while letters and letters[-1].char in " .!?,;":
         letters.pop()
@@ -122,7 +122,7 @@ def _require_one_script(letters: list[_Letter]) -> None:
             )
 
 
-def _plain(char: str, column: int) -> str:
+def _plain_letters(char: str, column: int) -> str:
     """One character of the sentence as characters of the plain form."""
     if char.isascii() and (char.isalnum() or char in _PLAIN):
         return char.lower()

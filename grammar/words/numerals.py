@@ -20,7 +20,7 @@ DIGITS = re.compile(rf"[-+]?(?:\d+ \d+/\d+|\d+/\d+|{_DECIMAL})")
 """A number in digits: "10", "-0.5", "1e-3", "3/4", "2 1/2"."""
 
 
-def exact(text: str) -> Decimal:
+def exact_decimal(text: str) -> Decimal:
     """The number that digits mean, fractions included ("2 1/2", "1/3")."""
     whole, _, fraction = text.rpartition(" ")
     over, _, under = fraction.partition("/")
@@ -71,10 +71,10 @@ class NumberWords:
         words = "|".join(phrase for phrase in said if " " not in phrase)
         return re.compile(rf"(?:{phrases}|{cardinal}{point}|{words})(?= |$)")
 
-    def value(self, words: str) -> Decimal:
+    def decimal_of(self, words: str) -> Decimal:
         """The number that words mean, or digits that stand for them."""
         if words in self.phrases:
-            return exact(self.phrases[words])
+            return exact_decimal(self.phrases[words])
         whole, _, after = words.partition(" point ")
         total = 0
         for word in whole.split():

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 
-from grammar.words.lexer_lookahead import WORD, Lookahead, Phrases, stands
+from grammar.words.lexer_lookahead import WORD, Lookahead, Phrases, stands_at
 from grammar.words.lexicon import Lexicon
 from grammar.words.numerals import DIGITS
 
@@ -56,10 +56,10 @@ class PhraseLexer:
     def __init__(self, lexicon: Lexicon) -> None:
         self._phrases = Phrases(lexicon)
         self._ahead = Lookahead(lexicon, self._phrases)
-        self._units = [phrase for unit in _UNITS for phrase in lexicon.phrases(unit)]
+        self._units = [phrase for unit in _UNITS for phrase in lexicon.phrases_of(unit)]
         self._numbers = lexicon.numbers
         self._adjectives = lexicon.adjectives
-        self._reserved = lexicon.reserved
+        self._reserved = lexicon.reserved_words
         self._ends_names = lexicon.ends_names
         self._nobodies = lexicon.nobodies
         self._openers = lexicon.openers
@@ -76,13 +76,13 @@ class PhraseLexer:
             if text[position] == " ":
                 position += 1
                 continue
-            kind, end = self._next(text, position, acceptance(), name)
+            kind, end = self._next_token(text, position, acceptance(), name)
             token = Token(kind, text[position:end], position, end)
-            name.follow(kind, text[position:end] in self._adjectives)
+            name.note_token(kind, text[position:end] in self._adjectives)
             yield token
             position = end
 
-    def _next(self, text: str, start: int, accepts: Accepts, name: _Name) -> tuple[str, int]:
+    def _next_token(self, text: str, start: int, accepts: Accepts, name: _Name) -> tuple[str, int]:
         """Terminal and end of the token that starts here."""
         match = WORD.match(text, start)
         assert match is not None
@@ -90,23 +90,23 @@ class PhraseLexer:
         if accepts("QUOTED") and word.startswith('"') and (quoted := _QUOTED.match(text, start)):
             return "QUOTED", quoted.end()
         may_name = accepts("WORD") and word[0].isalnum()
-        if may_name and self._names(text, word, end, accepts, name):
+        if may_name and self._is_name_word(text, word, end, accepts, name):
             return "WORD", end
         number = self._numbers.pattern.match(text, start)
         counted = number.end() if number and accepts("NUMBER_WORD") else start
         fallback = None
-        for phrase, kinds in self._phrases.at(text, start):
+        for phrase, kinds in self._phrases.phrases_at(text, start):
             after = start + len(phrase)
             if counted > after:
                 break
             for kind in kinds:
-                if accepts(kind) and self._ahead.fits(kind, phrase, text, after, name.last):
+                if accepts(kind) and self._ahead.can_be(kind, phrase, text, after, name.last):
                     if kind == "VERB" and name.words and may_name:
                         return "WORD", end
                     return kind, after
             fallback = fallback or (kinds[0], after)
         digits = DIGITS.match(text, start) if accepts("NUMBER") else None
-        if digits and self._ends(text, digits.end()):
+        if digits and self._ends_number(text, digits.end()):
             return "NUMBER", digits.end()
         if counted > start:
             return "NUMBER_WORD", counted
@@ -116,52 +116,52 @@ class PhraseLexer:
             return "WORD", end
         return fallback or ("UNKNOWN", end)
 
-    def _names(self, text: str, word: str, end: int, accepts: Accepts, name: _Name) -> bool:
-        """Whether a word is taken for one of a name, although it means something elsewhere."""
+    def _is_name_word(self, text: str, word: str, end: int, accepts: Accepts, name: _Name) -> bool:
+        """Check for a word that belongs to a name, although it means something elsewhere."""
         if name.determined == "THE":
             return True
         if name.determined == "A":
             units = [unit for unit in _UNITS if accepts(unit)]
-            return not any(self._measures(unit, text, end - len(word), name) for unit in units)
+            return not any(self._stands_as(unit, text, end - len(word), name) for unit in units)
         if name.adjectival and word in self._adjectives:
             follower = WORD.match(text, end + 1)
             return follower is not None and follower.group() not in self._ends_names
         if name.adjectival and word in self._nobodies:
-            return not self._measures("PORTION", text, end - len(word), name)
+            return not self._stands_as("PORTION", text, end - len(word), name)
         return (
             (name.words > 0 or name.determined == "VERB")
             and word in self._openers
             and not self._begins_a_phrase(text, end - len(word), name)
         )
 
-    def _measures(self, unit: str, text: str, start: int, name: _Name) -> bool:
-        """Whether a unit, or a share, stands here."""
+    def _stands_as(self, unit: str, text: str, start: int, name: _Name) -> bool:
+        """Check for a phrase of a unit, or of a share, that stands here."""
         return any(
-            unit in kinds and self._ahead.fits(unit, phrase, text, start + len(phrase), name.last)
-            for phrase, kinds in self._phrases.at(text, start)
+            unit in kinds and self._ahead.can_be(unit, phrase, text, start + len(phrase), name.last)
+            for phrase, kinds in self._phrases.phrases_at(text, start)
         )
 
     def _begins_a_phrase(self, text: str, start: int, name: _Name) -> bool:
-        """Whether a phrase of several words stands here."""
+        """Check for a phrase of several words that stands here."""
         return any(
-            " " in phrase and self._ahead.fits(kind, phrase, text, start + len(phrase), name.last)
-            for phrase, kinds in self._phrases.at(text, start)
+            " " in phrase and self._ahead.can_be(kind, phrase, text, start + len(phrase), name.last)
+            for phrase, kinds in self._phrases.phrases_at(text, start)
             for kind in kinds
         )
 
-    def _ends(self, text: str, end: int) -> bool:
-        """Whether a number may end here: before a space, or with its unit glued to it."""
+    def _ends_number(self, text: str, end: int) -> bool:
+        """Check for the end of a number: a space, or a unit that is glued to it."""
         if end == len(text) or text[end] == " ":
             return True
-        return any(stands(unit, text, end) for unit in self._units)
+        return any(stands_at(unit, text, end) for unit in self._units)
 
     def _is_number(self, text: str, start: int) -> bool:
         number = DIGITS.match(text, start)
-        return number is not None and self._ends(text, number.end())
+        return number is not None and self._ends_number(text, number.end())
 
 
 class _Name:
-    """How far a name has got: just after its article, or within it."""
+    """State of a name: just after its article, or within it."""
 
     def __init__(self) -> None:
         self.last = ""
@@ -169,7 +169,7 @@ class _Name:
         self.words = 0
         self.adjectival = False
 
-    def follow(self, kind: str, adjective: bool) -> None:
+    def note_token(self, kind: str, adjective: bool) -> None:
         """Takes note of one more token."""
         self.last = kind
         if kind == "WORD":

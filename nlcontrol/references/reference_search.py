@@ -200,12 +200,12 @@ def _require_no_more_than_a_name(ref: ObjectRef, around: Surroundings, *, misspe
         ControlError: `unknown_object`, about those words.
     """
     from grammar.syntax_diagnosis import words_like
-    from grammar.words.lexicon_plugins import installed
+    from grammar.words.lexicon_plugins import installed_lexicon
 
     said_words = ref.text.split()
     for i in range(len(said_words) - 1, 0, -1):
         name, more = " ".join(said_words[:i]), " ".join(said_words[i:])
-        lexicon, _ = installed()
+        lexicon, _ = installed_lexicon()
         meant = words_like(said_words[i], lexicon)
         found = called(name, around.on_table)
         if not found or not (meant or (len(found) == 1 and not misspelt)):

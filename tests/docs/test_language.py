@@ -20,7 +20,7 @@ import yaml
 
 from grammar import ParseError, parse
 from grammar.parser import default_parser
-from grammar.words.lexicon_plugins import installed
+from grammar.words.lexicon_plugins import installed_lexicon
 from nlcontrol import Controller, Conversation
 from nlcontrol.cli import run
 
@@ -203,13 +203,13 @@ def workshop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 def _forget() -> None:
-    installed.cache_clear()
+    installed_lexicon.cache_clear()
     default_parser.cache_clear()
 
 
 @pytest.mark.usefixtures("workshop")
 def test_the_plug_in_of_the_guide() -> None:
-    _, problems = installed()
+    _, problems = installed_lexicon()
     assert not problems
     (text,) = re.findall(r"^Now “([^”]*)”", GUIDE, re.MULTILINE)
     (frame,) = parse(text).frames

@@ -40,7 +40,7 @@ SILENT = {
 }
 """Terminals whose words say nothing that a frame could carry, each with why."""
 
-_SAID = sorted((p for name in SILENT for p in LEXICON.phrases(name)), key=len, reverse=True)
+_SAID = sorted((p for name in SILENT for p in LEXICON.phrases_of(name)), key=len, reverse=True)
 _ONLY_SILENT = re.compile(rf"(?:(?:{'|'.join(map(re.escape, _SAID))})(?: |$))*")
 
 # Names that need quotation marks, or whose words mean something elsewhere.
@@ -124,21 +124,21 @@ def read(text: str) -> Command | None:
 @SAMPLED
 @given(SAMPLERS)
 def test_paraphrase_is_read_back_as_the_same_frames(sampler: Sampler) -> None:
-    frames = sampler.sample().frames
+    frames = sampler.draw_sentence().frames
     assert meaning(parse(paraphrase(frames)).frames) == meaning(frames)
 
 
 @SAMPLED
 @given(SAMPLERS)
 def test_any_phrases_of_the_same_meaning_are_read_as_the_same_frames(sampler: Sampler) -> None:
-    text, frames = sampler.sample()
+    text, frames = sampler.draw_sentence()
     assert meaning(parse(text).frames) == meaning(frames)
 
 
 @SAMPLED
 @given(SAMPLERS, st.randoms(use_true_random=False))
 def test_spans_cover_what_is_said(sampler: Sampler, rng: Random) -> None:
-    text, frames = sampler.sample()
+    text, frames = sampler.draw_sentence()
     command = parse(restyled(text, rng))
     assert meaning(command.frames) == meaning(frames)
     assert not dropped(command)
@@ -193,7 +193,7 @@ OPENINGS = st.sampled_from(["", "push the box", "will it topple if you push it",
 THINGS = ("the box", "it", "mug", "10 cm", "30 degrees", "5 N", "2 cm/s", "3 s", "½", "-1")
 OTHERS = ('"', ".", "?", "-", "'", "bananas", *LEXICON.later_words, *LEXICON.vague)
 KINDS: dict[str, Sequence[str]] = {
-    **{name: LEXICON.phrases(name) for name in (*NAME_TERMINALS, *LEXICON.terminals)},
+    **{name: LEXICON.phrases_of(name) for name in (*NAME_TERMINALS, *LEXICON.terminals)},
     "things": THINGS,
     "adjectives": sorted(LEXICON.adjectives),
     "numbers": sorted(LEXICON.numbers.phrases),
@@ -220,7 +220,7 @@ def test_no_word_of_a_damaged_sentence_is_silently_dropped(
 ) -> None:
     """Sentences that are nearly right are read more often than phrases in any order."""
     sampler, rng = Sampler(Random(seed)), Random(seed)
-    words, others = sampler.sample().text.split(), sampler.sample().text.split()
+    words, others = sampler.draw_sentence().text.split(), sampler.draw_sentence().text.split()
     cut = rng.randint(0, len(words))
     match damage:
         case 0 | 1 | 2:

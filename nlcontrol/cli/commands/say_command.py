@@ -125,12 +125,12 @@ def sample(count: int, seed: int, nouns: tuple[str, ...], as_json: bool) -> int:
     """Make up random sentences of the language, each with the frames that it means."""
     from itertools import islice
 
-    from grammar.paraphrasing.sentence_sampler import NOUNS, samples
-    from grammar.words.lexicon_plugins import installed
+    from grammar.paraphrasing.sentence_sampler import NOUNS, random_sentences
+    from grammar.words.lexicon_plugins import installed_lexicon
 
-    lexicon, _ = installed()
+    lexicon, _ = installed_lexicon()
     print_skipped_with_words()
-    made = list(islice(samples(seed, lexicon=lexicon, nouns=nouns or NOUNS), count))
+    made = list(islice(random_sentences(seed, lexicon=lexicon, nouns=nouns or NOUNS), count))
     if as_json:
         said = [[frame.model_dump(mode="json") for frame in one.frames] for one in made]
         rows = [{"text": one.text, "frames": f} for one, f in zip(made, said, strict=True)]

@@ -124,9 +124,9 @@ def _object_list(controller: Controller) -> str:
 
 
 def _line_beginnings() -> tuple[str, ...]:
-    from grammar.words.lexicon_plugins import installed
+    from grammar.words.lexicon_plugins import installed_lexicon
 
-    lexicon, _ = installed()
+    lexicon, _ = installed_lexicon()
     return (*WORDS, *sorted(lexicon.verb_words["VERB"]))
 
 

@@ -37,9 +37,9 @@ def print_skipped(problems: Iterable[object]) -> None:
 
 def print_skipped_with_words(problems: Iterable[object] = ()) -> None:
     """Print the same, and besides which plug-ins of the lexicon were skipped."""
-    from grammar.words.lexicon_plugins import installed
+    from grammar.words.lexicon_plugins import installed_lexicon
 
-    _, words = installed()
+    _, words = installed_lexicon()
     print_skipped((*problems, *words))
 
 

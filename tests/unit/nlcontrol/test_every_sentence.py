@@ -6,7 +6,7 @@ from itertools import islice
 
 import pytest
 
-from grammar.paraphrasing.sentence_sampler import samples
+from grammar.paraphrasing.sentence_sampler import random_sentences
 from nlcontrol import Controller, Result
 from nlcontrol.errors import CODES
 from planner.types.plan import Plan
@@ -25,7 +25,7 @@ def kitchen() -> Controller:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_every_sentence_comes_to_an_end_that_is_told(kitchen: Controller, seed: int) -> None:
-    for text, _ in islice(samples(seed, nouns=NOUNS), 25):
+    for text, _ in islice(random_sentences(seed, nouns=NOUNS), 25):
         result = kitchen.say(text, plan_only=True)
         assert result.status in ENDS, text
         assert result.paraphrase, text

@@ -11,7 +11,7 @@ import pytest
 
 from grammar import ParseError, parse
 from grammar.words.lexicon import default_lexicon
-from grammar.words.numerals import exact
+from grammar.words.numerals import exact_decimal
 
 UNITS: Any = pint.UnitRegistry()
 LEXICON = default_lexicon()
@@ -103,7 +103,7 @@ def ways(units: dict[str, tuple[str, ...]]) -> list[Case]:
 def test_no_unit_of_the_lexicon_is_left_out() -> None:
     tables = {"LENGTH": LENGTHS, "ANGLE": ANGLES, "FORCE": FORCES, "TIME": TIMES, "SPEED": SPEEDS}
     for name, units in tables.items():
-        assert {word for _, word in ways(units)} == set(LEXICON.phrases(f"{name}_UNIT"))
+        assert {word for _, word in ways(units)} == set(LEXICON.phrases_of(f"{name}_UNIT"))
 
 
 @pytest.mark.parametrize(("unit", "word"), ways(LENGTHS))
@@ -168,7 +168,7 @@ def test_distances_are_the_decimals_that_were_said(number: str) -> None:
     ("said", "value"), [("-2", -2), ("-1/2", -0.5), ("-2 1/2", -2.5), ("2 1/2", 2.5)]
 )
 def test_signs(said: str, value: float) -> None:
-    assert float(exact(said)) == value
+    assert float(exact_decimal(said)) == value
 
 
 # --- words ------------------------------------------------------------------------------------
@@ -199,7 +199,7 @@ def test_numbers_in_words(joint: str) -> None:
         match = LEXICON.numbers.pattern.match(f"{said} cm")
         assert match is not None
         assert match.group() == said
-        assert LEXICON.numbers.value(said) == number
+        assert LEXICON.numbers.decimal_of(said) == number
 
 
 @pytest.mark.parametrize("number", [1, 9, 12, 20, 21, 99, 100, 101, 110, 342, 999])
@@ -264,10 +264,10 @@ def test_bounds(phrase: str, bound: str) -> None:
     assert constraint(f"at {phrase} 2 cm/s") == (kinds[bound].format("speed"), 0.02)
 
 
-@pytest.mark.parametrize("said", LEXICON.phrases("BOUND"))
+@pytest.mark.parametrize("said", LEXICON.phrases_of("BOUND"))
 def test_every_bound_leaves_the_number(said: str) -> None:
     found = goal(f"push the box {said} 5 cm")
-    assert (found["distance"], found["bound"]) == (0.05, LEXICON.value("BOUND", said))
+    assert (found["distance"], found["bound"]) == (0.05, LEXICON.value_of("BOUND", said))
 
 
 @pytest.mark.parametrize(

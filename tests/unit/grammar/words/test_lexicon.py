@@ -15,7 +15,7 @@ from grammar.frames.command import Action, Goal, Quality
 from grammar.parser import Parser
 from grammar.phrases.lalr_parser import LalrParser
 from grammar.phrases.parse_table import RULES, parse_table
-from grammar.words.lexicon import NAME_TERMINALS, Lexicon, default_lexicon, expand
+from grammar.words.lexicon import NAME_TERMINALS, Lexicon, default_lexicon, expand_template
 from grammar.words.normalisation import normalise
 from grammar.words.phrase_lexer import PhraseLexer, Token
 
@@ -59,11 +59,11 @@ LAST = {"OR": "AVOID", "PART_OF": "VOLUME_UNIT", "PARTICLE": "VERB", "SOME_OF": 
     ],
 )  # fmt: skip
 def test_templates_expand(template: str, phrases: list[str]) -> None:
-    assert sorted(expand(template)) == sorted(phrases)
+    assert sorted(expand_template(template)) == sorted(phrases)
 
 
 def every_phrase() -> list[str]:
-    return sorted({phrase for name in TERMINALS for phrase in LEXICON.phrases(name)})
+    return sorted({phrase for name in TERMINALS for phrase in LEXICON.phrases_of(name)})
 
 
 # --- the phrases ------------------------------------------------------------------------------
@@ -79,7 +79,7 @@ def test_phrases_are_in_plain_form() -> None:
 @pytest.mark.parametrize("name", TERMINALS)
 def test_phrases_stay_what_they_are_in_a_sentence(name: str) -> None:
     # Contractions and hyphens of the lexicon itself would never be met in a plain sentence.
-    for phrase in LEXICON.phrases(name):
+    for phrase in LEXICON.phrases_of(name):
         if phrase.strip(" .,;!?"):
             assert normalise(f"box {phrase} box", LEXICON.contractions).text == f"box {phrase} box"
 
@@ -89,13 +89,13 @@ def lexed(name: str, phrase: str) -> Token:
     verb = f"{VERBS.get(name, '')} ".lstrip()
     text = f"{verb}{phrase} {FOLLOWERS.get(name, '')}".rstrip()
     known = SimpleNamespace(last=LAST.get(name, ""), determined="", words=0, adjectival=False)
-    kind, end = LEXER._next(text, len(verb), name.__eq__, known)  # type: ignore[arg-type]
+    kind, end = LEXER._next_token(text, len(verb), name.__eq__, known)  # type: ignore[arg-type]
     return Token(kind, text[len(verb) : end], len(verb), end)
 
 
 @pytest.mark.parametrize("name", TERMINALS)
 def test_every_phrase_is_found_whole(name: str) -> None:
-    for phrase in LEXICON.phrases(name):
+    for phrase in LEXICON.phrases_of(name):
         token = lexed(name, phrase)
         assert (token.type, str(token)) == (name, phrase)
 
@@ -124,7 +124,7 @@ def test_labels_name_terminals() -> None:
 def test_lexicon_survives_yaml_s_own_words() -> None:
     # YAML 1.1 would read an unquoted "no" or "on" as a truth value.
     assert "NO" in LEXICON.terminals
-    assert LEXICON.value("RELATION", "on") == "on"
+    assert LEXICON.value_of("RELATION", "on") == "on"
     assert "on" in LEXICON.later_words
     assert all(isinstance(phrase, str) for phrase in every_phrase())
 
@@ -185,12 +185,12 @@ def test_participles_and_gerunds_are_those_of_the_dictionary() -> None:
 
 
 def test_verb_and_particle_mean_something_else_than_the_verb() -> None:
-    turn, over = LEXICON.verb("turn"), LEXICON.verb("turn", "over")
+    turn, over = LEXICON.find_verb("turn"), LEXICON.find_verb("turn", "over")
     assert turn is not None
     assert over is not None
     assert (turn.goal, over.goal) == ("rotate", "topple")
-    assert LEXICON.verb("knock") is None
-    assert LEXICON.verb("push", "up") is None
+    assert LEXICON.find_verb("knock") is None
+    assert LEXICON.find_verb("push", "up") is None
 
 
 def test_adjectives_tell_qualities_of_the_contract() -> None:
@@ -256,4 +256,4 @@ def test_lexicon_is_read_from_its_file(tmp_path: Path) -> None:
     source = Path(grammar.__file__).parent / "words" / "lexicon.yaml"
     copy = tmp_path / "lexicon.yaml"
     copy.write_text(source.read_text(encoding="utf-8"), encoding="utf-8")
-    assert Lexicon.read(copy) == LEXICON
+    assert Lexicon.from_file(copy) == LEXICON

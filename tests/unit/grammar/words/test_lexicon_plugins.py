@@ -46,7 +46,7 @@ def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Install
 
 
 def _forget() -> None:
-    plugins.installed.cache_clear()
+    plugins.installed_lexicon.cache_clear()
     default_parser.cache_clear()
 
 
@@ -57,7 +57,7 @@ def action(text: str) -> str | None:
 
 def test_without_plug_ins_the_language_is_its_own(install: Install) -> None:
     install()
-    assert plugins.installed() == (default_lexicon(), ())
+    assert plugins.installed_lexicon() == (default_lexicon(), ())
 
 
 def test_mapping(install: Install) -> None:
@@ -75,7 +75,7 @@ WORDS = {
     assert frame.object is not None
     assert (frame.action, frame.goal.model_dump()["direction"]) == ("slide", "left")
     assert (frame.object.text, frame.object.qualities) == ("silver hard drive", ("grey",))
-    assert plugins.installed()[1] == ()
+    assert plugins.installed_lexicon()[1] == ()
 
 
 def test_path_of_a_file(install: Install, tmp_path: Path) -> None:
@@ -124,7 +124,7 @@ def test_a_bad_plug_in_is_reported_and_the_others_are_kept(
     install: Install, source: str, why: str
 ) -> None:
     install(bad=source, good=SCOOT)
-    _, (problem,) = plugins.installed()
+    _, (problem,) = plugins.installed_lexicon()
     assert problem.startswith("plug-in 'bad' of words_of_bad")
     assert why in problem
     assert action("scoot the box away") == "slide"
@@ -140,7 +140,7 @@ WORDS = {
 }
 """
     )
-    assert plugins.installed()[0] == default_lexicon()
+    assert plugins.installed_lexicon()[0] == default_lexicon()
     with pytest.raises(ParseError) as caught:
         parse("scoot the box away")
     assert caught.value.code == "unknown_verb"

@@ -50,7 +50,7 @@ def test_plain_form(text: str, plain: str) -> None:
 def test_columns_lead_back(text: str, plain: str, original: str) -> None:
     sentence = normalise(text, CONTRACTIONS)
     start = sentence.text.index(plain)
-    span = sentence.span(start, start + len(plain))
+    span = sentence.original_span(start, start + len(plain))
     assert text[slice(*span)] == original
 
 
