@@ -30,7 +30,6 @@ def drawing() -> ModuleType:
     return module
 
 
-@pytest.mark.xfail(strict=False, reason="seams that are being built")
 @pytest.mark.parametrize("page", PAGES)
 def test_every_file_and_folder_that_is_named_exists(page: str) -> None:
     named = re.findall(rf"`((?:{PACKAGES}|tests|docs|benchmarks)/[\w./]*)`", _text(page))
@@ -44,7 +43,6 @@ def test_the_way_of_a_sentence_and_the_usual_changes_name_files() -> None:
     assert len(set(files)) > 40
 
 
-@pytest.mark.xfail(strict=False, reason="seams that are being built")
 @pytest.mark.parametrize(
     "interface",
     re.findall(r"^\| ((?:`\w+`(?:, )?)+) \| `([\w/.]+)` \|", _text("docs/architecture.md"), re.M),
