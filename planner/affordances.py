@@ -1,4 +1,4 @@
-"""What can be done with an object by this robot, and if not, why not.
+"""Affordances of an object for this robot, and the reasons of what it cannot do.
 
 For each way of moving it (slide or topple to a side, tilt, turn) two answers: what the object
 allows, from its model (from which face, at what least force, where it is sure), and what the robot
@@ -79,7 +79,7 @@ def affordances(
     *,
     defaults: Defaults = DEFAULTS,
 ) -> tuple[Affordance, ...]:
-    """What can be done with an object.
+    """Ways of moving an object, each with what object and robot allow.
 
     Args:
         target: the object, in `state`.
@@ -87,16 +87,16 @@ def affordances(
         robot: that is to do it.
         defaults: what a clause means when nothing more is said.
     """
-    pushed = tuple(_all(target, state, robot, defaults))
+    pushed = tuple(_push_affordances(target, state, robot, defaults))
     if robot.limits.grasp_widths is None:
         return pushed
-    return (*pushed, *_by_hand(target, state, robot, defaults))
+    return (*pushed, *_hand_affordances(target, state, robot, defaults))
 
 
-def _by_hand(
+def _hand_affordances(
     target: SeenObject, state: WorldState, robot: Robot, defaults: Defaults
 ) -> Iterator[Affordance]:
-    """What a whole hand can do with it; nothing of which its model does not speak."""
+    """Affordances for a whole hand; none of which the model does not speak."""
     model, ref = target.model, g.ObjectRef(text=target.name, id=target.name)
     frames: list[g.Frame] = []
     if model.grasp is not None:
@@ -125,10 +125,10 @@ def _by_hand(
             yield Affordance(frame.action, "", *none, True, None, told)
 
 
-def _all(
+def _push_affordances(
     target: SeenObject, state: WorldState, robot: Robot, defaults: Defaults
 ) -> Iterator[Affordance]:
-    faces = _faces(target)
+    faces = _faces_by_direction(target)
     if not faces:
         message = f"the {target.name} has no side that is wide enough for a fingertip"
         none = False, None, None, None, False, "impossible", message
@@ -141,14 +141,16 @@ def _all(
             slides = outcome == "slide"
             first = chart.slide < chart.topple if slides else chart.topple < chart.slide
             sure = chart.is_safe("slide" if slides else "topple", defaults.probability)
-            on_it = _shown(chart, first, sure)
-            yield _answered(outcome, way, faces[way][0], on_it, target, state, robot, defaults)
+            on_it = _place_and_heights(chart, first, sure)
+            yield _push_affordance(
+                outcome, way, faces[way][0], on_it, target, state, robot, defaults
+            )
     for sense in ("left", "right"):
-        name, on_it = _turning(target, faces, sense, defaults.probability)
-        yield _answered("turn", sense, name, on_it, target, state, robot, defaults)
+        name, on_it = _best_turning_face(target, faces, sense, defaults.probability)
+        yield _push_affordance("turn", sense, name, on_it, target, state, robot, defaults)
 
 
-def _faces(target: SeenObject) -> dict[str, tuple[FaceName, Face]]:
+def _faces_by_direction(target: SeenObject) -> dict[str, tuple[FaceName, Face]]:
     """The face to push for each of the robot's directions, with its name."""
     found = {way: pushed_face(target, heading) for way, heading in HEADINGS.items()}
     return {way: face for way, face in found.items() if face is not None}
@@ -194,7 +196,9 @@ def least(chart: OutcomeMap, places: NDArray[np.bool_]) -> int | None:
     return int(i[np.lexsort((up, aside, chart.force[i].round(6)))[0]])
 
 
-def _shown(chart: OutcomeMap, first: NDArray[np.bool_], sure: NDArray[np.bool_]) -> Shown | None:
+def _place_and_heights(
+    chart: OutcomeMap, first: NDArray[np.bool_], sure: NDArray[np.bool_]
+) -> Shown | None:
     best = least(chart, first)
     if best is None:
         return None
@@ -207,7 +211,7 @@ def _shown(chart: OutcomeMap, first: NDArray[np.bool_], sure: NDArray[np.bool_])
     )
 
 
-def _turning(
+def _best_turning_face(
     target: SeenObject, faces: dict[str, tuple[FaceName, Face]], sense: str, probability: float
 ) -> tuple[str | None, Shown | None]:
     """The face on which the least force turns the object, and what it needs there."""
@@ -215,22 +219,22 @@ def _turning(
     for name, face in faces.values():
         chart, turns = turning_map(target, face, sense)
         sure = turns & chart.is_safe("slide", probability)
-        found = _shown(chart, turns & (chart.slide < chart.topple), sure)
+        found = _place_and_heights(chart, turns & (chart.slide < chart.topple), sure)
         if found is not None and (best[1] is None or found[0] < best[1][0]):
             best = name, found
     return best
 
 
-def _answered(
+def _push_affordance(
     outcome: str, way: str, face: str | None, on_it: Shown | None,
     target: SeenObject, state: WorldState, robot: Robot, defaults: Defaults,
 ) -> Affordance:  # fmt: skip
-    """What the object allows and what the robot can do."""
+    """Affordance of one way: what the object allows, and what the robot can do."""
     if on_it is None:
         verb = {"slide": "slides", "turn": "turns"}.get(outcome, "topples")
         message = f"pushed anywhere on that face, the {target.name} never {verb} first"
         return Affordance(outcome, way, face, False, None, None, None, False, "impossible", message)
-    made = plan(_frame(outcome, way, target.name), state, robot, defaults=defaults)
+    made = plan(_command_frame(outcome, way, target.name), state, robot, defaults=defaults)
     if made.status == "planned":
         push = made.push
         fingers = "two fingers" if push.fingers == 2 else "one finger"
@@ -247,8 +251,8 @@ def _answered(
     )
 
 
-def _frame(outcome: str, way: str, name: str) -> g.Frame:
-    """What one would say to have it done."""
+def _command_frame(outcome: str, way: str, name: str) -> g.Frame:
+    """Frame of the sentence that asks for it."""
     ref = g.ObjectRef(text=name, id=name)
     if outcome == "slide":
         goal = g.Displace.model_validate({"direction": way})

@@ -106,7 +106,7 @@ class Experiment:
 
     @property
     def name(self) -> str:
-        """What to call it, such as `tilt at the front`."""
+        """Name in words, such as `tilt at the front`."""
         return f"{self.kind} at the {self.push.face}"
 
 
@@ -127,13 +127,15 @@ def experiments(seen: SeenObject, limits: RobotLimits) -> tuple[Experiment, ...]
         low = max(limits.lowest_height, face.bottom)
         if room < 0.0 or face.normal[2] != 0.0 or low > face.top - BELOW_TOP:
             continue
-        tilt = _tilt(seen, face, face.top - BELOW_TOP, limits)
+        tilt = _tilt_experiment(seen, face, face.top - BELOW_TOP, limits)
         found += [tilt] if tilt is not None else []
-        found.append(_slide(seen, face, 0.0, low, limits))
+        found.append(_slide_experiment(seen, face, 0.0, low, limits))
         if not face.curvature and room > LEAST_OFF:
             high = _still_slides(seen.model, face, -room, low)
-            found += [_slide(seen, face, y, z, limits) for y, z in ((room, low), (-room, high))]
-        found.append(_rub(seen, face, max(_RUB_HEIGHT * face.top, low), limits))
+            found += [
+                _slide_experiment(seen, face, y, z, limits) for y, z in ((room, low), (-room, high))
+            ]
+        found.append(_rub_experiment(seen, face, max(_RUB_HEIGHT * face.top, low), limits))
     return tuple(found)
 
 
@@ -148,11 +150,11 @@ def press(seen: SeenObject, point: Array, normal: Array, limits: RobotLimits) ->
     """
     # Tilted, the far edge stays; the near one rises as far behind it as the contact moves above it.
     stroke = RAISED * float(point[2]) / tilting.length_along(seen.model, -normal)
-    return _touch("press", seen, point, normal, max(PRESS, stroke), limits)
+    return _touch_experiment("press", seen, point, normal, max(PRESS, stroke), limits)
 
 
 def expected(experiment: Experiment, model: ObjectModel) -> tuple[Trial, ...]:
-    """What an experiment would show if the model were right, and how precisely.
+    """Trials that an experiment would show if the model were right, with their precision.
 
     Args:
         experiment: what would be done.
@@ -174,7 +176,9 @@ def expected(experiment: Experiment, model: ObjectModel) -> tuple[Trial, ...]:
     return (replace(trial, turn_rate=turn, turn_rate_sd=_TURN_SD),)
 
 
-def _tilt(seen: SeenObject, face: Face, height: float, limits: RobotLimits) -> Experiment | None:
+def _tilt_experiment(
+    seen: SeenObject, face: Face, height: float, limits: RobotLimits
+) -> Experiment | None:
     model = seen.model
     point, normal = face.points_at(0.0, height)
     if float(model.likelihood([point], [-normal]).topple[0]) < _MAY_TILT:
@@ -182,15 +186,15 @@ def _tilt(seen: SeenObject, face: Face, height: float, limits: RobotLimits) -> E
     fall = model.angle_of_no_return(-normal, sigmas=_SIGMAS)
     angle = float(min(TILT, TILT_SHARE * fall))
     stroke = model.topple_stroke(-normal, height, angle)
-    return replace(_touch("tilt", seen, point, normal, stroke, limits), angle=angle)
+    return replace(_touch_experiment("tilt", seen, point, normal, stroke, limits), angle=angle)
 
 
-def _slide(
+def _slide_experiment(
     seen: SeenObject, face: Face, lateral: float, height: float, limits: RobotLimits
 ) -> Experiment:
     point, normal = face.points_at(lateral, height)
     kind: Kind = "slide" if lateral == 0.0 else "off-centre slide"
-    return replace(_touch(kind, seen, point, normal, SLIDE, limits), lateral=lateral)
+    return replace(_touch_experiment(kind, seen, point, normal, SLIDE, limits), lateral=lateral)
 
 
 def _still_slides(model: ObjectModel, face: Face, lateral: float, low: float) -> float:
@@ -202,24 +206,24 @@ def _still_slides(model: ObjectModel, face: Face, lateral: float, low: float) ->
     return float(heights[np.flatnonzero(np.logical_and.accumulate(sure))[-1]])
 
 
-def _rub(seen: SeenObject, face: Face, height: float, limits: RobotLimits) -> Experiment:
+def _rub_experiment(seen: SeenObject, face: Face, height: float, limits: RobotLimits) -> Experiment:
     point, normal = face.points_at(0.0, height)
-    return replace(_touch("rub", seen, point, normal, 0.0, limits), raised=RUB)
+    return replace(_touch_experiment("rub", seen, point, normal, 0.0, limits), raised=RUB)
 
 
-def _touch(
+def _touch_experiment(
     kind: Kind, seen: SeenObject, point: Array, normal: Array, stroke: float, limits: RobotLimits
 ) -> Experiment:
     return Experiment(
         kind,
-        _push(seen, point, normal, stroke, min(MOST_FORCE, limits.max_force), SPEED[kind]),
+        _touch_push(seen, point, normal, stroke, min(MOST_FORCE, limits.max_force), SPEED[kind]),
         onset=float(seen.model.thresholds([point], [-normal]).onset[0]),
         length=tilting.length_along(seen.model, -normal),
         R_WB=seen.pose.R_WB,
     )
 
 
-def _push(
+def _touch_push(
     seen: SeenObject, point: Array, normal: Array, stroke: float, force: float, speed: float
 ) -> Push:
     x, y, z = point.tolist()

@@ -50,7 +50,7 @@ def _normals(polygon: Array) -> Array:
 
 
 def free_travel(moving: Array, standing: Array, direction: Array, clearance: float) -> float:
-    """How far a polygon can be translated before it comes closer to another than a clearance.
+    """Way over which a polygon can be moved before it is closer to another than a clearance.
 
     Args:
         moving: corners of a convex polygon in W, shape (n, 2) [m].
@@ -74,7 +74,7 @@ def free_travel(moving: Array, standing: Array, direction: Array, clearance: flo
 
 
 def travel_to_edge(corners: Array, table: TableState, direction: Array, margin: float) -> float:
-    """How far a polygon can be translated before a corner comes closer to the table's edge.
+    """Way over which a polygon can be moved before a corner is closer to the table's edge.
 
     Args:
         corners: the polygon in W, shape (n, 2) [m].
@@ -93,7 +93,7 @@ def travel_to_edge(corners: Array, table: TableState, direction: Array, margin: 
 
 
 def overlaps(a: Array, b: Array, clearance: float) -> bool:
-    """Whether two convex polygons are closer than a clearance, shapes (n, 2), (k, 2) [m]."""
+    """Return True if convex polygons (n, 2), (k, 2) [m] are closer than a clearance."""
     return _apart(a, b) < clearance
 
 

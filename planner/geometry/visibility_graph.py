@@ -61,13 +61,13 @@ def shortest_detour(
     Returns:
         None if there is no way.
     """
-    first, second = _axes(headings)
+    first, second = _square_headings(headings)
     axes = np.column_stack((unit(first)[:2], unit(second)[:2]))
     start, end = (np.linalg.solve(axes, p) for p in (target.pose.p_WB[:2], np.array(aim)))
-    lines = [_lines(a, b) for a, b in zip(start, end, strict=True)]
+    lines = [_grid_lines(a, b) for a, b in zip(start, end, strict=True)]
     grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1) @ axes.T
-    free = _free(grid, target, state, clearances, margin)
-    here, there = (_nearest(lines, p) for p in (start, end))
+    free = _free_places(grid, target, state, clearances, margin)
+    here, there = (_nearest_lines(lines, p) for p in (start, end))
     steps = {
         heading: move
         for heading, move in (
@@ -76,16 +76,16 @@ def shortest_detour(
         )
         if any(abs(math.remainder(heading - h, math.tau)) < 1e-6 for h in headings)
     }  # fmt: skip
-    return _cheapest(lines, free, here, there, steps, turn_cost)
+    return _cheapest_path(lines, free, here, there, steps, turn_cost)
 
 
-def _axes(headings: tuple[float, ...]) -> tuple[float, float]:
+def _square_headings(headings: tuple[float, ...]) -> tuple[float, float]:
     """Two headings that are as square to each other as any."""
     pairs = [(a, b) for i, a in enumerate(headings) for b in headings[i + 1 :]]
     return max(pairs, key=lambda pair: abs(math.sin(pair[1] - pair[0])))
 
 
-def _lines(a: float, b: float) -> Array:
+def _grid_lines(a: float, b: float) -> Array:
     """Coordinates of the grid's lines along one axis: through the end, and through the start."""
     low, high = min(a, b) - _AROUND, max(a, b) + _AROUND
     count = np.arange(math.ceil((low - b) / STEP), math.floor((high - b) / STEP) + 1)
@@ -94,13 +94,13 @@ def _lines(a: float, b: float) -> Array:
     return np.asarray(np.sort(np.append(lines, a)) if apart > 1e-9 else lines)
 
 
-def _nearest(lines: list[Array], p: Array) -> tuple[int, int]:
+def _nearest_lines(lines: list[Array], p: Array) -> tuple[int, int]:
     """The lines through a point."""
     i, j = (int(np.argmin(np.abs(line - x))) for line, x in zip(lines, p, strict=True))
     return i, j
 
 
-def _free(
+def _free_places(
     grid: Array,
     target: SeenObject,
     state: WorldState,
@@ -123,7 +123,7 @@ def _free(
     return free
 
 
-def _cheapest(
+def _cheapest_path(
     lines: list[Array],
     free: NDArray[np.bool_],
     here: tuple[int, int],
@@ -145,7 +145,7 @@ def _cheapest(
     while queue:
         _, cost, legs, at, heading, way = heapq.heappop(queue)
         if at == there:
-            return _unlinked(way)
+            return _joined_legs(way)
         for next_heading, (di, dj) in steps.items():
             i, j = at[0] + di, at[1] + dj
             if not (0 <= i < free.shape[0] and 0 <= j < free.shape[1] and free[i, j]):
@@ -163,7 +163,7 @@ def _cheapest(
     return None
 
 
-def _unlinked(way: object) -> list[tuple[float, float]]:
+def _joined_legs(way: object) -> list[tuple[float, float]]:
     """Steps joined to legs, in order."""
     legs: list[tuple[float, float]] = []
     while way is not None:

@@ -1,4 +1,4 @@
-"""Where a hand could hold an object: between two sides that look away from each other.
+"""Candidates of a grasp: between two sides that look away from each other.
 
 Model: the thumb touches one side, the other fingers the opposite one, on a line across. The
 straight fingers come along the sides, level or from above, or askew where that does not do. A grip
@@ -63,7 +63,7 @@ class Candidate:
     grip: Grip
 
     def crowded(self, target: SeenObject, state: WorldState) -> bool:
-        """Whether something stands where the knuckles would be, as seen from above."""
+        """Return True if something stands where the knuckles would be, as seen from above."""
         R_WB = target.pose.R_WB
         closing = (R_WB @ self.closing)[:2]
         across = np.array([-closing[1], closing[0]])
@@ -117,16 +117,18 @@ def body_candidates(problem: GraspProblem) -> list[Candidate]:
     low, high = max(graspable.lowest, asked.low), min(graspable.highest, asked.high)
     if low > high:
         raise refusals.no_such_height(target, graspable, asked)
-    sides = list(_sides(target))
+    sides = list(_opposite_sides(target))
     grips = [(pair, robot.grasp(pair.width)) for pair in sides if _fits(pair.width, robot)]
     closing = [(pair, grip) for pair, grip in grips if grip is not None]
     if not closing:
-        raise refusals.not_that_wide(target, [pair.width for pair in sides], _widths(robot))
+        raise refusals.not_that_wide(target, [pair.width for pair in sides], _grasp_widths(robot))
     found: list[Candidate] = []
     # Where neither level nor upright fingers find room, those that come down askew may.
     for pitches in (_SQUARE, _ASKEW):
         for pair, grip in closing:
-            found += _about(target, pair, grip, (low, high), robot.limits.lowest_grasp, pitches)
+            found += _candidates_about(
+                target, pair, grip, (low, high), robot.limits.lowest_grasp, pitches
+            )
         if found:
             break
     else:
@@ -151,7 +153,7 @@ def lid_candidates(
     radius, low, high = held_part(target, lid)
     grip = robot.grasp(2.0 * radius, pinch=True) if _fits(2.0 * radius, robot) else None
     if grip is None:
-        raise refusals.not_that_wide(target, [2.0 * radius], _widths(robot), part="lid")
+        raise refusals.not_that_wide(target, [2.0 * radius], _grasp_widths(robot), part="lid")
     # The fingertips stay above what a knob stands on, and below its upper end.
     height = max(0.5 * (low + high), low + grip.ahead + _OVER)
     if height > high - _BORDER:
@@ -173,23 +175,23 @@ def held_part(target: SeenObject, lid: LiftOffLid | ScrewCap) -> tuple[float, fl
 
 
 def lid_middle(target: SeenObject) -> tuple[float, float]:
-    """Where the middle of a lid is, in B [m]."""
+    """Middle of a lid in B, (x, y) [m]."""
     container = target.model.container
     return (0.0, 0.0) if container is None else container.opening.centre
 
 
-def _widths(robot: Robot) -> tuple[float, float]:
+def _grasp_widths(robot: Robot) -> tuple[float, float]:
     """Least and largest width that the hand holds [m]."""
     assert robot.limits.grasp_widths is not None, "a robot that only pushes plans no grasp"
     return robot.limits.grasp_widths
 
 
 def _fits(width: float, robot: Robot) -> bool:
-    narrowest, widest = _widths(robot)
+    narrowest, widest = _grasp_widths(robot)
     return narrowest <= width <= widest
 
 
-def _sides(target: SeenObject) -> Iterator[_Sides]:
+def _opposite_sides(target: SeenObject) -> Iterator[_Sides]:
     """Pairs of opposite sides; a round side is held across some directions."""
     faces = target.model.faces(_HEADINGS - target.pose.yaw)
     upright = [face for face in faces if abs(face.normal[2]) < 1e-9]
@@ -203,12 +205,12 @@ def _sides(target: SeenObject) -> Iterator[_Sides]:
             )
             continue
         for other in upright[number + 1 :]:
-            pair = _opposite(face, other)
+            pair = _pair_of_sides(face, other)
             if pair is not None:
                 yield pair
 
 
-def _opposite(one: Face, other: Face) -> _Sides | None:
+def _pair_of_sides(one: Face, other: Face) -> _Sides | None:
     """Two flat sides as a pair, if they look away from each other and face one another."""
     n, along = np.array(one.normal), np.array(one.tangent)
     if other.curvature or n @ np.array(other.normal) > -1.0 + 1e-6:
@@ -224,7 +226,7 @@ def _opposite(one: Face, other: Face) -> _Sides | None:
     return _Sides(n, along, middle * _LEVEL, float((a - b) @ n), (-half, half))
 
 
-def _about(
+def _candidates_about(
     target: SeenObject,
     pair: _Sides,
     grip: Grip,
@@ -233,10 +235,12 @@ def _about(
     pitches: Array,
 ) -> Iterator[Candidate]:
     """All ways to hold a pair of sides between two heights, from beside not below a level."""
-    for closing, approach in product((pair.normal, -pair.normal), _approaches(pair, pitches)):
+    for closing, approach in product(
+        (pair.normal, -pair.normal), _approach_directions(pair, pitches)
+    ):
         offsets = grip.contacts @ np.array([approach, np.cross(approach, closing)])
-        heights = _within(limits, offsets @ _UP)
-        laterals = _within(pair.extent, offsets @ pair.along)
+        heights = _range_within(limits, offsets @ _UP)
+        laterals = _range_within(pair.extent, offsets @ pair.along)
         if heights is None or laterals is None:
             continue
         if approach[2] == 0.0:
@@ -249,7 +253,7 @@ def _about(
             yield Candidate("body", at + height * _UP, closing, approach, pair.width, grip)
 
 
-def _approaches(pair: _Sides, pitches: Array) -> list[Array]:
+def _approach_directions(pair: _Sides, pitches: Array) -> list[Array]:
     """Directions of the straight fingers, as steep as some pitches."""
     found = [
         math.cos(pitch) * along - math.sin(pitch) * _UP
@@ -260,8 +264,8 @@ def _approaches(pair: _Sides, pitches: Array) -> list[Array]:
     return [*found, _DOWN] if math.pi / 2.0 in pitches else found
 
 
-def _within(limits: tuple[float, float], offsets: Array) -> tuple[float, float] | None:
-    """Where the middle of some contacts may be so that all of them lie between limits."""
+def _range_within(limits: tuple[float, float], offsets: Array) -> tuple[float, float] | None:
+    """Range of the middle of contacts all of which lie between limits; None if there is none."""
     low = limits[0] - float(offsets.min())
     high = limits[1] - float(offsets.max())
     return (low, high) if low <= high else None

@@ -40,7 +40,7 @@ ACCELERATION = 1.0
 
 @dataclass(frozen=True)
 class Load:
-    """What a hand bears that is not the object's weight.
+    """Load of a hand that is not the object's weight.
 
     Attributes:
         force: downwards [N].
@@ -72,7 +72,7 @@ class GraspLoad:
         each = self.candidate
         closing, approach, contacts = each.closing, each.approach, each.grip.contacts
         shares = each.grip.shares
-        borne = _slippery(model)
+        borne = _model_that_slips(model)
         if self.load is not None:
             force = {"mass": self.load.force / GRAVITY, "mass_sd": self.load.force_sd / GRAVITY}
             borne = borne.model_copy(update=force)
@@ -107,7 +107,7 @@ class StableGrasp:
 
 @dataclass(frozen=True)
 class MotionDraft:
-    """What a hand could do once it holds something.
+    """Steps of a hand once it holds something.
 
     Attributes:
         steps: one after the other.
@@ -143,7 +143,7 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
     Raises:
         NoPlanError: none does.
     """
-    d, known = problem.defaults, _Known(problem.target.model)
+    d, known = problem.defaults, _GraspBeliefs(problem.target.model)
     just, worst = (np.array(found) for found in zip(*map(known.needed, bearings), strict=True))
     wanted = problem.force.reserve * just
     limit = np.array([strongest(problem, each.candidate) for each in bearings])
@@ -164,7 +164,7 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
     good = (spare >= 1.0) & (probability >= d.probability)
     if not good.any():
         best = int(np.where(spare >= 1.0, probability, -1.0).argmax())
-        learn = _experiment(problem.target.model, bearings[best], squeeze[best], d.found_to)
+        learn = _best_experiment(problem.target.model, bearings[best], squeeze[best], d.found_to)
         raise refusals.may_slip(problem, float(squeeze[best]), float(probability[best]), *learn)
     crowded = [each.candidate.crowded(problem.target, problem.state) for each in bearings]
     # Height does not matter to a hold; in the middle there is most room for the hand.
@@ -179,7 +179,7 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
     )
     return [
         StableGrasp(
-            _grasp(problem, bearings[i].candidate, float(squeeze[i]), float(just[i])),
+            _grasp_value(problem, bearings[i].candidate, float(squeeze[i]), float(just[i])),
             float(probability[i]),
             bearings[i].lean if bearings[i].angle else None,
         )
@@ -196,8 +196,8 @@ def strongest(problem: GraspProblem, candidate: Candidate) -> float:
     return min(allowed, graspable.crush)
 
 
-class _Known:
-    """What is believed of grasps; those that differ by a turn only are looked at once."""
+class _GraspBeliefs:
+    """Beliefs about grasps; those that differ by a turn only are computed once."""
 
     def __init__(self, model: ObjectModel) -> None:
         self._model = model
@@ -207,22 +207,22 @@ class _Known:
     def needed(self, bearing: GraspLoad) -> tuple[float, float]:
         """Squeeze with everything as believed, and in the worst case [N]."""
         lifted = bearing.lifted(self._model)
-        key = self._key(lifted)
+        key = self._cache_key(lifted)
         if key not in self._needed:
             found = lifted.hold_by(STRONGEST)
             self._needed[key] = found.needed, found.worst
         return self._needed[key]
 
     def probability(self, bearing: GraspLoad, squeeze: float) -> float:
-        """That a squeeze holds."""
+        """Probability that a squeeze holds."""
         lifted = bearing.lifted(self._model)
-        key = self._key(lifted) + f"{squeeze:.6g}".encode()
+        key = self._cache_key(lifted) + f"{squeeze:.6g}".encode()
         if key not in self._likely:
             self._likely[key] = lifted.hold_probability(squeeze)
         return self._likely[key]
 
     @staticmethod
-    def _key(lifted: Lifted) -> bytes:
+    def _cache_key(lifted: Lifted) -> bytes:
         """All that a hold depends on, in the frame of the grasp."""
         R, model = lifted.R_BG, lifted.model
         spread = R.T @ np.diag(np.square(model.com_sd)) @ R
@@ -236,7 +236,7 @@ class _Known:
         return b"".join((np.round(part, 7) + 0.0).tobytes() for part in parts)
 
 
-def _slippery(model: ObjectModel) -> ObjectModel:
+def _model_that_slips(model: ObjectModel) -> ObjectModel:
     """A model whose fingers have slipped, as far as that is known: what creeps must still hold."""
     return model.model_copy(update={"finger_friction": friction(model)})
 
@@ -247,13 +247,15 @@ def friction(model: ObjectModel) -> float:
     return model.finger_friction if kinetic is None else kinetic
 
 
-def _grasp(problem: GraspProblem, candidate: Candidate, squeeze: float, needed: float) -> Grasp:
+def _grasp_value(
+    problem: GraspProblem, candidate: Candidate, squeeze: float, needed: float
+) -> Grasp:
     R_WB = problem.target.pose.R_WB
     return Grasp(
         part=candidate.part,
-        p_BG=_tuple(candidate.middle),
-        closing_W=_tuple(R_WB @ candidate.closing),
-        approach_W=_tuple(R_WB @ candidate.approach),
+        p_BG=_vector(candidate.middle),
+        closing_W=_vector(R_WB @ candidate.closing),
+        approach_W=_vector(R_WB @ candidate.approach),
         width=candidate.width,
         squeeze=squeeze,
         needed=needed,
@@ -261,16 +263,16 @@ def _grasp(problem: GraspProblem, candidate: Candidate, squeeze: float, needed: 
     )
 
 
-def _tuple(v: Array) -> Vector3:
+def _vector(v: Array) -> Vector3:
     # Adding zero turns −0.0 into 0.0 in what people read.
     x, y, z = (np.round(v, 12) + 0.0).tolist()
     return x, y, z
 
 
-def _experiment(
+def _best_experiment(
     model: ObjectModel, bearing: GraspLoad, squeeze: float, found_to: float
 ) -> tuple[str, float]:
-    """What to find out first, and how likely the hold is then."""
+    """The most useful thing to find out first, and the probability of the hold then."""
     sd = {"finger_friction_sd": model.finger_friction, "mass_sd": model.mass}
     words = {
         "finger_friction_sd": f"find out how slippery the {model.name} is to the fingers first",
@@ -310,7 +312,7 @@ def first_reachable_plan(
     answers: list[ReachAnswer] = []
     unlikely: Plan | None = None
     for hold, draft in ways:
-        made = _plan(problem, action, hold, draft)
+        made = _plan_with_grasp(problem, action, hold, draft)
         made = made.model_copy(update={"considered": considered, "satisfying": len(ways)})
         if made.probability < problem.effort.probability:
             unlikely = unlikely or made
@@ -325,7 +327,7 @@ def first_reachable_plan(
     raise refusals.no_reach(problem, answers)
 
 
-def _plan(
+def _plan_with_grasp(
     problem: GraspProblem, action: PlanTask, hold: StableGrasp | None, draft: MotionDraft
 ) -> Plan:
     actions, sure = draft.steps, 1.0

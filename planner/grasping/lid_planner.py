@@ -74,11 +74,11 @@ def open_lid(problem: GraspProblem) -> Plan | Reached:
         case FlipLid():
             if seen >= problem.defaults.lid_opened:
                 return Reached(lid=seen)
-            return _flipped(problem, lid, "open", min(problem.defaults.lid_open, lid.opens_to))
+            return _plan_flip(problem, lid, "open", min(problem.defaults.lid_open, lid.opens_to))
         case LiftOffLid():
-            return Reached(lid=seen) if is_off(lid, seen) else _pulled_off(problem, lid)
+            return Reached(lid=seen) if is_off(lid, seen) else _plan_pull_off(problem, lid)
         case ScrewCap():
-            return Reached(lid=seen) if is_off(lid, seen) else _screwed_off(problem, lid)
+            return Reached(lid=seen) if is_off(lid, seen) else _plan_screw_off(problem, lid)
     raise lidrefusals.no_lid(problem)
 
 
@@ -93,18 +93,18 @@ def close_lid(problem: GraspProblem) -> Plan | Reached:
         case FlipLid():
             if seen <= problem.defaults.lid_closed:
                 return Reached(lid=seen)
-            return _flipped(problem, lid, "close", 0.0)
+            return _plan_flip(problem, lid, "close", 0.0)
         case LiftOffLid():
-            return _put_on(problem, lid) if is_off(lid, seen) else Reached(lid=seen)
+            return _plan_put_on(problem, lid) if is_off(lid, seen) else Reached(lid=seen)
         case ScrewCap():
             if seen <= problem.defaults.lid_closed:
                 return Reached(lid=seen)
-            return _screwed_on(problem, lid, seen)
+            return _plan_screw_on(problem, lid, seen)
     raise lidrefusals.no_lid(problem)
 
 
 def is_open(seen: SeenObject, defaults: Defaults) -> bool:
-    """Whether something could run out: its lid is open, or it has none."""
+    """Return True if something could run out: its lid is open, or it has none."""
     lid, angle = seen.model.lid, seen.lid or 0.0
     match lid:
         case None:
@@ -117,7 +117,7 @@ def is_open(seen: SeenObject, defaults: Defaults) -> bool:
 # -- flip lids ----------------------------------------------------------------------------------
 
 
-def _flipped(problem: GraspProblem, lid: FlipLid, action: PlanTask, end: float) -> Plan:
+def _plan_flip(problem: GraspProblem, lid: FlipLid, action: PlanTask, end: float) -> Plan:
     target, d = problem.target, problem.defaults
     start = target.lid or 0.0
     arc = flip(target.model, lid, start=start, end=end, fixed=target.fixed)
@@ -168,23 +168,25 @@ def _arc_prediction(arc: FlipArc, end: float) -> FlipPrediction:
 # -- lids that come off -------------------------------------------------------------------------
 
 
-def _pulled_off(problem: GraspProblem, lid: LiftOffLid) -> Plan:
+def _plan_pull_off(problem: GraspProblem, lid: LiftOffLid) -> Plan:
     found = lift_off(problem.target.model, lid, fixed=problem.target.fixed)
     _require_still(problem, found)
     load = Load(found.needed, lid.retention_sd)
-    pull = PullPrediction(lid_force=found.needed, lifting_force=_finite(found.held))
-    return _taken_off(problem, lid, _lid_holds(problem, lid, load), found.probability, pull=pull)
+    pull = PullPrediction(lid_force=found.needed, lifting_force=_finite_or_none(found.held))
+    return _plan_take_off(
+        problem, lid, _lid_holds(problem, lid, load), found.probability, pull=pull
+    )
 
 
-def _screwed_off(problem: GraspProblem, cap: ScrewCap) -> Plan:
+def _plan_screw_off(problem: GraspProblem, cap: ScrewCap) -> Plan:
     found = unscrew(problem.target.model, cap, fixed=problem.target.fixed)
     _require_still(problem, found)
     rest = math.tau * cap.turns - (problem.target.lid or 0.0)
-    turn = _turn(problem, cap, rest, found)
-    return _taken_off(problem, cap, _cap_holds(problem, cap), found.probability, turn)
+    turn = _turn_step(problem, cap, rest, found)
+    return _plan_take_off(problem, cap, _cap_holds(problem, cap), found.probability, turn)
 
 
-def _taken_off(
+def _plan_take_off(
     problem: GraspProblem,
     lid: LiftOffLid | ScrewCap,
     ways: list[StableGrasp],
@@ -206,7 +208,7 @@ def _taken_off(
     )
 
 
-def _put_on(problem: GraspProblem, lid: LiftOffLid) -> Plan:
+def _plan_put_on(problem: GraspProblem, lid: LiftOffLid) -> Plan:
     """A lid that lies aside put on its rim."""
     target, d = problem.target, problem.defaults
     x, y, _ = (target.pose.R_WB @ [*lid_middle(target), 0.0] + target.pose.p_WB).tolist()
@@ -221,7 +223,7 @@ def _put_on(problem: GraspProblem, lid: LiftOffLid) -> Plan:
     return first_reachable_plan(problem, "close", [(way, draft) for way in ways], len(ways))
 
 
-def _screwed_on(problem: GraspProblem, cap: ScrewCap, seen: float) -> Plan:
+def _plan_screw_on(problem: GraspProblem, cap: ScrewCap, seen: float) -> Plan:
     """A cap that is turned back.
 
     Raises:
@@ -231,7 +233,7 @@ def _screwed_on(problem: GraspProblem, cap: ScrewCap, seen: float) -> Plan:
         raise lidrefusals.thread(problem)
     found = unscrew(problem.target.model, cap, fixed=problem.target.fixed)
     _require_still(problem, found)
-    turn = _turn(problem, cap, -seen, found)
+    turn = _turn_step(problem, cap, -seen, found)
     ways = _cap_holds(problem, cap)
     draft = MotionDraft((turn,), found.probability)
     return first_reachable_plan(problem, "close", [(way, draft) for way in ways], len(ways))
@@ -246,24 +248,24 @@ def _require_still(problem: GraspProblem, found: Loosening) -> None:
 
 
 def _cap_holds(problem: GraspProblem, cap: ScrewCap) -> list[StableGrasp]:
-    """How a cap is held for turning: friction at its rim bears the torque."""
+    """Grasps of a cap that is turned: friction at its rim bears the torque."""
     radius, *_ = held_part(problem.target, cap)
     torque = cap.friction_torque / radius
     return _lid_holds(problem, cap, Load(torque, cap.friction_torque_sd / radius))
 
 
 def _lid_holds(problem: GraspProblem, lid: LiftOffLid | ScrewCap, load: Load) -> list[StableGrasp]:
-    """How a lid is held while something pulls at it."""
+    """Grasps of a lid at which something pulls."""
     return stable_grasps(problem, [GraspLoad(each, load) for each in lid_candidates(problem, lid)])
 
 
-def _turn(problem: GraspProblem, cap: ScrewCap, angle: float, found: Loosening) -> TurnCap:
+def _turn_step(problem: GraspProblem, cap: ScrewCap, angle: float, found: Loosening) -> TurnCap:
     limit = (1.0 + problem.defaults.force_reserve) * cap.friction_torque
-    prediction = TurnPrediction(lid_torque=found.needed, turning_torque=_finite(found.held))
+    prediction = TurnPrediction(lid_torque=found.needed, turning_torque=_finite_or_none(found.held))
     return TurnCap(angle=angle, torque_limit=limit, prediction=prediction)
 
 
-def _finite(value: float) -> float | None:
+def _finite_or_none(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
@@ -295,20 +297,20 @@ def _places_around(problem: GraspProblem, radius: float) -> Iterator[Array]:
             yield middle + (nearest + ring) * np.array([math.cos(angle), math.sin(angle)])
 
 
-def _disc(at: Array, radius: float) -> Array:
+def _disc_at(at: Array, radius: float) -> Array:
     return np.asarray(at + Disc(radius).corners)
 
 
 def _is_free(problem: GraspProblem, at: Array, radius: float) -> bool:
-    lid, d = _disc(at, radius), problem.defaults
+    lid, d = _disc_at(at, radius), problem.defaults
     if min(travel_to_edge(lid, problem.state.table, u, d.clearance) for u in _AXES) < 0.0:
         return False
     return all(gap(lid, footprint(seen)) >= _ROOM for seen in problem.state.objects.values())
 
 
 def _tallest_on_way(problem: GraspProblem, at: Array, radius: float) -> float:
-    start = _disc(problem.target.pose.p_WB[:2], radius)
-    way = hull_polygon(np.vstack([start, _disc(at, radius)])).vertices
+    start = _disc_at(problem.target.pose.p_WB[:2], radius)
+    way = hull_polygon(np.vstack([start, _disc_at(at, radius)])).vertices
     return max(
         seen.bulk()[1]
         for seen in problem.state.objects.values()

@@ -55,10 +55,10 @@ def lift(problem: GraspProblem, goal: g.Lift) -> Plan:
         NoPlanError: it cannot be held, or not be lifted so far.
     """
     require_liftable(problem)
-    height, used = _height(problem, goal)
+    height, used = _lift_height(problem, goal)
     draft = MotionDraft((LiftUp(height=height),), defaults=used)
-    return _made(
-        problem, "lift", sorted(body_grasps(problem), key=partial(_turned, problem)), [draft]
+    return _plan_with_drafts(
+        problem, "lift", sorted(body_grasps(problem), key=partial(_pours_beside, problem)), [draft]
     )
 
 
@@ -72,7 +72,7 @@ def set_down(problem: GraspProblem) -> Plan:
         raise refusals.holds_nothing()
     require_room(problem, problem.target, {})
     draft = MotionDraft((SetDown(),), aim=pose_as_aim(problem.target))
-    return _made(problem, "place", held_already(problem), [draft])
+    return _plan_with_drafts(problem, "place", held_already(problem), [draft])
 
 
 def place(problem: GraspProblem) -> Plan:
@@ -90,10 +90,10 @@ def place(problem: GraspProblem) -> Plan:
             drafts.append(_draft_to(problem, aim, found))
     if not drafts:
         raise places.first
-    return _made(problem, "place", grasps, drafts)
+    return _plan_with_drafts(problem, "place", grasps, drafts)
 
 
-def _made(
+def _plan_with_drafts(
     problem: GraspProblem, action: PlanTask, ways: list[StableGrasp], drafts: list[MotionDraft]
 ) -> Plan:
     return first_reachable_plan(
@@ -101,8 +101,8 @@ def _made(
     )
 
 
-def _turned(problem: GraspProblem, hold: StableGrasp) -> bool:
-    """Whether an object, held so, would not lean to where its opening is: it pours beside it."""
+def _pours_beside(problem: GraspProblem, hold: StableGrasp) -> bool:
+    """Return True if an object, held so, would not lean to the side of its opening."""
     container = problem.target.model.container
     if container is None:
         return False
@@ -112,7 +112,7 @@ def _turned(problem: GraspProblem, hold: StableGrasp) -> bool:
 
 
 def body_grasps(problem: GraspProblem) -> list[StableGrasp]:
-    """How the hand holds an object, or could."""
+    """The grasp that holds an object, or those that would."""
     held = held_already(problem)
     if held:
         return held
@@ -180,8 +180,8 @@ def _draft_to(problem: GraspProblem, aim: Aim, found: GoalPoses) -> MotionDraft:
     return MotionDraft(steps, aim=aim, defaults=found.defaults_used)
 
 
-def _height(problem: GraspProblem, goal: g.Lift) -> tuple[float, tuple[DefaultUsed, ...]]:
-    """How far it is lifted, and that this was not said."""
+def _lift_height(problem: GraspProblem, goal: g.Lift) -> tuple[float, tuple[DefaultUsed, ...]]:
+    """Height by which it is lifted [m], and the note that it was not said."""
     d, height = problem.defaults, goal.height
     if height is None:
         value, reason = {

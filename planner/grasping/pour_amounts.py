@@ -1,4 +1,4 @@
-"""How much is to be poured, and whether it is there and fits.
+"""Volume that is poured, if there is so much and it fits.
 
 Model: what is believed to be in both containers; a cavity holds its volume up to the brim.
 """
@@ -53,7 +53,7 @@ class Hollow:
 
     @property
     def room(self) -> float:
-        """What still fits in [m³]; less than nothing if it is believed to be too full."""
+        """Volume that still fits in [m³]; negative if it is believed to be too full."""
         return self.vessel.capacity - self.container.contents
 
 
@@ -62,7 +62,7 @@ _DROP = 1e-6  # less than this is nothing [m³]
 
 @dataclass(frozen=True)
 class Amount:
-    """What is to be poured.
+    """Volume that is poured.
 
     Attributes:
         volume: how much [m³].
@@ -78,7 +78,7 @@ class Amount:
 
 
 def amount(problem: GraspProblem, source: Hollow, into: Hollow, goal: g.Pour) -> Amount | None:
-    """How much is to be poured; None if it is filled as far as it should be already.
+    """Volume that is poured; None if it is filled as far as it should be already.
 
     Raises:
         NoPlanError: there is not so much, or it does not fit.
@@ -86,7 +86,7 @@ def amount(problem: GraspProblem, source: Hollow, into: Hollow, goal: g.Pour) ->
     has, room = source.container.contents, into.room
     if has < _DROP:
         raise pourrefusals.is_empty(problem)
-    wanted, used = _wanted(source, into, goal, problem.defaults)
+    wanted, used = _wanted_volume(source, into, goal, problem.defaults)
     if goal.fill is not None and wanted < _DROP:
         return None
     if wanted > room:
@@ -97,7 +97,7 @@ def amount(problem: GraspProblem, source: Hollow, into: Hollow, goal: g.Pour) ->
     return Amount(wanted, room, everything, used)
 
 
-def _wanted(
+def _wanted_volume(
     source: Hollow, into: Hollow, goal: g.Pour, d: Defaults
 ) -> tuple[float, tuple[DefaultUsed, ...]]:
     """The volume that is meant [m³], and what the sentence left open."""

@@ -58,7 +58,7 @@ _CENTRED = 0.001  # an opening so near to the middle has no side [m]
 
 @dataclass(frozen=True)
 class Motion:
-    """How a container is tilted, and what comes of it.
+    """Motion of a container that pours, and its predicted result.
 
     Attributes:
         lean: direction in B [rad].
@@ -119,34 +119,36 @@ class _Pouring:
         problem, held = self._problem, held_already(self._problem)
         if held:
             closing = [np.array(held[0].grasp.closing_W) @ problem.target.pose.R_WB]
-            motions = self._motions(closing)
+            motions = self._likely_motions(closing)
             ways = [replace(held[0], lean=motion.lean) for motion in motions.values()]
         else:
             each = body_candidates(problem)
-            motions = self._motions([candidate.closing for candidate in each])
-            ways = sorted(stable_grasps(problem, self._bearings(each, motions)), key=_beside)
+            motions = self._likely_motions([candidate.closing for candidate in each])
+            ways = sorted(
+                stable_grasps(problem, self._grasp_loads(each, motions)), key=_comes_from_above
+            )
         found = []
         for rank, hold in enumerate(ways):
             assert hold.lean is not None, "it is tilted"
-            motion = motions[_key(hold.lean)]
+            motion = motions[_lean_key(hold.lean)]
             for times, turn in enumerate(_TURNS.tolist()):
-                found.append((rank + times, (hold, self._draft(motion, turn))))
+                found.append((rank + times, (hold, self._motion_draft(motion, turn))))
         found.sort(key=lambda each: each[0])
         return first_reachable_plan(problem, "pour", [way for _, way in found], len(found))
 
     # -- how it is tilted -----------------------------------------------------------------------
 
-    def _bearings(self, each: list[Candidate], motions: dict[int, Motion]) -> list[GraspLoad]:
+    def _grasp_loads(self, each: list[Candidate], motions: dict[int, Motion]) -> list[GraspLoad]:
         """All ways to hold it through its motion."""
         found = []
         for candidate in each:
-            for lean in self._leans(candidate.closing):
-                motion = motions.get(_key(lean))
+            for lean in self._lean_directions(candidate.closing):
+                motion = motions.get(_lean_key(lean))
                 if motion is not None:
                     found.append(GraspLoad(candidate, None, motion.lean, motion.angle))
         return found
 
-    def _leans(self, closing: Array) -> list[float]:
+    def _lean_directions(self, closing: Array) -> list[float]:
         """Directions in B in which it may lean, held so: along the line across [rad]."""
         opening = np.array([*self._source.container.opening.centre, 0.0])
         off = float(np.linalg.norm(opening))
@@ -156,19 +158,19 @@ class _Pouring:
             if off < _CENTRED or side * closing @ opening > TO_THE_SIDE * off
         ]
 
-    def _motions(self, closing: list[Array]) -> dict[int, Motion]:
+    def _likely_motions(self, closing: list[Array]) -> dict[int, Motion]:
         """The motion for each direction in which it may lean, if it is likely enough."""
-        leans = {_key(lean): lean for each in closing for lean in self._leans(each)}
+        leans = {_lean_key(lean): lean for each in closing for lean in self._lean_directions(each)}
         if not leans:
             raise pourrefusals.wrong_side(self._problem)
-        found = {key: self._motion(lean) for key, lean in leans.items()}
+        found = {key: self._pour_motion(lean) for key, lean in leans.items()}
         best = max(found.values(), key=lambda motion: motion.probability)
         if best.probability < self._problem.effort.probability:
             raise pourrefusals.may_spill(self._problem, self._into.seen, self._wanted, best)
         asked = self._problem.effort.probability
         return {key: motion for key, motion in found.items() if motion.probability >= asked}
 
-    def _motion(self, lean: float) -> Motion:
+    def _pour_motion(self, lean: float) -> Motion:
         container, vessel, d = self._source.container, self._source.vessel, self._problem.defaults
         wanted, basin = self._wanted, self._into.container
         if wanted.all:
@@ -186,11 +188,11 @@ class _Pouring:
         sd = math.hypot(container.contents_sd, basin.contents_sd)
         poured = predict_pour(vessel, container.contents, catch, contents_sd=sd, **motion)
         if not wanted.all:
-            poured = _stopped(poured, wanted.volume)
-        return Motion(lean, angle, wait, ahead, poured, self._probability(poured))
+            poured = _pour_stopped_at(poured, wanted.volume)
+        return Motion(lean, angle, wait, ahead, poured, self._success_probability(poured))
 
-    def _probability(self, poured: Poured) -> float:
-        """How likely enough is received, and next to nothing spilled."""
+    def _success_probability(self, poured: Poured) -> float:
+        """Probability that enough is received, and next to nothing spilled."""
         d, wanted = self._problem.defaults, self._wanted
         if wanted.all:
             enough = poured.received >= d.pour_all * poured.contents
@@ -202,7 +204,7 @@ class _Pouring:
 
     # -- where it is held -----------------------------------------------------------------------
 
-    def _draft(self, motion: Motion, turn: float) -> MotionDraft:
+    def _motion_draft(self, motion: Motion, turn: float) -> MotionDraft:
         """The steps after the grasp, with the container turned about the vertical before."""
         problem, into, d = self._problem, self._into.seen, self._problem.defaults
         pose, held = problem.target.pose, problem.state.held is not None
@@ -219,7 +221,7 @@ class _Pouring:
             rate=self._rate,
             wait=motion.wait + d.pour_wait,
             volume=None if self._wanted.all else self._wanted.volume,
-            prediction=self._prediction(motion.poured),
+            prediction=self._pour_prediction(motion.poured),
         )
         steps: tuple[Action, ...] = (*lift_steps(problem, up), out)
         if turn:
@@ -229,7 +231,7 @@ class _Pouring:
             steps if held else (*steps, SetDown()),
             motion.probability,
             aim=None if held else Aim(x=pose.x, y=pose.y, yaw=pose.yaw),
-            defaults=(*self._wanted.defaults, *self._used()),
+            defaults=(*self._wanted.defaults, *self._defaults_used()),
             notes=(f"the stream lands {refusals.mm(motion.ahead)} ahead of the lip",),
         )
 
@@ -239,24 +241,24 @@ class _Pouring:
         centre = np.array([*self._into.container.opening.centre, 0.0])
         return np.asarray(pose.p_WB + pose.R_WB @ centre)
 
-    def _used(self) -> tuple[DefaultUsed, ...]:
+    def _defaults_used(self) -> tuple[DefaultUsed, ...]:
         rate = self._problem.defaults.pour_rate
         if self._rate < rate:
             return ()
         return (DefaultUsed(name="pour_rate", value=rate, unit="rad/s", reason="no rate said"),)
 
-    def _prediction(self, poured: Poured) -> PourPrediction:
+    def _pour_prediction(self, poured: Poured) -> PourPrediction:
         mean = {name: float(value) for name, value in poured.mean_volumes().items()}
         filled = self._into.container.contents + mean["received"]
         return PourPrediction(**mean, level_after=filled / self._into.vessel.capacity)
 
 
-def _key(lean: float) -> int:
+def _lean_key(lean: float) -> int:
     """A direction in whole degrees."""
     return round(math.degrees(lean)) % 360
 
 
-def _beside(hold: StableGrasp) -> bool:
+def _comes_from_above(hold: StableGrasp) -> bool:
     """The hand had better be beside what pours, not over it."""
     return hold.grasp.approach_W[2] < -0.5
 
@@ -283,7 +285,7 @@ def _part_of_it(
     return float(angles[first]), _PART_WAIT
 
 
-def _stopped(poured: Poured, volume: float) -> Poured:
+def _pour_stopped_at(poured: Poured, volume: float) -> Poured:
     """A pour that ends when so much has left."""
     share = np.minimum(volume / np.maximum(poured.poured, 1e-12), 1.0)
     return Poured(poured.contents, share * poured.poured, share * poured.received)

@@ -29,7 +29,7 @@ from planner.types.refusal import Refusal
 
 @dataclass(frozen=True)
 class ConstraintRule:
-    """How one kind of constraint limits a problem.
+    """Rule by which one kind of constraint limits a problem.
 
     Attributes:
         push: makes the problem of pushes that keep it; None if no push does.
@@ -69,7 +69,7 @@ def grasp_limits(problem: GraspProblem) -> GraspProblem:
     return problem
 
 
-def _kept(problem: PlanningProblem[GoalT], clause: g.Constraint) -> PlanningProblem[GoalT]:
+def _keep_anyhow(problem: PlanningProblem[GoalT], clause: g.Constraint) -> PlanningProblem[GoalT]:
     """The same problem: pushes on the table, or what is held, keep it anyhow."""
     return problem
 
@@ -89,7 +89,7 @@ def _with_tilt(problem: PushProblem, tilt: float) -> PushProblem:
 
 
 def _stay_on_base(problem: PushProblem, clause: g.NoTopple | g.NoTilt | g.MaxTilt) -> PushProblem:
-    """What slides stays on its base, what is tilted comes back, what topples does not."""
+    """An object that slides stays on its base, one that is tilted comes back."""
     defaults, goal = problem.defaults, problem.goal
     most = {"no_topple": None, "no_tilt": defaults.no_tilt}.get(clause.kind)
     if isinstance(clause, g.MaxTilt):
@@ -137,7 +137,7 @@ def _keep_heading(problem: PushProblem, clause: g.NoTurn | g.MaxTurn) -> PushPro
     return replace(problem, motion=replace(problem.motion, turn=narrowest))
 
 
-def _until(problem: PushProblem, clause: g.Until) -> PushProblem:
+def _push_until(problem: PushProblem, clause: g.Until) -> PushProblem:
     """A push that ends with the object's fall, or with a tilt well before it."""
     if clause.event not in ("tips", "about_to_tip"):
         if not problem.goal.aims:
@@ -217,19 +217,19 @@ def _push_hard(problem: PushProblem, clause: g.Hard) -> PushProblem:
 
 def _push_gently(problem: PushProblem, clause: g.Gentle) -> PushProblem:
     force = replace(problem.force, reserve=problem.defaults.force_reserve_gentle)
-    return _slower(replace(problem, force=force), problem.defaults.speed_gentle)
+    return _limit_speed(replace(problem, force=force), problem.defaults.speed_gentle)
 
 
 def _grasp_gently(problem: GraspProblem, clause: g.Gentle) -> GraspProblem:
     reserve = min(problem.force.reserve, problem.defaults.grasp_reserve_gentle)
     force = replace(problem.force, reserve=reserve)
-    return _slower(replace(problem, force=force), problem.defaults.carry_speed_gentle)
+    return _limit_speed(replace(problem, force=force), problem.defaults.carry_speed_gentle)
 
 
 # -- speed and time ---------------------------------------------------------------------------
 
 
-def _slower(problem: PlanningProblem[GoalT], speed: float) -> PlanningProblem[GoalT]:
+def _limit_speed(problem: PlanningProblem[GoalT], speed: float) -> PlanningProblem[GoalT]:
     """The problem with a lower speed [m/s]; one that the sentence gave is no default any more."""
     motion = problem.motion
     motion = replace(motion, speed=min(motion.speed, speed), lid_speed=min(motion.lid_speed, speed))
@@ -257,7 +257,7 @@ def _too_fast(speed: float, most: float, what: str, spans: g.Spans) -> NoPlanErr
 
 
 def _push_slowly(problem: PushProblem, clause: g.Slow) -> PushProblem:
-    return _slower(problem, problem.defaults.speed_gentle)
+    return _limit_speed(problem, problem.defaults.speed_gentle)
 
 
 def _push_fast(problem: PushProblem, clause: g.Fast) -> PushProblem:
@@ -269,18 +269,18 @@ def _push_at_speed(problem: PushProblem, clause: g.Speed | g.MinSpeed) -> PushPr
 
 
 def _move_at_most(problem: PlanningProblem[GoalT], clause: g.MaxSpeed) -> PlanningProblem[GoalT]:
-    return _slower(problem, clause.value)
+    return _limit_speed(problem, clause.value)
 
 
 def _carry_slowly(problem: GraspProblem, clause: g.Slow) -> GraspProblem:
-    return _slower(problem, problem.defaults.carry_speed_gentle)
+    return _limit_speed(problem, problem.defaults.carry_speed_gentle)
 
 
 def _carry_at_speed(problem: GraspProblem, clause: g.Speed | g.MinSpeed) -> GraspProblem:
     most = problem.defaults.carry_speed
     if clause.value > most:
         raise _too_fast(clause.value, most, "what is held is moved at up to", clause.spans)
-    return problem if isinstance(clause, g.MinSpeed) else _slower(problem, clause.value)
+    return problem if isinstance(clause, g.MinSpeed) else _limit_speed(problem, clause.value)
 
 
 def _push_within(problem: PushProblem, clause: g.MaxDuration) -> PushProblem:
@@ -310,7 +310,7 @@ def _push_near(problem: PushProblem, clause: g.MaxDistance) -> PushProblem:
     start = problem.target.pose.x, problem.target.pose.y
     lengths = {aim: math.dist((aim.x, aim.y), start) for aim in goal.aims}
     aims = tuple(
-        _shortened(aim, start, min(1.0, most / max(lengths[aim], 1e-9)))
+        _shorten_aim(aim, start, min(1.0, most / max(lengths[aim], 1e-9)))
         for aim in goal.aims
         if lengths[aim] - tolerance <= most
     )
@@ -325,21 +325,21 @@ def _push_near(problem: PushProblem, clause: g.MaxDistance) -> PushProblem:
     return replace(problem, goal=replace(goal, aims=aims, distance=min(goal.distance, most)))
 
 
-def _shortened(aim: Aim, start: tuple[float, float], share: float) -> Aim:
+def _shorten_aim(aim: Aim, start: tuple[float, float], share: float) -> Aim:
     """An aim that lies only a share of the way from a start."""
     x, y = (a + share * (b - a) for a, b in zip(start, (aim.x, aim.y), strict=True))
     return Aim(x=x, y=y, yaw=aim.yaw)
 
 
 LIMITS: dict[str, ConstraintRule] = {
-    "no_topple": ConstraintRule(_stay_on_base, _kept),
+    "no_topple": ConstraintRule(_stay_on_base, _keep_anyhow),
     "no_tilt": ConstraintRule(_stay_on_base, _keep_upright),
     "max_tilt": ConstraintRule(_stay_on_base, _keep_upright),
-    "no_slide": ConstraintRule(_stay_in_place, _kept),
-    "no_turn": ConstraintRule(_keep_heading, _kept),
-    "max_turn": ConstraintRule(_keep_heading, _kept),
-    "no_spill": ConstraintRule(_keep_contents, _kept),
-    "no_lift": ConstraintRule(_kept, _stay_on_table),
+    "no_slide": ConstraintRule(_stay_in_place, _keep_anyhow),
+    "no_turn": ConstraintRule(_keep_heading, _keep_anyhow),
+    "max_turn": ConstraintRule(_keep_heading, _keep_anyhow),
+    "no_spill": ConstraintRule(_keep_contents, _keep_anyhow),
+    "no_lift": ConstraintRule(_keep_anyhow, _stay_on_table),
     "no_touch": ConstraintRule(_push_clear, _keep_clear),
     "max_force": ConstraintRule(_push_at_most, _squeeze_at_most),
     "force": ConstraintRule(_push_at_most, _squeeze_at_most),
@@ -356,6 +356,6 @@ LIMITS: dict[str, ConstraintRule] = {
     "max_distance": ConstraintRule(_push_near, unsupported="limiting a distance"),
     "contact": ConstraintRule(limit_push_contact, limit_grasp_contact),
     "effector": ConstraintRule(limit_fingertips, require_whole_hand),
-    "until": ConstraintRule(_until, unsupported="stopping at an event"),
+    "until": ConstraintRule(_push_until, unsupported="stopping at an event"),
 }
 """The rule for every kind of constraint."""

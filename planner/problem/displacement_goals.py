@@ -1,4 +1,4 @@
-"""What a displacement means: where to, and how far, from where things stand.
+"""Heading and distance of a displacement, from where things stand.
 
 Model: towards an object is towards its origin, towards an edge of the table straight across to it.
 The way to an object ends next to it, at the gap that "next to" means, and a share of the way
@@ -44,7 +44,7 @@ def goal_heading(goal: g.Displace, own: SeenObject, state: WorldState, d: Defaul
     for target, sign in ((goal.toward, 1.0), (goal.away_from, -1.0)):
         if target is not None:
             # The edge itself is where "towards the edge" leads, however near it is.
-            return heading_of(sign * _way(target, own, state, replace(d, edge_gap=0.0)))
+            return heading_of(sign * _way_vector(target, own, state, replace(d, edge_gap=0.0)))
     if isinstance(goal.direction, tuple):
         return bisector(goal.direction)
     return HEADINGS[goal.direction] if goal.direction else None
@@ -89,7 +89,7 @@ def _whole_way(goal: g.Displace, own: SeenObject, state: WorldState, d: Defaults
     """Length of the way to what is moved towards [m]; None if there is no such thing."""
     if goal.toward is None:
         return None
-    way = _way(goal.toward, own, state, d)
+    way = _way_vector(goal.toward, own, state, d)
     length = float(np.linalg.norm(way))
     if isinstance(goal.toward, str):
         return length
@@ -104,7 +104,7 @@ def _whole_way(goal: g.Displace, own: SeenObject, state: WorldState, d: Defaults
     return low
 
 
-def _way(
+def _way_vector(
     target: g.ObjectRef | g.TableRegion, own: SeenObject, state: WorldState, d: Defaults
 ) -> Array:
     """From an object to what it is moved towards or away from, in W, shape (3,) [m]."""

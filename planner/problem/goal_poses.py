@@ -1,4 +1,4 @@
-"""Where an object should be at the end: goals as aims on the table.
+"""Poses of an object at the end: goals as aims on the table.
 
 A goal of moving, placing or turning is an aim, a pose of the object in W, or several of which one
 will do, the nearest first. Aims are fixed once, from where everything stands at first: later
@@ -57,15 +57,15 @@ def find_goal_poses(problem: PlanningProblem[GoalT]) -> GoalPoses:
     until = next((c for c in problem.frame.constraints if isinstance(c, g.Until)), None)
     match goal:
         case g.Rotate():
-            return _rotated(problem, goal)
+            return _rotation_poses(problem, goal)
         case g.Place():
-            return _placed(problem, goal)
+            return _place_poses(problem, goal)
         case g.Displace() if until is not None and until.event not in _TIPPING:
-            return _until(problem, goal, until)
+            return _event_poses(problem, goal, until)
         case g.NoGoal():
-            return _tapped(problem)
+            return _tap_poses(problem)
         case g.Displace():
-            return _displaced(problem, goal)
+            return _displacement_poses(problem, goal)
     raise AssertionError(f"{goal.kind} moves nothing")
 
 
@@ -82,9 +82,9 @@ def pose_as_aim(target: SeenObject, x: float | None = None, y: float | None = No
 # -- moving -----------------------------------------------------------------------------------
 
 
-def _displaced(problem: PlanningProblem[GoalT], goal: g.Displace) -> GoalPoses:
+def _displacement_poses(problem: PlanningProblem[GoalT], goal: g.Displace) -> GoalPoses:
     defaults, constraints = problem.defaults, problem.frame.constraints
-    heading, used = _heading(problem, goal)
+    heading, used = _motion_heading(problem, goal)
     distance, reason = goal_distance(goal, problem.target, problem.state, defaults, constraints)
     if reason:
         used += (DefaultUsed(name="distance", value=distance, unit="m", reason=reason),)
@@ -92,10 +92,10 @@ def _displaced(problem: PlanningProblem[GoalT], goal: g.Displace) -> GoalPoses:
         # A bound is kept with the tolerance to spare.
         spare = {"exact": 0.0, "at_least": 1.0, "at_most": -1.0}[goal.bound]
         distance += spare * min(defaults.distance_tolerance, 0.5 * distance)
-    return _along(problem.target, heading, distance, used)
+    return _pose_along(problem.target, heading, distance, used)
 
 
-def _along(
+def _pose_along(
     target: SeenObject, heading: float, distance: float, used: tuple[DefaultUsed, ...] = ()
 ) -> GoalPoses:
     x, y, _ = (target.pose.p_WB + distance * unit(heading)).tolist()
@@ -103,7 +103,7 @@ def _along(
     return GoalPoses(PushGoal(heading=heading, distance=distance, aims=aims), used)
 
 
-def _heading(
+def _motion_heading(
     problem: PlanningProblem[GoalT], goal: g.Displace
 ) -> tuple[float, tuple[DefaultUsed, ...]]:
     """Direction of a displacement in W [rad], and that it was not said."""
@@ -122,11 +122,11 @@ def _heading(
     return used.value, (used,)
 
 
-def _tapped(problem: PlanningProblem[GoalT]) -> GoalPoses:
+def _tap_poses(problem: PlanningProblem[GoalT]) -> GoalPoses:
     """A touch that ends as soon as the object gives way; on the side that is said, or the front."""
     faces = [c.face for c in problem.frame.constraints if isinstance(c, g.ContactRegion)]
     push = next((way for way, face in FACE_OF_PUSH.items() if face in faces), "away")
-    return _until_it_moves(_along(problem.target, HEADINGS[push], problem.defaults.tap))
+    return _until_it_moves(_pose_along(problem.target, HEADINGS[push], problem.defaults.tap))
 
 
 # -- until something happens ------------------------------------------------------------------
@@ -136,19 +136,19 @@ def _until_it_moves(found: GoalPoses) -> GoalPoses:
     return replace(found, goal=replace(found.goal, until="moves"))
 
 
-def _until(problem: PlanningProblem[GoalT], goal: g.Displace, until: g.Until) -> GoalPoses:
+def _event_poses(problem: PlanningProblem[GoalT], goal: g.Displace, until: g.Until) -> GoalPoses:
     """As far as it takes until an event."""
     if until.event == "moves":
-        return _until_it_moves(_displaced(problem, goal))
+        return _until_it_moves(_displacement_poses(problem, goal))
     target, state, defaults = problem.target, problem.state, problem.defaults
     other = None if until.object is None else state.objects.get(until.object.id or "")
     if goal.direction is None and goal.heading is None and other is not None:
         goal = goal.model_copy(update={"toward": until.object})
-    heading, used = _heading(problem, goal)
+    heading, used = _motion_heading(problem, goal)
     u, own = unit(heading), footprint(target)
     if until.event == "edge":
         room = travel_to_edge(own, state.table, u[:2], defaults.edge_gap)
-        return _along(target, heading, max(room, 0.0), used)
+        return _pose_along(target, heading, max(room, 0.0), used)
     if other is None:
         raise unsupported(
             f"stopping at the event '{until.event}'",
@@ -159,7 +159,7 @@ def _until(problem: PlanningProblem[GoalT], goal: g.Displace, until: g.Until) ->
     if until.event == "touching":
         if math.isinf(way):
             raise NoPlanError(_never_met(target, other, until.spans))
-        met = _along(target, heading, way + _BEYOND, used)
+        met = _pose_along(target, heading, way + _BEYOND, used)
         return replace(met, goal=replace(met.goal, until="touching", meets=other.name))
     # In line with it, or beside it: as far along the way as the other one stands.
     along = float((other.pose.p_WB - target.pose.p_WB) @ u)
@@ -167,7 +167,7 @@ def _until(problem: PlanningProblem[GoalT], goal: g.Displace, until: g.Until) ->
         along = min(along, way - defaults.place_gap)
     if along <= 0.0:
         raise NoPlanError(_never_met(target, other, until.spans))
-    return _along(target, heading, along, used)
+    return _pose_along(target, heading, along, used)
 
 
 def _never_met(target: SeenObject, other: SeenObject, spans: g.Spans) -> Refusal:
@@ -182,7 +182,7 @@ def _never_met(target: SeenObject, other: SeenObject, spans: g.Spans) -> Refusal
 # -- placing and turning ----------------------------------------------------------------------
 
 
-def _placed(problem: PlanningProblem[GoalT], goal: g.Place) -> GoalPoses:
+def _place_poses(problem: PlanningProblem[GoalT], goal: g.Place) -> GoalPoses:
     target, defaults = problem.target, problem.defaults
     place = region(goal, problem.state, defaults)
     if place is None or (isinstance(goal.reference, tuple) and goal.relation == "on"):
@@ -209,11 +209,11 @@ def _placed(problem: PlanningProblem[GoalT], goal: g.Place) -> GoalPoses:
         return GoalPoses(PushGoal(aims=aims), used)
     if goal.relation != "touching":
         return GoalPoses(PushGoal(aims=aims, near=((place.other.name, place.gap),)), used)
-    beyond = tuple(_farther(aim, target, _BEYOND) for aim in aims)
+    beyond = tuple(_aim_beyond(aim, target, _BEYOND) for aim in aims)
     return GoalPoses(PushGoal(aims=beyond, until="touching", meets=place.other.name), used)
 
 
-def _farther(aim: Aim, target: SeenObject, by: float) -> Aim:
+def _aim_beyond(aim: Aim, target: SeenObject, by: float) -> Aim:
     """An aim so much farther on the way to it [m]."""
     x, y = target.pose.x, target.pose.y
     length = math.dist((aim.x, aim.y), (x, y))
@@ -221,7 +221,7 @@ def _farther(aim: Aim, target: SeenObject, by: float) -> Aim:
     return aim.model_copy(update={"x": x + share * (aim.x - x), "y": y + share * (aim.y - y)})
 
 
-def _rotated(problem: PlanningProblem[GoalT], goal: g.Rotate) -> GoalPoses:
+def _rotation_poses(problem: PlanningProblem[GoalT], goal: g.Rotate) -> GoalPoses:
     angle, used, defaults = goal.angle, [], problem.defaults
     if angle is None:
         angle, reason = {

@@ -19,5 +19,5 @@ HAND_GOALS = {
 
 
 def is_handled(frame: Frame) -> bool:
-    """Whether a frame asks for a whole hand; what is to be placed may also be pushed there."""
+    """Return True if a frame asks for a whole hand; what is placed may also be pushed there."""
     return frame.goal.kind in HAND_GOALS and (frame.goal.kind != "place" or frame.action == "place")

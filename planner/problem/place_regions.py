@@ -1,4 +1,4 @@
-"""What places mean: next to, left of, between, touching, at the edge.
+"""Places as regions of poses: next to, left of, between, touching, at the edge.
 
 Model: objects cover convex polygons of the table plane, and a place is a region of poses. The same
 region tells where an object has to go and, afterwards, whether it is there; so planner and checker
@@ -77,13 +77,13 @@ class Measure:
 
     @property
     def miss(self) -> float:
-        """How far it is from what it should be [m]; never negative."""
+        """Distance from what it should be [m]; never negative."""
         excess = self.measured - self.expected
         return abs(excess) if self.relation == "about" else max(excess, 0.0)
 
     @property
     def ok(self) -> bool:
-        """Whether it is within its tolerance."""
+        """Return True if it is within its tolerance."""
         return self.miss <= self.tolerance
 
 
@@ -104,10 +104,10 @@ class Region(ABC):
 
     @abstractmethod
     def measures(self, own: SeenObject) -> tuple[Measure, ...]:
-        """How well an object is there."""
+        """Quantities of how well an object is there."""
 
     def holds(self, own: SeenObject) -> bool:
-        """Whether an object is there, within the tolerances."""
+        """Return True if an object is there, within the tolerances."""
         return all(measure.ok for measure in self.measures(own))
 
 
@@ -165,7 +165,7 @@ class Spot(Region):
         return [np.array([self.x, self.y])]
 
     def measures(self, own: SeenObject) -> tuple[Measure, ...]:
-        """How far the object is from it."""
+        """Distance of the object from it."""
         off = math.hypot(own.pose.x - self.x, own.pose.y - self.y)
         where = f"x {self.x:.3g} m, y {self.y:.3g} m"
         return (Measure(f"distance from {where}", "at_most", 0.0, off, self.tolerance),)
@@ -191,15 +191,19 @@ class Beside(Region):
 
     def spots(self, own: SeenObject) -> list[Array]:
         """On its side: straight across from where the object is, and in the middle of the side."""
-        here, there = _middle(own), _middle(self.other)
+        here, there = _origin_of(own), _origin_of(self.other)
         if self.side is None:
-            straight = [self._at(own, unit(heading_of(here - there))[:2], 0.0)]
-            sides = [self._at(own, unit(heading)[:2], 0.0) for heading in HEADINGS.values()]
+            straight = [self._position_against(own, unit(heading_of(here - there))[:2], 0.0)]
+            sides = [
+                self._position_against(own, unit(heading)[:2], 0.0) for heading in HEADINGS.values()
+            ]
             return _nearest_first(here, straight + sides)
         u = unit(HEADINGS[self.side])[:2]
         room = max(self._room(own, u) - self.tolerance, 0.0)
-        offset = float(np.clip((here - there) @ _across(u), -room, room))
-        return _nearest_first(here, [self._at(own, u, offset), self._at(own, u, 0.0)])
+        offset = float(np.clip((here - there) @ _across_direction(u), -room, room))
+        return _nearest_first(
+            here, [self._position_against(own, u, offset), self._position_against(own, u, 0.0)]
+        )
 
     def measures(self, own: SeenObject) -> tuple[Measure, ...]:
         """The gap, less than nothing on the wrong side; and how far it is from facing the other."""
@@ -208,10 +212,10 @@ class Beside(Region):
         if self.side is None:
             return (Measure(f"gap to the {name}", "about", self.gap, apart, self.tolerance),)
         u = unit(HEADINGS[self.side])[:2]
-        way = _middle(own) - _middle(self.other)
+        way = _origin_of(own) - _origin_of(self.other)
         apart = apart if way @ u > 0.0 else -abs(apart)
         where = {"toward": "in front", "away": "behind"}.get(self.side, f"to the {self.side}")
-        offset, room = abs(float(way @ _across(u))), self._room(own, u)
+        offset, room = abs(float(way @ _across_direction(u))), self._room(own, u)
         return (
             Measure(f"gap to the {name}, {where}", "about", self.gap, apart, self.tolerance),
             Measure(f"off the middle of the {name}'s side", "at_most", 0.0, offset, room),
@@ -219,15 +223,15 @@ class Beside(Region):
 
     def _room(self, own: SeenObject, u: Array) -> float:
         """Offset across a direction that is allowed [m]."""
-        widths = [np.ptp(footprint(seen) @ _across(u)) for seen in (own, self.other)]
+        widths = [np.ptp(footprint(seen) @ _across_direction(u)) for seen in (own, self.other)]
         return float(self.aside * sum(widths) / 2.0)
 
-    def _at(self, own: SeenObject, u: Array, offset: float) -> Array:
-        """Where an object is that came straight against `u` until the gap was left."""
-        standing, shape = footprint(self.other), footprint(own) - _middle(own)
+    def _position_against(self, own: SeenObject, u: Array, offset: float) -> Array:
+        """Position of an object that came straight against `u` until the gap was left, (2,) [m]."""
+        standing, shape = footprint(self.other), footprint(own) - _origin_of(own)
         far = np.linalg.norm(shape, axis=1).max() + self.gap
-        far += np.linalg.norm(standing - _middle(self.other), axis=1).max()
-        at = _middle(self.other) + offset * _across(u) + far * u
+        far += np.linalg.norm(standing - _origin_of(self.other), axis=1).max()
+        at = _origin_of(self.other) + offset * _across_direction(u) + far * u
         for _ in range(_STEPS):
             # A step as long as what is left of the gap never takes it too close.
             left = gap(shape + at, standing) - self.gap
@@ -252,27 +256,27 @@ class Between(Region):
 
     def spots(self, own: SeenObject) -> list[Array]:
         """The middle; none if the object does not fit in between."""
-        at = self._halfway(own)
-        shape = footprint(own) - _middle(own) + at
+        at = self._position_halfway(own)
+        shape = footprint(own) - _origin_of(own) + at
         fits = all(gap(shape, footprint(seen)) > 0.0 for seen in (self.one, self.other))
         return [at] if fits else []
 
     def measures(self, own: SeenObject) -> tuple[Measure, ...]:
-        """How far the object is from the middle."""
-        off = float(np.linalg.norm(_middle(own) - self._halfway(own)))
+        """Distance of the object from the middle."""
+        off = float(np.linalg.norm(_origin_of(own) - self._position_halfway(own)))
         quantity = f"off the middle between the {self.one.name} and the {self.other.name}"
         return (Measure(quantity, "at_most", 0.0, off, self.tolerance),)
 
     def apart(self, own: SeenObject) -> float:
         """The gap to each of the two, with the object in the middle [m]."""
-        at = moved(own, self._halfway(own))
+        at = moved(own, self._position_halfway(own))
         return gap(footprint(at), footprint(self.one))
 
-    def _halfway(self, own: SeenObject) -> Array:
-        """Where on the line between the two an object is as far from one as from the other."""
-        a, b = _middle(self.one), _middle(self.other)
+    def _position_halfway(self, own: SeenObject) -> Array:
+        """Position between the two at which an object is as far from one as from the other."""
+        a, b = _origin_of(self.one), _origin_of(self.other)
         first, second = footprint(self.one), footprint(self.other)
-        shape = footprint(own) - _middle(own)
+        shape = footprint(own) - _origin_of(own)
         u = (b - a) / np.linalg.norm(b - a)
         at = (a + b) / 2.0
         for _ in range(_STEPS):
@@ -302,7 +306,7 @@ class AtEdge(Region):
 
     def spots(self, own: SeenObject) -> list[Array]:
         """Straight across to the edge, for each choice."""
-        here = _middle(own)
+        here = _origin_of(own)
         ways = [
             sum(
                 ((self._room(own, side) - self.gap) * unit(HEADINGS[side])[:2] for side in sides),
@@ -317,7 +321,7 @@ class AtEdge(Region):
         found = [
             tuple(
                 Measure(
-                    f"gap to the table's {_edge(side)} edge",
+                    f"gap to the table's {_edge_name(side)} edge",
                     "about", self.gap, self._room(own, side), self.tolerance,
                 )
                 for side in sides
@@ -345,7 +349,7 @@ def share_of_way(place: Region, share: float, start: SeenObject, tolerance: floa
     spots = place.spots(start)
     if not spots:
         return place
-    here = _middle(start)
+    here = _origin_of(start)
     x, y = (here + share * (spots[0] - here)).tolist()
     return Spot(x, y, tolerance)
 
@@ -355,15 +359,15 @@ def moved(seen: SeenObject, at: Array) -> SeenObject:
     return replace(seen, pose=replace(seen.pose, x=float(at[0]), y=float(at[1])))
 
 
-def _middle(seen: SeenObject) -> Array:
+def _origin_of(seen: SeenObject) -> Array:
     return np.array([seen.pose.x, seen.pose.y])
 
 
-def _across(u: Array) -> Array:
+def _across_direction(u: Array) -> Array:
     return np.array([-u[1], u[0]])
 
 
-def _edge(side: str) -> str:
+def _edge_name(side: str) -> str:
     return {"toward": "front", "away": "back"}.get(side, side)
 
 

@@ -1,4 +1,4 @@
-"""What is planned for: an object, what is believed, and what the sentence says, as numbers.
+"""The planning problem: an object, the beliefs, and what the sentence says, as numbers.
 
 A problem never changes. Whatever restricts or relaxes it makes another one with
 `dataclasses.replace`, on the group of limits that changes.
@@ -64,7 +64,7 @@ class GraspGoal:
 
 @dataclass(frozen=True)
 class ContactLimits:
-    """Where and with what the object may be touched.
+    """Limits of the contact.
 
     Attributes:
         face: side face to be touched; None if any will do.
@@ -84,7 +84,7 @@ class ContactLimits:
 
 @dataclass(frozen=True)
 class ForceLimits:
-    """How hard the object may be pushed, or squeezed.
+    """Limits of a push's force, or of a squeeze.
 
     Attributes:
         reserve: of a push, share by which the force limit exceeds the force needed; of a squeeze,
@@ -104,7 +104,7 @@ class ForceLimits:
 
 @dataclass(frozen=True)
 class MotionLimits:
-    """How the object may be moved.
+    """Limits of the motion.
 
     Attributes:
         speed: largest speed of the fingertips, or of the hand that holds the object [m/s].
@@ -138,7 +138,7 @@ class MotionLimits:
 
 @dataclass(frozen=True)
 class Effort:
-    """How much is tried, and how sure it must be.
+    """Effort of a search, and the certainty that it asks for.
 
     Attributes:
         contacts: of one push with as many fingertips for which the reach is asked.

@@ -204,7 +204,7 @@ def _cannot_slide(problem: PushProblem, critical: float, sure: float) -> Refusal
 
 
 def _slides_where(critical: float, sure: float) -> str:
-    """Where it slides and where it topples, in words."""
+    """Heights at which it slides and at which it topples, in words."""
     surely = f"only below {_mm(sure)}" if sure > 0.0 else "nowhere"
     if math.isinf(critical):
         return f"it is sure to slide {surely}"
@@ -212,7 +212,7 @@ def _slides_where(critical: float, sure: float) -> str:
 
 
 def _other_side(target: SeenObject) -> tuple[str, ...]:
-    """What is round falls alike to all sides."""
+    """Suggestion of another side; none for a round object, which falls alike to all."""
     return () if isinstance(target.model.base, Disc) else ("topple it to another side",)
 
 
@@ -285,7 +285,7 @@ def outcome_probability(model: ObjectModel, touch: Touch) -> float:
 
 
 def best_experiment(model: ObjectModel, touch: Touch, defaults: Defaults) -> tuple[str, float]:
-    """What to find out first, as a sentence, and the probability of the outcome then.
+    """The most useful thing to find out first, and the probability of the outcome then.
 
     Args:
         model: of the object.

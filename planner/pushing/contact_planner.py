@@ -136,7 +136,7 @@ def _best_candidate(
                 continue
             push = _push_at(problem, step, contact)
             if queries.is_reached(push):
-                found = _candidate(problem, step, contact, push, len(queries.denied))
+                found = _push_candidate(problem, step, contact, push, len(queries.denied))
                 return replace(
                     found,
                     considered=sum(len(each.points) for each in rated),
@@ -225,11 +225,11 @@ def _push_at(problem: PushProblem, step: PushStep, contact: Contact) -> Push:
         object=target.name,
         face=face_name(outward)[0],
         p_BC=_touched_point(problem, contact),
-        normal_W=_triple(outward),
-        direction_W=_triple(push_direction(step, side)),
+        normal_W=_vector(outward),
+        direction_W=_vector(push_direction(step, side)),
         force_limit=min(max(limit, force.least_limit), _largest_force(problem, contact.fingers)),
         speed=problem.motion.speed,
-        stroke=_stroke(problem, step, contact),
+        stroke=_stroke_length(problem, step, contact),
         fingers=contact.fingers,
         spread=contact.spread,
         ends_on="stroke" if step.outcome == "slide" else "toppled",
@@ -249,10 +249,10 @@ def _touched_point(problem: PushProblem, contact: Contact) -> Vector3:
     """The contact; that of two fingertips on a round side lies between them, inside of it [m]."""
     face = contact.side.face
     if contact.fingers == 1 or not face.curvature:
-        return _triple(contact.point)
+        return _vector(contact.point)
     tip, radius = problem.robot.limits.fingertip_radius, 1.0 / face.curvature
     inside = radius + tip - math.sqrt((radius + tip) ** 2 - (contact.spread / 2.0) ** 2)
-    return _triple(contact.point + inside * contact.side.inward)
+    return _vector(contact.point + inside * contact.side.inward)
 
 
 def _push_with_swing(problem: PushProblem, step: PushStep, contact: Contact, push: Push) -> Push:
@@ -261,7 +261,7 @@ def _push_with_swing(problem: PushProblem, step: PushStep, contact: Contact, pus
     assert found is not None, "its side was chosen for that"
     changes = {
         "p_BC": found.point,
-        "direction_W": _triple(problem.target.pose.R_WB @ np.array(found.direction)),
+        "direction_W": _vector(problem.target.pose.R_WB @ np.array(found.direction)),
         "stroke": found.stroke,
         "ends_on": "turned",
         "turn": step.swing,
@@ -269,7 +269,7 @@ def _push_with_swing(problem: PushProblem, step: PushStep, contact: Contact, pus
     return push.model_copy(update=changes)
 
 
-def _stroke(problem: PushProblem, step: PushStep, contact: Contact) -> float:
+def _stroke_length(problem: PushProblem, step: PushStep, contact: Contact) -> float:
     """Travel of the fingertips [m]."""
     if step.outcome == "slide":
         return 0.0 if step.swing else step.distance
@@ -282,7 +282,7 @@ def _stroke(problem: PushProblem, step: PushStep, contact: Contact) -> float:
 # -- the candidate ----------------------------------------------------------------------------
 
 
-def _candidate(
+def _push_candidate(
     problem: PushProblem, step: PushStep, contact: Contact, push: Push, refused: int
 ) -> PushCandidate:
     """A push that the hand can make, with what it will do; `refused` better ones it cannot."""
@@ -290,37 +290,37 @@ def _candidate(
     known = {
         "prediction": predicted,
         "margins": margins(problem, step, contact, push.force_limit),
-        "displacement": _displacement(problem, step, contact, push),
+        "displacement": _predicted_displacement(problem, step, contact, push),
     }
     return PushCandidate(
         PushAction.model_validate({**dict(push), **known}),
-        _event(problem, contact, push),
+        _outcome_event(problem, contact, push),
         considered=0,
         satisfying=0,
         notes=selection_notes(problem, contact, push, predicted, refused),
     )
 
 
-def _event(problem: PushProblem, contact: Contact, push: Push) -> tuple[object, ...]:
+def _outcome_event(problem: PushProblem, contact: Contact, push: Push) -> tuple[object, ...]:
     """Face, height and fingers; all sides of a round object are alike."""
     side = None if isinstance(problem.target.model.base, Disc) else contact.side.face.normal
     return side, round(push.p_BC[2], 3), push.fingers, push.ends_on
 
 
-def _displacement(
+def _predicted_displacement(
     problem: PushProblem, step: PushStep, contact: Contact, push: Push
 ) -> Vector3 | None:
     """Predicted displacement of the object's origin in W [m]; None if the push tips the object."""
     if push.ends_on == "stroke":
-        return _triple(push.stroke * np.array(push.direction_W))
+        return _vector(push.stroke * np.array(push.direction_W))
     if push.ends_on != "turned":
         return None
     target = problem.target
     found = best_turn(target.model, contact.side.face, step.swing, float(contact.point[2]))
     assert found is not None, "its side was chosen for that"
-    return _triple(target.pose.R_WB @ np.array([*found.pose[:2], 0.0]))
+    return _vector(target.pose.R_WB @ np.array([*found.pose[:2], 0.0]))
 
 
-def _triple(v: np.ndarray) -> tuple[float, float, float]:
+def _vector(v: np.ndarray) -> tuple[float, float, float]:
     x, y, z = v.tolist()
     return x, y, z

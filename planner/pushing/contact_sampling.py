@@ -131,7 +131,7 @@ class Contact:
 def has_place(problem: PushProblem, step: PushStep, sides: list[Side]) -> bool:
     """True if fingertips find a place on one of the sides, whatever the outcome there."""
     return any(
-        len(_places(side.face, fingers, _allowed(problem, step, side, fingers))[0])
+        len(_contact_places(side.face, fingers, _allowed_part(problem, step, side, fingers))[0])
         for side in sides
         for fingers in problem.contact.fingers
     )
@@ -139,7 +139,7 @@ def has_place(problem: PushProblem, step: PushStep, sides: list[Side]) -> bool:
 
 @dataclass(frozen=True)
 class _Allowed:
-    """Where on a face contacts may lie.
+    """Part of a face on which contacts may lie.
 
     Attributes:
         low, high: heights [m].
@@ -159,7 +159,7 @@ class _Allowed:
     edge: float
 
 
-def _allowed(problem: PushProblem, step: PushStep, side: Side, fingers: int) -> _Allowed:
+def _allowed_part(problem: PushProblem, step: PushStep, side: Side, fingers: int) -> _Allowed:
     limits, contact, face = problem.robot.limits, problem.contact, side.face
     tip = limits.fingertip_radius
     low = max(contact.low, limits.lowest_height, face.bottom)
@@ -201,7 +201,7 @@ def _balanced_lateral(model: ObjectModel, step: PushStep, side: Side) -> float:
     return float(off @ np.array(face.tangent)) + depth * math.tan(oblique)
 
 
-def _places(face: Face, fingers: int, allowed: _Allowed) -> tuple[Array, Array, Array]:
+def _contact_places(face: Face, fingers: int, allowed: _Allowed) -> tuple[Array, Array, Array]:
     """Points in B (n, 3), room to the edges (n,), distances from the best place (n,)."""
     room = face.width / 2 - allowed.edge - allowed.spread / 2
     if face.curvature and fingers == 2:
@@ -240,7 +240,7 @@ def rate_contacts(
     model, defaults = problem.target.model, problem.defaults
     held = model_limited_by_hand(model, problem.robot.limits)
     for fingers in problem.contact.fingers:
-        places = [(side, _allowed(problem, step, side, fingers)) for side in sides]
+        places = [(side, _allowed_part(problem, step, side, fingers)) for side in sides]
         turns = fingers == 1
         cases = [(model, False, turns), (held, True, turns)]
         if turns and step.outcome == "topple":
@@ -258,7 +258,7 @@ def rate_contacts(
                         spread=allowed.spread,
                         sigmas=sigmas,
                         guarded=guarded,
-                        **_rating(
+                        **_rate_face(
                             believed,
                             side.face,
                             fingers,
@@ -275,7 +275,7 @@ def rate_contacts(
 
 
 class _Rating(TypedDict):
-    """What of `Contacts` depends on the model and the face alone."""
+    """The part of `Contacts` that depends on the model and the face alone."""
 
     points: Array
     lateral: Array
@@ -285,7 +285,7 @@ class _Rating(TypedDict):
 
 
 @functools.lru_cache(maxsize=1024)
-def _rating(
+def _rate_face(
     model: ObjectModel,
     face: Face,
     fingers: Literal[1, 2],
@@ -296,7 +296,7 @@ def _rating(
     turning: bool,
 ) -> _Rating:
     """The contacts of a face, kept: models and faces never change, new beliefs are new models."""
-    points, lateral, aside = _places(face, fingers, allowed)
+    points, lateral, aside = _contact_places(face, fingers, allowed)
     normals = np.tile(np.array(face.normal), (len(points), 1))
     cone = model.cone_thresholds(points, normals, sigmas=sigmas, yaw=turning)
     holds = cone.slides if outcome == "slide" else cone.topples

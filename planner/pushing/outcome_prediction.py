@@ -1,4 +1,4 @@
-"""What a chosen push will do, and how far it is from what it must not do, as numbers.
+"""Predicted outcome of a push, and its margins to the outcomes that it must not have.
 
 Frames: contacts and directions are in B; forces along the push.
 """
@@ -44,7 +44,7 @@ def needed_force(problem: PushProblem, step: PushStep, contact: Contact) -> floa
 
 
 def prediction(problem: PushProblem, step: PushStep, contact: Contact) -> Prediction:
-    """What the object model says of a push at a contact."""
+    """Prediction of the object model for a push at a contact."""
     i, model, cone = contact.index, problem.target.model, contact.among.cone
     inward = contact.side.inward
     if contact.fingers == 1:
@@ -56,10 +56,10 @@ def prediction(problem: PushProblem, step: PushStep, contact: Contact) -> Predic
     predicted = Prediction(
         outcome=step.outcome,
         onset=float(nominal.onset[0]),
-        slide_force=_finite(nominal.slide[0]),
-        topple_force=_finite(nominal.topple[0]),
-        critical_height=_finite(cone.critical_height[i]),
-        critical_height_worst=_finite(worst),
+        slide_force=_finite_or_none(nominal.slide[0]),
+        topple_force=_finite_or_none(nominal.topple[0]),
+        critical_height=_finite_or_none(cone.critical_height[i]),
+        critical_height_worst=_finite_or_none(worst),
         probability=contact.probability,
         stay_on_base_angle=model.angle_of_no_return(inward),
         tier="exact",
@@ -106,11 +106,13 @@ def _thresholds_over_cone(problem: PushProblem, contact: Contact) -> Thresholds:
     grip = model.finger_friction
     if contact.among.guarded:
         grip = min(problem.robot.limits.force_skew, grip)
-    return _exactly(model, tuple(contact.point.tolist()), contact.side.face.normal, grip)
+    return _exact_thresholds(model, tuple(contact.point.tolist()), contact.side.face.normal, grip)
 
 
 @functools.lru_cache(maxsize=1024)
-def _exactly(model: ObjectModel, point: Vector3, normal: Vector3, grip: float) -> Thresholds:
+def _exact_thresholds(
+    model: ObjectModel, point: Vector3, normal: Vector3, grip: float
+) -> Thresholds:
     """Kept, since models never change and the same contacts are asked for again and again."""
     shares = np.vstack((np.zeros((1, 2)), circle_corners(_CONFIRMING)))
     forces = contact_forces(np.array([normal]), grip * shares)
@@ -136,7 +138,7 @@ def margins(problem: PushProblem, step: PushStep, contact: Contact, force_limit:
     )
 
 
-def _finite(value: float) -> float | None:
+def _finite_or_none(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 

@@ -92,7 +92,7 @@ def largest_obliqueness(target: SeenObject, sigmas: float, *, steep: bool = Fals
 
 def obliqueness(target: SeenObject, heading: float) -> float:
     """Angle by which an object would have to turn for a face to be square to a push [rad]."""
-    inward = _inward(target)
+    inward = _inward_headings(target)
     if isinstance(target.model.base, Disc) or not inward:
         return 0.0
     return min((angle_between(heading, h) for h in inward), key=abs)
@@ -115,7 +115,7 @@ def direct_paths(
     if isinstance(target.model.base, Disc):
         yield (PathSegment(heading, length),)
         return
-    inward = _inward(target)
+    inward = _inward_headings(target)
     if not inward:
         return
     off = min(abs(angle_between(heading, h)) for h in inward)
@@ -149,7 +149,7 @@ def push_headings(target: SeenObject, aim: Aim) -> tuple[float, ...]:
         aim: where it should be; a round object is pushed that way, and across.
     """
     if not isinstance(target.model.base, Disc):
-        return tuple(_inward(target))
+        return tuple(_inward_headings(target))
     ahead = heading_of(np.array([aim.x, aim.y, 0.0]) - target.pose.p_WB)
     return tuple(ahead + quarter * math.pi / 2.0 for quarter in range(4))
 
@@ -200,7 +200,7 @@ def first_stop(
     return None
 
 
-def _inward(target: SeenObject) -> list[float]:
+def _inward_headings(target: SeenObject) -> list[float]:
     """Headings in W of the inward normals of the side faces [rad]."""
     R_WB = target.pose.R_WB
     return [heading_of(-R_WB @ np.array(face.normal)) for face in target.model.faces()]

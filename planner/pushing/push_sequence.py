@@ -97,7 +97,7 @@ class PushSequencePlanner:
             NoPlanError: it does not get there.
         """
         target, problem = self._problem.target, self._problem
-        off, turn = self._off(target), self._turn(target)
+        off, turn = self._distance_to_aim(target), self._turn_to_aim(target)
         reached = Reached(aim=self._aim, off=off, turned_off=abs(turn))
         looks_there = abs(turn) <= problem.defaults.aim_angle
         if 1 not in problem.contact.fingers and not problem.goal.rotates:
@@ -107,42 +107,44 @@ class PushSequencePlanner:
         attempts = Alternatives()
         if abs(turn) <= _SQUARED_UP and off > self._within:
             with attempts:
-                return self._straight(target)
+                return self._straight_pushes(target)
             if off <= _CLOSE and looks_there:
                 return reached
             raise attempts.first
-        return self._turned_then_straight(target, turn)
+        return self._turn_then_push(target, turn)
 
-    def _turned_then_straight(self, target: SeenObject, turn: float) -> list[PushCandidate]:
+    def _turn_then_push(self, target: SeenObject, turn: float) -> list[PushCandidate]:
         turning = Alternatives()
         with turning:
-            found, there = self._turned(target, turn)
+            found, there = self._turn_pushes(target, turn)
         if turning:
-            elsewhere = self._turned_elsewhere(target, turn)
+            elsewhere = self._turn_elsewhere(target, turn)
             if elsewhere is None:
                 raise turning.first
             return elsewhere
-        if self._off(there) <= self._within:
+        if self._distance_to_aim(there) <= self._within:
             return found
         going = Alternatives()
         with going:
-            return found + self._straight(there)
+            return found + self._straight_pushes(there)
         # After turns nothing is as foreseen to the millimetre; what follows is planned anew.
-        if self._off(there) <= self._problem.defaults.turn_drift:
+        if self._distance_to_aim(there) <= self._problem.defaults.turn_drift:
             return found
         raise going.first
 
-    def _off(self, target: SeenObject) -> float:
+    def _distance_to_aim(self, target: SeenObject) -> float:
         """Distance of an object from the aim [m]."""
         return math.dist((self._aim.x, self._aim.y), (target.pose.x, target.pose.y))
 
-    def _turn(self, target: SeenObject) -> float:
+    def _turn_to_aim(self, target: SeenObject) -> float:
         """Angle by which it has to turn [rad]."""
         return 0.0 if self._aim.yaw is None else self._aim.yaw - target.pose.yaw
 
     # -- turning -------------------------------------------------------------------------------
 
-    def _turned(self, target: SeenObject, turn: float) -> tuple[list[PushCandidate], SeenObject]:
+    def _turn_pushes(
+        self, target: SeenObject, turn: float
+    ) -> tuple[list[PushCandidate], SeenObject]:
         """The pushes that turn an object, and the object after them.
 
         Raises:
@@ -161,7 +163,7 @@ class PushSequencePlanner:
                 blocked = blocked or NoPlanError(refusals.turn_blocked(target, met))
                 continue
             with strokes:
-                return self._strokes(target, steps)
+                return self._stroke_pushes(target, steps)
             if len(strokes) == _TURNS:
                 break
         if strokes:
@@ -176,23 +178,23 @@ class PushSequencePlanner:
                 yield begun
         yield from turn_sequences(target, turn, self._aim)
 
-    def _turned_elsewhere(self, target: SeenObject, turn: float) -> list[PushCandidate] | None:
+    def _turn_elsewhere(self, target: SeenObject, turn: float) -> list[PushCandidate] | None:
         """The way to a place near by with room to turn, and the turn; None if there is none."""
         problem = self._problem
         if problem.motion.clear_of or problem.contact.region is not None:
             return None
         going = replace(problem, goal=replace(problem.goal, rotates=False))
         places = Alternatives()
-        for spot in self._roomy(target):
+        for spot in self._roomy_places(target):
             with places:
-                turned, _ = self._turned(moved(target, spot), turn)
+                turned, _ = self._turn_pushes(moved(target, spot), turn)
                 aim = Aim(x=float(spot[0]), y=float(spot[1]), yaw=target.pose.yaw)
                 way = PushSequencePlanner(going, aim, self._search).pushes()
                 if isinstance(way, list):
                     return way + turned
         return None
 
-    def _roomy(self, target: SeenObject) -> list[np.ndarray]:
+    def _roomy_places(self, target: SeenObject) -> list[np.ndarray]:
         """Some places near by, those with most room around first, shape (2,) each [m]."""
         found, state = [], self._problem.state
         for heading in np.arange(8) * math.pi / 4.0:
@@ -208,7 +210,7 @@ class PushSequencePlanner:
                 found.append((-round(room, 3), float(heading), spot))
         return [spot for *_, spot in sorted(found, key=lambda each: each[:2])[:_SPOTS]]
 
-    def _strokes(
+    def _stroke_pushes(
         self, target: SeenObject, steps: tuple[TurnStroke, ...]
     ) -> tuple[list[PushCandidate], SeenObject]:
         """A push for each part of a turn, and the object after them."""
@@ -232,23 +234,25 @@ class PushSequencePlanner:
 
     # -- going straight ------------------------------------------------------------------------
 
-    def _straight(self, target: SeenObject) -> list[PushCandidate]:
+    def _straight_pushes(self, target: SeenObject) -> list[PushCandidate]:
         """The pushes of the first path that the hand can make.
 
         Raises:
             NoPlanError: there is none.
         """
         attempts = Alternatives()
-        free = (path for path in self._paths(target) if self._first_stop(target, path) is None)
+        free = (
+            path for path in self._paths_to_aim(target) if self._first_stop(target, path) is None
+        )
         for path in islice(free, _PATHS):
             with attempts:
-                return self._along(target, path)
+                return self._path_pushes(target, path)
             # Paths that come later are longer.
             if attempts.last.refusal.reason == "out_of_time":
                 raise attempts.last
-        raise attempts.first if attempts else NoPlanError(self._blocked(target))
+        raise attempts.first if attempts else NoPlanError(self._path_refusal(target))
 
-    def _paths(self, target: SeenObject) -> Iterator[tuple[PathSegment, ...]]:
+    def _paths_to_aim(self, target: SeenObject) -> Iterator[tuple[PathSegment, ...]]:
         """Paths to the aim: straight to it, around what stands there, and with a side step."""
         problem = self._problem
         straight = direct_paths(target, self._aim, self._within, self._largest)
@@ -260,14 +264,14 @@ class PushSequencePlanner:
             yield from (path for path in straight if len(path) == 1)
             return
         yield from straight
-        if problem.effort.direct or self._off(target) <= _CLOSE:
+        if problem.effort.direct or self._distance_to_aim(target) <= _CLOSE:
             return
         aside = sidestep_paths(target, self._aim, self._within, self._largest)
-        yield from sorted([*self._detours(target), *aside], key=_cost)
+        yield from sorted([*self._detour_paths(target), *aside], key=_path_cost)
 
-    def _detours(self, target: SeenObject) -> Iterator[tuple[PathSegment, ...]]:
+    def _detour_paths(self, target: SeenObject) -> Iterator[tuple[PathSegment, ...]]:
         headings = push_headings(target, self._aim)
-        if len(headings) < 2 or self._off(target) < _NEAR:
+        if len(headings) < 2 or self._distance_to_aim(target) < _NEAR:
             return
         from planner.geometry.visibility_graph import shortest_detour
 
@@ -289,9 +293,9 @@ class PushSequencePlanner:
             met = first_stop(target, path[:-1], state, self._apart, margin)
         return met or first_stop(target, path, state, self._clearances, margin)
 
-    def _blocked(self, target: SeenObject) -> Refusal:
-        """What stands in all paths: refusal of the first, which is the shortest."""
-        path = next(self._paths(target), None)
+    def _path_refusal(self, target: SeenObject) -> Refusal:
+        """Refusal since something stands in all paths: that of the first, the shortest."""
+        path = next(self._paths_to_aim(target), None)
         if path is None:
             return refusals.no_way(target)
         met = self._first_stop(target, path)
@@ -303,7 +307,9 @@ class PushSequencePlanner:
         other = self._problem.state.objects[met.other]
         return refusals.in_the_way(target, other, distance, met.free, bounded=bounded)
 
-    def _along(self, target: SeenObject, path: tuple[PathSegment, ...]) -> list[PushCandidate]:
+    def _path_pushes(
+        self, target: SeenObject, path: tuple[PathSegment, ...]
+    ) -> list[PushCandidate]:
         """A push for each segment, or for parts of it where the hand cannot make it at one go.
 
         Raises:
@@ -326,14 +332,14 @@ class PushSequencePlanner:
             if whole or not far:
                 raise attempt.first
             half = replace(segment, distance=0.5 * segment.distance)
-            return self._along(target, (half, half, *rest))
-        return [best, *self._along(moved_along(target, segment), rest)] if rest else [best]
+            return self._path_pushes(target, (half, half, *rest))
+        return [best, *self._path_pushes(moved_along(target, segment), rest)] if rest else [best]
 
     def _segment_push(
         self, target: SeenObject, segment: PathSegment, *, last: bool
     ) -> PushCandidate:
         goal = self._problem.goal
-        turn = self._turn(target) if target is self._problem.target else 0.0
+        turn = self._turn_to_aim(target) if target is self._problem.target else 0.0
         step = PushStep(
             goal.outcome,
             segment.heading,
@@ -345,7 +351,7 @@ class PushSequencePlanner:
         return best_push(self._problem.with_target(target), step, self._search)
 
 
-def _cost(path: tuple[PathSegment, ...]) -> float:
+def _path_cost(path: tuple[PathSegment, ...]) -> float:
     """Length of a path, and what its pushes cost [m]."""
     return sum(segment.distance for segment in path) + ANOTHER_PUSH * len(path)
 

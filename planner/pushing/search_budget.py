@@ -34,7 +34,7 @@ class ReachSearch:
 
     @property
     def was_denied(self) -> bool:
-        """Whether the hand did not get to something that it has not tried before."""
+        """True if the hand did not get to something that it has not tried before."""
         return any(not answer.ok and answer.reason != "failed" for answer in self._answers)
 
     def reach(self, push: Push, state: WorldState) -> ReachAnswer:

@@ -92,7 +92,9 @@ class PlanningStrategy(ABC):
         """
         if problem.goal.aims:
             return _plan_to_an_aim(problem, search)
-        return _joint_plan(problem, TopplePlanner(problem, search, _foreseen(problem)).pushes())
+        return _joint_plan(
+            problem, TopplePlanner(problem, search, _foreseen_pushes(problem)).pushes()
+        )
 
     def decides(self, refusal: Refusal) -> bool:
         """Return True if its refusal stands in place of those before."""
@@ -255,7 +257,7 @@ def plan_pushes(
 # -- several pushes as one plan -----------------------------------------------------------------
 
 
-def _foreseen(problem: PushProblem) -> tuple[Push, ...]:
+def _foreseen_pushes(problem: PushProblem) -> tuple[Push, ...]:
     """Remaining pushes of the previous plan, tried first."""
     return () if problem.previous is None else problem.previous.pushes[1:]
 
@@ -266,7 +268,7 @@ def _plan_to_an_aim(problem: PushProblem, search: ReachSearch) -> Plan | Reached
     attempts = Alternatives()
     for aim in problem.goal.aims if kept is None else (kept,):
         with attempts:
-            found = PushSequencePlanner(problem, aim, search, _foreseen(problem)).pushes()
+            found = PushSequencePlanner(problem, aim, search, _foreseen_pushes(problem)).pushes()
             return found if isinstance(found, Reached) else _joint_plan(problem, found, aim)
     raise attempts.first
 
@@ -300,7 +302,7 @@ def _joint_plan(problem: PushProblem, found: list[PushCandidate], aim: Aim | Non
         task=_TASKS.get(pushes[-1].ends_on, "push"),
         actions=(first, *(push.model_copy(update={"displacement": None}) for push in later)),
         committed=1,
-        limits=_shared([push.limits for push in pushes]),
+        limits=_shared_limits([push.limits for push in pushes]),
         aim=aim,
         probability=probability,
         defaults=problem.defaults_used,
@@ -310,7 +312,7 @@ def _joint_plan(problem: PushProblem, found: list[PushCandidate], aim: Aim | Non
     )
 
 
-def _shared(limits: list[Limits]) -> Limits:
+def _shared_limits(limits: list[Limits]) -> Limits:
     """Limits that all pushes of a plan keep."""
     common = set(limits[0]).intersection(*limits[1:])
     return Limits(**dict(common))

@@ -74,7 +74,7 @@ class TopplePlanner:
             raise NoPlanError(
                 refusals.turned_first(problem.target, askew, contact.region, contact.spans)
             )
-        return self._turned_first(askew)
+        return self._pushes_after_turn(askew)
 
     def other_pushes(self) -> list[PushCandidate]:
         """The pushes that make it fall askew or elsewhere.
@@ -83,12 +83,12 @@ class TopplePlanner:
             NoPlanError: there are none.
         """
         falls = Alternatives()
-        for pushes in (self._askew, self._elsewhere):
+        for pushes in (self._push_askew, self._pushes_elsewhere):
             with falls:
                 return pushes()
         raise falls.first
 
-    def _turned_first(self, askew: float) -> list[PushCandidate]:
+    def _pushes_after_turn(self, askew: float) -> list[PushCandidate]:
         target, goal = self._problem.target, self._problem.goal
         square = target.pose.yaw + askew
         aim = Aim(x=target.pose.x, y=target.pose.y, yaw=square)
@@ -110,7 +110,7 @@ class TopplePlanner:
         then = replace(problem.with_target(there), defaults=careful)
         return best_push(then, self._step, self._search)
 
-    def _askew(self) -> list[PushCandidate]:
+    def _push_askew(self) -> list[PushCandidate]:
         """The push over the face that is most square to the side, if it still falls there."""
         problem, heading = self._problem, self._step.heading
         largest = problem.defaults.side_tolerance - _SURELY
@@ -123,7 +123,7 @@ class TopplePlanner:
         step = replace(self._step, side=straightest_side(problem.target, heading))
         return [best_push(problem, step, self._search)]
 
-    def _elsewhere(self) -> list[PushCandidate]:
+    def _pushes_elsewhere(self) -> list[PushCandidate]:
         """A push to a place near by, the nearest first, and the fall there.
 
         What is said about the contact holds for every push, and a tilt is about the place where

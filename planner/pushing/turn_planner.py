@@ -79,7 +79,7 @@ class TurnStroke:
         return found
 
     def lateral(self, target: SeenObject) -> float:
-        """Where along the face it is touched, from its middle [m]."""
+        """Place along the face at which it is touched, from its middle [m]."""
         face = self.side.face
         return float((np.array(self.push(target).point) - face.centre) @ np.array(face.tangent))
 
@@ -100,9 +100,9 @@ def turn_sequences(target: SeenObject, turn: float, aim: Aim) -> Iterator[tuple[
         turn: angle by which it has to turn [rad].
         aim: where it should be.
     """
-    sides = _turnable(target, math.copysign(_SMALL, turn))
+    sides = _turnable_sides(target, math.copysign(_SMALL, turn))
     found = []
-    for parts, (number, side) in itertools.product(_partings(turn), enumerate(sides)):
+    for parts, (number, side) in itertools.product(_turn_partings(turn), enumerate(sides)):
         steps = tuple(
             replace(each, angle=angle) for each, angle in zip(itertools.cycle(side), parts)
         )
@@ -134,14 +134,14 @@ def remaining_turn(
         return None
     steps = []
     for push in parts:
-        swing = _swing(_touched(target, push), target, push.turn * turn / whole)
+        swing = _turn_stroke(_touched_side(target, push), target, push.turn * turn / whole)
         if swing is None or abs(swing.angle) > MOST:
             return None
         steps.append(swing)
     return tuple(steps)
 
 
-def _touched(target: SeenObject, push: Push) -> Side:
+def _touched_side(target: SeenObject, push: Push) -> Side:
     """The side that a push touches."""
     p = np.array(push.p_BC)
     headings = np.array([math.atan2(-p[1], -p[0])])
@@ -149,10 +149,10 @@ def _touched(target: SeenObject, push: Push) -> Side:
     on = [abs(float((p - face.centre) @ np.array(face.normal))) for face in faces]
     beside = [abs(float((p - face.centre) @ np.array(face.tangent))) for face in faces]
     off = [o + max(b - 0.5 * f.width, 0.0) for o, b, f in zip(on, beside, faces, strict=True)]
-    return _side(faces[int(np.argmin(off))], target.pose)
+    return _side_of_face(faces[int(np.argmin(off))], target.pose)
 
 
-def _partings(turn: float) -> list[tuple[float, ...]]:
+def _turn_partings(turn: float) -> list[tuple[float, ...]]:
     """Ways to part a turn, none of whose parts is too large."""
     least = max(math.ceil(abs(turn) / MOST), 1)
     parted = [(turn / n,) * n for n in (least, least + 1)]
@@ -180,17 +180,17 @@ def turn_parts(angle: float, largest: float = LARGEST_TURN) -> tuple[float, ...]
     return (outer, *(middle, 2.0 * outer) * (threes - 1), middle, outer)
 
 
-def _turnable(target: SeenObject, angle: float) -> list[tuple[TurnStroke, TurnStroke]]:
+def _turnable_sides(target: SeenObject, angle: float) -> list[tuple[TurnStroke, TurnStroke]]:
     """Opposite sides on which a finger turns the object in a sense, each as the first once."""
     found = []
-    for side in _sides(target):
-        pair = [_swing(each, target, angle) for each in (side, _opposite(side, target))]
+    for side in _all_sides(target):
+        pair = [_turn_stroke(each, target, angle) for each in (side, _opposite_side(side, target))]
         if pair[0] is not None and pair[1] is not None:
             found.append((pair[0], pair[1]))
     return found
 
 
-def _swing(side: Side, target: SeenObject, angle: float) -> TurnStroke | None:
+def _turn_stroke(side: Side, target: SeenObject, angle: float) -> TurnStroke | None:
     pushed = best_turn(target.model, side.face, angle, 0.0)
     if pushed is None:
         return None
@@ -206,7 +206,7 @@ def turn_obstacle(
     clearances: dict[str, float],
     margin: float,
 ) -> str | None:
-    """What the object would come too close to as it turns.
+    """Obstacle that the object would come too close to as it turns.
 
     Args:
         target: the object before.
@@ -231,22 +231,24 @@ def turn_obstacle(
     return None
 
 
-def _sides(target: SeenObject) -> list[Side]:
+def _all_sides(target: SeenObject) -> list[Side]:
     """Sides of an object; of a round one some, evenly around it."""
     pose, model = target.pose, target.model
     headings = _ROUND_HEADINGS - pose.yaw if isinstance(model.base, Disc) else None
-    return [_side(face, pose) for face in model.faces(headings)]
+    return [_side_of_face(face, pose) for face in model.faces(headings)]
 
 
-def _side(face: Face, pose: PlanarPose) -> Side:
+def _side_of_face(face: Face, pose: PlanarPose) -> Side:
     return Side(face, heading_of(-pose.R_WB @ np.array(face.normal)))
 
 
-def _opposite(side: Side, target: SeenObject) -> Side:
+def _opposite_side(side: Side, target: SeenObject) -> Side:
     """The side that looks the other way in B."""
     normal = np.array(side.face.normal)
     headings = None
     if isinstance(target.model.base, Disc):
         headings = np.array([math.atan2(normal[1], normal[0])])
     faces = target.model.faces(headings)
-    return _side(min(faces, key=lambda face: float(np.array(face.normal) @ normal)), target.pose)
+    return _side_of_face(
+        min(faces, key=lambda face: float(np.array(face.normal) @ normal)), target.pose
+    )

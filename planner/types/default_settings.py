@@ -43,12 +43,12 @@ class Setting:
 
 def settings(defaults: Defaults = DEFAULTS) -> tuple[Setting, ...]:
     """Every default in the order of the table."""
-    meanings = _meanings()
+    meanings = _default_meanings()
     return tuple(
         Setting(
             name=name + kind.suffix,
-            value=_shown(getattr(defaults, name), kind),
-            most=_shown(kind.most, kind),
+            value=_value_as_set(getattr(defaults, name), kind),
+            most=_value_as_set(kind.most, kind),
             zero=kind.zero,
             meaning=meanings.get(name, ""),
         )
@@ -77,7 +77,7 @@ def changed(defaults: Defaults, values: Mapping[str, float]) -> Defaults:
     found: dict[str, Any] = {}
     for said, value in values.items():
         if said not in known:
-            raise _unknown(said, tuple(known))
+            raise _unknown_default(said, tuple(known))
         name, kind = known[said]
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise DefaultsError(f"{said} must be a number, found {value!r}")
@@ -90,7 +90,7 @@ def changed(defaults: Defaults, values: Mapping[str, float]) -> Defaults:
     return replace(defaults, **found)
 
 
-def _unknown(said: str, names: tuple[str, ...]) -> DefaultsError:
+def _unknown_default(said: str, names: tuple[str, ...]) -> DefaultsError:
     """The error of a name that is none; most often its unit is missing."""
     units = [
         name for name in names if re.fullmatch(rf"{re.escape(said)}_(m|deg|n|m_s|deg_s|ml|s)", name)
@@ -102,13 +102,13 @@ def _unknown(said: str, names: tuple[str, ...]) -> DefaultsError:
     )
 
 
-def _shown(value: float, kind: Kind) -> float:
+def _value_as_set(value: float, kind: Kind) -> float:
     """A value in the unit in which it is set, without the rounding of the way there and back."""
     return float(f"{value / kind.scale:.10g}")
 
 
-def _meanings() -> dict[str, str]:
-    """What each default means, from the one place where that is said."""
+def _default_meanings() -> dict[str, str]:
+    """Meaning of each default, from the one place where that is said."""
     text = inspect.cleandoc(Defaults.__doc__ or "")
     found = re.findall(r"^    (\w+): (.*(?:\n {8}.*)*)", text, re.MULTILINE)
     unit = re.compile(r"\s*\[[^]]*\]")

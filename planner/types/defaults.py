@@ -1,4 +1,4 @@
-"""What a clause means when the sentence does not say more: the one table of defaults.
+"""Meaning of a clause when the sentence does not say more: the one table of defaults.
 
 Results name each default that they used. All values are SI. A scene file, the command line and the
 API may set them; `planner.types.default_settings` has the names and units in which people do that.
@@ -14,7 +14,7 @@ from typing import Annotated, get_type_hints
 
 @dataclass(frozen=True)
 class Kind:
-    """What a default is measured in, and between which values it lies.
+    """Unit of a default, and the values between which it lies.
 
     Attributes:
         unit: SI unit; "" for a plain number.
@@ -290,7 +290,7 @@ def out_of_range(name: str, value: float, kind: Kind) -> DefaultsError:
 
 @cache
 def kinds() -> dict[str, Kind]:
-    """What each default is measured in, by its name."""
+    """Unit of each default, by its name."""
     hints = get_type_hints(Defaults, include_extras=True)
     return {field.name: hints[field.name].__metadata__[0] for field in fields(Defaults)}
 

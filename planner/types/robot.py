@@ -23,7 +23,7 @@ ReachEffort = Literal["usual", "thorough"]
 
 @dataclass(frozen=True)
 class ReachAnswer:
-    """Whether a push can be carried out by the hand.
+    """Answer to whether the hand can carry out a push.
 
     Attributes:
         ok: the whole way (approach, touch, stroke, retreat) is free and within joint limits.
@@ -46,7 +46,7 @@ class ReachAnswer:
 
 @dataclass(frozen=True, eq=False)
 class Grip:
-    """How the hand closes about something of a width.
+    """Grip of the hand about something of a width.
 
     Attributes:
         contacts: of the fingers that touch, the thumb first, in the plane across the closing

@@ -1,4 +1,4 @@
-"""What the robot believes about the scene while it plans.
+"""Beliefs of the robot about the scene while it plans.
 
 Frames: W is the world, z up, the table plane is z = 0; B is an object's frame with its origin
 at the centre of the base the object stands on. Nothing in here may come from the simulated
@@ -89,7 +89,7 @@ class SeenObject:
 
     @property
     def covered(self) -> bool:
-        """Whether its contents are kept in by a lid, as far as is seen; one unseen is closed."""
+        """Return True if a lid keeps its contents in, as far as is seen; one unseen is closed."""
         lid = self.model.lid
         return lid is not None and not lid.leaves_free(self.lid or 0.0)
 
@@ -151,7 +151,7 @@ class TableState:
 
 @dataclass(frozen=True)
 class Held:
-    """What the hand holds.
+    """The object in the hand.
 
     Attributes:
         name: of the object in the scene.
