@@ -21,7 +21,7 @@ from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
 from planner.types.world_state import PlanarPose, SeenObject, TableState, WorldState
 from tests.unit.planner.conftest import frame_of
-from tests.unit.planner.handling.conftest import RuledHand
+from tests.unit.planner.grasping.conftest import RuledHand
 
 TEXTS = (
     "lift the ice tea",

@@ -16,7 +16,7 @@ from planner.types.defaults import DEFAULTS
 from planner.types.plan import Reached
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import frame_of, world
-from tests.unit.planner.handling.conftest import RuledHand, planned, refused
+from tests.unit.planner.grasping.conftest import RuledHand, planned, refused
 
 
 @pytest.fixture

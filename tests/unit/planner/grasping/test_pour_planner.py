@@ -15,7 +15,7 @@ from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
 from planner.types.world_state import Held, WorldState
-from tests.unit.planner.handling.conftest import RuledHand, planned
+from tests.unit.planner.grasping.conftest import RuledHand, planned
 
 MUG = 3.285e-4  # what the mug of the registry holds [m³]
 

@@ -14,7 +14,7 @@ from planner.types.plan import Plan
 from planner.types.refusal import Refusal
 from planner.types.world_state import Held, PlanarPose, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, world
-from tests.unit.planner.handling.conftest import RuledHand, planned, refused
+from tests.unit.planner.grasping.conftest import RuledHand, planned, refused
 
 LENGTHS = 1e-9  # sums of a few numbers of order one
 
