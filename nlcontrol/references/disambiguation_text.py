@@ -74,13 +74,13 @@ def _offered(
 ) -> list[str]:
     """A description of each object, all of one way if there is one that suits them all."""
 
-    def first(name: str, refs: Sequence[ObjectRef]) -> str | None:
+    def first_description(name: str, refs: Sequence[ObjectRef]) -> str | None:
         fits = (ref for ref in refs if [c.name for c in fitting(ref)] == [name])
         return next((f"the {said(ref)}" for ref in fits), None)
 
     mixed = dict.fromkeys(names, "")
     for way in ways:
-        found = {name: first(name, way[name]) for name in names}
+        found = {name: first_description(name, way[name]) for name in names}
         if all(found.values()):
             return [text for text in found.values() if text]
         mixed |= {name: text for name, text in found.items() if text and not mixed[name]}
@@ -109,7 +109,7 @@ def said(ref: ObjectRef) -> str:
 
 
 def span(ref: ObjectRef) -> Span | None:
-    """Where a reference stands in the sentence, from its first word to its last."""
+    """Place of a reference in the sentence, from its first word to its last."""
     if not ref.spans:
         return None
     return min(s for s, _ in ref.spans), max(e for _, e in ref.spans)

@@ -1,4 +1,4 @@
-"""What tells seen objects apart: how they look, how large they are, where they stand.
+"""Attributes that tell seen objects apart: looks, size and place.
 
 Model: a colour is had or not. Of sizes and positions an object has the quality that has most of it
 among those that are compared: "the tall box" is the tallest. Whatever comes close to the best has
@@ -45,7 +45,7 @@ _ROUNDING = 1e-9
 
 
 class _Scale(NamedTuple):
-    """What a quality compares: the sign tells whether most or least of it is meant."""
+    """Figure that a quality compares; by its sign most or least of it is meant."""
 
     value: Callable[[SeenObject], float]
     sign: int
@@ -108,10 +108,10 @@ def _most(seen: Sequence[SeenObject], scale: _Scale) -> list[SeenObject]:
         return []
     best = max(seen, key=lambda s: scale.sign * scale.value(s))
 
-    def close(s: SeenObject) -> bool:
+    def is_close(s: SeenObject) -> bool:
         return abs(scale.value(s) - scale.value(best)) < scale.tie(s, best)
 
-    return [s for s in seen if s is best or close(s)]
+    return [s for s in seen if s is best or is_close(s)]
 
 
 def _middle(seen: Sequence[SeenObject]) -> list[SeenObject]:

@@ -1,4 +1,4 @@
-"""What objects are called: whole names, synonyms, words of a name, and misspellings.
+"""Names of objects: whole names, synonyms, words of a name, and misspellings.
 
 A name is taken in three steps, the first that fits decides: the whole name, a synonym (of the
 scene or of the registry's model), or some of the words of a name ("the box", "the coffee"). A
@@ -29,7 +29,7 @@ class Candidate:
 def called(text: str, candidates: Iterable[Candidate]) -> list[Candidate]:
     """Those whose name it is; if there is none, those of whose name it is a part."""
     wanted = words(text)
-    for fits in (_is, _is_part_of):
+    for fits in (_is_whole_name, _is_part_of):
         found = [c for c in candidates if any(fits(wanted, words(n)) for n in c.names)]
         if found:
             return found
@@ -42,12 +42,12 @@ def words(text: str) -> tuple[str, ...]:
     return split[1:] if len(split) > 1 and split[0] in {"the", "a", "an", "my", "this"} else split
 
 
-def _is(wanted: tuple[str, ...], name: tuple[str, ...]) -> bool:
+def _is_whole_name(wanted: tuple[str, ...], name: tuple[str, ...]) -> bool:
     return wanted == name
 
 
 def _is_part_of(wanted: tuple[str, ...], name: tuple[str, ...]) -> bool:
-    """Whether the wanted words stand in the name, in this order, perhaps with others between."""
+    """True if the wanted words stand in the name in this order, perhaps with others between."""
     rest = iter(name)
     return all(word in rest for word in wanted)
 

@@ -32,7 +32,7 @@ Part = TypeVar("Part", bound=BaseModel)
 
 @dataclass(frozen=True)
 class Context:
-    """What a command may refer back to.
+    """Objects that a command may refer back to.
 
     Attributes:
         last: names of the objects that were spoken of, the most recent first.
@@ -82,7 +82,7 @@ def resolve(
 
 
 def _meant(frame: Frame, spoken: tuple[str, ...], held: str | None) -> tuple[str, ...]:
-    """What pronouns mean, the likeliest first: what is put or poured is what the hand holds."""
+    """Meanings of a pronoun, the likeliest first: what is put or poured is what the hand holds."""
     is_held = frame.action in ("place", "pour") and frame.object and frame.object.pronoun
     if held is None or not is_held:
         return spoken
@@ -131,7 +131,7 @@ def _resolved(frame: Frame, around: Surroundings, spoken: tuple[str, ...]) -> Fr
 
 
 def _answered_alone(frame: Frame) -> bool:
-    """Whether a question can be answered for an object that is not on the table.
+    """True if a question can be answered for an object that is not on the table.
 
     It cannot if it asks where the object is, or speaks of others, which would have to stand by.
     """

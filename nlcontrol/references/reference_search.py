@@ -1,4 +1,4 @@
-"""Which object on the table a reference means: by name, by what it is like, by where it is.
+"""The object on the table that a reference means: by name, by attributes, by place.
 
 The words as they stand are tried as a name first ("red bull can"); only if they fit nothing, the
 noun, and of those that it fits the ones that have the qualities: colours first, then the place
@@ -31,7 +31,7 @@ _SPOKEN: tuple[Quality, ...] = ("other", "same")
 
 @dataclass(frozen=True)
 class Spoken:
-    """What was spoken of before a reference, the most recent first.
+    """Objects that were spoken of before a reference, the most recent first.
 
     Attributes:
         it: what "it" may mean.
@@ -44,7 +44,7 @@ class Spoken:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """Where references are looked up.
+    """Objects among which references are looked up.
 
     Attributes:
         on_table: objects of the scene.
@@ -145,7 +145,7 @@ def _named(ref: ObjectRef, around: Surroundings) -> list[Candidate]:
 
 
 def _looked_for(ref: ObjectRef, around: Surroundings) -> tuple[Quality, ...]:
-    """What the camera must decide: the qualities that are no part of a name."""
+    """Qualities that are no part of a name, so that the camera must decide."""
     qualities = tuple(q for q in ref.qualities if q not in _SPOKEN)
     if words(ref.text) == words(ref.noun) or not called(ref.text, around.on_table):
         return qualities
@@ -153,7 +153,7 @@ def _looked_for(ref: ObjectRef, around: Surroundings) -> tuple[Quality, ...]:
 
 
 def _antecedent(ref: ObjectRef, around: Surroundings, spoken: Spoken, alone: bool) -> str:
-    """What a pronoun stands for; if nothing was spoken of, the only object that there is."""
+    """Object of a pronoun; if nothing was spoken of, the only one that there is."""
     if spoken == Spoken() and len(around.on_table) == 1:
         return around.on_table[0].name
     name = _first(spoken.it, ref, around)

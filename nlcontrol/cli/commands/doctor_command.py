@@ -57,7 +57,7 @@ def command(as_json: bool) -> int:
 
 
 def examine_all() -> Iterator[Finding]:
-    """Looks at everything, in the order in which a run needs it."""
+    """Look at everything, in the order in which a run needs it."""
     version = ".".join(map(str, sys.version_info[:3]))
     yield Finding(
         "Python", sys.version_info >= (3, 11), True, version, "nlcontrol needs Python 3.11 or newer"

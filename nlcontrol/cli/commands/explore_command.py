@@ -122,16 +122,16 @@ def command(
 
 
 def _require_file_ending(path: Path | None, *endings: str) -> None:
-    """Refuses a file that could not be written, before minutes are spent on its contents."""
+    """Refuse a file that could not be written, before minutes are spent on its contents."""
     if path is not None and path.suffix.lower() not in endings:
         raise click.UsageError(f"{path}: the ending must be {' or '.join(endings)}")
     require_writable(path)
 
 
 def _touch_reporter(progress: Narrator) -> Told:
-    """Tells each touch and what is believed after it, on standard error."""
+    """A function that prints each touch and what is believed after it, on standard error."""
 
-    def told(touched: Touched, model: ObjectModel) -> None:
+    def report_touch(touched: Touched, model: ObjectModel) -> None:
         number = f"{touched.repetition + 1:2}."
         line = (
             f"{number} {touched.experiment.name}: {touched.recording.detail}; now believed: "
@@ -140,4 +140,4 @@ def _touch_reporter(progress: Narrator) -> Told:
         )
         progress.line(line)
 
-    return told
+    return report_touch

@@ -63,7 +63,7 @@ def command(
 
 
 def _require_sensible(files: tuple[Path, ...], saved_as: str | None, output: Path | None) -> None:
-    """Refuses options that cannot be meant, before the fit."""
+    """Refuse options that cannot be meant, before the fit."""
     if saved_as and (saved_as.endswith(".csv") or Path(saved_as).is_file()):
         message = f"--save takes a name, not the file {saved_as}: put --save last, or --save=NAME"
         raise click.UsageError(message)

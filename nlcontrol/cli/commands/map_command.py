@@ -133,7 +133,7 @@ def command(
 
 
 def _require_fitting_options(ctx: click.Context, experiment: bool) -> None:
-    """Refuses options that say nothing, with the experiment or without it."""
+    """Refuse options that say nothing, with the experiment or without it."""
     apart = ("straight", "solid", "lying_on")
     belong = ("by", "scene", "seed", "workers", "record")
     for param in ctx.command.params:
@@ -199,7 +199,7 @@ def _write_and_print(
     tabulate: Callable[[Path], None],
     as_json: bool,
 ) -> int:
-    """Writes the files and prints the answer."""
+    """Write the files and prints the answer."""
     for output in outputs:
         with replace_file(output) as path:
             if output.suffix in _PICTURES:

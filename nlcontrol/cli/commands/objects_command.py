@@ -177,7 +177,7 @@ def remove_model(name: str, as_json: bool) -> int:
 
 
 def _keep_model(registry: Registry, model: ObjectModel, as_json: bool) -> int:
-    """Writes a model into the user's folder, unless its names are taken."""
+    """Write a model into the user's folder, unless its names are taken."""
     from objectmodels.registry.model_files import save_model
     from objectmodels.registry.model_registry import user_file
 

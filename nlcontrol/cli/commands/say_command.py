@@ -190,7 +190,7 @@ def _write_files(
     picture: Path | None,
     replay: Path | None,
 ) -> dict[str, str]:
-    """Writes the files that were asked for, as far as the sentence got."""
+    """Write the files that were asked for, as far as the sentence got."""
     files: dict[str, str] = {}
     if replay and result.trace:
         from sim import save_replay

@@ -60,7 +60,7 @@ def command(as_json: bool, scene: str, seed: int, settings: Settings, plan_only:
 def _answer_lines(
     conversation: Conversation, lines: Iterable[str], *, as_json: bool, plan_only: bool
 ) -> int:
-    """Answers line after line; returns the exit code of the last that failed."""
+    """Answer line after line; return the exit code of the last that failed."""
     status = OK
     for line in lines:
         text = line.strip()
@@ -81,7 +81,7 @@ def _answer_lines(
 
 
 def _answer_line(conversation: Conversation, text: str, plan_only: bool) -> Result | None:
-    """What comes of one sentence, whatever goes wrong; None if it was interrupted."""
+    """Result of one sentence, whatever goes wrong; None if it was interrupted."""
     try:
         with Narrator() as narrate, Interruptible(narrate) as progress:
             return conversation.say(text, plan_only=plan_only, progress=progress)
@@ -153,7 +153,7 @@ class Interruptible:
         signal.signal(signal.SIGINT, self._before)
 
     def __call__(self, phase: str, time: float, text: str) -> None:
-        """Takes one report of the simulation."""
+        """Take one report of the simulation."""
         from sim.control.pushing.guarded_touch import EarlyEndError
 
         self._narrate(phase, time, text)

@@ -1,1 +1,1 @@
-"""What commands share: their options, what they print and write, and lines typed at a prompt."""
+"""The console that commands share: options, output, files and lines typed at a prompt."""

@@ -1,4 +1,4 @@
-"""What the commands print and write."""
+"""Output of the commands: documents, errors, files and progress."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Answer with 
 
 
 def print_json(content: Mapping[str, Any]) -> None:
-    """Prints the one JSON document of a command."""
+    """Print the one JSON document of a command."""
     click.echo(document_text(content))
 
 
@@ -44,7 +44,7 @@ def print_skipped_with_words(problems: Iterable[object] = ()) -> None:
 
 
 def print_error(info: ErrorInfo, *, as_json: bool, text: str | None = None) -> None:
-    """Prints an error: as the document on standard output, or as text on standard error."""
+    """Print an error: as the document on standard output, or as text on standard error."""
     if as_json:
         said = {} if text is None else {"text": text}
         print_json({**said, "ok": False, "error": info.model_dump(mode="json")})
@@ -56,7 +56,7 @@ def print_error(info: ErrorInfo, *, as_json: bool, text: str | None = None) -> N
 
 
 def require_writable(path: Path | None) -> None:
-    """Refuses a file that could not be written, before minutes are spent on its contents.
+    """Refuse a file that could not be written, before minutes are spent on its contents.
 
     Raises:
         ControlError: `cannot_write`.
@@ -91,7 +91,7 @@ def replace_file(path: Path) -> Iterator[Path]:
 
 
 class Narrator:
-    """Tells on standard error what the simulation does.
+    """Print on standard error what the simulation does.
 
     On a terminal one line that changes, else a short line for each phase.
     """
@@ -113,7 +113,7 @@ class Narrator:
             self._status.stop()
 
     def __call__(self, phase: str, time: float, text: str) -> None:
-        """Takes one report of the simulation."""
+        """Take one report of the simulation."""
         line = f"{time:5.1f} s  {phase}: {text}" if text else f"{time:5.1f} s  {phase}"
         if self._status is not None:
             self._status.update(line)
@@ -122,7 +122,7 @@ class Narrator:
         self._phase = phase
 
     def line(self, text: str) -> None:
-        """Tells a line that stays."""
+        """Print a line that stays."""
         if self._status is not None:
             self._status.console.print(text, highlight=False, markup=False)
         else:
@@ -168,7 +168,7 @@ class Progress:
             self._bar.stop()
 
     def __call__(self, done: int, total: int) -> None:
-        """Takes one report: how many of how many are done."""
+        """Take one report: how many of how many are done."""
         if self._bar is not None:
             self._bar.update(self._task, completed=done, total=total)
         elif 10 * done // total > self._tenths:

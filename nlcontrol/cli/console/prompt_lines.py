@@ -19,7 +19,7 @@ KEPT = 1000
 
 
 def history_file() -> Path:
-    """Where the history is kept."""
+    """File that keeps the history."""
     state = Path(os.environ.get("XDG_STATE_HOME", ""))
     # The specification has relative paths ignored.
     folder = state if state.is_absolute() else Path.home() / ".local" / "state"
@@ -79,7 +79,7 @@ def _typed_lines(prompt: str) -> Generator[str, None, None]:
 
 
 def completions(line: str, text: str, names: Sequence[str], beginnings: Sequence[str]) -> list[str]:
-    """What may stand in the place of the last word of a line.
+    """Words that may stand in the place of the last word of a line.
 
     Args:
         line: up to the cursor.
@@ -101,7 +101,7 @@ def completions(line: str, text: str, names: Sequence[str], beginnings: Sequence
 
 
 def _length_at_end(name: str, line: str) -> int:
-    """How many characters of a name a line ends with, begun at the start of a word."""
+    """Number of characters of a name that a line ends with, begun at the start of a word."""
     for length in range(len(name), 0, -1):
         start = len(line) - length
         if line.casefold().endswith(name[:length].casefold()) and (
@@ -120,7 +120,7 @@ def read_history() -> list[str]:
 
 
 def write_history(typed: Sequence[str]) -> None:
-    """Adds lines to the history, which nobody else may read.
+    """Add lines to the history, which nobody else may read.
 
     It is read once more before, since another shell may have written meanwhile, and takes its place
     in one go, so that nobody ever reads half of it.

@@ -22,7 +22,7 @@ class Assignment(click.ParamType[tuple[str, float]]):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[str, float]:
-        """Reads them."""
+        """Read the name and the number."""
         if isinstance(value, tuple):
             return value
         name, _, number = str(value).partition("=")
@@ -49,7 +49,7 @@ set_option = click.option(
 
 
 def world_options(command: Command) -> Command:
-    """Adds --scene, --seed and --set, as `scene`, `seed` and `settings`."""
+    """Add --scene, --seed and --set, as `scene`, `seed` and `settings`."""
     for option in (set_option, seed_option, scene_option):
         command = option(command)
     return command
