@@ -30,7 +30,7 @@ from typing import TYPE_CHECKING
 from nlcontrol import __version__
 from nlcontrol.errors import error, translated
 from nlcontrol.outcome_maps.experiment_record import Record
-from nlcontrol.references.object_names import Candidate, called
+from nlcontrol.references.object_names import Candidate, find_by_name
 from nlcontrol.text_format import enumeration
 from sim.face_experiment import applied_force as appliedforce
 from sim.face_experiment.face_contact import Contact, Touch, TouchResult, Way
@@ -72,7 +72,7 @@ def object_on_table(
         Candidate(item.name, (item.name, *item.synonyms, item.model, *models[item.name].synonyms))
         for item in cell.objects
     ]
-    found = called(name, on_table)
+    found = find_by_name(name, on_table)
     if len(found) > 1:
         names = tuple(candidate.name for candidate in found)
         raise error(

@@ -8,7 +8,7 @@ from typing import get_args
 from grammar.frames.command import ObjectRef, Quality, Relation, Span
 from nlcontrol.errors import ControlError, error
 from nlcontrol.references.colour_names import SHADES
-from nlcontrol.references.object_names import Candidate, telling, words
+from nlcontrol.references.object_names import Candidate, distinguishing_words, name_words
 from nlcontrol.text_format import enumeration
 
 COLOURS: tuple[Quality, ...] = tuple(q for q in get_args(Quality) if q in SHADES)
@@ -37,7 +37,7 @@ _PLACES: dict[Relation | None, str] = {
 }
 
 
-def ambiguous(
+def ambiguity_error(
     ref: ObjectRef, found: Sequence[Candidate], fitting: Callable[[ObjectRef], list[Candidate]]
 ) -> ControlError:
     """The error for a reference that fits several objects.
@@ -50,24 +50,24 @@ def ambiguous(
     names = [c.name for c in found]
     by_name = {c.name: [ObjectRef(text=c.name)] for c in found}
     by_looks = [
-        {c.name: [_with(ref, quality) for quality in family] for c in found}
+        {c.name: [_with_quality(ref, quality) for quality in family] for c in found}
         for family in _FAMILIES
         if not set(family) & set(ref.qualities)
     ]
-    generic = noun(ref) in GENERIC and "other" not in ref.qualities
+    generic = reference_noun(ref) in GENERIC and "other" not in ref.qualities
     ways = [*by_looks, by_name] if generic else [by_name, *by_looks]
-    offered = _offered(names, ways, fitting)
-    told = telling(names) if offered == [f"the {name}" for name in names] else offered
-    fits = f"'{said(ref)}' fits {len(names)} objects: {enumeration(names)}"
+    offered = _distinct_descriptions(names, ways, fitting)
+    told = distinguishing_words(names) if offered == [f"the {name}" for name in names] else offered
+    fits = f"'{reference_text(ref)}' fits {len(names)} objects: {enumeration(names)}"
     return error(
         "ambiguous_object",
         f"{fits}; say which: {enumeration(told, 'or')}",
-        span=span(ref),
+        span=reference_span(ref),
         suggestions=tuple(offered),
     )
 
 
-def _offered(
+def _distinct_descriptions(
     names: Sequence[str],
     ways: Sequence[Mapping[str, Sequence[ObjectRef]]],
     fitting: Callable[[ObjectRef], list[Candidate]],
@@ -76,7 +76,7 @@ def _offered(
 
     def first_description(name: str, refs: Sequence[ObjectRef]) -> str | None:
         fits = (ref for ref in refs if [c.name for c in fitting(ref)] == [name])
-        return next((f"the {said(ref)}" for ref in fits), None)
+        return next((f"the {reference_text(ref)}" for ref in fits), None)
 
     mixed = dict.fromkeys(names, "")
     for way in ways:
@@ -87,28 +87,32 @@ def _offered(
     return [text or f"the {name}" for name, text in mixed.items()]
 
 
-def _with(ref: ObjectRef, quality: Quality) -> ObjectRef:
+def _with_quality(ref: ObjectRef, quality: Quality) -> ObjectRef:
     """The same reference with one more adjective."""
     qualities = (quality, *ref.qualities)
     text = f"{quality} {ref.text}"
-    return ref.model_copy(update={"text": text, "qualities": qualities, "noun": noun(ref)})
+    return ref.model_copy(
+        update={"text": text, "qualities": qualities, "noun": reference_noun(ref)}
+    )
 
 
-def noun(ref: ObjectRef) -> str:
+def reference_noun(ref: ObjectRef) -> str:
     """The name in a reference, without adjectives and article."""
-    return " ".join(words(ref.noun if ref.qualities else ref.text))
+    return " ".join(name_words(ref.noun if ref.qualities else ref.text))
 
 
-def said(ref: ObjectRef) -> str:
+def reference_text(ref: ObjectRef) -> str:
     """A reference in words, with the place that tells it apart."""
     if not ref.reference:
         return ref.text
     place = _PLACES.get(ref.relation, ref.relation)
-    others = [other.text if other.pronoun else f"the {said(other)}" for other in ref.reference]
+    others = [
+        other.text if other.pronoun else f"the {reference_text(other)}" for other in ref.reference
+    ]
     return f"{ref.text} {place} {enumeration(others)}"
 
 
-def span(ref: ObjectRef) -> Span | None:
+def reference_span(ref: ObjectRef) -> Span | None:
     """Place of a reference in the sentence, from its first word to its last."""
     if not ref.spans:
         return None

@@ -52,7 +52,7 @@ class _Scale(NamedTuple):
     tie: Callable[[SeenObject, SeenObject], float]
 
 
-def having(
+def with_attribute(
     quality: Quality, seen: Sequence[SeenObject], beside: Sequence[SeenObject] = ()
 ) -> list[SeenObject]:
     """Those of some objects that have a quality; several if they come close to each other.
@@ -67,14 +67,14 @@ def having(
     if quality in SHADES:
         return [s for s in seen if s.colour is not None and quality in colour_names(s.colour)]
     if quality == "middle":
-        return _middle(seen)
+        return _middle_ones(seen)
     if quality in {"near", "far"} and beside:
         sign = 1 if quality == "far" else -1
-        return _most(seen, _Scale(lambda s: _farthest(s, beside), sign, _same_place))
-    return _most(seen, _SCALES[quality])
+        return _extreme_ones(seen, _Scale(lambda s: _farthest_gap(s, beside), sign, _same_place))
+    return _extreme_ones(seen, _SCALES[quality])
 
 
-def related(
+def in_relation(
     relation: Relation, seen: Sequence[SeenObject], to: Sequence[SeenObject]
 ) -> list[SeenObject]:
     """The nearest of those that stand in a relation to others; several if about as near.
@@ -82,15 +82,15 @@ def related(
     `left_of`, `right_of`, `in_front_of` and `behind` are a quarter of the directions each;
     `between` is inside the circle through the middles of the first and the last of `to`.
     """
-    fitting = [s for s in seen if _stands(relation, s, to)]
+    fitting = [s for s in seen if _stands_in_relation(relation, s, to)]
     if relation == "between":
         away = _Scale(lambda s: _off_line(s, to[0], to[-1]), -1, _same_place)
     else:
-        away = _Scale(lambda s: _farthest(s, to), -1, _same_place)
-    return _most(fitting, away)
+        away = _Scale(lambda s: _farthest_gap(s, to), -1, _same_place)
+    return _extreme_ones(fitting, away)
 
 
-def gap(a: Array, b: Array) -> float:
+def polygon_gap(a: Array, b: Array) -> float:
     """Distance between two convex polygons, shapes (n, 2), (k, 2) [m]; 0 if they overlap."""
     return 0.0 if overlaps(a, b, 0.0) else min(_to_edges(a, b), _to_edges(b, a))
 
@@ -103,7 +103,7 @@ def _to_edges(points: Array, polygon: Array) -> float:
     return float(np.linalg.norm(from_start - share[..., None] * edges, axis=-1).min())
 
 
-def _most(seen: Sequence[SeenObject], scale: _Scale) -> list[SeenObject]:
+def _extreme_ones(seen: Sequence[SeenObject], scale: _Scale) -> list[SeenObject]:
     if not seen:
         return []
     best = max(seen, key=lambda s: scale.sign * scale.value(s))
@@ -114,7 +114,7 @@ def _most(seen: Sequence[SeenObject], scale: _Scale) -> list[SeenObject]:
     return [s for s in seen if s is best or is_close(s)]
 
 
-def _middle(seen: Sequence[SeenObject]) -> list[SeenObject]:
+def _middle_ones(seen: Sequence[SeenObject]) -> list[SeenObject]:
     """The middle one of a row, or of a file if they are spread farther along x."""
     places = np.array([s.pose.p_WB[:2] for s in seen])
     along = places[:, int(np.ptp(places, axis=0).argmax())]
@@ -123,7 +123,7 @@ def _middle(seen: Sequence[SeenObject]) -> list[SeenObject]:
     return [s for s, place in zip(seen, along, strict=True) if low < place < high]
 
 
-def _stands(relation: Relation, s: SeenObject, to: Sequence[SeenObject]) -> bool:
+def _stands_in_relation(relation: Relation, s: SeenObject, to: Sequence[SeenObject]) -> bool:
     if relation == "between":
         a, b = (other.pose.p_WB - s.pose.p_WB for other in (to[0], to[-1]))
         return bool(a @ b < 0.0)
@@ -139,16 +139,16 @@ def _stands_by(relation: Relation, s: SeenObject, other: SeenObject) -> bool:
     if relation == "on":
         below = Polygon.convex(footprint(other))
         return bool((below.normals @ s.pose.p_WB[:2] < below.offsets).all())
-    return _gap(s, other) <= (TOUCHING if relation == "touching" else BESIDE)
+    return _object_gap(s, other) <= (TOUCHING if relation == "touching" else BESIDE)
 
 
-def _gap(s: SeenObject, other: SeenObject) -> float:
-    return gap(footprint(s), footprint(other))
+def _object_gap(s: SeenObject, other: SeenObject) -> float:
+    return polygon_gap(footprint(s), footprint(other))
 
 
-def _farthest(s: SeenObject, others: Sequence[SeenObject]) -> float:
+def _farthest_gap(s: SeenObject, others: Sequence[SeenObject]) -> float:
     """Gap to the farther one of several objects [m]."""
-    return max(_gap(s, other) for other in others)
+    return max(_object_gap(s, other) for other in others)
 
 
 def _off_line(s: SeenObject, a: SeenObject, b: SeenObject) -> float:
@@ -157,14 +157,14 @@ def _off_line(s: SeenObject, a: SeenObject, b: SeenObject) -> float:
     return float(abs(x * v - y * u) / max(math.hypot(u, v), _ROUNDING))
 
 
-def _volume(s: SeenObject) -> float:
+def _prism_volume(s: SeenObject) -> float:
     """Of the upright prism around it [m³]."""
     x, y = s.model.outline.T
     area = 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
     return area * s.model.top
 
 
-def _width(s: SeenObject) -> float:
+def _seen_width(s: SeenObject) -> float:
     """From its left to its right end as the robot sees it, along y of W [m]."""
     return float(np.ptp(footprint(s)[:, 1]))
 
@@ -200,12 +200,12 @@ _TOWARDS: dict[Relation, tuple[float, float]] = {
 """Unit directions in W."""
 
 _SCALES: dict[Quality, _Scale] = {
-    "big": _Scale(_volume, 1, _same_share(_volume)),
-    "small": _Scale(_volume, -1, _same_share(_volume)),
+    "big": _Scale(_prism_volume, 1, _same_share(_prism_volume)),
+    "small": _Scale(_prism_volume, -1, _same_share(_prism_volume)),
     "tall": _Scale(_height, 1, _same_share(_height)),
     "short": _Scale(_height, -1, _same_share(_height)),
-    "wide": _Scale(_width, 1, _same_share(_width)),
-    "narrow": _Scale(_width, -1, _same_share(_width)),
+    "wide": _Scale(_seen_width, 1, _same_share(_seen_width)),
+    "narrow": _Scale(_seen_width, -1, _same_share(_seen_width)),
     "heavy": _Scale(_mass, 1, _same_mass),
     "light": _Scale(_mass, -1, _same_mass),
     "left": _Scale(lambda s: s.pose.y, 1, _same_place),

@@ -26,17 +26,17 @@ class Candidate:
     names: tuple[str, ...]
 
 
-def called(text: str, candidates: Iterable[Candidate]) -> list[Candidate]:
+def find_by_name(text: str, candidates: Iterable[Candidate]) -> list[Candidate]:
     """Those whose name it is; if there is none, those of whose name it is a part."""
-    wanted = words(text)
+    wanted = name_words(text)
     for fits in (_is_whole_name, _is_part_of):
-        found = [c for c in candidates if any(fits(wanted, words(n)) for n in c.names)]
+        found = [c for c in candidates if any(fits(wanted, name_words(n)) for n in c.names)]
         if found:
             return found
     return []
 
 
-def words(text: str) -> tuple[str, ...]:
+def name_words(text: str) -> tuple[str, ...]:
     """The words of a name, without its article."""
     split = tuple(text.casefold().replace("-", " ").replace("_", " ").split())
     return split[1:] if len(split) > 1 and split[0] in {"the", "a", "an", "my", "this"} else split
@@ -52,15 +52,15 @@ def _is_part_of(wanted: tuple[str, ...], name: tuple[str, ...]) -> bool:
     return all(word in rest for word in wanted)
 
 
-def telling(names: Sequence[str]) -> list[str]:
+def distinguishing_words(names: Sequence[str]) -> list[str]:
     """Of each name the words that the others lack, or all of it if there are none."""
-    common = set.intersection(*(set(words(name)) for name in names))
-    return [" ".join(w for w in words(n) if w not in common) or n for n in names]
+    common = set.intersection(*(set(name_words(name)) for name in names))
+    return [" ".join(w for w in name_words(n) if w not in common) or n for n in names]
 
 
-def likely(text: str, candidates: Iterable[Candidate]) -> str | None:
+def likely_name(text: str, candidates: Iterable[Candidate]) -> str | None:
     """The one object whose name is close to a misspelled text; None if two are about as close."""
     owners = [(name, c.name) for c in candidates for name in c.names]
-    near = suggest(" ".join(words(text)), [name for name, _ in owners])
+    near = suggest(" ".join(name_words(text)), [name for name, _ in owners])
     found = {owner for name, owner in owners if name in near}
     return found.pop() if len(found) == 1 else None

@@ -21,7 +21,12 @@ from pydantic import BaseModel
 
 from grammar.frames.command import Command, Frame, ObjectRef, Parameters, Query, RelativeLength
 from nlcontrol.references.object_names import Candidate
-from nlcontrol.references.reference_search import Spoken, Surroundings, find, fitting
+from nlcontrol.references.reference_search import (
+    Spoken,
+    Surroundings,
+    find_object,
+    matching_objects,
+)
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
@@ -49,7 +54,7 @@ _ALONE: frozenset[Query | None] = frozenset({"value", "affordances", "predict"})
 """Questions that concern the model more than the table."""
 
 
-def resolve(
+def resolve_references(
     command: Command,
     on_table: Sequence[Candidate],
     known: Sequence[ObjectModel],
@@ -75,13 +80,13 @@ def resolve(
     spoken = context.last
     frames = []
     for frame in command.frames:
-        frames.append(_resolved(frame, around, _meant(frame, spoken, context.held)))
-        said = spoken_of(frames[-1])
+        frames.append(_resolve_frame(frame, around, _pronoun_meanings(frame, spoken, context.held)))
+        said = objects_spoken_of(frames[-1])
         spoken = (*said, *(name for name in spoken if name not in said))
     return command.model_copy(update={"frames": tuple(frames)})
 
 
-def _meant(frame: Frame, spoken: tuple[str, ...], held: str | None) -> tuple[str, ...]:
+def _pronoun_meanings(frame: Frame, spoken: tuple[str, ...], held: str | None) -> tuple[str, ...]:
     """Meanings of a pronoun, the likeliest first: what is put or poured is what the hand holds."""
     is_held = frame.action in ("place", "pour") and frame.object and frame.object.pronoun
     if held is None or not is_held:
@@ -89,29 +94,29 @@ def _meant(frame: Frame, spoken: tuple[str, ...], held: str | None) -> tuple[str
     return (held, *(name for name in spoken if name != held))
 
 
-def spoken_of(frame: Frame) -> tuple[str, ...]:
+def objects_spoken_of(frame: Frame) -> tuple[str, ...]:
     """Names of the objects that a resolved frame speaks of: its own first, then its goal's."""
-    refs = ([frame.object] if frame.object else []) + _references(frame.goal)
-    return _names(refs)
+    refs = ([frame.object] if frame.object else []) + _references_in(frame.goal)
+    return _resolved_names(refs)
 
 
-def mentioned(frame: Frame) -> tuple[str, ...]:
+def objects_mentioned(frame: Frame) -> tuple[str, ...]:
     """The same, and the names of the objects that only its constraints speak of."""
-    refs = [ref for clause in frame.constraints for ref in _references(clause)]
-    return tuple(dict.fromkeys((*spoken_of(frame), *_names(refs))))
+    refs = [ref for clause in frame.constraints for ref in _references_in(clause)]
+    return tuple(dict.fromkeys((*objects_spoken_of(frame), *_resolved_names(refs))))
 
 
-def _names(refs: Sequence[ObjectRef]) -> tuple[str, ...]:
+def _resolved_names(refs: Sequence[ObjectRef]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(ref.id for ref in refs if ref.id is not None))
 
 
-def _references(part: BaseModel) -> list[ObjectRef]:
+def _references_in(part: BaseModel) -> list[ObjectRef]:
     values = [getattr(part, key) for key in type(part).model_fields]
     parts = [v for value in values for v in (value if isinstance(value, tuple) else (value,))]
     return [part for part in parts if isinstance(part, ObjectRef)]
 
 
-def _resolved(frame: Frame, around: Surroundings, spoken: tuple[str, ...]) -> Frame:
+def _resolve_frame(frame: Frame, around: Surroundings, spoken: tuple[str, ...]) -> Frame:
     """A frame whose objects are bound, given what was spoken of before it."""
     unnamed = frame.object is None or frame.object.pronoun
     if frame.dialogue in {"undo", "stop"} and unnamed:
@@ -119,14 +124,14 @@ def _resolved(frame: Frame, around: Surroundings, spoken: tuple[str, ...]) -> Fr
     binder = _Binder(around, Spoken(spoken, spoken[:1]))
     target = frame.object
     if target is not None:
-        target = binder.bound(target, alone=_answered_alone(frame))
+        target = binder.bind_reference(target, alone=_answered_alone(frame))
     own = (target.id,) if target is not None and target.id is not None else ()
     others = tuple(name for name in spoken if name not in own)
     last = own or spoken[:1]
-    goal = replace(binder, own=own, spoken=Spoken(others, last)).filled(frame.goal)
-    named = tuple(ref.id for ref in _references(goal) if ref.id is not None)
+    goal = replace(binder, own=own, spoken=Spoken(others, last)).fill_part(frame.goal)
+    named = tuple(ref.id for ref in _references_in(goal) if ref.id is not None)
     within = replace(binder, own=own, spoken=Spoken((*named, *own, *others), last))
-    constraints = tuple(within.filled(clause) for clause in frame.constraints)
+    constraints = tuple(within.fill_part(clause) for clause in frame.constraints)
     return frame.model_copy(update={"object": target, "goal": goal, "constraints": constraints})
 
 
@@ -139,7 +144,7 @@ def _answered_alone(frame: Frame) -> bool:
     if isinstance(goal, Parameters) and "position" in goal.which:
         return False
     parts = [goal, *frame.constraints, *([frame.object] if frame.object else [])]
-    return frame.query in _ALONE and not any(_references(part) for part in parts)
+    return frame.query in _ALONE and not any(_references_in(part) for part in parts)
 
 
 @dataclass(frozen=True)
@@ -156,42 +161,44 @@ class _Binder:
     spoken: Spoken
     own: tuple[str, ...] = ()
 
-    def filled(self, part: Part) -> Part:
+    def fill_part(self, part: Part) -> Part:
         """A copy of any part of a frame."""
         values = {key: getattr(part, key) for key in type(part).model_fields}
-        return part.model_copy(update={key: self._value(value) for key, value in values.items()})
+        return part.model_copy(
+            update={key: self._fill_value(value) for key, value in values.items()}
+        )
 
-    def _value(self, value: object) -> object:
+    def _fill_value(self, value: object) -> object:
         match value:
             case ObjectRef():
-                return self.bound(value)
+                return self.bind_reference(value)
             case RelativeLength():
-                return self._metres(value)
+                return self._length_in_metres(value)
             case BaseModel():
-                return self.filled(value)
+                return self.fill_part(value)
             case tuple():
-                return tuple(self._value(item) for item in value)
+                return tuple(self._fill_value(item) for item in value)
         return value
 
-    def bound(self, ref: ObjectRef, *, alone: bool = False) -> ObjectRef:
+    def bind_reference(self, ref: ObjectRef, *, alone: bool = False) -> ObjectRef:
         """A reference with its id, and with those of the objects that it is beside."""
-        ref = self.filled(ref)
-        name = find(ref, self.around, self.spoken, alone=alone)
+        ref = self.fill_part(ref)
+        name = find_object(ref, self.around, self.spoken, alone=alone)
         return ref.model_copy(update={"id": name})
 
-    def _metres(self, length: RelativeLength) -> float:
-        model = self.around.model(self._measured(length.of))
+    def _length_in_metres(self, length: RelativeLength) -> float:
+        model = self.around.model(self._measuring_object(length.of))
         shorter, longer = sorted(model.extents[:2])
         side = {"length": longer, "width": shorter, "height": model.top}[length.side or "width"]
         return length.value * side
 
-    def _measured(self, ref: ObjectRef) -> str:
+    def _measuring_object(self, ref: ObjectRef) -> str:
         """The object that a length is measured in: the frame's own, wherever that fits."""
-        ref = self.filled(ref)
+        ref = self.fill_part(ref)
         if self.own and (ref.pronoun or self._fits_own(ref)):
             return self.own[0]
-        return find(ref, self.around, self.spoken, alone=True)
+        return find_object(ref, self.around, self.spoken, alone=True)
 
     def _fits_own(self, ref: ObjectRef) -> bool:
-        found = fitting(ref, self.around, self.spoken)
+        found = matching_objects(ref, self.around, self.spoken)
         return len(found) > 1 and self.own[0] in [c.name for c in found]

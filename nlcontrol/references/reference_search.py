@@ -17,9 +17,16 @@ from typing import TYPE_CHECKING
 
 from grammar.frames.command import ObjectRef, Quality
 from nlcontrol.errors import ControlError, error
-from nlcontrol.references.disambiguation_text import COLOURS, GENERIC, ambiguous, noun, said, span
-from nlcontrol.references.object_attributes import having, related
-from nlcontrol.references.object_names import Candidate, called, likely, words
+from nlcontrol.references.disambiguation_text import (
+    COLOURS,
+    GENERIC,
+    ambiguity_error,
+    reference_noun,
+    reference_span,
+    reference_text,
+)
+from nlcontrol.references.object_attributes import in_relation, with_attribute
+from nlcontrol.references.object_names import Candidate, find_by_name, likely_name, name_words
 from nlcontrol.text_format import enumeration
 
 if TYPE_CHECKING:
@@ -68,7 +75,9 @@ class Surroundings:
         return next(model for model in self.known if model.name == name)
 
 
-def find(ref: ObjectRef, around: Surroundings, spoken: Spoken, *, alone: bool = False) -> str:
+def find_object(
+    ref: ObjectRef, around: Surroundings, spoken: Spoken, *, alone: bool = False
+) -> str:
     """Name of the one object that a reference means.
 
     Args:
@@ -81,43 +90,43 @@ def find(ref: ObjectRef, around: Surroundings, spoken: Spoken, *, alone: bool = 
         ControlError: `unknown_object`, `ambiguous_object`, `not_on_table` or `no_antecedent`.
     """
     if ref.pronoun and not set(_SPOKEN) & set(ref.qualities):
-        return _antecedent(ref, around, spoken, alone)
-    if not _named(ref, around):
-        return _elsewhere(ref, around, alone)
-    found = fitting(ref, around, spoken)
+        return _pronoun_object(ref, around, spoken, alone)
+    if not _objects_named(ref, around):
+        return _model_elsewhere(ref, around, alone)
+    found = matching_objects(ref, around, spoken)
     if not found:
-        there = [c.name for c in _named(ref, around)]
+        there = [c.name for c in _objects_named(ref, around)]
         raise error(
             "unknown_object",
-            f"there is no '{said(ref)}' on the table; there is: {enumeration(there)}",
-            span=span(ref),
+            f"there is no '{reference_text(ref)}' on the table; there is: {enumeration(there)}",
+            span=reference_span(ref),
             suggestions=tuple(f"the {name}" for name in there),
         )
     if len(found) > 1:
-        raise ambiguous(ref, found, lambda other: fitting(other, around, spoken))
+        raise ambiguity_error(ref, found, lambda other: matching_objects(other, around, spoken))
     return found[0].name
 
 
-def fitting(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> list[Candidate]:
+def matching_objects(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> list[Candidate]:
     """All objects on the table that a reference with a name may mean.
 
     Raises:
         ControlError: `no_antecedent` if it needs one.
     """
-    found, qualities = _named(ref, around), _looked_for(ref, around)
+    found, qualities = _objects_named(ref, around), _looked_for(ref, around)
     if "other" in ref.qualities:
-        last = _first(spoken.last, ref, around)
+        last = _first_spoken_of(spoken.last, ref, around)
         found = [c for c in found if c.name != last]
     if "same" in ref.qualities:
-        last = _first(spoken.it, ref, around)
+        last = _first_spoken_of(spoken.it, ref, around)
         found = [c for c in found if c.name == last]
     if qualities or ref.reference:
-        seen = _seen(ref, qualities, found, around.look())
+        seen = _names_by_sight(ref, qualities, found, around.look())
         found = [c for c in found if c.name in seen]
     return found
 
 
-def _seen(
+def _names_by_sight(
     ref: ObjectRef, qualities: Sequence[Quality], found: Sequence[Candidate], state: WorldState
 ) -> set[str]:
     """Names of those that look and stand as they should."""
@@ -126,67 +135,69 @@ def _seen(
     left = [state.objects[c.name] for c in found if c.name not in ids]
     for quality in qualities:
         if quality in COLOURS:
-            left = having(quality, left)
+            left = with_attribute(quality, left)
     if ref.relation is not None and beside:
-        left, beside = related(ref.relation, left, beside), []
+        left, beside = in_relation(ref.relation, left, beside), []
     for quality in reversed(qualities):
         if quality not in COLOURS:
             # Only "nearest to the mug" has an object beside it and no relation.
-            left = having(quality, left, beside)
+            left = with_attribute(quality, left, beside)
     return {s.name for s in left}
 
 
-def _named(ref: ObjectRef, around: Surroundings) -> list[Candidate]:
+def _objects_named(ref: ObjectRef, around: Surroundings) -> list[Candidate]:
     """Those that the words of a reference name, whatever they are like."""
-    whole = called(ref.text, around.on_table)
-    if whole or noun(ref) not in GENERIC:
-        return whole or called(noun(ref), around.on_table)
+    whole = find_by_name(ref.text, around.on_table)
+    if whole or reference_noun(ref) not in GENERIC:
+        return whole or find_by_name(reference_noun(ref), around.on_table)
     return list(around.on_table)
 
 
 def _looked_for(ref: ObjectRef, around: Surroundings) -> tuple[Quality, ...]:
     """Qualities that are no part of a name, so that the camera must decide."""
     qualities = tuple(q for q in ref.qualities if q not in _SPOKEN)
-    if words(ref.text) == words(ref.noun) or not called(ref.text, around.on_table):
+    if name_words(ref.text) == name_words(ref.noun) or not find_by_name(ref.text, around.on_table):
         return qualities
     return tuple(q for q in qualities if ref.reference and q in {"near", "far"})
 
 
-def _antecedent(ref: ObjectRef, around: Surroundings, spoken: Spoken, alone: bool) -> str:
+def _pronoun_object(ref: ObjectRef, around: Surroundings, spoken: Spoken, alone: bool) -> str:
     """Object of a pronoun; if nothing was spoken of, the only one that there is."""
     if spoken == Spoken() and len(around.on_table) == 1:
         return around.on_table[0].name
-    name = _first(spoken.it, ref, around)
+    name = _first_spoken_of(spoken.it, ref, around)
     if name not in around.names and not alone:
         raise _not_on_table(f"'{ref.text}', the {name},", ref, around)
     return name
 
 
-def _first(spoken: Sequence[str], ref: ObjectRef, around: Surroundings) -> str:
+def _first_spoken_of(spoken: Sequence[str], ref: ObjectRef, around: Surroundings) -> str:
     if not spoken:
         raise error(
             "no_antecedent",
             f"'{ref.text}' — nothing was spoken of yet",
-            span=span(ref),
+            span=reference_span(ref),
             suggestions=around.names,
         )
     return spoken[0]
 
 
-def _elsewhere(ref: ObjectRef, around: Surroundings, alone: bool) -> str:
+def _model_elsewhere(ref: ObjectRef, around: Surroundings, alone: bool) -> str:
     """The model of the registry that is meant, if one may stand alone."""
-    meant = {words(ref.text), words(noun(ref))}
+    meant = {name_words(ref.text), name_words(reference_noun(ref))}
     for model in around.known:
-        if any(words(name) in meant for name in (model.name, *model.synonyms)):
+        if any(name_words(name) in meant for name in (model.name, *model.synonyms)):
             if alone:
                 return model.name
             raise _not_on_table(f"'{ref.text}'", ref, around)
-    guess = likely(ref.text, around.on_table) or likely(noun(ref), around.on_table)
+    guess = likely_name(ref.text, around.on_table) or likely_name(
+        reference_noun(ref), around.on_table
+    )
     _require_no_more_than_a_name(ref, around, misspelt=guess is not None)
     raise error(
         "unknown_object",
-        f"there is no '{ref.text}' on the table; there is: {_there(around)}",
-        span=span(ref),
+        f"there is no '{ref.text}' on the table; there is: {_names_on_table(around)}",
+        span=reference_span(ref),
         suggestions=(f"did you mean '{guess}'?",) if guess else around.names,
     )
 
@@ -207,10 +218,10 @@ def _require_no_more_than_a_name(ref: ObjectRef, around: Surroundings, *, misspe
         name, more = " ".join(said_words[:i]), " ".join(said_words[i:])
         lexicon, _ = installed_lexicon()
         meant = words_like(said_words[i], lexicon)
-        found = called(name, around.on_table)
+        found = find_by_name(name, around.on_table)
         if not found or not (meant or (len(found) == 1 and not misspelt)):
             continue
-        whole = span(ref)
+        whole = reference_span(ref)
         exact = whole is not None and whole[1] - whole[0] == len(ref.text)
         raise error(
             "unknown_object",
@@ -223,11 +234,11 @@ def _require_no_more_than_a_name(ref: ObjectRef, around: Surroundings, *, misspe
 def _not_on_table(what: str, ref: ObjectRef, around: Surroundings) -> ControlError:
     return error(
         "not_on_table",
-        f"{what} is known, but there is none on the table; there is: {_there(around)}",
-        span=span(ref),
+        f"{what} is known, but there is none on the table; there is: {_names_on_table(around)}",
+        span=reference_span(ref),
         suggestions=around.names,
     )
 
 
-def _there(around: Surroundings) -> str:
+def _names_on_table(around: Surroundings) -> str:
     return enumeration(around.names) or "nothing"

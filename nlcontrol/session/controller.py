@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from grammar.frames.command import Command, Frame
 from nlcontrol.errors import ControlError, error, translated
 from nlcontrol.references.object_names import Candidate
-from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve
+from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve_references
 from nlcontrol.results.result import Result, with_
 from nlcontrol.session.executor import LOOK, Executor, Planner, Progress
 from objectmodels import ModelError, ObjectModel, Registry
@@ -126,7 +126,7 @@ class Controller:
             )
             for item in self.cell.objects
         ]
-        return resolve(command, on_table, tuple(self.registry), self.look, context)
+        return resolve_references(command, on_table, tuple(self.registry), self.look, context)
 
     def look(self) -> WorldState:
         """What the robot believes now: poses from the vision port, models from the registry."""

@@ -8,7 +8,12 @@ from grammar.frames import command as g
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
 from nlcontrol.references.object_names import Candidate
-from nlcontrol.references.reference_resolution import Context, mentioned, resolve, spoken_of
+from nlcontrol.references.reference_resolution import (
+    Context,
+    objects_mentioned,
+    objects_spoken_of,
+    resolve_references,
+)
 from objectmodels import Registry
 from planner.types.world_state import WorldState
 
@@ -48,7 +53,7 @@ def _not_looked() -> WorldState:
 def _named(text: str, table: tuple[Candidate, ...] = TABLE) -> str | None:
     """What a bare name leads to; nobody looks at the table for it."""
     command = _command(g.Frame(action="push", object=_ref(text)))
-    (frame,) = resolve(command, table, KNOWN, _not_looked).frames
+    (frame,) = resolve_references(command, table, KNOWN, _not_looked).frames
     assert frame.object is not None
     return frame.object.id
 
@@ -154,10 +159,10 @@ def test_every_reference_in_a_frame_is_bound(kitchen: Controller) -> None:
     assert isinstance(second.goal, g.Place)
     assert isinstance(second.goal.reference, tuple)
     assert [r.id for r in second.goal.reference] == ["coffee box", "cereal box"]
-    assert spoken_of(second) == ("ice tea box", "coffee box", "cereal box")
+    assert objects_spoken_of(second) == ("ice tea box", "coffee box", "cereal box")
     # What is only not to be touched is not what "it" means next.
-    assert spoken_of(first) == ("ice tea box", "coffee box")
-    assert mentioned(first) == ("ice tea box", "coffee box", "cereal box")
+    assert objects_spoken_of(first) == ("ice tea box", "coffee box")
+    assert objects_mentioned(first) == ("ice tea box", "coffee box", "cereal box")
 
 
 def test_it_is_the_object_of_the_clause_before_then_what_the_dialogue_spoke_of(
@@ -179,7 +184,7 @@ def test_it_without_anything_spoken_of_is_refused_unless_there_is_but_one(
     assert raised.value.info.suggestions == kitchen.cell.names
     assert raised.value.info.status.exit == 3
     command = _command(g.Frame(object=IT))
-    (frame,) = resolve(command, TABLE[:1], KNOWN, _not_looked).frames
+    (frame,) = resolve_references(command, TABLE[:1], KNOWN, _not_looked).frames
     assert _id(frame.object) == "ice tea box"
 
 

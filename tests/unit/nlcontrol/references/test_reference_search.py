@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from grammar.frames import command as g
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
-from nlcontrol.references.object_attributes import gap
+from nlcontrol.references.object_attributes import polygon_gap
 from nlcontrol.references.object_names import Candidate
-from nlcontrol.references.reference_resolution import Context, resolve
+from nlcontrol.references.reference_resolution import Context, resolve_references
 from objectmodels import BoxModel, Registry
 from planner.types.world_state import Colour, PlanarPose, SeenObject, WorldState
 from tests.sizes import examples
@@ -48,7 +48,7 @@ def _resolved(ref: g.ObjectRef, *seen: SeenObject, last: tuple[str, ...] = ()) -
     table = [Candidate(s.name, (s.name, s.model.name)) for s in seen]
     state = WorldState({s.name: s for s in seen})
     command = g.Command(text="", frames=(g.Frame(object=ref),), paraphrase="")
-    (frame,) = resolve(command, table, (), lambda: state, Context(last)).frames
+    (frame,) = resolve_references(command, table, (), lambda: state, Context(last)).frames
     assert frame.object is not None
     assert frame.object.id is not None
     return frame.object.id
@@ -268,7 +268,7 @@ def test_names_that_do_not_tell_apart_give_way_to_looks() -> None:
     state = WorldState({s.name: s for s in (a, b)})
     command = g.Command(text="", frames=(g.Frame(object=_ref("box")),), paraphrase="")
     with pytest.raises(ControlError) as raised:
-        resolve(command, table, (), lambda: state)
+        resolve_references(command, table, (), lambda: state)
     assert raised.value.info.suggestions == ("the red box", "the blue box")
 
 
@@ -282,18 +282,18 @@ def test_one_look_is_enough() -> None:
 
     frame = g.Frame(object=_ref("left one", "left"), goal=g.Displace(toward=_ref("one", "right")))
     command = g.Command(text="", frames=(frame, frame), paraphrase="")
-    resolve(command, [Candidate(s.name, (s.name,)) for s in boxes], (), look)
+    resolve_references(command, [Candidate(s.name, (s.name,)) for s in boxes], (), look)
     assert len(looks) == 1
 
 
 def test_distance_between_footprints() -> None:
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    assert gap(square, square + np.array([3.0, 0.5])) == pytest.approx(2.0)
+    assert polygon_gap(square, square + np.array([3.0, 0.5])) == pytest.approx(2.0)
     # Corner to corner, and corner to the middle of an edge.
-    assert gap(square, square + np.array([4.0, 5.0])) == pytest.approx(5.0)
+    assert polygon_gap(square, square + np.array([4.0, 5.0])) == pytest.approx(5.0)
     diamond = np.array([[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
-    assert gap(square, diamond + np.array([2.5, 0.5])) == pytest.approx(0.5)
-    assert gap(square, square + 0.5) == 0.0
+    assert polygon_gap(square, diamond + np.array([2.5, 0.5])) == pytest.approx(0.5)
+    assert polygon_gap(square, square + 0.5) == 0.0
 
 
 QUALITIES = tuple(q for q in get_args(g.Quality) if q not in {"other", "same"})
