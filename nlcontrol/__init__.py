@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from nlcontrol.results.result import Result
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.conversation import Conversation
+    from nlcontrol.session.executor import Executor, Perception, Planner, Robot
     from objectmodels import (
         BoxModel,
         CylinderModel,
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
     )
     from planner.types.plan import Plan
     from planner.types.refusal import Refusal
+    from sim.simulated_executor import SimulatedExecutor
+    from sim.traces.trace import Trace
 
 __version__ = "0.1.0"
 
@@ -52,6 +55,12 @@ _HOMES = {
     "ObjectModel": "objectmodels",
     "PrismModel": "objectmodels",
     "ErrorInfo": "nlcontrol.errors",
+    "Executor": "nlcontrol.session.executor",
+    "Perception": "nlcontrol.session.executor",
+    "Planner": "nlcontrol.session.executor",
+    "Robot": "nlcontrol.session.executor",
+    "SimulatedExecutor": "sim.simulated_executor",
+    "Trace": "sim.traces.trace",
     "Frame": "grammar",
     "ModelError": "objectmodels",
     "ParseError": "grammar",
@@ -71,16 +80,22 @@ __all__ = [
     "Conversation",
     "CylinderModel",
     "ErrorInfo",
+    "Executor",
     "Frame",
     "HullModel",
     "ModelError",
     "ObjectModel",
     "ParseError",
+    "Perception",
     "Plan",
+    "Planner",
     "PrismModel",
     "Refusal",
     "Registry",
     "Result",
+    "Robot",
+    "SimulatedExecutor",
+    "Trace",
     "__version__",
     "parse",
 ]

@@ -20,7 +20,7 @@ from objectmodels.containers.contents_update import container_with_mass, contain
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.types.actions import LiftUp, PourOut
 from planner.types.plan import Plan
-from sim.control.grasping.weighing import Weight, weight
+from sim.control.grasping.held_object_sensing import Weight, weight
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel

@@ -17,8 +17,7 @@ from planner.types.actions import Action, LiftUp, PourOut, SetDown
 from planner.types.world_state import Held
 from sim.control.free_motion import Progress
 from sim.control.grasping.hand_motion import ACCELERATES, HandMotion
-from sim.control.grasping.held_object_sensing import HandSense, Holding
-from sim.control.grasping.weighing import Weight, weight
+from sim.control.grasping.held_object_sensing import HandSense, Holding, Weight, weight
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.trace_recorder import TraceRecorder
 from sim.motion.grasp_motion_search import GraspMotion

@@ -11,16 +11,14 @@ Past the onset the force that is not balanced grows evenly, so that speed grows 
 time: v ∝ (t − t0)². The onset is the force at t0, where the straight line through √v over the last
 part of its way is zero. That takes out what the force gains until the motion is seen, about 1 %.
 
-The contact approximation is the one of `sim.worlds.drake.drake_plant`, lagged, but with a hundredth
-of its stiction tolerance: nothing chatters here, and the object creeps by ten micrometres before it
-moves instead of a tenth of a millimetre.
+The object in Drake stands in `sim.worlds.drake.single_object`.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import lru_cache, partial
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,19 +26,10 @@ from numpy.typing import ArrayLike
 from objectmodels.geometry.base_shapes import Polygon
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from sim.face_experiment.face_contact import Contact, TouchResult
-from sim.rotations import Array
 from sim.truth.object_truth import Truth
 from sim.truth.observer import Observer, Verdict
 from sim.truth.scene_file import Scene
-from sim.truth.world_sampling import drawn
-from sim.worlds.drake.drake_plant import (
-    Standing,
-    add_object,
-    add_table,
-    filter_collisions,
-    initial_pose,
-)
-from sim.worlds.drake.drake_world import changes_in
+from sim.worlds.drake.single_object import SingleObjectWorld, single_object_world
 
 BOUND = 1e-4
 """Displacement that counts as motion [m]; the object creeps by a tenth of it."""
@@ -51,8 +40,6 @@ STRONGEST = 10.0
 SLOWNESS = 10.0
 """Time in which the slow force would grow by as much as moves the object [s]."""
 
-_STICTION = 1e-6  # slip speed up to which friction counts as sticking [m/s]
-_SETTLING = 0.1  # in which the feet sink in until they carry the weight [s]
 _WEAKEST, _GROWTH = 0.01, 0.2  # the quick force: share of the weight, time to grow by e [s]
 _RISE = 0.2  # time in which the slow force gets near the onset [s]
 _NEAR = (0.92, 0.7, 0.4)  # of the rough onset; the next one if it moved before
@@ -72,7 +59,7 @@ def touch(scene: Scene, contact: Contact, *, seed: int = 0) -> TouchResult:
         contact: where and which way.
         seed: of what the scene hides or leaves to chance.
     """
-    world = _world(scene, contact.object, seed)
+    world = single_object_world(scene, contact.object, seed)
     observer = Observer(world.scene, bound=BOUND)
     truth = observer.truth(contact.object)
     if not _meets(truth, contact):
@@ -126,7 +113,11 @@ class _Roll:
     """
 
     def __init__(
-        self, world: _World, observer: Observer, contact: Contact, force: Callable[[float], float]
+        self,
+        world: SingleObjectWorld,
+        observer: Observer,
+        contact: Contact,
+        force: Callable[[float], float],
     ) -> None:
         self._world, self._observer, self._contact, self._force = world, observer, contact, force
         self.verdict: Verdict
@@ -169,82 +160,3 @@ def started(times: ArrayLike, speeds: ArrayLike) -> float:
         return float(t[-1])
     slope, offset = np.polyfit(t[first:], root[first:], 1)
     return float(-offset / slope)
-
-
-class _World:
-    """An object of a scene alone on the table, in Drake.
-
-    Attributes:
-        scene: what is true.
-        step_time: of a step, the scene's [s].
-        R_WB: orientation in which it stands.
-    """
-
-    def __init__(self, scene: Scene, name: str, seed: int) -> None:
-        from pydrake.multibody.plant import (
-            AddMultibodyPlant,
-            ExternallyAppliedSpatialForce,
-            MultibodyPlantConfig,
-        )
-        from pydrake.systems.analysis import Simulator
-        from pydrake.systems.framework import DiagramBuilder
-
-        self.scene = scene = drawn(scene, seed)
-        self.step_time = scene.time_step_s
-        builder = DiagramBuilder()
-        config = MultibodyPlantConfig(
-            time_step=self.step_time,
-            contact_model="point",
-            discrete_contact_approximation="lagged",
-            stiction_tolerance=_STICTION,
-            use_sampled_output_ports=False,
-        )
-        self._plant, scene_graph = AddMultibodyPlant(config, builder)
-        table = add_table(self._plant, scene)
-        item = scene.object(name)
-        self._body, solid, feet = add_object(self._plant, item)
-        self._plant.Finalize()
-        X_WB = initial_pose(item)
-        self._plant.SetDefaultFloatingBaseBodyPose(self._body, X_WB)
-        filter_collisions(scene_graph, robot=[], table=table, solids=[solid], feet=feet.geometries)
-        self.R_WB = X_WB.rotation().matrix()
-        self._push = ExternallyAppliedSpatialForce()
-        self._push.body_index = self._body.index()
-        self._port = self._plant.get_applied_spatial_force_input_port()
-        self._simulator = Simulator(builder.Build())
-        self._root = self._simulator.get_mutable_context()
-        self._context = self._plant.GetMyMutableContextFromRoot(self._root)
-        model = Standing(self._plant, scene_graph, {name: self._body}, {name: feet}, {})
-        for change in changes_in(model, self._root, scene, seed):
-            change.prepare([name], {name: (self.R_WB, X_WB.translation())})
-        self._steps = 0
-        self._rested = math.ceil(_SETTLING / self.step_time)
-        for _ in range(self._rested):
-            self.step(np.zeros(3), np.zeros(3))
-        self._settled = self._root.Clone()
-
-    def restart(self) -> Array:
-        """Puts it back to rest; returns its pose, quaternion (w, x, y, z) and p_WB [m], (7,)."""
-        self._root.SetTimeStateAndParametersFrom(self._settled)
-        self._steps = self._rested
-        self._simulator.Initialize()
-        return self._pose()
-
-    def step(self, point: Array, f_BC_W: Array) -> Array:
-        """One step under a force [N] at a point p_BC [m]; returns its pose as `restart` does."""
-        from pydrake.multibody.math import SpatialForce
-
-        self._push.p_BoBq_B = point
-        self._push.F_Bq_W = SpatialForce(np.zeros(3), f_BC_W)
-        self._port.FixValue(self._context, [self._push])
-        self._steps += 1
-        self._simulator.AdvanceTo(self._steps * self.step_time)
-        return self._pose()
-
-    def _pose(self) -> Array:
-        return np.array(self._plant.GetPositions(self._context))
-
-
-@lru_cache(maxsize=8)
-def _world(scene: Scene, name: str, seed: int) -> _World:
-    return _World(scene, name, seed)

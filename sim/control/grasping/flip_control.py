@@ -19,7 +19,7 @@ import numpy as np
 from planner.types.actions import FlipOver
 from planner.types.world_state import SeenObject
 from sim.control.free_motion import HAND_ACCELERATION, HAND_SPEED, Progress
-from sim.control.grasping.lidview import LidView
+from sim.control.grasping.lid_sensing import LidView
 from sim.control.pushing.guarded_touch import PAUSE, TOUCH_SPEED
 from sim.control.trace_recorder import TraceRecorder
 from sim.motion.flip_motion_search import FlipConfiguration

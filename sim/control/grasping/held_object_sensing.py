@@ -4,6 +4,10 @@ The finger joints' torques tell how hard thumb and fingers press and what hangs 
 tells, late and noisily, whether the object stays where it is in the hand, and whether the others
 stay where they stand. A frame is compared with where the hand was when it was taken.
 
+Model of a weight: the fingertips' forces balance it, τ = Jᵀf at each of them. While the hand hangs
+still the sensors' noise is white; what they read before the fingers touched was taken off, so its
+noise adds to that of the mean. Where exactly a fingertip touches is known to a share of its lever.
+
 Frames: P is the palm, G the middle of the grasp, W the world.
 """
 
@@ -41,6 +45,9 @@ DROPPED = 0.040
 
 NUDGED, NUDGED_ANGLE = 0.010, float(np.radians(8.0))
 """Motion of another object that counts as one [m], [rad]."""
+
+LEVER_ERROR = 0.01
+"""Relative standard deviation of a weight by the levers of the fingertips' contacts."""
 
 _LOOSE = 0.3  # share of the squeeze below which nothing is held
 _SEEN_SHARE, _OTHERS_SHARE = 0.25, 0.12  # weights of a new camera frame
@@ -260,3 +267,31 @@ class HandSense:
             far, lean = float(np.linalg.norm(p_W - p_0)), float(np.hypot(up[0], up[1]))
             if far > NUDGED or lean > np.sin(NUDGED_ANGLE):
                 raise EarlyEndError("nudged", f"the {other} was moved by {1e3 * far:.0f} mm")
+
+
+@dataclass(frozen=True)
+class Weight:
+    """A weight as it was felt.
+
+    Attributes:
+        mean, sd: the weight and its standard deviation [N].
+        samples: control steps over which it was felt.
+    """
+
+    mean: float
+    sd: float
+    samples: int
+
+
+def weight(vertical: Array, zero_samples: int) -> Weight:
+    """The weight of what is held still.
+
+    Args:
+        vertical: force of all fingertips upwards in each control step, shape (n,) [N].
+        zero_samples: over how many steps the sensors' zero was taken.
+    """
+    n = len(vertical)
+    noise = float(np.std(vertical, ddof=1)) if n > 1 else float("inf")
+    mean = float(np.mean(vertical))
+    white = noise * np.sqrt(1.0 / n + 1.0 / max(zero_samples, 1))
+    return Weight(mean, float(np.hypot(white, LEVER_ERROR * mean)), n)

@@ -22,13 +22,12 @@ from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene
 from sim.truth.world_sampling import drawn
 from sim.worlds.drake.contact_watch import ContactWatch
-from sim.worlds.drake.contents import ShiftingContents
 from sim.worlds.drake.drake_plant import Standing, add_plant
 from sim.worlds.drake.drake_ports import DrakeRobotPort
 from sim.worlds.drake.lid_mechanics import Lids
 from sim.worlds.drake.liquid_transfer import Liquid
 from sim.worlds.drake.vision_port import vision_port
-from sim.worlds.drake.world_variation import VaryingFriction
+from sim.worlds.drake.world_variation import ShiftingContents, VaryingFriction
 from sim.worlds.ports import BodyContact, Sample
 
 if TYPE_CHECKING:

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from sim.random_streams import Stream, source
 from sim.standard_robot import HAND
 from sim.truth.scene_file import FrictionVariation, Scene, VaryingTable, parse_scene
-from sim.worlds.drake.contents import ShiftingContents
 from sim.worlds.drake.drake_plant import Plant, add_plant
-from sim.worlds.drake.world_variation import FrictionField, VaryingFriction
+from sim.worlds.drake.world_variation import FrictionField, ShiftingContents, VaryingFriction
 
 GRAVITY = 9.81
 PERIOD = 0.01
@@ -54,7 +53,7 @@ class Free:
         for finger, resting in HAND.resting.angles.items():
             angles = HAND.model_angles(resting)
             for name, angle in zip(HAND.model_joints(finger), angles, strict=True):
-                self.plant.GetJointByName(f"{finger}_{name}").set_angle(self.context, angle)
+                self.plant.GetJointByName(name).set_angle(self.context, angle)
         for part, q in ((self.model.arm, arm), (self.model.hand, HAND.resting.joints)):
             port = self.plant.get_desired_state_input_port(part)
             port.FixValue(self.context, np.concatenate([q, np.zeros(len(q))]))

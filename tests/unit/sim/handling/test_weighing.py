@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.control.grasping.weighing import LEVER_ERROR, weight
+from sim.control.grasping.held_object_sensing import LEVER_ERROR, weight
 
 
 def test_a_weight_is_the_mean_of_what_is_felt() -> None:

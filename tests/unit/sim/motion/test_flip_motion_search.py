@@ -17,7 +17,7 @@ from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.arms.lwr.lwr_kinematics import LIMITS
-from sim.control.grasping.lidview import LidView
+from sim.control.grasping.lid_sensing import LidView
 from sim.execution.plan_execution import execute
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.motion.robot_reach import ArmHandReach
