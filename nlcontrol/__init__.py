@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from nlcontrol.results.result import Result
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.conversation import Conversation
-    from nlcontrol.session.executor import Executor, Perception, Planner, Robot
+    from nlcontrol.session.executor import Executor, Perception, Planner
     from objectmodels import (
         BoxModel,
         CylinderModel,
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     )
     from planner.types.plan import Plan
     from planner.types.refusal import Refusal
+    from planner.types.robot import Robot
     from sim.simulated_executor import SimulatedExecutor
     from sim.traces.trace import Trace
 
@@ -58,7 +59,7 @@ _HOMES = {
     "Executor": "nlcontrol.session.executor",
     "Perception": "nlcontrol.session.executor",
     "Planner": "nlcontrol.session.executor",
-    "Robot": "nlcontrol.session.executor",
+    "Robot": "planner.types.robot",
     "SimulatedExecutor": "sim.simulated_executor",
     "Trace": "sim.traces.trace",
     "Frame": "grammar",

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from planner.types.world_state import Held, WorldState
-from sim.control.free_motion import LOOK, Progress, watch
+from sim.cell.cell_description import LOOK
+from sim.control.free_motion import Progress, watch
 from sim.control.robot_setup import RobotSetup
 from sim.motion.robot_reach import ArmHandReach
 from sim.perception.state_estimation import estimate_objects

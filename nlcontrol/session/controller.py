@@ -18,11 +18,12 @@ from nlcontrol.errors import ControlError, error, translated
 from nlcontrol.references.object_names import Candidate
 from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve_references
 from nlcontrol.results.result import Result, with_
-from nlcontrol.session.executor import LOOK, Executor, Planner, Progress
+from nlcontrol.session.executor import Executor, Planner, Progress
 from objectmodels import ModelError, ObjectModel, Registry
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
 from planner.types.world_state import Held, PlanarPose, SeenObject, TableState, WorldState
+from sim.cell.cell_description import LOOK
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

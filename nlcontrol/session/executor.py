@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Protocol
 
+from sim.cell.cell_description import LOOK
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -25,9 +27,6 @@ if TYPE_CHECKING:
 
 Progress = Callable[[str, float, str], None]
 """Called with the phase, the robot's time [s] and what happens, while something is executed."""
-
-LOOK = 1.0
-"""Time over which camera frames are averaged before a plan is made [s]."""
 
 
 class Perception(Protocol):

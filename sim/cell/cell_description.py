@@ -16,6 +16,9 @@ from planner.types.defaults import DEFAULTS, Defaults
 from planner.types.world_state import TableState
 from sim.cell.strict_model import AsItIs, NonNegative, Part, Point2, Point3, Positive
 
+LOOK = 1.0
+"""Time over which camera frames are averaged before the hand moves [s]."""
+
 
 class CellObject(Part):
     """An object on the table, as the robot is told of it.

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from planner.types.world_state import Held, WorldState
+from sim.cell.cell_description import LOOK
 from sim.paths.point_attractor import attractor_points
 from sim.perception.state_estimation import estimate_objects
 from sim.rotations import Array
@@ -22,9 +23,6 @@ if TYPE_CHECKING:
 
 Progress = Callable[[str, float, str], None]
 """Told of the phase, the simulated time [s] and what happens."""
-
-LOOK = 1.0
-"""Time over which camera frames are averaged before the hand moves [s]."""
 
 JOINT_SPEED, JOINT_ACCELERATION = 1.2, 3.0
 """Of the arm in free motion, over all joints together [rad/s], [rad/s²]."""

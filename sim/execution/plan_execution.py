@@ -15,8 +15,9 @@ import numpy as np
 
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
+from sim.cell.cell_description import LOOK
 from sim.collision.collision_scene import SPARE
-from sim.control.free_motion import LOOK, Progress, look_around, silent
+from sim.control.free_motion import Progress, look_around, silent
 from sim.control.free_motion import watch as watch_frames
 from sim.control.pushing.force_control import Errand, PlannedControl
 from sim.control.pushing.guarded_touch import EarlyEndError

@@ -18,7 +18,8 @@ import numpy as np
 from planner.touch_experiments import Experiment
 from planner.touch_experiments import press as press_at
 from planner.types.world_state import SeenObject, WorldState
-from sim.control.free_motion import LOOK, silent
+from sim.cell.cell_description import LOOK
+from sim.control.free_motion import silent
 from sim.control.pushing.guarded_touch import PAUSE, EarlyEndError
 from sim.control.robot_setup import RobotSetup
 from sim.execution.push_execution import PushExecution

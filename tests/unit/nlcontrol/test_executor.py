@@ -74,7 +74,7 @@ def test_a_controller_takes_cell_and_seed_from_its_executor() -> None:
 def test_a_controller_asks_the_planner_that_it_is_given() -> None:
     asked: list[WorldState] = []
 
-    def planner(frame: Any, state: WorldState, reach: Any, **_: Any) -> Plan | Reached:
+    def planner(frame: Any, state: WorldState, robot: Any, **_: Any) -> Plan | Reached:
         asked.append(state)
         return Reached()
 
