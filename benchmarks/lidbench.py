@@ -14,7 +14,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from benchmarks.drake_strokes import add_tip
-from objectmodels.containers import lid_geometry as lids
+from objectmodels.containers.lid_geometry import (
+    THICKNESS,
+    grip_distance,
+    lid_hinge,
+)
 from objectmodels.models.object_parts import FlipLid
 from sim.rotations import Array
 from sim.standard_robot import HAND
@@ -122,10 +126,10 @@ class LidBench:
         """Moves a flip lid by its tab from one angle to another [rad]."""
         lid = self._item.truth.lid
         assert isinstance(lid, FlipLid)
-        hinge = lids.lid_hinge(lid, self._item.truth.rim, self._item.truth.height)
-        lever = lids.grip_distance(lid, hinge)
+        hinge = lid_hinge(lid, self._item.truth.rim, self._item.truth.height)
+        lever = grip_distance(lid, hinge)
         opens = end > start
-        above = -HAND.tip_radius if opens else HAND.tip_radius + lids.THICKNESS
+        above = -HAND.tip_radius if opens else HAND.tip_radius + THICKNESS
         off = -_BELOW if opens else _BELOW
         steps = int(abs(end - start) * lever / (SPEED * PERIOD))
         angles = np.linspace(start, end, steps)

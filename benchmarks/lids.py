@@ -20,7 +20,7 @@ import numpy as np
 from benchmarks.goals.worlds import scene
 from benchmarks.lidbench import LidBench
 from objectmodels import CylinderModel
-from objectmodels.containers import lid_forces as opening
+from objectmodels.containers import lid_forces
 from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap
 from sim.cell.cell_description import Vision
 from sim.truth.object_truth import Truth
@@ -146,18 +146,18 @@ def run(case: Case) -> Outcome:
     if isinstance(lid, FlipLid):
         return _flipped(bench, model, lid)
     if isinstance(lid, LiftOffLid):
-        expected = opening.lift_off(model, lid)
+        expected = lid_forces.lift_off(model, lid)
         done = bench.pull(_MORE * min(expected.needed, expected.held))
     else:
         assert isinstance(lid, ScrewCap)
-        expected = opening.unscrew(model, lid)
+        expected = lid_forces.unscrew(model, lid)
         done = bench.turn(_MORE * min(expected.needed, expected.held))
     opens = expected.margin > 1.0
     return Outcome(case.kind, _told(opens), expected.margin, _told(not done.came_along))
 
 
 def _flipped(bench: LidBench, model: CylinderModel, lid: FlipLid) -> Outcome:
-    arc = opening.flip(model, lid, end=_END)
+    arc = lid_forces.flip(model, lid, end=_END)
     done = bench.flip(_END)
     opened = done.lid > _OPEN * _END and not done.came_along
     return Outcome("flip", _told(arc.least_margin > 1.0), arc.least_margin, _told(opened))

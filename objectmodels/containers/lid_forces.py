@@ -31,7 +31,13 @@ from typing import Literal
 
 import numpy as np
 
-from objectmodels.containers import lid_geometry as lids
+from objectmodels.containers.lid_geometry import (
+    THICKNESS,
+    grip_distance,
+    lid_centre,
+    lid_hinge,
+    lid_rim,
+)
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.outcome_probability import Sample, sample_parameters
 from objectmodels.mechanics.push_thresholds import (
@@ -150,9 +156,9 @@ def flip(
     """
     angles = np.linspace(start, lid.opens_to if end is None else end, STEPS)
     opens = bool(angles[-1] >= angles[0])
-    hinge = lids.lid_hinge(lid, lids.lid_rim(model), model.top)
-    lever = lids.grip_distance(lid, hinge) if distance is None else distance
-    points = hinge.lid_point(angles, lever, 0.0 if opens else lids.THICKNESS)
+    hinge = lid_hinge(lid, lid_rim(model), model.top)
+    lever = grip_distance(lid, hinge) if distance is None else distance
+    points = hinge.lid_point(angles, lever, 0.0 if opens else THICKNESS)
     directions = (1.0 if opens else -1.0) * hinge.opening_direction(angles)
 
     def force(friction: Array, snap: Array) -> Array:
@@ -191,7 +197,7 @@ def lift_off(model: ObjectModel, lid: LiftOffLid, *, fixed: bool = False) -> Loo
     """
     weight = lid.mass * GRAVITY
     top = np.array([[0.0, 0.0, model.top]])
-    p_BL = lids.lid_centre(lid, lids.lid_rim(model), model.top)
+    p_BL = lid_centre(lid, lid_rim(model), model.top)
 
     def held(of: Sample) -> Array:
         if fixed:

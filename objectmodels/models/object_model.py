@@ -43,7 +43,9 @@ if TYPE_CHECKING:
     from objectmodels.mechanics.outcome_probability import Likelihood
     from objectmodels.mechanics.push_motion import Stroke
 
-_OF_ITS_STANDING = ("container", "lid", "grasp")  # stated for the base that it stands on
+_OF_ITS_BASE = (
+    "friction_radius", "friction_radius_sd", "correlations", "container", "lid", "grasp",
+)  # fmt: skip
 
 
 class ObjectModel(Parameters, ABC):
@@ -51,8 +53,6 @@ class ObjectModel(Parameters, ABC):
 
     Attributes: see `objectmodels.models.parameters.Parameters`.
     """
-
-    # -- the shape: what a kind of model says --------------------------------------------------
 
     @property
     @abstractmethod
@@ -137,15 +137,13 @@ class ObjectModel(Parameters, ABC):
         return rest_on_face(self, R_WB)
 
     def _fields_on_face(self, **changes: object) -> dict[str, Any]:
-        """Fields of a model that lies on another face: all but what was fitted for the base."""
+        """Fields of a model that lies on another face: all but those stated for the base."""
         kept = {name: getattr(self, name) for name in type(self).model_fields if name != "kind"}
-        for name in ("friction_radius", "friction_radius_sd", "correlations", *_OF_ITS_STANDING):
+        for name in _OF_ITS_BASE:
             del kept[name]
         if not isinstance(self.support, str):
             del kept["support"]
         return kept | changes
-
-    # -- what follows from it ------------------------------------------------------------------
 
     @model_validator(mode="after")
     def _fill_derived(self) -> Self:
@@ -323,9 +321,7 @@ class ObjectModel(Parameters, ABC):
             ModelError: `bad_array`; `unknown_parameter`.
         """
         n, f = checked_pairs(normals, forces)
-        mu: float | None = self.finger_friction
-        if friction == "kinetic":
-            mu = self.finger_friction_kinetic
+        mu = self.finger_friction if friction == "static" else self.finger_friction_kinetic
         if mu is None:
             raise ModelError("unknown_parameter", "the finger's kinetic friction is not known")
         pressing = -np.sum(n * f, axis=1)
@@ -346,11 +342,7 @@ class ObjectModel(Parameters, ABC):
         return sudden_push(self, *checked_pairs(points, forces))
 
     def stroke(
-        self,
-        points: ArrayLike,
-        normals: ArrayLike,
-        direction: ArrayLike,
-        travel: float,
+        self, points: ArrayLike, normals: ArrayLike, direction: ArrayLike, travel: float
     ) -> Stroke:
         """Motion by slow strokes of one finger each, or of two; see `push_motion`.
 

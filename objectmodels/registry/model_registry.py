@@ -21,8 +21,8 @@ from types import MappingProxyType
 from objectmodels.errors import ModelError
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.name_suggestions import fold_text, suggest
-from objectmodels.registry import model_plugins as plugins
 from objectmodels.registry.model_files import BUILT_IN_KINDS, kind_of, load_model
+from objectmodels.registry.model_plugins import plugin_offers
 
 FOLDER_VARIABLE = "NLCONTROL_OBJECTS"
 """Environment variable that names the user's folder of models."""
@@ -86,7 +86,7 @@ class Registry:
 
     def load_plugins(self) -> None:
         """Adds kinds and models of the installed plug-ins; the broken ones go to `problems`."""
-        for place, offer in plugins.plugin_offers():
+        for place, offer in plugin_offers():
             try:
                 if isinstance(offer, ModelError):
                     raise offer
