@@ -144,8 +144,12 @@ class Gantry:
         )
         self._simulator = Simulator(builder.Build())
         self.context = plant.GetMyMutableContextFromRoot(self._simulator.get_mutable_context())
-        self._time, self._height, self._q = 0.0, 0.0, self.grip.posture(self.grip.opening).joints
-        for finger, driven in self.grip.posture(self.grip.opening).angles.items():
+        self._time, self._height, self._q = (
+            0.0,
+            0.0,
+            self.grip.posture_at(self.grip.opening).joint_angles,
+        )
+        for finger, driven in self.grip.posture_at(self.grip.opening).angles.items():
             angles = HAND.model_angles(driven)
             for name, angle in zip(HAND.model_joints(finger), angles, strict=True):
                 plant.GetJointByName(name).set_angle(self.context, angle)
@@ -210,12 +214,12 @@ def slip(case: Case) -> tuple[float, float]:
     gantry = Gantry(case)
     grip = gantry.grip
     for opening in np.arange(grip.opening, 0.0, -0.02 * _PERIOD):
-        gantry.step(grip.posture(float(opening)).joints)
-    closed, wound = grip.posture().joints, 0.0
+        gantry.step(grip.posture_at(float(opening)).joint_angles)
+    closed, wound = grip.posture_at().joint_angles, 0.0
     while gantry.pressed() < case.squeeze and wound < 2.0 * case.squeeze:
         wound += _WINDING * _PERIOD
-        gantry.step(closed + wound * grip.pressing)
-    q = closed + wound * grip.pressing
+        gantry.step(closed + wound * grip.squeeze_offsets)
+    q = closed + wound * grip.squeeze_offsets
     for _ in range(round(_SETTLING / _PERIOD)):
         gantry.step(q)
     before = gantry.tips()

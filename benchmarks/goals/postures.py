@@ -28,7 +28,7 @@ from sim.collision.collision_spheres import (
     place_spheres,
 )
 from sim.hands.four_finger.hand_kinematics import FINGER_LIMITS
-from sim.hands.four_finger.pushing_postures import quality, two_finger_postures
+from sim.hands.four_finger.pushing_postures import pushing_quality, two_finger_postures
 from sim.hands.four_finger.resting_posture import bent_posture
 from sim.hands.hand_model import Posture
 from sim.hands.mount import Mount
@@ -61,12 +61,12 @@ def reachable(
         state: where everything stands; the object that is pushed moves ahead of the hand.
         rng: to draw from.
     """
-    mount = Mount.of(robot, ARM, HAND)
+    mount = Mount.from_cell(robot, ARM, HAND)
     points = [stroke.start + share * (stroke.end - stroke.start) for share in _SHARES]
     R_WD = rot_z(stroke.heading)
     for posture in _postures(fingers, rng):
         R_DP = _orientations(fingers, rng)
-        _, skew, _ = quality(posture, R_DP)
+        _, skew, _ = pushing_quality(posture, R_DP)
         R_WP = R_WD @ R_DP[skew < SKEW]
         free = _clear_hands(posture, R_WP, points, stroke.object, state)
         for some in np.array_split(R_WP[free], max(1, -(-int(free.sum()) // _AT_ONCE))):
@@ -126,7 +126,7 @@ def _arm_reaches(
     tip = R @ posture.tips.mean(axis=0)
     ok = np.ones((len(R), mount.arm.branches), dtype=bool)
     for k, point in enumerate(points):
-        q, valid = mount.arm.inverse(*mount.flange(R, point - tip), elbow)
+        q, valid = mount.arm.inverse(*mount.flange_poses(R, point - tip), elbow)
         ok &= valid
         if not ok.any():
             return False

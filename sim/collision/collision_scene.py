@@ -67,7 +67,7 @@ class Obstacle:
     radius: float = 0.0
 
     @classmethod
-    def of(cls, seen: SeenObject, clearance: float) -> Obstacle:
+    def from_seen(cls, seen: SeenObject, clearance: float) -> Obstacle:
         """An object that the robot sees."""
         outline, height = seen.bulk()
         R_WB, p_WB, radius = np.eye(3), np.zeros(3), 0.0
@@ -79,7 +79,7 @@ class Obstacle:
         middle = p_WB[:2] + R_WB[:2, :2] @ centre
         return cls(seen.name, clearance, R_WB, p_WB, outline, height, middle, around, radius)
 
-    def taken(self, before: Array, after: Array, turn: float) -> Obstacle:
+    def after_motion(self, before: Array, after: Array, turn: float) -> Obstacle:
         """The same once a point of it has moved, and it has turned about the vertical.
 
         Args:
@@ -92,7 +92,7 @@ class Obstacle:
         middle = after[:2] + R[:2, :2] @ (self.middle - before[:2])
         return replace(self, R_WB=R @ self.R_WB, p_WB=p_WB, middle=middle)
 
-    def distance(self, robot: Array) -> Array:
+    def distance_to(self, robot: Array) -> Array:
         """Signed distance of spheres in W, shape (..., 4), from it, shape (...) [m]."""
         in_B = place_spheres(robot, self.R_WB.T, -self.R_WB.T @ self.p_WB)
         if self.radius > 0.0:
@@ -110,7 +110,7 @@ class Obstacle:
             near &= x * x + y * y < (room + self.around) ** 2
         hit = np.zeros(near.shape, dtype=bool)
         if near.any():
-            hit[near] = self.distance(robot[near]) <= least
+            hit[near] = self.distance_to(robot[near]) <= least
         return np.asarray(~hit.any(axis=-1))
 
 
@@ -127,7 +127,7 @@ class CollisionScene:
     others: tuple[Obstacle, ...]
 
     @classmethod
-    def of(
+    def from_state(
         cls,
         state: WorldState,
         pushed: str,
@@ -143,13 +143,13 @@ class CollisionScene:
             clearance: from what is not fragile [m].
         """
         others = [
-            Obstacle.of(seen, (FRAGILE_CLEARANCE if seen.fragile else clearance) - spare)
+            Obstacle.from_seen(seen, (FRAGILE_CLEARANCE if seen.fragile else clearance) - spare)
             for name, seen in state.objects.items()
             if name != pushed
         ]
-        return cls(Obstacle.of(state.objects[pushed], OBJECT_CLEARANCE), tuple(others))
+        return cls(Obstacle.from_seen(state.objects[pushed], OBJECT_CLEARANCE), tuple(others))
 
-    def near(self, points: Array, size: float) -> tuple[Obstacle, ...]:
+    def obstacles_near(self, points: Array, size: float) -> tuple[Obstacle, ...]:
         """The others that something of a size may hit on its way along points, shape (w, 3)."""
         low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
         return tuple(

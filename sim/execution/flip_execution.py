@@ -53,9 +53,9 @@ class FlipExecution:
         tell("transit", recorder.port.time, f"moving the hand ({stance.stance.posture.name})")
         recorder.phase = "transit"
         recorder.fingers = stance.stance.posture.pushing
-        for q in (*stance.stance.via, stance.joints(self._above, 0.0)):
+        for q in (*stance.stance.via, stance.joint_angles(self._above, 0.0)):
             self._came.append(recorder.port.commanded[0])
-            move_joints(recorder, q, stance.stance.posture.joints)
+            move_joints(recorder, q, stance.stance.posture.joint_angles)
         tell("approach", recorder.port.time, "down to the lid")
         recorder.phase = "approach"
         self._straight(self._above, self._start)
@@ -70,7 +70,7 @@ class FlipExecution:
             move_joints(
                 recorder,
                 q,
-                recorder.mount.hand.resting.joints if last else recorder.port.commanded[1],
+                recorder.mount.hand.resting.joint_angles if last else recorder.port.commanded[1],
             )
         tell("settle", recorder.port.time, "letting everything come to rest")
         recorder.phase = "settle"
@@ -94,7 +94,7 @@ class FlipExecution:
             acceleration=HAND_ACCELERATION,
             period=recorder.port.period,
         ):
-            recorder.step(self._stance.joints(point, 0.0), posture.joints)
+            recorder.step(self._stance.joint_angles(point, 0.0), posture.joint_angles)
 
 
 def flip_over(

@@ -150,8 +150,8 @@ class GraspExecution:
         """From home to where the open hand is about the object."""
         self._tell("transit", "moving the hand")
         self._recorder.phase = "transit"
-        opened = self._way.grip.posture(self._motion.opening).joints
-        first, _ = self._way.joints(*approach.poses(np.zeros(1)))
+        opened = self._way.grip.posture_at(self._motion.opening).joint_angles
+        first, _ = self._way.joint_angles(*approach.poses_at(np.zeros(1)))
         self._motion.transit((*self._way.there, first[0]), opened)
         self._tell("approach", f"reaching for the {self._plan.object}")
         self._motion.go(approach)
@@ -206,7 +206,7 @@ class GraspExecution:
         """Stays where it is, with what it holds."""
         self._recorder.phase = "settle"
         self._motion.wait(SETTLE)
-        R_WP, p_WP = self._way.mount.palm(self._port.commanded[0])
+        R_WP, p_WP = self._way.mount.palm_poses(self._port.commanded[0])
         R_PB, p_PG = self._sense.seen or (self._way.R_BP.T, self._way.grip.middle)
         base = p_WP + R_WP @ (p_PG - R_PB @ np.array(self._grasp.p_BG))
         turned = {
@@ -292,7 +292,7 @@ class GraspExecution:
                     return done, share
                 faster = pace + period / ACCELERATES
                 pace = min(float(np.clip(left, _SLOWEST_POUR, 1.0)), faster)
-                share = min(1.0, share + pace * leg.fastest * period)
+                share = min(1.0, share + pace * leg.share_rate * period)
                 self._motion.reach(leg, share)
         for _ in range(round(wait / period)):
             if self._run_out(full) > out:

@@ -88,7 +88,7 @@ class LidExecution(GraspExecution):
             leg = replace(first, start=first.start + up, end=first.end + up)
             if stroke:
                 self._motion.let_go()
-                self._motion.go(leg.back(start=leg.start, free=True))
+                self._motion.go(leg.way_back(start=leg.start, free=True))
                 self._take_hold()
             self._feels.torque, self._feels.most_torque = 0.0, step.torque_limit
             self._motion.go(leg)
@@ -132,5 +132,5 @@ class LidExecution(GraspExecution):
         down = replace(leg, start=near, end=into, speed=_SLOWLY)
         made = self._motion.go(down, until=hangs - step.press)
         # Fingers that press while they open would drag it along.
-        _, (here,) = down.poses(np.array([made]))
+        _, (here,) = down.poses_at(np.array([made]))
         self._motion.go(replace(leg, start=here, speed=_SLOWLY))

@@ -125,7 +125,7 @@ def _execute_by_hand(
     if isinstance(way, ReachAnswer):
         end, detail = "unreachable", way.message
     else:
-        handled = HeldObject.of(plan, state)
+        handled = HeldObject.from_plan(plan, state)
         make = GraspExecution if handled.owner is None else LidExecution
         execution = make(handled, recorder, way, tell, setup.holding)
         try:

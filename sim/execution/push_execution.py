@@ -72,7 +72,7 @@ class PushExecution:
         Raises:
             EarlyEndError: the hand does not get there.
         """
-        for reach in (self._setup.reach, self._setup.reach.thorough()):
+        for reach in (self._setup.reach, self._setup.reach.thorough_reach()):
             # It was reached from where things were seen before.
             for spare in (0.0, SPARE):
                 answer = reach.push_configuration(self._push, state, spare)
@@ -87,9 +87,9 @@ class PushExecution:
         above = np.array([*way.start[:2], stance.lift])
         self.recorder.phase = "transit"
         self.recorder.fingers = stance.posture.pushing
-        for q in (*stance.via, stance.joints(above)):
+        for q in (*stance.via, stance.joint_angles(above)):
             self._way_home.append(self._port.commanded[0])
-            move_joints(self.recorder, q, stance.posture.joints)
+            move_joints(self.recorder, q, stance.posture.joint_angles)
         self._tell("approach", self._port.time, "down to the object")
         self.recorder.phase = "approach"
         for point in self._line(above, way.start):
@@ -127,7 +127,7 @@ class PushExecution:
         self.recorder.phase = "retreat"
         for q in reversed(self._descent):
             self.recorder.step(q, self._port.commanded[1])
-        rest = self._setup.reach.mount.hand.resting.joints
+        rest = self._setup.reach.mount.hand.resting.joint_angles
         for q in reversed(self._way_home):
             last = q is self._way_home[0]
             move_joints(self.recorder, q, rest if last else self._port.commanded[1])
@@ -148,4 +148,4 @@ class PushExecution:
         )
 
     def _go(self, stance: ArmConfiguration, tip: Array, turned: float = 0.0) -> None:
-        self.recorder.step(stance.joints(tip, turned), stance.posture.joints)
+        self.recorder.step(stance.joint_angles(tip, turned), stance.posture.joint_angles)

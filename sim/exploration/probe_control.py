@@ -114,7 +114,7 @@ def _touched(
 ) -> Recording:
     """Goes there, touches, and leaves the object again."""
     stance, way = execution.stance(state)
-    way = way.raised(experiment.raised)
+    way = way.raised_by(experiment.raised)
     execution.approach(stance, way)
     control = ProbeControl(experiment, execution.recorder, stance, way, tell)
     try:
@@ -154,7 +154,7 @@ class ProbeControl(TouchControl):
         self._views: deque[tuple[float, float, float]] = deque()
         self._origin = way.touch
         axes = np.array([[-self._u[1], self._u[0], 0.0], [0.0, 0.0, 1.0]])
-        self._face_axes = [(axis, stance.stiffness(axis)) for axis in axes]
+        self._face_axes = [(axis, stance.push_stiffness(axis)) for axis in axes]
         self._aside = np.zeros(3)
         self._moved: Moved | None = None
         self._most = 0.0
@@ -199,15 +199,15 @@ class ProbeControl(TouchControl):
 
     def _raise(self) -> tuple[EndReason, str]:
         """Along the arc about the far edge."""
-        radius = self._arc.radius
-        start = float(self._arc.tilts(self.commanded[None])[0])
+        radius = self._arc.arc_radius
+        start = float(self._arc.tilt_angles(self.commanded[None])[0])
         self._angle = start
         while True:
             self._angle += self.experiment.push.speed * self._period / radius
             # Where the fingertip touches goes round on it as the face leans.
             lean = self._own_tilt()
             self.recorder.inward = np.cos(lean) * self._u - [0.0, 0.0, np.sin(lean)]
-            self._press(self._arc.at(self._angle))
+            self._press(self._arc.tip_at(self._angle))
             ended = self._ended() or self._slides()
             if ended is not None:
                 return ended
@@ -216,7 +216,7 @@ class ProbeControl(TouchControl):
         """Pressing gently, down along the face."""
         down = np.array([0.0, 0.0, -1.0])
         wanted = RUB_FORCE * self.experiment.onset
-        stiffness = self.stance.stiffness(self._u)
+        stiffness = self.stance.push_stiffness(self._u)
         command, drawn = self.commanded, 0.0
         while True:
             lacking = wanted - float(self._forces.sum())
@@ -238,10 +238,10 @@ class ProbeControl(TouchControl):
         return "stroke", f"the finger slipped by {-1e3 * way[2]:.0f} mm"
 
     def _let_down(self) -> None:
-        radius = self._arc.radius
+        radius = self._arc.arc_radius
         while self._angle > 0.0:
             self._angle -= _LET_DOWN * self.experiment.push.speed * self._period / radius
-            self._step(self._arc.at(self._angle) + self._aside, self._u)
+            self._step(self._arc.tip_at(self._angle) + self._aside, self._u)
 
     def _hold(self) -> None:
         """Stands still and looks."""
@@ -256,7 +256,7 @@ class ProbeControl(TouchControl):
 
     def _own_tilt(self) -> float:
         """Tilt at which the fingertip touches the face where it is [rad]."""
-        return float(self._arc.tilts(self._here.midpoint[None])[0])
+        return float(self._arc.tilt_angles(self._here.midpoint[None])[0])
 
     # -- ends and guards -------------------------------------------------------------------------
 

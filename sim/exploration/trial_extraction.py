@@ -89,7 +89,7 @@ def _tilts(recording: Recording, source: str) -> list[Trial]:
     push = recording.experiment.push
     u, length = np.array(push.direction_W), recording.experiment.length
     arc = TiltArc(recording.tips[0], u, length, recording.tip_radius)
-    tilt, height = arc.tilts(recording.tips), arc.heights(recording.tips)
+    tilt, height = arc.tilt_angles(recording.tips), arc.contact_heights(recording.tips)
     forces = recording.forces @ recording.before.R_WB
     top = float(tilt.max())
     ranges = [SMALL] if top < SMALL[1] + LARGE else [SMALL, np.array([top - LARGE, top])]

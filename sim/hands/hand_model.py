@@ -44,12 +44,12 @@ class Posture:
     tips: Array
 
     @functools.cached_property
-    def midpoint(self) -> Array:
+    def tip_midpoint(self) -> Array:
         """Midpoint of the pushing fingertips' centres in P, shape (3,) [m]."""
         return np.asarray(self.tips.mean(axis=0))
 
     @functools.cached_property
-    def joints(self) -> Array:
+    def joint_angles(self) -> Array:
         """Angles of the independent finger joints, finger after finger, shape (n,) [rad]."""
         return np.array([a for each in self.angles.values() for a in each])
 
@@ -78,7 +78,7 @@ class PostureSet:
     palm: Array
 
     @classmethod
-    def of(
+    def from_postures(
         cls,
         postures: tuple[Posture, ...],
         spheres: tuple[Array, ...],
@@ -87,7 +87,7 @@ class PostureSet:
         strength: Array,
     ) -> PostureSet:
         """The set of some postures with their spheres in P, shape (k, 4) each."""
-        tips = np.array([posture.midpoint for posture in postures])[which]
+        tips = np.array([posture.tip_midpoint for posture in postures])[which]
         about_T = np.array(padded_spheres(spheres))[which]
         return cls(
             postures,
@@ -113,7 +113,7 @@ class PostureSet:
             self.palm[chosen],
         )
 
-    def posture(self, index: int) -> Posture:
+    def posture_at(self, index: int) -> Posture:
         """Posture of one of them."""
         return self.postures[int(self.which[index])]
 
@@ -123,19 +123,19 @@ class PostureSet:
         return len(self.postures[0].pushing)
 
     @functools.cached_property
-    def lowest(self) -> Array:
+    def lowest_points(self) -> Array:
         """Height of the lowest point but the pushing tips above T, shape (n,) [m]."""
         tips = self.tip_count
         below = self.centres[:, :-tips, 2] - self.radii[:, :-tips]
         return np.asarray(below.min(axis=1, initial=np.inf))
 
     @functools.cached_property
-    def size(self) -> float:
+    def horizontal_size(self) -> float:
         """Largest horizontal distance of any point from T [m]."""
         far = np.hypot(self.centres[..., 0], self.centres[..., 1]) + self.radii
         return float(far.max(initial=0.0))
 
-    def placed(self, R_WD: Array, points: Array) -> Array:
+    def spheres_along(self, R_WD: Array, points: Array) -> Array:
         """The spheres in W with T at w points, shape (n, w, k, 4).
 
         Args:
@@ -179,7 +179,7 @@ class FlipPostureSet:
         )
 
     @functools.cached_property
-    def robot(self) -> Array:
+    def path_spheres(self) -> Array:
         """Spheres of the hand in E along the path, the fingertip last, shape (n, w, k, 4)."""
         most = max(map(len, self.spheres), default=1)
         about = np.reshape(padded_spheres(self.spheres), (len(self), 1, most, 4))
@@ -218,20 +218,20 @@ class GraspPosture(Protocol):
         ...
 
     @property
-    def holding(self) -> tuple[str, ...]:
+    def touching_fingers(self) -> tuple[str, ...]:
         """Names of the fingers that touch."""
         ...
 
     @property
-    def pressing(self) -> Array:
+    def squeeze_offsets(self) -> Array:
         """Change of the commanded finger angles per squeeze, shape (n,) [rad/N]."""
         ...
 
-    def posture(self, opening: float = 0.0) -> Posture:
+    def posture_at(self, opening: float = 0.0) -> Posture:
         """The hand with its fingertips so far off each side [m]; negative: beyond it."""
         ...
 
-    def bearing(self, force_P: Array) -> Array:
+    def force_offsets(self, force_P: Array) -> Array:
         """Change of the commanded finger angles with which both sides exert a force.
 
         Args:
@@ -287,7 +287,7 @@ class Hand(Protocol):
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """Names of the independent joints in the order of `Posture.joints`."""
+        """Names of the independent joints in the order of `Posture.joint_angles`."""
         ...
 
     def model_joints(self, finger: str) -> tuple[str, ...]:

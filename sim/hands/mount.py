@@ -35,7 +35,7 @@ class Mount:
     p_WA: Array
 
     @classmethod
-    def of(cls, cell: RobotMount, arm: ArmKinematics, hand: Hand) -> Mount:
+    def from_cell(cls, cell: RobotMount, arm: ArmKinematics, hand: Hand) -> Mount:
         """The mount that a cell's description names."""
         roll, pitch, yaw = np.radians(cell.base_rpy_deg)
         return cls(arm, hand, rot_z(yaw) @ rot_y(pitch) @ rot_x(roll), np.array(cell.base_m))
@@ -45,13 +45,13 @@ class Mount:
         """Centre of the arm's wrist in P, shape (3,) [m]."""
         return np.asarray(self.hand.R_FP.T @ (self.arm.p_FW - self.hand.p_FP))
 
-    def flange(self, R_WP: Array, p_WP: Array) -> tuple[Array, Array]:
+    def flange_poses(self, R_WP: Array, p_WP: Array) -> tuple[Array, Array]:
         """Flange poses in A for palm poses in W, shapes (..., 3, 3) and (..., 3)."""
         R_WF = R_WP @ self.hand.R_FP.T
         p_WF = p_WP - R_WF @ self.hand.p_FP
         return self.R_WA.T @ R_WF, (p_WF - self.p_WA) @ self.R_WA
 
-    def palm(self, q: Array) -> tuple[Array, Array]:
+    def palm_poses(self, q: Array) -> tuple[Array, Array]:
         """Palm poses in W for arm angles, shapes (..., 3, 3) and (..., 3)."""
         R_AF, p_AF = self.arm.forward(q)
         R_WF = self.R_WA @ R_AF
@@ -72,7 +72,7 @@ class Mount:
             Angles, shape (n, w, branches, joints) [rad], and which of them reach their pose away
             from the arm's singularities, shape (n, w, branches).
         """
-        R_AF, p_AF = self.flange(R_WP, p_WP)
+        R_AF, p_AF = self.flange_poses(R_WP, p_WP)
         n, w = p_AF.shape[:2]
         q, valid = self.arm.inverse(
             R_AF.reshape(-1, 3, 3), p_AF.reshape(-1, 3), np.repeat(redundancy, w)
@@ -91,5 +91,5 @@ class Mount:
             hand_P: those of the hand in P, shape (h, 4); they come first.
             q: arm angles [rad].
         """
-        hand = place_spheres(hand_P, *self.palm(q))
+        hand = place_spheres(hand_P, *self.palm_poses(q))
         return np.concatenate([hand, self.arm_spheres(q)], axis=-2)

@@ -44,7 +44,7 @@ class ArmConfiguration:
     lift: float
     via: tuple[Array, ...] = ()
 
-    def joints(self, p_WT: Array, turned: float = 0.0) -> Array:
+    def joint_angles(self, p_WT: Array, turned: float = 0.0) -> Array:
         """Arm angles that bring T to a point in W, shape (n,) [rad].
 
         Args:
@@ -55,8 +55,8 @@ class ArmConfiguration:
             UnreachableError: the arm does not get there in this stance.
         """
         R_WP = rot_z(turned) @ self.R_WP if turned else self.R_WP
-        p_WP = p_WT - R_WP @ self.posture.midpoint
-        R_AF, p_AF = self.mount.flange(R_WP, p_WP)
+        p_WP = p_WT - R_WP @ self.posture.tip_midpoint
+        R_AF, p_AF = self.mount.flange_poses(R_WP, p_WP)
         q, valid = self.mount.arm.inverse(
             R_AF[None], p_AF[None], np.array([self.elbow]), [self.branch]
         )
@@ -65,19 +65,19 @@ class ArmConfiguration:
             raise UnreachableError(f"the arm does not bring the fingertips to ({at}) mm")
         return np.asarray(q[0, 0])
 
-    def stiffness(self, direction_W: Array) -> float:
+    def push_stiffness(self, direction_W: Array) -> float:
         """Force per displacement of the pushing fingers along a unit direction in W [N/m]."""
         along, hand = self.R_WP.T @ direction_W, self.mount.hand
-        each = [along @ hand.tip_stiffness(*c) @ along for c in self._contacts(along)]
+        each = [along @ hand.tip_stiffness(*c) @ along for c in self._contact_points(along)]
         return float(sum(each))
 
     def force_noise_gain(self, direction_W: Array) -> float:
         """Noise of the force felt by all fingers per noise of a torque sensor [1/m]."""
         along, hand = self.R_WP.T @ direction_W, self.mount.hand
-        each = [float(hand.force_noise_gain(*c, along)) for c in self._contacts(along)]
+        each = [float(hand.force_noise_gain(*c, along)) for c in self._contact_points(along)]
         return float(np.linalg.norm(each))
 
-    def _contacts(self, along_P: Array) -> list[tuple[str, Angles, Array]]:
+    def _contact_points(self, along_P: Array) -> list[tuple[str, Angles, Array]]:
         """Finger, angles and contact point in P of each pushing finger."""
         radius = self.mount.hand.tip_radius
         return [
@@ -86,6 +86,6 @@ class ArmConfiguration:
         ]
 
 
-def unreachable(reason: str, message: str, blocker: str | None = None) -> ReachAnswer:
+def unreachable_answer(reason: str, message: str, blocker: str | None = None) -> ReachAnswer:
     """The answer that a search has found nothing, and what stopped it."""
     return ReachAnswer(ok=False, reason=reason, message=message, blocker=blocker)

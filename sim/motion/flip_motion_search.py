@@ -24,7 +24,7 @@ from sim.collision.collision_scene import TABLE_CLEARANCE, CollisionScene
 from sim.collision.collision_spheres import height_above_table, place_spheres
 from sim.hands.hand_model import FlipPostureSet
 from sim.hands.mount import Mount
-from sim.motion.arm_configuration import ArmConfiguration, unreachable
+from sim.motion.arm_configuration import ArmConfiguration, unreachable_answer
 from sim.motion.ik_search import best_solutions
 from sim.motion.roadmap import (
     LIMIT_MARGIN,
@@ -64,17 +64,17 @@ class FlipConfiguration:
     R_WE: Array
     p_WE: Array
 
-    def joints(self, p_ET: Array, share: float) -> Array:
+    def joint_angles(self, p_ET: Array, share: float) -> Array:
         """Arm angles, shape (joints,), with T at a point of E and the palm turned by a share.
 
         Raises:
             UnreachableError: the arm does not get there in this stance.
         """
-        R_WP = self.R_WE @ rot_y(share * self._turn) @ self.hands.R_EP[0, 0]
-        return replace(self.stance, R_WP=R_WP).joints(self.R_WE @ p_ET + self.p_WE)
+        R_WP = self.R_WE @ rot_y(share * self._palm_turn) @ self.hands.R_EP[0, 0]
+        return replace(self.stance, R_WP=R_WP).joint_angles(self.R_WE @ p_ET + self.p_WE)
 
     @property
-    def _turn(self) -> float:
+    def _palm_turn(self) -> float:
         """How far the palm turns about E's y axis [rad]."""
         R_EP = self.hands.R_EP[0]
         whole = R_EP[self.hands.path.touching.stop - 1] @ R_EP[0].T
@@ -114,24 +114,26 @@ class FlipMotionSearch:
         self._R_WE, self._p_WE = hinge_pose(target)
         # The lid is looked at where it is, not as what rises above the object.
         bare = {**state.objects, name: replace(target, lid=None)}
-        self._scenery = CollisionScene.of(replace(state, objects=bare), name)
+        self._scenery = CollisionScene.from_state(replace(state, objects=bare), name)
         self._hands = mount.hand.flip_postures(self._lid)
         # Behind an open lid it is above everything before.
-        self._lift = _LIFT[self._lid.opens]
+        self._lift = _LIFT[self._lid.is_opening]
         self._stopped: set[str] = set()
 
-    def best(self) -> tuple[FlipConfiguration, ReachAnswer] | ReachAnswer:
+    def best_configuration(self) -> tuple[FlipConfiguration, ReachAnswer] | ReachAnswer:
         """The best stance, or why there is none."""
         if not len(self._hands):
-            return unreachable(
+            return unreachable_answer(
                 "object", f"the hand would hit the {self._name} with more than a fingertip"
             )
         hands = self._clear_hands()
         if not len(hands):
             other = min(self._stopped)
-            return unreachable("obstacle", f"the hand would hit the {other} beside the lid", other)
+            return unreachable_answer(
+                "obstacle", f"the hand would hit the {other} beside the lid", other
+            )
         met: list[Array] = []
-        for tried, found in enumerate(self._found(hands)):
+        for tried, found in enumerate(self._configurations(hands)):
             stance, above, room = found
             via = self._way_there(stance, above, thorough=tried == _WAYS - 1)
             if via is not None:
@@ -144,8 +146,8 @@ class FlipMotionSearch:
             hit = self._scenery.hit_by(met[0])
             what = hit or f"{self._name} or the table"
             message = f"the arm has no free way to the lid: it would hit the {what}"
-            return unreachable("obstacle" if hit else "approach", message, hit)
-        return unreachable(
+            return unreachable_answer("obstacle" if hit else "approach", message, hit)
+        return unreachable_answer(
             "kinematics", f"the arm does not reach along the lid of the {self._name}"
         )
 
@@ -153,10 +155,10 @@ class FlipMotionSearch:
         """Hands that hit nothing else on their way."""
         every = self._hands
         hands = every[np.unique(np.linspace(0, len(every) - 1, _HANDS).astype(int))]
-        near = self._scenery.near(self._p_WE[None], 0.45)
+        near = self._scenery.obstacles_near(self._p_WE[None], 0.45)
         if not near:
             return hands
-        robot = place_spheres(hands.robot, self._R_WE, self._p_WE)
+        robot = place_spheres(hands.path_spheres, self._R_WE, self._p_WE)
         free = np.ones(len(hands), dtype=bool)
         for each in near:
             if free.any():
@@ -167,12 +169,14 @@ class FlipMotionSearch:
 
     # -- arms -----------------------------------------------------------------------------------
 
-    def _found(self, hands: FlipPostureSet) -> Iterator[tuple[FlipConfiguration, Array, float]]:
+    def _configurations(
+        self, hands: FlipPostureSet
+    ) -> Iterator[tuple[FlipConfiguration, Array, float]]:
         """Stances, the arm's pose above their start, and their room to the joint limits."""
         hand, elbow, branch = self._at_a_glance(hands)
         for first in range(0, len(hand), _FOLLOWED):
             few = slice(first, first + _FOLLOWED)
-            solved = self._followed(hands, hand[few], elbow[few], branch[few])
+            solved = self._follow_path(hands, hand[few], elbow[few], branch[few])
             for k in range(len(solved.hand)):
                 one = hands[solved.hand[k : k + 1]]
                 stance = ArmConfiguration(
@@ -188,7 +192,7 @@ class FlipMotionSearch:
                 )
                 yield found, solved.q[k, 0], float(solved.room[k])
 
-    def _poses(
+    def _solve_poses(
         self, hands: FlipPostureSet, at: list[int], lift: Array, elbow: Array
     ) -> tuple[Array, NDArray[np.bool_]]:
         """Arm angles of n hands at some points of their way, shape (n, w, branches, joints)."""
@@ -207,13 +211,13 @@ class FlipMotionSearch:
         arc, elbows = hands.path.touching, self._mount.arm.redundancy_samples[::2]
         hand, elbow = np.repeat(np.arange(len(hands)), len(elbows)), np.tile(elbows, len(hands))
         at = [0, (arc.start + arc.stop) // 2, arc.stop - 1]
-        q, usable = self._poses(hands[hand], at, np.zeros(3), elbow)
+        q, usable = self._solve_poses(hands[hand], at, np.zeros(3), elbow)
         room = self._mount.arm.joint_room(q).min(axis=1)
         off = q[:, 0] - self._home
         row, branch = best_solutions(np.asarray(usable.all(axis=1)), room, off, _HOMESICK, _SOLVED)
         return hand[row], elbow[row], branch
 
-    def _followed(
+    def _follow_path(
         self, hands: FlipPostureSet, hand: NDArray[np.intp], elbow: Array, branch: NDArray[np.intp]
     ) -> _Solved:
         """What is continuous all along the way and free, from above the start on."""
@@ -223,25 +227,25 @@ class FlipMotionSearch:
             [0] * (d - 1) + list(range(w)),
             np.append(self._lift * _DESCENT[:-1], np.zeros(w)),
         )
-        q, usable = self._poses(some, at, lift, elbow)
+        q, usable = self._solve_poses(some, at, lift, elbow)
         rows = np.arange(len(hand))
         q, usable = q[rows, :, branch], usable[rows, :, branch]
         steady = np.abs(np.diff(q, axis=1)).max(axis=(1, 2)) < _LARGEST_STEP
         good = usable.all(axis=1) & steady
-        good[good] = self._free(some[np.flatnonzero(good)], q[good])
+        good[good] = self._are_free(some[np.flatnonzero(good)], q[good])
         room = self._mount.arm.joint_room(q).min(axis=1)
         return _Solved(hand[good], elbow[good], branch[good], q[good], room[good])
 
     # -- what is in the way ---------------------------------------------------------------------
 
-    def _free(self, hands: FlipPostureSet, q: Array) -> NDArray[np.bool_]:
+    def _are_free(self, hands: FlipPostureSet, q: Array) -> NDArray[np.bool_]:
         """Which arms keep clear of everything, and their hands on the way down, shape (n,)."""
         arms = self._mount.arm_spheres(q)
         free = np.asarray(self._scenery.is_free(arms).all(axis=1))
         free &= self._is_off_lid(arms, self._lid.start).all(axis=1)
         free &= self._is_off_lid(arms, self._lid.end).all(axis=1)
         lifts = self._lift * _DESCENT[:, None] * np.array([0.0, 0.0, 1.0])
-        down = hands.robot[:, :1] + np.pad(lifts, ((0, 0), (0, 1)))[:, None]
+        down = hands.path_spheres[:, :1] + np.pad(lifts, ((0, 0), (0, 1)))[:, None]
         robot = place_spheres(down, self._R_WE, self._p_WE)
         for each in self._scenery.others:
             free &= each.is_clear(robot).all(axis=1)
@@ -251,7 +255,7 @@ class FlipMotionSearch:
     def _is_off_lid(self, robot: Array, angle: float) -> NDArray[np.bool_]:
         """Which poses of spheres in W, shape (..., k, 4), keep off the lid, shape (...)."""
         in_E = place_spheres(robot, self._R_WE.T, -self._R_WE.T @ self._p_WE)
-        distance = self._lid.distance(in_E, np.full(in_E.shape[:-2], angle))
+        distance = self._lid.distance_to_lid(in_E, np.full(in_E.shape[:-2], angle))
         return np.asarray((distance > _BODY_CLEARANCE).all(axis=-1))
 
     def _way_there(

@@ -30,11 +30,11 @@ from sim.collision.collision_scene import (
 from sim.collision.collision_spheres import height_above_table, place_spheres, surface_spheres
 from sim.hands.hand_model import GraspPosture
 from sim.hands.mount import Mount
-from sim.motion.arm_configuration import unreachable
+from sim.motion.arm_configuration import unreachable_answer
 from sim.motion.ik_search import best_solutions
 from sim.motion.roadmap import LIMIT_MARGIN, free_path, sample_configurations
 from sim.paths.held_object import HeldObject
-from sim.paths.held_object_path import HeldSegment, grasp_frame, held_segments, withdrawals
+from sim.paths.held_object_path import HeldSegment, grasp_frame, held_segments, withdrawal_vectors
 from sim.rotations import Array
 
 HELD_CLEARANCE = 0.004
@@ -79,10 +79,10 @@ class GraspMotion:
     back: tuple[Array, ...] = ()
     room: float = 0.0
 
-    def joints(self, R_WB: Array, p_WB: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def joint_angles(self, R_WB: Array, p_WB: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Arm angles for object poses, shape (n, joints), and which of them are reached, (n,)."""
         n = len(p_WB)
-        R_AF, p_AF = self.mount.flange(R_WB @ self.R_BP, p_WB + R_WB @ self.p_BP)
+        R_AF, p_AF = self.mount.flange_poses(R_WB @ self.R_BP, p_WB + R_WB @ self.p_BP)
         q, valid = self.mount.arm.inverse(R_AF, p_AF, np.full(n, self.elbow), [self.branch])
         return q[:, 0], valid[:, 0]
 
@@ -121,26 +121,28 @@ class GraspMotionSearch:
         self._legs = held_segments(handled, off)
         R_BG, p_BG = grasp_frame(handled.grasp, self._held.pose.R_WB)
         self._R_BP, self._p_BP = R_BG, p_BG - R_BG @ grip.middle
-        self._closed, self._open = grip.posture(), grip.posture(grip.opening)
+        self._closed, self._open = grip.posture_at(), grip.posture_at(grip.opening)
         self._spare = spare
-        self._scenery = self._around_it(CollisionScene.of(state, plan.object, spare), handled)
+        self._scenery = self._around_it(
+            CollisionScene.from_state(state, plan.object, spare), handled
+        )
         self._kept = dict(plan.limits.clear_of)
         flat = [leg for some in self._legs for leg in some]
-        self._free = np.concatenate([np.full(len(leg.sampled()), leg.free) for leg in flat])
+        self._free = np.concatenate([np.full(len(leg.sample_shares()), leg.free) for leg in flat])
         self._last = np.concatenate(
-            [np.full(len(leg.sampled()), leg.phase == "retreat") for leg in flat]
+            [np.full(len(leg.sample_shares()), leg.phase == "retreat") for leg in flat]
         )
-        poses = [leg.poses(leg.sampled()) for leg in flat]
+        poses = [leg.poses_at(leg.sample_shares()) for leg in flat]
         self._R_WB = np.concatenate([R for R, _ in poses])
         self._p_WB = np.concatenate([p for _, p in poses])
         # Where it stands in the end, for the hand that lets go of it there.
-        held = self._about = handled.about
+        held = self._about = handled.grasped_obstacle
         self._stood = replace(held, p_WB=held.p_WB)
         if self._last.any():
             k = int(np.flatnonzero(self._last)[0])
             turned = self._R_WB[k] @ held.R_WB.T
             angle = float(np.arctan2(turned[1, 0], turned[0, 0]))
-            self._stood = held.taken(held.p_WB, self._p_WB[k], angle)
+            self._stood = held.after_motion(held.p_WB, self._p_WB[k], angle)
 
     def _around_it(self, scenery: CollisionScene, handled: HeldObject) -> CollisionScene:
         """What the hand must not touch: a lid's object it may come near to."""
@@ -154,14 +156,14 @@ class GraspMotionSearch:
         pushed = replace(scenery.pushed, p_WB=scenery.pushed.p_WB + lifted)
         return CollisionScene(pushed, tuple(others))
 
-    def best(self) -> GraspMotion | ReachAnswer:
+    def best_motion(self) -> GraspMotion | ReachAnswer:
         """The best way, or why there is none."""
         blocked = self._hand_blocked()
         if blocked is not None:
             return blocked
-        q, elbow, branch, room = self._arms()
+        q, elbow, branch, room = self._arm_solutions()
         if not len(q):
-            return unreachable(
+            return unreachable_answer(
                 "kinematics", "the arm does not reach along the whole way of the hand"
             )
         hindered: str | None = None
@@ -183,7 +185,7 @@ class GraspMotionSearch:
             if tried >= _MOST_TRANSITS:
                 break
         own = hindered in {self._plan.object, "table"}
-        return unreachable(
+        return unreachable_answer(
             "approach" if own else "obstacle",
             f"the arm has no free way to the hand's places: it would hit the {hindered}",
             None if own else hindered,
@@ -197,27 +199,31 @@ class GraspMotionSearch:
         what = f"the {self._plan.object}"
         for is_open in (True, False):
             some = self._free == is_open
-            hand = place_spheres(self._around(is_open=is_open), R_WP[some], p_WP[some])
+            hand = place_spheres(self._hand_spheres(is_open=is_open), R_WP[some], p_WP[some])
             low = height_above_table(hand).min(initial=np.inf)
             if low < (TABLE_CLEARANCE if self._owner is None else _LID_CLEARANCE):
                 up = 1e3 * float(low)
-                return unreachable("table", f"the hand would come to {up:.0f} mm over the table")
+                return unreachable_answer(
+                    "table", f"the hand would come to {up:.0f} mm over the table"
+                )
             for each in self._scenery.others:
                 if not each.is_clear(hand).all():
-                    return _blocked(each.name, "the hand")
+                    return _blocked_answer(each.name, "the hand")
         free = np.flatnonzero(self._free)
-        hand = place_spheres(self._around(is_open=True), R_WP[free], p_WP[free])
+        hand = place_spheres(self._hand_spheres(is_open=True), R_WP[free], p_WP[free])
         for k, one in zip(free, hand, strict=True):
             stands = self._stood if self._last[k] else self._about
-            if (stands.distance(one) < _FACE_CLEARANCE).any():
-                return unreachable("object", f"the open hand does not get around {what}")
+            if (stands.distance_to(one) < _FACE_CLEARANCE).any():
+                return unreachable_answer("object", f"the open hand does not get around {what}")
         inside = self._mount.hand.spheres(self._closed)
         own = place_spheres(inside, self._R_BP, self._p_BP)
-        if (_in_itself(self._about).distance(own) < 0.0).any():
-            return unreachable("object", f"the hand would hit {what} with more than its fingertips")
+        if (_in_itself(self._about).distance_to(own) < 0.0).any():
+            return unreachable_answer(
+                "object", f"the hand would hit {what} with more than its fingertips"
+            )
         return self._held_blocked()
 
-    def _around(self, *, is_open: bool) -> Array:
+    def _hand_spheres(self, *, is_open: bool) -> Array:
         """Spheres of the hand in P, with its fingertips."""
         hand, posture = self._mount.hand, self._open if is_open else self._closed
         # Fingers about a knob are near to what it stands on.
@@ -235,7 +241,7 @@ class GraspMotionSearch:
         tilted = self._R_WB[holding][:, 2, 2] < 1.0 - 1e-9
         low = height_above_table(body[tilted]).min(initial=np.inf)
         if low < _OFF_TABLE:
-            return unreachable("table", f"{what} would hit the table while it is tilted")
+            return unreachable_answer("table", f"{what} would hit the table while it is tilted")
         into = {step.into for step in self._plan.steps if isinstance(step, PourOut)}
         for each in self._scenery.others:
             if each.name == self._owner:
@@ -243,27 +249,27 @@ class GraspMotionSearch:
             clearance = HELD_CLEARANCE - self._spare if each.name in into else each.clearance
             clearance = max(clearance, self._kept.get(each.name, 0.0) - self._spare)
             # What stands close already is not hit by being lifted.
-            near = each.distance(body[:1]).min(initial=np.inf)
+            near = each.distance_to(body[:1]).min(initial=np.inf)
             if not each.is_clear(body, min(clearance, max(0.0, 0.9 * near))).all():
-                return _blocked(each.name, what)
+                return _blocked_answer(each.name, what)
         return None
 
     # -- arms -----------------------------------------------------------------------------------
 
-    def _arms(self) -> tuple[Array, Array, NDArray[np.intp], Array]:
+    def _arm_solutions(self) -> tuple[Array, Array, NDArray[np.intp], Array]:
         """Arm angles along the whole way, elbow angles, branches and room; the best first."""
         R_WP, p_WP = self._R_WB @ self._R_BP, self._p_WB + self._R_WB @ self._p_BP
         elbows = self._mount.arm.redundancy_samples
         # Few poses sort out most elbows.
         some = np.unique(np.linspace(0, len(p_WP) - 1, 6).astype(int))
-        _, good, _ = self._followed(R_WP[some], p_WP[some], elbows, np.inf)
+        _, good, _ = self._follow_path(R_WP[some], p_WP[some], elbows, np.inf)
         elbows = elbows[good.any(axis=1)]
-        q, good, room = self._followed(R_WP, p_WP, elbows, _LARGEST_STEP)
+        q, good, room = self._follow_path(R_WP, p_WP, elbows, _LARGEST_STEP)
         off = q[:, 0] - (self._home if self._at is None else self._at)
         row, branch = best_solutions(good, room, off, _HOMESICK, good.size)
         return q[row, :, branch], elbows[row], branch, room[row, branch]
 
-    def _followed(
+    def _follow_path(
         self, R_WP: Array, p_WP: Array, elbows: Array, largest: float
     ) -> tuple[Array, NDArray[np.bool_], Array]:
         """Angles of all arms along palm poses, shape (e, w, branches, joints).
@@ -291,7 +297,7 @@ class GraspMotionSearch:
         held = _in_itself(self._scenery.pushed)
         R_BW = np.swapaxes(self._R_WB, -1, -2)
         in_B = place_spheres(robot, R_BW, -(R_BW @ self._p_WB[..., None])[..., 0])
-        if (held.distance(in_B) < OBJECT_CLEARANCE).any():
+        if (held.distance_to(in_B) < OBJECT_CLEARANCE).any():
             return self._plan.object
         return None
 
@@ -302,21 +308,23 @@ class GraspMotionSearch:
         there: tuple[Array, ...] | None = ()
         back: tuple[Array, ...] | None = ()
         if self._at is not None:
-            there = self._swing(way)
+            there = self._swing_elbow(way)
         elif not self._is_held:
-            there = self._transit(way, q[0], self._p_WB[0], self._R_WB[0], self._scenery.pushed)
+            there = self._transit_path(
+                way, q[0], self._p_WB[0], self._R_WB[0], self._scenery.pushed
+            )
         if there is not None and self._last.any():
-            back = self._transit(way, q[-1], self._p_WB[-1], self._R_WB[-1], self._stood)
+            back = self._transit_path(way, q[-1], self._p_WB[-1], self._R_WB[-1], self._stood)
         if there is None or back is None:
             return None
         return replace(way, there=there, back=back[::-1])
 
-    def _swing(self, way: GraspMotion) -> tuple[Array, ...] | None:
+    def _swing_elbow(self, way: GraspMotion) -> tuple[Array, ...] | None:
         """Arm poses from where it was left to the way's elbow angle, the hand still."""
         assert self._at is not None, "something is held"
         steps = np.radians(np.arange(0.0, 360.0, _SWING))
         here = [replace(way, elbow=float(e)) for e in way.elbow + steps]
-        poses = [one.joints(self._R_WB[:1], self._p_WB[:1]) for one in here]
+        poses = [one.joint_angles(self._R_WB[:1], self._p_WB[:1]) for one in here]
         q = np.array([one[0] for one, _ in poses])
         good = np.array([bool(valid[0]) for _, valid in poses])
         good &= self._mount.arm.joint_room(q) > LIMIT_MARGIN
@@ -337,18 +345,18 @@ class GraspMotionSearch:
         high = height_above_table(robot).min() >= TABLE_CLEARANCE
         return bool(high and all(each.is_clear(robot).all() for each in self._scenery.others))
 
-    def _transit(
+    def _transit_path(
         self, way: GraspMotion, q: Array, p_WB: Array, R_WB: Array, stands: Obstacle
     ) -> tuple[Array, ...] | None:
         """Arm poses between home and a pose of the open hand."""
-        open_hand = self._around(is_open=True)
+        open_hand = self._hand_spheres(is_open=True)
 
         def is_free(q: Array) -> NDArray[np.bool_]:
             return self._scenery.is_free(self._mount.robot_spheres(open_hand, q), stands)
 
         up = np.array([[0.0, 0.0, height] for height in _RAISED])
         R = np.broadcast_to(R_WB, (len(up), 3, 3))
-        raised, valid = way.joints(R, p_WB + up)
+        raised, valid = way.joint_angles(R, p_WB + up)
         places = np.vstack([raised[valid], 0.5 * (self._home + q), *(
             [0.5 * (self._home + one)] for one in raised[valid]
         )])  # fmt: skip
@@ -377,9 +385,9 @@ def best_grasp_motion(
         spare: by how much less than its clearance each of the others may be away [m].
     """
     first: ReachAnswer | None = None
-    handled = HeldObject.of(plan, state)
-    for off in withdrawals(handled.grasp, handled.held):
-        found = GraspMotionSearch(mount, home, handled, grip, off, spare).best()
+    handled = HeldObject.from_plan(plan, state)
+    for off in withdrawal_vectors(handled.grasp, handled.held):
+        found = GraspMotionSearch(mount, home, handled, grip, off, spare).best_motion()
         if isinstance(found, GraspMotion):
             return found
         first = first or found
@@ -392,5 +400,5 @@ def _in_itself(held: Obstacle) -> Obstacle:
     return replace(held, R_WB=np.eye(3), p_WB=np.zeros(3))
 
 
-def _blocked(name: str, what: str) -> ReachAnswer:
-    return unreachable("obstacle", f"{what} would hit the {name}", name)
+def _blocked_answer(name: str, what: str) -> ReachAnswer:
+    return unreachable_answer("obstacle", f"{what} would hit the {name}", name)

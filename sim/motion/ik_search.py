@@ -63,12 +63,14 @@ class IkSolutions:
     def __getitem__(self, k: NDArray[np.bool_]) -> IkSolutions:
         return IkSolutions(*(getattr(self, field.name)[k] for field in fields(self)))
 
-    def stance(self, k: int, mount: Mount, hands: PostureSet, R_WD: Array) -> ArmConfiguration:
+    def configuration_of(
+        self, k: int, mount: Mount, hands: PostureSet, R_WD: Array
+    ) -> ArmConfiguration:
         """One of them."""
         hand = self.hand[k]
         return ArmConfiguration(
             mount=mount,
-            posture=hands.posture(hand),
+            posture=hands.posture_at(hand),
             R_WP=R_WD @ hands.R_DP[hand],
             elbow=float(self.elbow[k]),
             branch=int(self.branch[k]),
@@ -98,7 +100,7 @@ class PushIkSearch:
         self._R_WD = R_WD
         self.too_weak = False
 
-    def along(self, hands: PostureSet, least: float) -> Iterator[IkSolutions]:
+    def solutions_along(self, hands: PostureSet, least: float) -> Iterator[IkSolutions]:
         """What is reachable and strong enough, the best first, some at a time.
 
         Args:
@@ -108,9 +110,9 @@ class PushIkSearch:
         hand, elbow, branch = self._at_both_ends(hands, least)
         for first in range(0, len(hand), _FOLLOWED):
             few = slice(first, first + _FOLLOWED)
-            solved = self._followed(hands, hand[few], elbow[few], branch[few])
+            solved = self._follow_path(hands, hand[few], elbow[few], branch[few])
             solved = solved[solved.room > least]
-            strong = self._bears(solved)
+            strong = self._bear_force(solved)
             self.too_weak |= not strong.all()
             if strong.any():
                 yield solved[strong]
@@ -123,13 +125,15 @@ class PushIkSearch:
         elbows = self._mount.arm.redundancy_samples
         hand, elbow = np.repeat(np.arange(n), len(elbows)), np.tile(elbows, n)
         ends = [1, -1]
-        q, valid = poses(self._mount, hands[hand], self._R_WD[ends], self._points[ends], elbow)
+        q, valid = solve_poses(
+            self._mount, hands[hand], self._R_WD[ends], self._points[ends], elbow
+        )
         room = self._mount.arm.joint_room(q).min(axis=1)
         good = valid.all(axis=1) & (room > least)
         row, branch = best_solutions(good, room, q[:, 0] - self._home, _HOMESICK, _SOLVED)
         return hand[row], elbow[row], branch
 
-    def _followed(
+    def _follow_path(
         self, hands: PostureSet, hand: NDArray[np.intp], elbow: Array, branch: NDArray[np.intp]
     ) -> IkSolutions:
         """What is continuous along the whole way, from a height above the start on."""
@@ -138,7 +142,7 @@ class PushIkSearch:
         above = np.column_stack([np.tile(start[:2], (len(lifts), 1)), lifts])
         points = np.vstack([self._points, above])
         R_WD = np.concatenate([self._R_WD, np.broadcast_to(self._R_WD[0], (len(lifts), 3, 3))])
-        q, valid = poses(self._mount, hands[hand], R_WD, points, elbow)
+        q, valid = solve_poses(self._mount, hands[hand], R_WD, points, elbow)
         rows = np.arange(len(hand))
         q, valid = q[rows, :, branch], valid[rows, :, branch]
         steady = np.abs(np.diff(q[:, :w], axis=1)).max(axis=(1, 2)) < _LARGEST_STEP
@@ -152,14 +156,14 @@ class PushIkSearch:
 
     def _let_down(self, hands: PostureSet, solved: IkSolutions) -> IkSolutions:
         """The same with the descent from above to the start."""
-        points = descent(self._points[0], solved.lift)
+        points = descent_points(self._points[0], solved.lift)
         R_WD = np.broadcast_to(self._R_WD[0], (len(_DESCENT), 3, 3))
-        q, valid = poses(self._mount, hands[solved.hand], R_WD, points, solved.elbow)
+        q, valid = solve_poses(self._mount, hands[solved.hand], R_WD, points, solved.elbow)
         rows = np.arange(len(solved))
         q, valid = q[rows, :, solved.branch], valid[rows, :, solved.branch]
         return replace(solved, descent=q)[np.asarray(valid.all(axis=1))]
 
-    def _bears(self, solved: IkSolutions) -> NDArray[np.bool_]:
+    def _bear_force(self, solved: IkSolutions) -> NDArray[np.bool_]:
         """Which arms bear the force of the push all along the stroke, shape (k,)."""
         arm, hand, R_WA = self._mount.arm, self._mount.hand, self._mount.R_WA
         contact = self._points[1:] + hand.tip_radius * self._R_WD[1:, :, 0]
@@ -187,7 +191,7 @@ def in_range(mount: Mount, hands: PostureSet, R_WD: Array, points: Array) -> NDA
     return np.asarray(mount.arm.is_in_range(p_AW, LIMIT_MARGIN).all(axis=1))
 
 
-def poses(
+def solve_poses(
     mount: Mount, hands: PostureSet, R_WD: Array, points: Array, elbow: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Arm angles of n hands and redundancy angles with T at w points each.
@@ -228,7 +232,7 @@ def best_solutions(
     return row, branch
 
 
-def descent(start: Array, lift: Array) -> Array:
+def descent_points(start: Array, lift: Array) -> Array:
     """Points of T from heights down to the start, shape (k, d, 3) for heights (k,) [m]."""
     points = np.tile(start, (len(lift), len(_DESCENT), 1))
     points[..., 2] = lift[:, None] + _DESCENT * (start[2] - lift[:, None])

@@ -31,8 +31,8 @@ from sim.collision.collision_scene import (
 )
 from sim.hands.hand_model import PostureSet
 from sim.hands.mount import Mount
-from sim.motion.arm_configuration import ArmConfiguration, UnreachableError, unreachable
-from sim.motion.ik_search import ENOUGH_MARGIN, IkSolutions, PushIkSearch, descent, in_range
+from sim.motion.arm_configuration import ArmConfiguration, UnreachableError, unreachable_answer
+from sim.motion.ik_search import ENOUGH_MARGIN, IkSolutions, PushIkSearch, descent_points, in_range
 from sim.motion.roadmap import (
     LIMIT_MARGIN,
     free_path,
@@ -83,12 +83,12 @@ class _Found:
     room: float
     strength: float
 
-    def by(self, via: tuple[Array, ...]) -> _Found:
+    def with_path(self, via: tuple[Array, ...]) -> _Found:
         """The same with a way."""
         return replace(self, stance=replace(self.stance, via=via))
 
     @property
-    def answer(self) -> tuple[ArmConfiguration, ReachAnswer]:
+    def reach_answer(self) -> tuple[ArmConfiguration, ReachAnswer]:
         """What is told of it."""
         numbers = {"strength": self.strength}
         return self.stance, ReachAnswer(ok=True, margin=self.room, numbers=numbers)
@@ -122,27 +122,29 @@ class PushMotionSearch:
         self._home = home
         self._push = push
         self._way = way
-        self._points = way.points()
-        self._R_WD = rot_z(way.turns()) @ way.R_WD
+        self._points = way.points_at()
+        self._R_WD = rot_z(way.turns_at()) @ way.R_WD
         self._arms = PushIkSearch(mount, home, push, self._points, self._R_WD)
         table = state.table
         self._centre = 0.5 * np.array([table.x_min + table.x_max, table.y_min + table.y_max])
-        self._scenery = CollisionScene.of(state, push.object, spare, effort.clearance)
+        self._scenery = CollisionScene.from_state(state, push.object, spare, effort.clearance)
         # From the touch on, the pushed object goes where the fingertips take it.
         touch = self._points[1]
         self._pushed = [
-            self._scenery.pushed.taken(touch, self._points[max(k, 1)], float(turn))
-            for k, turn in enumerate(way.turns())
+            self._scenery.pushed.after_motion(touch, self._points[max(k, 1)], float(turn))
+            for k, turn in enumerate(way.turns_at())
         ]
 
-    def best(self, hands: PostureSet) -> tuple[ArmConfiguration, ReachAnswer] | ReachAnswer:
+    def best_configuration(
+        self, hands: PostureSet
+    ) -> tuple[ArmConfiguration, ReachAnswer] | ReachAnswer:
         """The best stance in one of some hands, or why there is none."""
         self._stopped: set[str] = set()
         self._hindered: list[Array] = []
         self._arms.too_weak = False
-        high = self._points[:, 2].min() + hands.lowest > TABLE_CLEARANCE
+        high = self._points[:, 2].min() + hands.lowest_points > TABLE_CLEARANCE
         if not high.any():
-            return unreachable("table", "the hand would hit the table")
+            return unreachable_answer("table", "the hand would hit the table")
         hands = hands[high]
         best: _Found | None = None
         blocked: list[_Found] = []
@@ -152,11 +154,13 @@ class PushMotionSearch:
         ):
             asked += len(some)
             least = LIMIT_MARGIN if best is None else best.room
-            stances = (found for found in self._stances(some, least) if self._comes_off(found))
+            stances = (
+                found for found in self._configurations(some, least) if self._comes_off(found)
+            )
             for found in itertools.islice(stances, self._effort.most_transits):
-                via = self._way_there(found, self._places(found))
+                via = self._way_there(found, self._transit_places(found))
                 if via is not None:
-                    best = found.by(via)
+                    best = found.with_path(via)
                     break
                 blocked.append(found)
             if best is not None and best.room >= ENOUGH_MARGIN:
@@ -166,14 +170,14 @@ class PushMotionSearch:
         for found in blocked[: self._effort.last_resorts] if best is None else ():
             via = self._way_there(found, sample_configurations(self._home, found.above))
             if via is not None:
-                best = found.by(via)
+                best = found.with_path(via)
                 break
-        return self._nothing(asked, blocked) if best is None else best.answer
+        return self._failure_answer(asked, blocked) if best is None else best.reach_answer
 
-    def _nothing(self, asked: int, blocked: list[_Found]) -> ReachAnswer:
+    def _failure_answer(self, asked: int, blocked: list[_Found]) -> ReachAnswer:
         """Why no stance was found."""
         if not asked and self._stopped:
-            return _blocked(self._push, self._stopped)
+            return _blocked_answer(self._push, self._stopped)
         hindered = [
             self._robot_spheres(f.stance, interpolate_joints(self._home, f.above))
             for f in blocked[:1]
@@ -183,32 +187,34 @@ class PushMotionSearch:
             name = self._scenery.hit_by(hindered[0])
             what = name or f"{self._push.object} or the table"
             message = f"the arm has no free way to the contact: it would hit the {what}"
-            return unreachable("obstacle" if name else "approach", message, name)
+            return unreachable_answer("obstacle" if name else "approach", message, name)
         if self._arms.too_weak:
             force = self._push.force_limit
             message = f"the arm's joints do not bear {force:.0f} N there"
             return ReachAnswer(False, "torque", message, numbers={"force": force})
-        return unreachable("kinematics", "the arm does not reach along the whole way of the push")
+        return unreachable_answer(
+            "kinematics", "the arm does not reach along the whole way of the push"
+        )
 
     # -- hands ----------------------------------------------------------------------------------
 
     def _clear_hands(self, hands: PostureSet) -> Iterator[PostureSet]:
         """The hands that stay clear of everything during the push, a few at a time."""
-        near = self._scenery.near(self._points, hands.size)
-        R_WD, points = self._swept() if near else (self._R_WD[:2], self._points[:2])
+        near = self._scenery.obstacles_near(self._points, hands.horizontal_size)
+        R_WD, points = self._swept_path() if near else (self._R_WD[:2], self._points[:2])
         for first in range(0, len(hands), _AT_ONCE):
             some = hands[first : first + _AT_ONCE]
-            robot = some.placed(R_WD, points)
+            robot = some.spheres_along(R_WD, points)
             free = np.ones(len(some), dtype=bool)
             # The fingertips come last; they alone may touch the pushed object.
             before = robot[:, :2, : -self._push.fingers]
-            self._require(free, self._scenery.pushed, before, _FACE_CLEARANCE)
+            self._require_clearance(free, self._scenery.pushed, before, _FACE_CLEARANCE)
             for each in near:
-                self._require(free, each, robot, each.clearance)
+                self._require_clearance(free, each, robot, each.clearance)
             clear = some[free]
             yield from (clear[k : k + _ASKED] for k in range(0, len(clear), _ASKED))
 
-    def _swept(self) -> tuple[Array, Array]:
+    def _swept_path(self) -> tuple[Array, Array]:
         """The frames and points of the way, closer to each other; (n, 3, 3) and (n, 3)."""
         before, after = self._points[1:-1], self._points[2:]
         apart = np.linalg.norm(after - before, axis=1).max()
@@ -218,7 +224,7 @@ class PushMotionSearch:
         which = np.array([0, *np.repeat(np.arange(1, len(before) + 1), n), -1])
         return self._R_WD[which], np.vstack([self._points[:1], stroke, self._points[-1:]])
 
-    def _require(
+    def _require_clearance(
         self, free: NDArray[np.bool_], obstacle: Obstacle, robot: Array, clearance: float
     ) -> None:
         """Sorts out the hands that hit an obstacle, and notes it if none is left then."""
@@ -229,26 +235,26 @@ class PushMotionSearch:
 
     # -- arms -----------------------------------------------------------------------------------
 
-    def _stances(self, hands: PostureSet, least: float) -> Iterator[_Found]:
+    def _configurations(self, hands: PostureSet, least: float) -> Iterator[_Found]:
         """What is reachable, strong enough and free at the object, the best first.
 
         Args:
             hands: that are clear.
             least: only what has more room than this to the joint limits [rad].
         """
-        for solved in self._arms.along(hands, least):
-            for k in np.flatnonzero(self._unhindered(hands, solved)).tolist():
-                stance = solved.stance(k, self._mount, hands, self._R_WD[0])
+        for solved in self._arms.solutions_along(hands, least):
+            for k in np.flatnonzero(self._are_unhindered(hands, solved)).tolist():
+                stance = solved.configuration_of(k, self._mount, hands, self._R_WD[0])
                 strength = self._push.fingers * float(hands.strength[solved.hand[k]])
                 yield _Found(stance, solved.descent[k, 0], float(solved.room[k]), strength)
 
     # -- whole arms -----------------------------------------------------------------------------
 
-    def _unhindered(self, hands: PostureSet, solved: IkSolutions) -> NDArray[np.bool_]:
+    def _are_unhindered(self, hands: PostureSet, solved: IkSolutions) -> NDArray[np.bool_]:
         """Which arms stay clear of everything on the way down and while they push, shape (k,)."""
-        down = descent(self._points[0], solved.lift)
+        down = descent_points(self._points[0], solved.lift)
         R_WD = np.broadcast_to(self._R_WD[0], (down.shape[1], 3, 3))
-        hand = hands[solved.hand].placed(R_WD, down)
+        hand = hands[solved.hand].spheres_along(R_WD, down)
         whole = np.concatenate([hand, self._mount.arm_spheres(solved.descent)], axis=-2)
         free = np.asarray(self._scenery.is_free(whole).all(axis=1))
         arms = self._mount.arm_spheres(solved.q)
@@ -279,7 +285,9 @@ class PushMotionSearch:
         points = np.vstack([end, off + shares * (self._points[0] - off)])
         turns = turned * np.append(1.0, 1.0 - shares)
         try:
-            q = [found.stance.joints(p, t) for p, t in zip(points, turns.tolist(), strict=True)]
+            q = [
+                found.stance.joint_angles(p, t) for p, t in zip(points, turns.tolist(), strict=True)
+            ]
         except UnreachableError:
             return False
         robot = self._robot_spheres(found.stance, np.array(q))
@@ -288,19 +296,21 @@ class PushMotionSearch:
         others = [each.is_clear(robot[1:]) for each in self._scenery.others]
         return bool(clear.all() and all(each.all() for each in others))
 
-    def _places(self, found: _Found) -> Array:
+    def _transit_places(self, found: _Found) -> Array:
         """Arm poses over which a way may lead: swung up halfway, and high over the table."""
         middle, nudge = 0.5 * (self._home + found.above), 1e-4
-        _, p_WP = self._mount.palm(np.vstack([middle, middle + nudge * np.eye(len(middle))]))
+        _, p_WP = self._mount.palm_poses(np.vstack([middle, middle + nudge * np.eye(len(middle))]))
         uphill = (p_WP[1:, 2] - p_WP[0, 2]) / nudge
         swings = middle + np.outer(_RAISED, uphill / np.linalg.norm(uphill))
         start = self._points[0, :2]
         over = [[*xy, _OVER] for xy in (start, 0.5 * (start + self._centre), self._centre)]
         stance = found.stance
-        p_WP = np.array(over) - stance.R_WP @ stance.posture.midpoint
+        p_WP = np.array(over) - stance.R_WP @ stance.posture.tip_midpoint
         R_WP = np.broadcast_to(stance.R_WP, (len(over), 3, 3))
         elbow = np.full(len(over), stance.elbow)
-        q, valid = self._mount.arm.inverse(*self._mount.flange(R_WP, p_WP), elbow, [stance.branch])
+        q, valid = self._mount.arm.inverse(
+            *self._mount.flange_poses(R_WP, p_WP), elbow, [stance.branch]
+        )
         return np.vstack([swings, q[valid]])
 
     def _robot_spheres(self, stance: ArmConfiguration, q: Array) -> Array:
@@ -308,10 +318,10 @@ class PushMotionSearch:
         return self._mount.robot_spheres(self._mount.hand.whole_spheres(stance.posture), q)
 
 
-def _blocked(push: Push, stopped: set[str]) -> ReachAnswer:
+def _blocked_answer(push: Push, stopped: set[str]) -> ReachAnswer:
     others = sorted(stopped - {push.object})
     if others:
-        return unreachable("obstacle", f"the hand would hit the {others[0]}", others[0])
-    return unreachable(
+        return unreachable_answer("obstacle", f"the hand would hit the {others[0]}", others[0])
+    return unreachable_answer(
         "object", f"the hand would hit the {push.object} with more than its fingertips"
     )

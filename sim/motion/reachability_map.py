@@ -19,7 +19,7 @@ from sim.cell.cell_description import RobotMount
 from sim.collision.collision_scene import TABLE_CLEARANCE
 from sim.hands.hand_model import Hand
 from sim.hands.mount import Mount
-from sim.motion.ik_search import in_range, poses
+from sim.motion.ik_search import in_range, solve_poses
 from sim.rotations import Array, rot_z
 
 CELL = 0.04
@@ -42,7 +42,7 @@ class ReachabilityMap:
         self._mount = mount
         self._kept: dict[tuple[int, ...], float] = {}
 
-    def room(self, fingers: int, spread: float, point: Array, heading: float) -> float:
+    def room_at(self, fingers: int, spread: float, point: Array, heading: float) -> float:
         """Room to the joint limits at about a place; 0 if none of the hands gets there [rad].
 
         Args:
@@ -64,7 +64,7 @@ class ReachabilityMap:
         arm = self._mount.arm
         every = self._mount.hand.pushing_postures(fingers, spread)
         near = in_range(self._mount, every, R_WD[None], point[None])
-        near &= point[2] + every.lowest > TABLE_CLEARANCE
+        near &= point[2] + every.lowest_points > TABLE_CLEARANCE
         if not near.any():
             return 0.0
         some = np.flatnonzero(near)
@@ -72,7 +72,7 @@ class ReachabilityMap:
         elbows = arm.redundancy_samples[::2]
         sampled = every[np.repeat(some, len(elbows))]
         angles = np.tile(elbows, len(some))
-        q, usable = poses(self._mount, sampled, R_WD[None], point[None], angles)
+        q, usable = solve_poses(self._mount, sampled, R_WD[None], point[None], angles)
         room = np.where(usable, arm.joint_room(q), 0.0)
         return float(room.max())
 
@@ -80,4 +80,4 @@ class ReachabilityMap:
 @functools.lru_cache(maxsize=16)
 def reachability_map(robot: RobotMount, arm: ArmKinematics, hand: Hand) -> ReachabilityMap:
     """The map of an arm with a hand that is mounted somewhere; always the same one."""
-    return ReachabilityMap(Mount.of(robot, arm, hand))
+    return ReachabilityMap(Mount.from_cell(robot, arm, hand))

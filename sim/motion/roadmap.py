@@ -69,7 +69,7 @@ def _shortest_free(nodes: Array, is_free: IsFree) -> tuple[Array, ...] | None:
     length = np.linalg.norm(nodes[:, None] - nodes, axis=-1) + _STOPPING
     known: set[tuple[int, int]] = set()
     for _ in range(_MOST_ROADS):
-        way = _shortest(length)
+        way = _shortest_path(length)
         if way is None:
             return None
         for road in itertools.pairwise(way):
@@ -88,7 +88,7 @@ def _is_free_road(start: Array, goal: Array, is_free: IsFree) -> bool:
     return all(bool(is_free(some).all()) for some in (poses[::_COARSE], poses))
 
 
-def _shortest(length: Array) -> list[int] | None:
+def _shortest_path(length: Array) -> list[int] | None:
     """Nodes of the shortest way from node 0 to node 1 (Dijkstra)."""
     n = len(length)
     far, before, done = np.full(n, np.inf), np.zeros(n, dtype=int), np.zeros(n, dtype=bool)

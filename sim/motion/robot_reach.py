@@ -59,7 +59,7 @@ class ArmHandReach:
         self, cell: CellDescription, arm: ArmKinematics, hand: Hand, effort: Effort = USUAL
     ) -> None:
         self._cell, self._effort = cell, effort
-        self.mount = Mount.of(cell.robot, arm, hand)
+        self.mount = Mount.from_cell(cell.robot, arm, hand)
         self.home = np.radians(cell.robot.home_deg)
         self.limits = RobotLimits(
             fingertip_radius=hand.tip_radius,
@@ -74,7 +74,7 @@ class ArmHandReach:
 
     def reach(self, push: Push, state: WorldState, effort: ReachEffort = "usual") -> ReachAnswer:
         """Answer whether the whole way of a push is reachable and free."""
-        robot = self._thorough if effort == "thorough" else self
+        robot = self._kept_thorough if effort == "thorough" else self
         answer = robot.push_configuration(push, state)
         return answer if isinstance(answer, ReachAnswer) else answer[1]
 
@@ -86,17 +86,19 @@ class ArmHandReach:
         way = self.fingertip_path(push, state)
         heading = float(np.arctan2(way.inward[1], way.inward[0]))
         ends = (way.touch, way.end)
-        return min(self._map.room(push.fingers, push.spread, end, heading) for end in ends)
+        return min(self._map.room_at(push.fingers, push.spread, end, heading) for end in ends)
 
     def fingertip_path(self, push: Push, state: WorldState) -> FingertipPath:
         """Path of the fingertips of a push."""
-        return FingertipPath.of(push, state.objects[push.object], self.limits.fingertip_radius)
+        return FingertipPath.from_push(
+            push, state.objects[push.object], self.limits.fingertip_radius
+        )
 
     @cached_property
-    def _thorough(self) -> ArmHandReach:
-        return self.thorough()
+    def _kept_thorough(self) -> ArmHandReach:
+        return self.thorough_reach()
 
-    def thorough(self) -> ArmHandReach:
+    def thorough_reach(self) -> ArmHandReach:
         """The same, which looks at more hands and lets them pass nearer."""
         return ArmHandReach(self._cell, self.mount.arm, self.mount.hand, THOROUGH)
 
@@ -108,14 +110,14 @@ class ArmHandReach:
     def reach_plan(self, plan: Plan, state: WorldState) -> ReachAnswer:
         """Answer whether arm and hand can carry out a plan, all of its way free."""
         if plan.grasp is None:
-            return self._flips(plan, state)
+            return self._flip_answer(plan, state)
         found = self.grasp_motion(plan, state)
         if isinstance(found, ReachAnswer):
             return found
         numbers = {"strength": found.grip.grip.strongest}
         return ReachAnswer(ok=True, margin=found.room, numbers=numbers)
 
-    def _flips(self, plan: Plan, state: WorldState) -> ReachAnswer:
+    def _flip_answer(self, plan: Plan, state: WorldState) -> ReachAnswer:
         """Whether a fingertip can carry out a plan in which nothing is held."""
         (step,) = plan.steps
         assert isinstance(step, FlipOver), "an empty hand only flips lids"
@@ -126,7 +128,7 @@ class ArmHandReach:
         self, step: FlipOver, name: str, state: WorldState
     ) -> tuple[FlipConfiguration, ReachAnswer] | ReachAnswer:
         """The best stance that flips the lid of an object, or why there is none."""
-        return FlipMotionSearch(self.mount, self.home, step, name, state).best()
+        return FlipMotionSearch(self.mount, self.home, step, name, state).best_configuration()
 
     def grasp_motion(
         self, plan: Plan, state: WorldState, spare: float = 0.0
@@ -183,11 +185,13 @@ class ArmHandReach:
         search = PushMotionSearch(self.mount, self.home, push, way, state, self._effort, spare)
         every = self.mount.hand.pushing_postures(push.fingers, push.spread, fine=self._effort.fine)
         strong = every.strength * push.fingers >= push.force_limit
-        found = search.best(every[strong])
+        found = search.best_configuration(every[strong])
         if strong.all() or not isinstance(found, ReachAnswer):
             return found
         weak = np.flatnonzero(~strong)
-        weaker = search.best(every[weak[np.argsort(-every.strength[weak], kind="stable")]])
+        weaker = search.best_configuration(
+            every[weak[np.argsort(-every.strength[weak], kind="stable")]]
+        )
         if not isinstance(weaker, ReachAnswer):
             return _too_weak(push, weaker[1].numbers["strength"])
         return found if strong.any() else weaker

@@ -47,7 +47,7 @@ class FingertipPath:
     turn: float = 0.0
 
     @classmethod
-    def of(cls, push: Push, target: SeenObject, tip_radius: float) -> FingertipPath:
+    def from_push(cls, push: Push, target: SeenObject, tip_radius: float) -> FingertipPath:
         """The way of a push on an object that is seen somewhere.
 
         A push that turns the object goes along the arc on which the stroke is used up when it has
@@ -70,7 +70,7 @@ class FingertipPath:
         inward = -(rot_z(push.turn) @ outward if push.ends_on == "stroke" else outward)
         return cls(inward, touch - STANDOFF * inward, touch, touch + along)
 
-    def raised(self, height: float) -> FingertipPath:
+    def raised_by(self, height: float) -> FingertipPath:
         """The same so much higher [m]."""
         up = np.array([0.0, 0.0, height])
         return replace(self, start=self.start + up, touch=self.touch + up, end=self.end + up)
@@ -80,13 +80,13 @@ class FingertipPath:
         """Orientation of the push's frame D when the hand touches, shape (3, 3)."""
         return rot_z(np.arctan2(self.inward[1], self.inward[0]))
 
-    def points(self, shares: Array = STROKE_POINTS) -> Array:
+    def points_at(self, shares: Array = STROKE_POINTS) -> Array:
         """Start, and the stroke at shares of it, shape (1 + n, 3)."""
         half, chord = 0.5 * self.turn, self.end - self.touch
         sines = np.sinc(shares * half / np.pi) / np.sinc(half / np.pi)
         turned = rot_z((shares - 1.0) * half) @ chord
         return np.vstack([self.start, self.touch + (shares * sines)[:, None] * turned])
 
-    def turns(self, shares: Array = STROKE_POINTS) -> Array:
+    def turns_at(self, shares: Array = STROKE_POINTS) -> Array:
         """How far the palm has turned at these points, shape (1 + n,) [rad]."""
         return np.append(0.0, shares * self.turn)

@@ -52,7 +52,7 @@ class HeldObject:
     opened: float = 0.0
 
     @classmethod
-    def of(cls, plan: Plan, state: WorldState) -> HeldObject:
+    def from_plan(cls, plan: Plan, state: WorldState) -> HeldObject:
         """What a plan with a grasp is about."""
         assert plan.grasp is not None, "something is held"
         already = state.held if plan.grasp.held else None
@@ -62,7 +62,7 @@ class HeldObject:
             return cls(plan.grasp, plan, plan.grasp, state, target, height)
         lid, seat = target.model.lid, target.model.top
         pitch = lid.pitch if isinstance(lid, ScrewCap) else 0.0
-        held, height = _lying(target, pitch)
+        held, height = _lid_as_object(target, pitch)
         x, y, z = plan.grasp.p_BG
         grasp = plan.grasp.model_copy(update={"p_BG": (x, y, z - seat)})
         changed = plan.model_copy(update={"object": held.name, "actions": (grasp, *plan.steps)})
@@ -81,16 +81,16 @@ class HeldObject:
         return self.owner or self.held.name
 
     @property
-    def about(self) -> Obstacle:
+    def grasped_obstacle(self) -> Obstacle:
         """What the hand closes about, where it is taken."""
-        whole = Obstacle.of(self.held, 0.0)
+        whole = Obstacle.from_seen(self.held, 0.0)
         there = replace(whole, p_WB=whole.p_WB + np.array([0.0, 0.0, self.height]))
         if self.owner is None:
             return there
         return replace(there, radius=0.5 * self.grasp.width, around=0.5 * self.grasp.width)
 
 
-def _lying(target: SeenObject, pitch: float) -> tuple[SeenObject, float]:
+def _lid_as_object(target: SeenObject, pitch: float) -> tuple[SeenObject, float]:
     """A lid as an object of its own, and the height of its base [m]."""
     model = lids.detached_lid(target.model, target.name)
     assert model is not None, "a lid that is held comes off"

@@ -65,33 +65,33 @@ class HeldSegment:
     rate: float
     free: bool = False
 
-    def poses(self, shares: Array) -> tuple[Array, Array]:
+    def poses_at(self, shares: Array) -> tuple[Array, Array]:
         """R_WB, shape (n, 3, 3), and p_WB, shape (n, 3), after shares of the leg, shape (n,)."""
         R_WB = axis_rotation(self.axis, self.turn * shares) @ self.R_WB
         p_WC = self.start + shares[:, None] * (self.end - self.start)
         return R_WB, p_WC - R_WB @ self.p_BC
 
-    def sampled(self) -> Array:
+    def sample_shares(self) -> Array:
         """Shares between which nothing is missed."""
         far = np.linalg.norm(self.end - self.start)
         n = int(np.ceil(max(far / _STEP, abs(self.turn) / _TURN_STEP, 1.0)))
         return np.linspace(0.0, 1.0, n + 1)
 
     @property
-    def fastest(self) -> float:
+    def share_rate(self) -> float:
         """Largest share of the leg per time [1/s]."""
         far = float(np.linalg.norm(self.end - self.start))
         return min(self.speed / max(far, 1e-9), self.rate / max(abs(self.turn), 1e-9))
 
     @property
-    def ends(self) -> tuple[Array, Array]:
+    def end_pose(self) -> tuple[Array, Array]:
         """R_WB and p_WB at the end."""
-        R_WB, p_WB = self.poses(np.ones(1))
+        R_WB, p_WB = self.poses_at(np.ones(1))
         return R_WB[0], p_WB[0]
 
-    def back(self, **changes: object) -> HeldSegment:
+    def way_back(self, **changes: object) -> HeldSegment:
         """The same leg the other way."""
-        R_WB, _ = self.ends
+        R_WB, _ = self.end_pose
         there = replace(self, R_WB=R_WB, start=self.end, end=self.start, turn=-self.turn)
         return replace(there, **changes)  # type: ignore[arg-type]
 
@@ -108,7 +108,7 @@ def grasp_frame(grasp: Grasp, R_WB: Array) -> tuple[Array, Array]:
     return R_WB.T @ R_WG, np.array(grasp.p_BG)
 
 
-def withdrawals(grasp: Grasp, held: SeenObject) -> tuple[Array, ...]:
+def withdrawal_vectors(grasp: Grasp, held: SeenObject) -> tuple[Array, ...]:
     """Ways of the open hand off what it holds, in W: back along its fingers, or straight up."""
     approach = np.array(grasp.approach_W)
     corners = np.vstack([np.c_[held.model.outline, np.full(len(held.model.outline), z)]
@@ -132,73 +132,77 @@ def held_segments(handled: HeldObject, off: Array) -> tuple[tuple[HeldSegment, .
     """
     plan, held = handled.plan, handled.held
     R_WB, p_WB = held.pose.R_WB, held.pose.p_WB + np.array([0.0, 0.0, handled.height])
-    there = _straight("approach", R_WB, p_WB + off, p_WB, REACH_SPEED, free=True)
+    there = _straight_segment("approach", R_WB, p_WB + off, p_WB, REACH_SPEED, free=True)
     made: list[tuple[HeldSegment, ...]] = [() if handled.grasp.held else (there,)]
     fastest = math.inf if plan.speed is None else plan.speed
     for step in plan.steps:
-        legs = _step(step, handled, R_WB, p_WB)
+        legs = _step_segments(step, handled, R_WB, p_WB)
         made.append(tuple(replace(leg, speed=min(leg.speed, fastest)) for leg in legs))
         if made[-1]:
-            R_WB, p_WB = made[-1][-1].ends
+            R_WB, p_WB = made[-1][-1].end_pose
     if not isinstance(plan.steps[-1], _LETS_GO):
         return (*made, ())
     # The hand may have turned about the vertical meanwhile.
     away = R_WB @ held.pose.R_WB.T @ off
-    back = _straight("retreat", R_WB, p_WB, p_WB + away, REACH_SPEED, free=True)
+    back = _straight_segment("retreat", R_WB, p_WB, p_WB + away, REACH_SPEED, free=True)
     return (*made, (back,))
 
 
-def _step(step: Action, handled: HeldObject, R_WB: Array, p_WB: Array) -> Iterator[HeldSegment]:
+def _step_segments(
+    step: Action, handled: HeldObject, R_WB: Array, p_WB: Array
+) -> Iterator[HeldSegment]:
     """The legs of a step that begins somewhere."""
     if isinstance(step, LiftUp):
         up = np.array([0.0, 0.0, step.height])
-        yield _straight("lift", R_WB, p_WB, p_WB + up, LIFT_SPEED)
+        yield _straight_segment("lift", R_WB, p_WB, p_WB + up, LIFT_SPEED)
     elif isinstance(step, Carry):
-        yield _carry(step, R_WB, p_WB)
+        yield _carry_segment(step, R_WB, p_WB)
     elif isinstance(step, PourOut):
-        yield from _pour(step, handled.held, R_WB, p_WB)
+        yield from _pour_segments(step, handled.held, R_WB, p_WB)
     elif isinstance(step, SetDown):
-        yield _straight("set_down", R_WB, p_WB, p_WB * [1.0, 1.0, 0.0], LIFT_SPEED)
+        yield _straight_segment("set_down", R_WB, p_WB, p_WB * [1.0, 1.0, 0.0], LIFT_SPEED)
     elif isinstance(step, PutOn):
         on = np.array([*p_WB[:2], handled.seat])
-        yield _straight("lid", R_WB, p_WB, on, LIFT_SPEED)
+        yield _straight_segment("lid", R_WB, p_WB, on, LIFT_SPEED)
     elif isinstance(step, TurnCap):
-        yield from _turns(step, handled.pitch, R_WB, p_WB)
+        yield from _turn_segments(step, handled.pitch, R_WB, p_WB)
 
 
-def _straight(
+def _straight_segment(
     phase: str, R_WB: Array, start: Array, end: Array, speed: float, *, free: bool = False
 ) -> HeldSegment:
     up = np.array([0.0, 0.0, 1.0])
     return HeldSegment(phase, R_WB, np.zeros(3), start, end, up, 0.0, speed, TURN_SPEED, free)
 
 
-def _turns(step: TurnCap, pitch: float, R_WB: Array, p_WB: Array) -> Iterator[HeldSegment]:
+def _turn_segments(step: TurnCap, pitch: float, R_WB: Array, p_WB: Array) -> Iterator[HeldSegment]:
     """Turns of the held cap, and of the open hand back between them."""
     strokes = max(1, int(np.ceil(abs(step.angle) / _STROKE)))
     turn = step.angle / strokes
     rise = np.array([0.0, 0.0, pitch * turn / THREAD])
     for k in range(strokes):
-        leg = replace(_straight("lid", R_WB, p_WB, p_WB + rise, LIFT_SPEED), turn=turn)
+        leg = replace(_straight_segment("lid", R_WB, p_WB, p_WB + rise, LIFT_SPEED), turn=turn)
         yield leg
-        _, p_WB = leg.ends
+        _, p_WB = leg.end_pose
         if k < strokes - 1:
-            yield leg.back(start=p_WB, end=p_WB, free=True)
+            yield leg.way_back(start=p_WB, end=p_WB, free=True)
 
 
-def _carry(step: Carry, R_WB: Array, p_WB: Array) -> HeldSegment:
+def _carry_segment(step: Carry, R_WB: Array, p_WB: Array) -> HeldSegment:
     turn = 0.0
     if step.to.yaw is not None:
         turn = float(wrap(step.to.yaw - np.arctan2(R_WB[1, 0], R_WB[0, 0])))
     end = np.array([step.to.x, step.to.y, p_WB[2]])
-    return replace(_straight("carry", R_WB, p_WB, end, CARRY_SPEED), turn=turn)
+    return replace(_straight_segment("carry", R_WB, p_WB, end, CARRY_SPEED), turn=turn)
 
 
-def _pour(step: PourOut, held: SeenObject, R_WB: Array, p_WB: Array) -> Iterator[HeldSegment]:
+def _pour_segments(
+    step: PourOut, held: SeenObject, R_WB: Array, p_WB: Array
+) -> Iterator[HeldSegment]:
     """Over the other object, tilted there, and upright again where it came from."""
     lean = np.array([np.cos(step.heading), np.sin(step.heading), 0.0])
     axis = np.cross([0.0, 0.0, 1.0], lean)
-    p_BC = lip(held, R_WB.T @ lean)
+    p_BC = lip_point(held, R_WB.T @ lean)
     here, there = p_WB + R_WB @ p_BC, np.array(step.lip_W)
     over = np.array([*there[:2], max(here[2], there[2])])
     lowers = np.minimum(_LOWERS, np.multiply(_LOWERS_SHARE, step.angle))
@@ -222,11 +226,11 @@ def _pour(step: PourOut, held: SeenObject, R_WB: Array, p_WB: Array) -> Iterator
     yield first
     yield from tilting
     for leg in reversed(tilting):
-        yield leg.back(rate=RIGHTING_SPEED)
-    yield first.back()
+        yield leg.way_back(rate=RIGHTING_SPEED)
+    yield first.way_back()
 
 
-def lip(held: SeenObject, lean_B: Array) -> Array:
+def lip_point(held: SeenObject, lean_B: Array) -> Array:
     """The point of the opening's rim that comes lowest when the object leans, in B, shape (3,).
 
     Args:
@@ -249,8 +253,8 @@ def upright_again(
         leg: the last one, which may have been stopped.
         share: of it that was made.
     """
-    R_WB, _ = leg.poses(np.array([share]))
+    R_WB, _ = leg.poses_at(np.array([share]))
     here = leg.start + share * (leg.end - leg.start)
     rest = replace(leg, R_WB=R_WB[0], start=here, end=leg.start, turn=-share * leg.turn)
-    way = [rest, *(each.back() for each in reversed(done))]
+    way = [rest, *(each.way_back() for each in reversed(done))]
     return tuple(replace(each, rate=max(each.rate, RIGHTING_SPEED)) for each in way)

@@ -53,41 +53,41 @@ class LidShape:
     tip_radius: float
 
     @property
-    def opens(self) -> bool:
+    def is_opening(self) -> bool:
         """Whether it is opened."""
         return self.end > self.start
 
     @property
-    def lever(self) -> float:
+    def touch_lever(self) -> float:
         """Where it is touched, from the hinge [m]."""
         return self.length + GRIP * self.tab
 
-    def tips(self, angles: Array, off: Array | float = 0.0) -> Array:
+    def tip_centres(self, angles: Array, off: Array | float = 0.0) -> Array:
         """Centres of the fingertip at angles of the lid, in E, shape (n, 3) [m].
 
         Args:
             angles: shape (n,) [rad].
             off: distance from the lid [m].
         """
-        across = -(self.tip_radius + off) if self.opens else self.tip_radius + THICKNESS + off
+        across = -(self.tip_radius + off) if self.is_opening else self.tip_radius + THICKNESS + off
         c, s = np.cos(angles), np.sin(angles)
-        x, z = self.lever * c - across * s, self.lever * s + across * c
+        x, z = self.touch_lever * c - across * s, self.touch_lever * s + across * c
         return np.stack([x, np.zeros_like(x), z], axis=-1)
 
-    def normals(self, angles: Array) -> Array:
+    def lid_normals(self, angles: Array) -> Array:
         """Directions from the fingertip into the lid, in E, shape (n, 3)."""
-        into = 1.0 if self.opens else -1.0
+        into = 1.0 if self.is_opening else -1.0
         c, s = np.cos(angles), np.sin(angles)
         return into * np.stack([-s, np.zeros_like(s), c], axis=-1)
 
-    def angle(self, tip: Array) -> float:
+    def angle_at_tip(self, tip: Array) -> float:
         """Angle of a lid that touches a fingertip at a point in E [rad]."""
         x, _, z = tip
-        across = -self.tip_radius if self.opens else self.tip_radius + THICKNESS
+        across = -self.tip_radius if self.is_opening else self.tip_radius + THICKNESS
         beyond = float(np.arcsin(np.clip(across / max(float(np.hypot(x, z)), 1e-9), -1.0, 1.0)))
         return float(np.arctan2(z, x)) - beyond
 
-    def distance(self, robot: Array, angle: Array) -> Array:
+    def distance_to_lid(self, robot: Array, angle: Array) -> Array:
         """Signed distance of spheres in E from the plate and its tab, shape (..., k) [m].
 
         Args:
@@ -127,17 +127,17 @@ class LidPath:
     touching: slice
 
     @classmethod
-    def of(cls, lid: LidShape) -> LidPath:
+    def from_lid(cls, lid: LidShape) -> LidPath:
         """The way on which a lid is opened or closed."""
         arc = np.linspace(lid.start, lid.end, _POINTS)
         first, last = arc[:1], arc[-1:]
-        if lid.opens:
-            before = lid.tips(first, _GAP) + np.array([STANDOFF, 0.0, 0.0])
-            points = [before, lid.tips(first, _GAP), lid.tips(arc)]
+        if lid.is_opening:
+            before = lid.tip_centres(first, _GAP) + np.array([STANDOFF, 0.0, 0.0])
+            points = [before, lid.tip_centres(first, _GAP), lid.tip_centres(arc)]
         else:
-            before = lid.tips(first, STANDOFF)
-            points = [before, lid.tips(first, _GAP), lid.tips(arc)]
-        off = lid.tips(last, _OFF)
+            before = lid.tip_centres(first, STANDOFF)
+            points = [before, lid.tip_centres(first, _GAP), lid.tip_centres(arc)]
+        off = lid.tip_centres(last, _OFF)
         back = np.array([0.5, 1.0])[:, None] * (before - off) + off
         return cls(
             np.vstack([*points, off, back]),
@@ -149,7 +149,7 @@ class LidPath:
 
 def lid_shape(step: FlipOver, target: SeenObject, tip_radius: float) -> LidShape:
     """The lid of an object that is seen, for a fingertip of a radius [m]."""
-    lid, hinge = _lid(target)
+    lid, hinge = _lid_and_hinge(target)
     rim = lids.lid_rim(target.model)
     across = np.array([-hinge.out[1], hinge.out[0]])
     return LidShape(
@@ -157,26 +157,26 @@ def lid_shape(step: FlipOver, target: SeenObject, tip_radius: float) -> LidShape
         half_width=round(float(rim.extent(across[None])[0]), 5),
         tab=lid.tab,
         height=target.model.top,
-        start=_rounded(step.start),
-        end=_rounded(step.end),
+        start=_round_angle(step.start),
+        end=_round_angle(step.end),
         tip_radius=tip_radius,
     )
 
 
 def hinge_pose(target: SeenObject) -> tuple[Array, Array]:
     """R_WE, shape (3, 3), and p_WE of the hinge of an object's lid, shape (3,) [m]."""
-    lid, hinge = _lid(target)
+    lid, hinge = _lid_and_hinge(target)
     R_WE = target.pose.R_WB @ rot_z(lid.tab_heading)
     return R_WE, target.pose.p_WB + target.pose.R_WB @ hinge.p_BH
 
 
-def _lid(target: SeenObject) -> tuple[FlipLid, lids.Hinge]:
+def _lid_and_hinge(target: SeenObject) -> tuple[FlipLid, lids.Hinge]:
     """Of an object that has a flip lid."""
     lid = target.model.lid
     assert isinstance(lid, FlipLid), "only a flip lid is flipped over"
     return lid, lids.lid_hinge(lid, lids.lid_rim(target.model), target.model.top)
 
 
-def _rounded(angle: float) -> float:
+def _round_angle(angle: float) -> float:
     """To 5°, so that lids seen a little differently are equal [rad]."""
     return float(np.radians(5.0 * round(np.degrees(angle) / 5.0)))

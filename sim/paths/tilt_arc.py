@@ -33,32 +33,34 @@ class TiltArc:
     tip_radius: float
 
     @property
-    def back(self) -> float:
+    def edge_distance(self) -> float:
         """How far T is behind the edge at the touch [m]."""
         return self.length + self.tip_radius
 
     @property
-    def radius(self) -> float:
+    def arc_radius(self) -> float:
         """Distance of T from the edge [m]."""
-        return float(np.hypot(self.back, self.origin[2]))
+        return float(np.hypot(self.edge_distance, self.origin[2]))
 
-    def at(self, angle: float) -> Array:
+    def tip_at(self, angle: float) -> Array:
         """p_WT at a tilt [rad], if it sticks to the face, shape (3,) [m]."""
         up = float(self.origin[2])
         c, s = np.cos(angle), np.sin(angle)
-        point = self.origin + (self.back - (self.back * c - up * s)) * self.u
-        return np.array([point[0], point[1], self.back * s + up * c])
+        point = self.origin + (self.edge_distance - (self.edge_distance * c - up * s)) * self.u
+        return np.array([point[0], point[1], self.edge_distance * s + up * c])
 
-    def heights(self, tips: Array) -> Array:
+    def contact_heights(self, tips: Array) -> Array:
         """Heights in B at which fingertips p_WT, shape (n, 3), touch the face, shape (n,) [m]."""
         x, h = self._seen_from_edge(tips)
-        return np.sqrt(np.maximum(x * x + h * h - self.back**2, 0.0))
+        return np.sqrt(np.maximum(x * x + h * h - self.edge_distance**2, 0.0))
 
-    def tilts(self, tips: Array) -> Array:
+    def tilt_angles(self, tips: Array) -> Array:
         """Tilts at which fingertips p_WT, shape (n, 3) [m], touch the face, shape (n,) [rad]."""
         x, h = self._seen_from_edge(tips)
-        return np.asarray(np.arctan2(h, x) - np.arctan2(self.heights(tips), self.back))
+        return np.asarray(
+            np.arctan2(h, x) - np.arctan2(self.contact_heights(tips), self.edge_distance)
+        )
 
     def _seen_from_edge(self, tips: Array) -> tuple[Array, Array]:
         """How far behind the edge and above the table they are, shape (n,) each [m]."""
-        return self.back - (tips - self.origin) @ self.u, tips[:, 2]
+        return self.edge_distance - (tips - self.origin) @ self.u, tips[:, 2]

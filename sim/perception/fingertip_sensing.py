@@ -50,7 +50,7 @@ def feel(
         torques: of the fingers' joints, their sensors' zero taken off, shape (k, 3) [N·m].
     """
     hand = mount.hand
-    R_WP, p_WP = mount.palm(port.arm_angles())
+    R_WP, p_WP = mount.palm_poses(port.arm_angles())
     tips, forces = [], []
     inwards = np.broadcast_to(inward_W, (len(fingers), 3))
     for finger, inward, tau in zip(fingers, inwards, torques, strict=True):

@@ -84,7 +84,7 @@ class FlipControl:
     def flip(self) -> tuple[EndReason, str]:
         """Goes to the lid and flips it; returns how that ended and why."""
         degrees = np.degrees(self._step.end)
-        verb = "opening" if self._lid.opens else "closing"
+        verb = "opening" if self._lid.is_opening else "closing"
         self._tell("lid", self._recorder.port.time, f"{verb} the lid to {degrees:.0f}°")
         self._recorder.phase = "lid"
         self._recorder.force_limit = self._step.force_limit
@@ -92,7 +92,7 @@ class FlipControl:
         self._zero()
         start = np.array([self._step.start])
         self._go(self._stance.hands.path.points[1], 0.0, 2.0 * TOUCH_SPEED)
-        self._go(self._lid.tips(start)[0], 0.0, TOUCH_SPEED)
+        self._go(self._lid.tip_centres(start)[0], 0.0, TOUCH_SPEED)
         return self._along()
 
     def leave(self, *, done: bool) -> None:
@@ -114,12 +114,12 @@ class FlipControl:
 
     @property
     def _sign(self) -> float:
-        return 1.0 if self._lid.opens else -1.0
+        return 1.0 if self._lid.is_opening else -1.0
 
     @property
     def _rate(self) -> float:
         """Largest one of the lid [rad/s]."""
-        return self._step.speed / self._lid.lever
+        return self._step.speed / self._lid.touch_lever
 
     def _along(self) -> tuple[EndReason, str]:
         """Follows the arc until the lid is seen where it should be, or something is wrong."""
@@ -166,7 +166,7 @@ class FlipControl:
         """Angle that a lid has which touches the fingertip [rad]."""
         assert self._recorder.touch is not None, "the recorder knows the finger"
         R_WE, p_WE = self._stance.R_WE, self._stance.p_WE
-        return self._lid.angle(R_WE.T @ (self._recorder.touch.midpoint - p_WE))
+        return self._lid.angle_at_tip(R_WE.T @ (self._recorder.touch.midpoint - p_WE))
 
     def _to_angle(self, angle: float) -> None:
         """Commands the fingertip to where it touches a lid of some angle."""
@@ -174,11 +174,11 @@ class FlipControl:
         start, end = self._step.start, self._step.end
         share = float(np.clip((angle - start) / (end - start), 0.0, 1.0))
         self._recorder.inward = self._into(angle)
-        self._command(self._lid.tips(np.array([angle]))[0], share)
+        self._command(self._lid.tip_centres(np.array([angle]))[0], share)
 
     def _into(self, angle: float) -> Array:
         """Direction into the lid in W, shape (3,)."""
-        return np.asarray(self._stance.R_WE @ self._lid.normals(np.array([angle]))[0])
+        return np.asarray(self._stance.R_WE @ self._lid.lid_normals(np.array([angle]))[0])
 
     # -- steps ----------------------------------------------------------------------------------
 
@@ -204,7 +204,7 @@ class FlipControl:
         """Commands T to a point of E, and takes in what was felt and seen."""
         self._at = (p_ET, share)
         posture = self._stance.stance.posture
-        self._recorder.step(self._stance.joints(p_ET, share), posture.joints)
+        self._recorder.step(self._stance.joint_angles(p_ET, share), posture.joint_angles)
         assert self._recorder.touch is not None, "the recorder knows the finger"
         felt = float(self._recorder.touch.forces[0] @ self._recorder.inward)
         self._felt += min(1.0, self._period / _FILTER) * (felt - self._felt)

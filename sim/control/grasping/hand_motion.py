@@ -129,9 +129,9 @@ class HandMotion:
     def _hand(self) -> Array:
         """Commanded angles of the fingers."""
         grip = self._way.grip
-        R_WP, _ = self._way.mount.palm(self._port.commanded[0])
-        q = grip.posture(self.opening).joints + self.wound * grip.pressing
-        return np.asarray(q + grip.bearing(R_WP.T @ self._borne))
+        R_WP, _ = self._way.mount.palm_poses(self._port.commanded[0])
+        q = grip.posture_at(self.opening).joint_angles + self.wound * grip.squeeze_offsets
+        return np.asarray(q + grip.force_offsets(R_WP.T @ self._borne))
 
     # -- the arm --------------------------------------------------------------------------------
 
@@ -151,7 +151,7 @@ class HandMotion:
             EarlyEndError: a guard stopped it.
         """
         made = 0.0
-        for share in self._shares(1.0, leg.fastest):
+        for share in self._shares(1.0, leg.share_rate):
             self.reach(leg, share)
             made = share
             if self._sense.weight < until:
@@ -165,7 +165,7 @@ class HandMotion:
             EarlyEndError: a guard stopped it.
         """
         self._recorder.phase = leg.phase
-        q, valid = self._way.joints(*leg.poses(np.array([share])))
+        q, valid = self._way.joint_angles(*leg.poses_at(np.array([share])))
         if not valid[0]:
             raise EarlyEndError("unreachable", "the arm does not get along its way")
         self._command(q[0])
@@ -196,7 +196,7 @@ class HandMotion:
         """Free motion home, where the hand closes."""
         *rest, home = poses
         self.transit(tuple(rest), self._port.commanded[1])
-        self.transit((home,), self._way.mount.hand.resting.joints)
+        self.transit((home,), self._way.mount.hand.resting.joint_angles)
 
     def stay(self) -> None:
         """Hangs still for one control step."""

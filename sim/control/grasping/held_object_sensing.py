@@ -121,7 +121,7 @@ class HandSense:
     def step(self, q_arm: Array, q_hand: Array) -> None:
         """Commands joint angles, and takes in what is felt and seen then."""
         recorder, hand = self._recorder, self._hand
-        R_WP = self._mount.palm(recorder.port.arm_angles())[0]
+        R_WP = self._mount.palm_poses(recorder.port.arm_angles())[0]
         recorder.inward = np.array(
             [R_WP @ hand.closing_direction(finger) for finger in hand.grasp_fingers]
         )
@@ -162,7 +162,7 @@ class HandSense:
 
     def _see(self, frames: list[Frame]) -> None:
         world = self._recorder.port
-        self._past.append((world.time, *self._mount.palm(world.arm_angles())))
+        self._past.append((world.time, *self._mount.palm_poses(world.arm_angles())))
         while self._past[0][0] < world.time - _KEPT:
             self._past.popleft()
         for frame in frames:

@@ -97,7 +97,7 @@ class LidSense(HandSense):
         p_BG = np.array(handled.grasp.p_BG)
         super().__init__(recorder, way.mount, handled.held.name, p_BG, handled.state)
         self._lid_way = way
-        self.holding = way.grip.holding
+        self.holding = way.grip.touching_fingers
         self._owner = handled.state.objects[handled.name]
         self._view = LidView(self._owner, handled.opened)
         self.most_torque = np.inf
@@ -120,7 +120,7 @@ class LidSense(HandSense):
         touch = self._recorder.touch
         if touch is None:
             return
-        R_WP, p_WP = self._mount.palm(q_arm)
+        R_WP, p_WP = self._mount.palm_poses(q_arm)
         arms = touch.tips - (p_WP + R_WP @ self._lid_way.grip.middle)
         # A fingertip touches something round on the line to its middle.
         arms *= 1.0 - self._hand.tip_radius / np.linalg.norm(arms, axis=1, keepdims=True)

@@ -127,7 +127,7 @@ class PlannedControl(TouchControl, ABC):
 
     def _loading(self) -> float:
         """Speed of the command that raises the force of an object that stands [m/s]."""
-        return _FORCE_RATE / self.stance.stiffness(self._u)
+        return _FORCE_RATE / self.stance.push_stiffness(self._u)
 
     def _start(self) -> float:
         """Speed until the object moves [m/s]."""

@@ -151,7 +151,9 @@ class TouchControl:
     def _step(self, tip: Array, along: Array) -> None:
         """Commands T to a point and takes in what was felt along a direction, and seen."""
         self.commanded = tip
-        self.recorder.step(self.stance.joints(tip, self.turned), self.stance.posture.joints)
+        self.recorder.step(
+            self.stance.joint_angles(tip, self.turned), self.stance.posture.joint_angles
+        )
         self._forces += self._share * (self._here.forces @ along - self._forces)
         for frame in self.recorder.frames:
             up = frame.poses[self._object].R_WB[:, 2]

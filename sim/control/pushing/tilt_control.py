@@ -51,9 +51,9 @@ class TiltControl(PlannedControl):
         """Tilts, holds and lets back; returns how that ended and why."""
         push = self.plan.push
         self._arc = TiltArc(self._here.midpoint, self._u, self._length, self._tip_radius)
-        self._angle = float(self._arc.tilts(self.commanded[None])[0])
+        self._angle = float(self._arc.tilt_angles(self.commanded[None])[0])
         for angle in np.linspace(0.0, push.tilt, _STEPS):
-            self.stance.joints(self._arc.at(angle))
+            self.stance.joint_angles(self._arc.tip_at(angle))
         self._begin(f"tilting it by {np.degrees(push.tilt):.1f}°")
         early = self._raise()
         if early is None:
@@ -70,8 +70,8 @@ class TiltControl(PlannedControl):
         """Tilts it; why that ended early, or None."""
         push = self.plan.push
         guards = TiltGuards(self.plan, self._period)
-        fastest = min(_RATE, _SPEED * push.speed / self._arc.radius)
-        standing = self._loading() / self._arc.radius
+        fastest = min(_RATE, _SPEED * push.speed / self._arc.arc_radius)
+        standing = self._loading() / self._arc.arc_radius
         wanted = push.tilt
         rate = min(fastest, standing)
         while self._view.tilt < wanted:
@@ -88,10 +88,10 @@ class TiltControl(PlannedControl):
 
     def _let_back(self) -> bool:
         """Carries it down; whether it stands."""
-        behind = -_BEHIND / self._arc.radius
+        behind = -_BEHIND / self._arc.arc_radius
         while self._angle > behind and not self._stands():
             near = max(_SLOWEST, _BRAKING * self._view.own)
-            self._lean(-min(_BACK_RATE, _SPEED * self.plan.push.speed / self._arc.radius, near))
+            self._lean(-min(_BACK_RATE, _SPEED * self.plan.push.speed / self._arc.arc_radius, near))
         return self._stands()
 
     def _stands(self) -> bool:
@@ -104,9 +104,9 @@ class TiltControl(PlannedControl):
         lean = self._view.own
         # Where the fingertip touches goes round on it as the face leans.
         self.recorder.inward = np.cos(lean) * self._u - [0.0, 0.0, np.sin(lean)]
-        self._step(self._arc.at(self._angle), self._u)
+        self._step(self._arc.tip_at(self._angle), self._u)
         now = self.recorder.port.time
-        self._view.moved(now, float(self._arc.tilts(self._here.midpoint[None])[0]))
+        self._view.moved(now, float(self._arc.tilt_angles(self._here.midpoint[None])[0]))
         for frame in self.recorder.frames:
             up = frame.poses[self._object].R_WB[:, 2]
             self._view.seen(frame.time, float(np.arctan2(up @ self._u, up[2])))

@@ -49,8 +49,8 @@ def flip_postures(lid: LidShape, wrist: float) -> FlipPostureSet:
         lid: that is flipped.
         wrist: distance from the arm's wrist to its flange [m].
     """
-    way = LidPath.of(lid)
-    R_EP = _orientations(lid, way)
+    way = LidPath.from_lid(lid)
+    R_EP = _palm_orientations(lid, way)
     postures, spheres, orientations, tips, coarse = [], [], [], [], []
     for finger, flexion in itertools.product(("index", "middle", "ring"), _FLEXIONS):
         posture = finger_posture(finger, flexion)
@@ -68,15 +68,15 @@ def flip_postures(lid: LidShape, wrist: float) -> FlipPostureSet:
     return every[order]
 
 
-def _orientations(lid: LidShape, way: LidPath) -> Array:
+def _palm_orientations(lid: LidShape, way: LidPath) -> Array:
     """Orientations of the palm along the way, shape (n, w, 3, 3)."""
     lean, side, turn = (
-        a.ravel() for a in np.meshgrid(_LEANS[lid.opens], _SIDES, _TURNS, indexing="ij")
+        a.ravel() for a in np.meshgrid(_LEANS[lid.is_opening], _SIDES, _TURNS, indexing="ij")
     )
     # The tab is drawn towards the hinge in the end; a lid is pushed shut away from it.
-    facing = rot_z(np.pi if lid.opens else 0.0)
+    facing = rot_z(np.pi if lid.is_opening else 0.0)
     first = facing @ rot_z(side) @ rot_y(-lean) @ _UPRIGHT
-    with_lid = (-1.0 if lid.opens else 1.0) * turn[:, None] * way.shares
+    with_lid = (-1.0 if lid.is_opening else 1.0) * turn[:, None] * way.shares
     return np.asarray(rot_y(with_lid) @ first[:, None])
 
 
@@ -85,7 +85,7 @@ def _felt_pushes(
 ) -> tuple[NDArray[np.bool_], Array]:
     """Which orientations feel and bear the push all along the arc, and how coarsely; (n,) each."""
     (finger,) = posture.pushing
-    into = lid.normals(way.angles[way.touching])
+    into = lid.lid_normals(way.angles[way.touching])
     into_P = np.einsum("nwji,wj->nwi", R_EP[:, way.touching], into)
     p_PC = posture.tips[0] + TIP_RADIUS * into_P
     coarse = force_noise_gain(finger, posture.angles[finger], p_PC, into_P).max(axis=1)
@@ -105,7 +105,7 @@ def _is_clear(
         on_table = z + lid.height - r < TABLE_CLEARANCE
         upright = np.stack([x - lid.length / 2.0, y, z + lid.height, r], axis=-1)
         body = distance_to_cylinder(upright, lid.half_width, lid.height)
-        plate = lid.distance(robot, np.full(len(left), angle))
+        plate = lid.distance_to_lid(robot, np.full(len(left), angle))
         left = left[~(on_table | (np.minimum(body, plate) < _CLEARANCE)).any(axis=1)]
     clear = np.zeros(len(R_EP), dtype=bool)
     clear[left] = True

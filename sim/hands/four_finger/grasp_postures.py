@@ -79,28 +79,28 @@ class FourFingerGrasp:
     shares: Array = field(default_factory=lambda: SHARES)
 
     @property
-    def holding(self) -> tuple[str, ...]:
+    def touching_fingers(self) -> tuple[str, ...]:
         """The fingers that touch."""
-        return _holding(self.shares)
+        return _touching_fingers(self.shares)
 
-    def posture(self, opening: float = 0.0) -> Posture:
+    def posture_at(self, opening: float = 0.0) -> Posture:
         """The hand with its fingertips so far off each side [m]; negative: beyond it."""
         name = f"grip of {1e3 * self.width:.0f} mm"
         x, _, z = self.middle.tolist()
-        return _posture(name, self.width + 2.0 * opening, x, z, self.holding)
+        return _closed_posture(name, self.width + 2.0 * opening, x, z, self.touching_fingers)
 
-    def touching(self, finger: str) -> Array:
+    def touch_point(self, finger: str) -> Array:
         """Where a finger touches, in P, shape (3,) [m]."""
-        tip = finger_points(finger, self.posture().angles[finger])[3]
+        tip = finger_points(finger, self.posture_at().angles[finger])[3]
         return np.asarray(tip + TIP_RADIUS * closing_direction(finger))
 
     @functools.cached_property
-    def pressing(self) -> Array:
+    def squeeze_offsets(self) -> Array:
         """Change of the commanded angles per squeeze, in the order of `JOINT_NAMES` [rad/N]."""
-        torques = [self._torques(finger, 0.0, 0.0) for finger in FINGERS]
+        torques = [self._finger_torques(finger, 0.0, 0.0) for finger in FINGERS]
         return np.concatenate(torques) / JOINT_STIFFNESS
 
-    def bearing(self, force_P: Array) -> Array:
+    def force_offsets(self, force_P: Array) -> Array:
         """Change of the commanded angles with which both sides together exert a force.
 
         Args:
@@ -110,25 +110,25 @@ class FourFingerGrasp:
             Shape (12,), in the order of `JOINT_NAMES` [rad].
         """
         forces = {f: 0.5 * share * force_P for f, share in zip(HOLDING, self.shares, strict=True)}
-        torques = [self._jacobians[f].T @ forces[f] for f in FINGERS]
+        torques = [self._finger_jacobians[f].T @ forces[f] for f in FINGERS]
         return np.concatenate(torques) / JOINT_STIFFNESS
 
     @functools.cached_property
-    def _jacobians(self) -> dict[str, Array]:
-        angles = self.posture().angles
-        return {f: finger_jacobian(f, angles[f], self.touching(f)) for f in FINGERS}
+    def _finger_jacobians(self) -> dict[str, Array]:
+        angles = self.posture_at().angles
+        return {f: finger_jacobian(f, angles[f], self.touch_point(f)) for f in FINGERS}
 
-    def _torques(self, finger: str, along: float, beside: float) -> Array:
+    def _finger_torques(self, finger: str, along: float, beside: float) -> Array:
         """Torques per squeeze with a tangential load beside it, shape (3,) [m]."""
         load = self.shares[HOLDING.index(finger)] * (
             closing_direction(finger) + np.array([0.0, beside, along])
         )
-        return np.asarray(self._jacobians[finger].T @ load)
+        return np.asarray(self._finger_jacobians[finger].T @ load)
 
     @functools.cached_property
     def largest_squeeze(self) -> float:
         """Largest squeeze, with a tangential load as large beside it [N]."""
-        each = [self._torques(f, *load) for f, load in itertools.product(FINGERS, _LOADS)]
+        each = [self._finger_torques(f, *load) for f, load in itertools.product(FINGERS, _LOADS)]
         return float(EFFORT_SHARE * EFFORT / np.abs(each).max())
 
 
@@ -147,19 +147,19 @@ def grasp_posture(width: float, *, pinch: bool = False, wrist: float) -> FourFin
     """
     if not NARROWEST <= width <= WIDEST:
         return None
-    return _best(round(width, 4), pinch, wrist)
+    return _best_grasp(round(width, 4), pinch, wrist)
 
 
 @functools.lru_cache(maxsize=256)
-def _best(width: float, pinch: bool, wrist: float) -> FourFingerGrasp | None:
+def _best_grasp(width: float, pinch: bool, wrist: float) -> FourFingerGrasp | None:
     shares = PINCH if pinch else SHARES
-    found = [_at(width, x, z, shares) for x, z in itertools.product(_ACROSS, _ALONG)]
-    worth = _pinch_worth if pinch else _worth
+    found = [_grasp_at(width, x, z, shares) for x, z in itertools.product(_ACROSS, _ALONG)]
+    worth = _pinch_worth if pinch else _grasp_worth
     best = max((each for each in found if each is not None), key=worth, default=None)
-    return None if best is None else replace(best, grip=_grip(best, wrist))
+    return None if best is None else replace(best, grip=_planner_grip(best, wrist))
 
 
-def _worth(grip: FourFingerGrasp) -> float:
+def _grasp_worth(grip: FourFingerGrasp) -> float:
     return float(
         grip.largest_squeeze + _DEPTH_WORTH * grip.middle[2] + _OPENING_WORTH * grip.opening
     )
@@ -168,37 +168,39 @@ def _worth(grip: FourFingerGrasp) -> float:
 def _pinch_worth(grip: FourFingerGrasp) -> float:
     """A knob stands on something that the fingers must not touch."""
     hanging = [
-        finger_points(finger, grip.posture(opening).angles[finger])[:, 2].max() - grip.middle[2]
-        for finger in grip.holding
+        finger_points(finger, grip.posture_at(opening).angles[finger])[:, 2].max() - grip.middle[2]
+        for finger in grip.touching_fingers
         for opening in (0.0, grip.opening)
     ]
-    return _worth(grip) - _HANGING_WORTH * float(max(hanging))
+    return _grasp_worth(grip) - _HANGING_WORTH * float(max(hanging))
 
 
-def _holding(shares: Array) -> tuple[str, ...]:
+def _touching_fingers(shares: Array) -> tuple[str, ...]:
     return tuple(finger for finger, share in zip(HOLDING, shares, strict=True) if share > 0.0)
 
 
-def _at(width: float, x: float, z: float, shares: Array) -> FourFingerGrasp | None:
+def _grasp_at(width: float, x: float, z: float, shares: Array) -> FourFingerGrasp | None:
     """The grip about a width in one place; None if the fingers do not get there."""
-    holding = _holding(shares)
-    closed = _angles(width, x, z, holding)
+    holding = _touching_fingers(shares)
+    closed = _finger_angles(width, x, z, holding)
     if closed is None or not all(_LEAN[0] < a[1] + 2.0 * a[2] < _LEAN[1] for a in closed.values()):
         return None
     # All of the closing is possible where both its ends are.
     openings = np.arange(OPENING, _LEAST_OPENING - 1e-9, -0.001)
-    opening = next((o for o in openings if _angles(width + 2.0 * o, x, z, holding)), None)
+    opening = next((o for o in openings if _finger_angles(width + 2.0 * o, x, z, holding)), None)
     if opening is None:
         return None
     return FourFingerGrasp(width, np.array([x, 0.0, z]), float(opening), _UNKNOWN, shares)
 
 
-def _grip(found: FourFingerGrasp, wrist: float) -> Grip:
+def _planner_grip(found: FourFingerGrasp, wrist: float) -> Grip:
     """What the planner knows of a grasp."""
     x, _, z = found.middle
-    contacts = np.array([found.touching(finger)[[2, 1]] - [z, 0.0] for finger in found.holding])
+    contacts = np.array(
+        [found.touch_point(finger)[[2, 1]] - [z, 0.0] for finger in found.touching_fingers]
+    )
     # Open or closed, whatever needs more.
-    around = np.vstack([hand_spheres(found.posture(o), wrist) for o in (0.0, found.opening)])
+    around = np.vstack([hand_spheres(found.posture_at(o), wrist) for o in (0.0, found.opening)])
     low, high = (around[:, 0] - around[:, 3]).min(), (around[:, 0] + around[:, 3]).max()
     room = (float(x - found.width / 2.0 - low), float(high - x - found.width / 2.0))
     ahead = float((around[:, 2] + around[:, 3]).max() - z)
@@ -206,7 +208,9 @@ def _grip(found: FourFingerGrasp, wrist: float) -> Grip:
 
 
 @functools.lru_cache(maxsize=4096)
-def _angles(width: float, x: float, z: float, holding: tuple[str, ...]) -> dict[str, Angles] | None:
+def _finger_angles(
+    width: float, x: float, z: float, holding: tuple[str, ...]
+) -> dict[str, Angles] | None:
     """Angles of the fingers that hold a width; None where one does not get there."""
     angles = {}
     low, high = FINGER_LIMITS.T
@@ -221,7 +225,9 @@ def _angles(width: float, x: float, z: float, holding: tuple[str, ...]) -> dict[
 
 
 @functools.lru_cache(maxsize=64)
-def _posture(name: str, width: float, x: float, z: float, holding: tuple[str, ...]) -> Posture:
+def _closed_posture(
+    name: str, width: float, x: float, z: float, holding: tuple[str, ...]
+) -> Posture:
     """The hand about a width, wherever its fingers get; those that do not hold are curled up."""
     angles = dict.fromkeys(FINGERS, CURLED)
     for finger in holding:

@@ -83,7 +83,7 @@ def _finger_frame(finger: str, abduction: float) -> Array:
 
 
 @functools.cache
-def _chain() -> tuple[Array, Array]:
+def _tip_chain() -> tuple[Array, Array]:
     """Middle flexions, and the tip from the proximal joint with them, along x and z, (n, 2)."""
     middle = np.linspace(FINGER_LIMITS[2, 1], 0.0, 4001)
     bends = np.outer(middle, [0.0, 1.0, 2.0])
@@ -102,7 +102,7 @@ def angles_reaching(finger: str, p_PT: Array) -> Angles | None:
         None if it is too far, or too near to the finger's base; stops do not count otherwise.
     """
     x, _, z = _BASE_R[finger].T @ (p_PT - BASES[finger])
-    middle, tips = _chain()
+    middle, tips = _tip_chain()
     lengths = np.hypot(*tips.T)
     distance = float(np.hypot(x, z))
     if not lengths[0] < distance < lengths[-1]:

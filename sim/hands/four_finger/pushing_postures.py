@@ -117,14 +117,14 @@ def pushing_postures(
     postures = one_finger_postures() if fingers == 1 else two_finger_postures(spread)
     which = np.repeat(np.arange(len(postures)), len(turned))
     R_DP = np.tile(turned, (len(postures), 1, 1))
-    coarse, skew, bears = np.hstack([quality(posture, turned) for posture in postures])
+    coarse, skew, bears = np.hstack([pushing_quality(posture, turned) for posture in postures])
     good = np.flatnonzero((coarse < _COARSEST_FEELING) & (skew < LARGEST_SKEW))
     # A finger that is closed gives way across as it presses, which blurs what it feels.
     blurred = np.repeat([_is_closed(posture) for posture in postures], len(turned))
     order = good[np.argsort((skew + coarse / 200.0 + _BLURRED * blurred)[good], kind="stable")]
     which, R_DP = which[order], R_DP[order]
     spheres = tuple(whole_spheres(posture, wrist) for posture in postures)
-    return PostureSet.of(postures, spheres, which, R_DP, bears[order])
+    return PostureSet.from_postures(postures, spheres, which, R_DP, bears[order])
 
 
 def _is_closed(posture: Posture) -> bool:
@@ -132,7 +132,7 @@ def _is_closed(posture: Posture) -> bool:
     return any(posture.angles[finger][2] >= _CLOSED for finger in posture.pushing)
 
 
-def quality(posture: Posture, R_DP: Array) -> tuple[Array, Array, Array]:
+def pushing_quality(posture: Posture, R_DP: Array) -> tuple[Array, Array, Array]:
     """How well a hand pushes along D's x axis in each orientation, by its worst finger.
 
     Args:

@@ -93,7 +93,7 @@ class DrakeWorld:
         self._hand = hand
         self._impulse = np.zeros(len(hand.joint_names))
         self._mean_torques = np.zeros(len(hand.joint_names))
-        self._q_arm, self._q_hand = np.radians(scene.robot.home_deg), hand.resting.joints
+        self._q_arm, self._q_hand = np.radians(scene.robot.home_deg), hand.resting.joint_angles
         self.robot = DrakeRobotPort(
             scene.cell,
             hand,

@@ -35,8 +35,8 @@ class Sensors:
 @pytest.mark.parametrize("angles", [(0.0, -0.4, 0.5), (0.1, 0.3, 0.9)])
 def test_the_force_at_the_contact_point(finger: str, angles: Angles) -> None:
     scene = load_scene("kitchen")
-    mount, q = Mount.of(scene.robot, ARM, HAND), np.radians(scene.robot.home_deg)
-    R_WP, p_WP = mount.palm(q)
+    mount, q = Mount.from_cell(scene.robot, ARM, HAND), np.radians(scene.robot.home_deg)
+    R_WP, p_WP = mount.palm_poses(q)
     inward_W, force_W = np.array([0.6, 0.8, 0.0]), np.array([1.2, 1.4, -0.5])
     base, middle, distal, tip = finger_points(finger, angles)
     p_PC = tip + TIP_RADIUS * R_WP.T @ inward_W

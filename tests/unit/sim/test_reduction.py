@@ -101,9 +101,9 @@ def test_the_tilt_follows_from_the_fingertip_wherever_it_slips_to() -> None:
         along = back - (back * np.cos(angle) - up * np.sin(angle))
         tip = start + along * u
         tip[2] = back * np.sin(angle) + up * np.cos(angle)
-        assert TiltArc(start, u, tried.length, TIP_RADIUS).tilts(tip[None])[0] == pytest.approx(
-            angle, abs=1e-12
-        )
+        assert TiltArc(start, u, tried.length, TIP_RADIUS).tilt_angles(tip[None])[
+            0
+        ] == pytest.approx(angle, abs=1e-12)
 
 
 def slide_recording(turned: float, aside: float = 0.0) -> Recording:

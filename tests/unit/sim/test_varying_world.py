@@ -54,7 +54,7 @@ class Free:
             angles = HAND.model_angles(resting)
             for name, angle in zip(HAND.model_joints(finger), angles, strict=True):
                 self.plant.GetJointByName(name).set_angle(self.context, angle)
-        for part, q in ((self.model.arm, arm), (self.model.hand, HAND.resting.joints)):
+        for part, q in ((self.model.arm, arm), (self.model.hand, HAND.resting.joint_angles)):
             port = self.plant.get_desired_state_input_port(part)
             port.FixValue(self.context, np.concatenate([q, np.zeros(len(q))]))
 

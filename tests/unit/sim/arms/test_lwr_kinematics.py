@@ -46,13 +46,13 @@ def _random_arms(n: int) -> Array:
 
 
 def test_palm_pose_as_in_drake(model: Plant) -> None:
-    mount = Mount.of(load_scene("kitchen").robot, ARM, HAND)
+    mount = Mount.from_cell(load_scene("kitchen").robot, ARM, HAND)
     context = model.plant.CreateDefaultContext()
     for q in _random_arms(20):
         for name, angle in zip(arm.joint_names, q, strict=True):
             model.plant.GetJointByName(name).set_angle(context, angle)
         X_WP = model.plant.GetFrameByName("palm").CalcPoseInWorld(context)
-        R_WP, p_WP = mount.palm(q)
+        R_WP, p_WP = mount.palm_poses(q)
         np.testing.assert_allclose(R_WP, X_WP.rotation().matrix(), rtol=0, atol=ROUNDING)
         np.testing.assert_allclose(p_WP, X_WP.translation(), rtol=0, atol=ROUNDING)
 

@@ -47,7 +47,7 @@ def test_more_clearance_is_kept_from_what_is_fragile() -> None:
     edge = TEA.extents[0] / 2.0
     for fragile, clearance in ((False, OBJECT_CLEARANCE), (True, FRAGILE_CLEARANCE)):
         tea = SeenObject("tea", PlanarPose(0.5, 0.1), TEA, fragile=fragile)
-        scenery = CollisionScene.of(
+        scenery = CollisionScene.from_state(
             WorldState({"tea": tea, "can": SeenObject("can", PlanarPose(0, 0), CAN)}), "can"
         )
         near, far = (
@@ -60,8 +60,8 @@ def test_more_clearance_is_kept_from_what_is_fragile() -> None:
 
 def test_the_pushed_object_counts_where_it_is_by_then() -> None:
     can = SeenObject("can", PlanarPose(0.5, 0.0), CAN)
-    scenery = CollisionScene.of(WorldState({"can": can}), "can")
-    there = scenery.pushed.taken(np.zeros(3), np.array([0.2, 0.0, 0.0]), 0.0)
+    scenery = CollisionScene.from_state(WorldState({"can": can}), "can")
+    there = scenery.pushed.after_motion(np.zeros(3), np.array([0.2, 0.0, 0.0]), 0.0)
     at_first, later = _sphere(0.5, 0.0, 0.05), _sphere(0.7, 0.0, 0.05)
     assert not scenery.is_free(at_first)
     assert scenery.is_free(at_first, there)
@@ -74,15 +74,15 @@ def test_a_toppled_can_is_long_and_flat(yaw: float) -> None:
     attitude = tuple(rot_y(np.pi / 2).ravel().tolist())
     seen = SeenObject.lying("can", PlanarPose(0.5, 0.0, yaw, attitude), CAN, fragile=True)
     assert seen.fragile
-    obstacle = Obstacle.of(seen, OBJECT_CLEARANCE)
+    obstacle = Obstacle.from_seen(seen, OBJECT_CLEARANCE)
     along = np.array([np.cos(yaw), np.sin(yaw)])
     radius, length = CAN.extents[0] / 2.0, CAN.top
     assert obstacle.height == pytest.approx(2.0 * radius, rel=0.01)  # its outline has corners
     end = np.array([0.5, 0.0]) + (length + 0.02) * along
     beyond, above = _sphere(end[0], end[1], radius), _sphere(0.5, 0.0, 2.0 * radius + 0.02)
     # The far end is 20 mm from the sphere's centre, its top 20 mm below; less the sphere's 10 mm.
-    np.testing.assert_allclose(obstacle.distance(beyond), 0.01, atol=1e-9)
-    np.testing.assert_allclose(obstacle.distance(above), 0.01, atol=0.001)
+    np.testing.assert_allclose(obstacle.distance_to(beyond), 0.01, atol=1e-9)
+    np.testing.assert_allclose(obstacle.distance_to(above), 0.01, atol=0.001)
     assert not obstacle.is_clear(beyond)
 
 

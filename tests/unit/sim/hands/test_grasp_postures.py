@@ -49,7 +49,7 @@ def test_fingertips_touch_two_sides_a_width_apart(width: float) -> None:
     grip = _grip(width)
     for finger in FINGERS:
         side = grip.middle - width / 2.0 * closing_direction(finger)
-        x, _, z = grip.touching(finger)
+        x, _, z = grip.touch_point(finger)
         assert x == pytest.approx(side[0], abs=1e-6)
         assert z == pytest.approx(grip.middle[2], abs=1e-6)
 
@@ -57,7 +57,7 @@ def test_fingertips_touch_two_sides_a_width_apart(width: float) -> None:
 @pytest.mark.parametrize("width", WIDTHS)
 def test_the_open_hand_stands_off_both_sides(width: float) -> None:
     grip = _grip(width)
-    opened = grip.posture(grip.opening)
+    opened = grip.posture_at(grip.opening)
     for finger in FINGERS:
         x = (
             finger_points(finger, opened.angles[finger])[3, 0]
@@ -75,7 +75,7 @@ def test_no_grip_where_the_hand_does_not_close() -> None:
 @pytest.mark.parametrize("width", WIDTHS)
 def test_no_joint_is_overloaded_by_the_strongest_squeeze(width: float) -> None:
     grip = _grip(width)
-    torques = JOINT_STIFFNESS * grip.pressing * grip.grip.strongest
+    torques = JOINT_STIFFNESS * grip.squeeze_offsets * grip.grip.strongest
     assert np.abs(torques).max() <= EFFORT_SHARE * EFFORT + 1e-9
     assert grip.grip.strongest > 10.0  # what the hand was made for [N]
 
@@ -83,16 +83,16 @@ def test_no_joint_is_overloaded_by_the_strongest_squeeze(width: float) -> None:
 def _forces(grip: FourFingerGrasp, commanded: np.ndarray) -> np.ndarray:
     """What the fingers exert if their springs are wound up so, in P, shape (4, 3) [N]."""
     torques = dict(zip(FINGERS, JOINT_STIFFNESS * commanded.reshape(4, 3), strict=True))
-    angles = grip.posture().angles
+    angles = grip.posture_at().angles
     return np.array([
-        np.linalg.solve(finger_jacobian(f, angles[f], grip.touching(f)).T, torques[f])
+        np.linalg.solve(finger_jacobian(f, angles[f], grip.touch_point(f)).T, torques[f])
         for f in HOLDING
     ])  # fmt: skip
 
 
 def test_a_squeeze_pushes_nothing_aside() -> None:
     grip = _grip(0.06)
-    forces = _forces(grip, 5.0 * grip.pressing)
+    forces = _forces(grip, 5.0 * grip.squeeze_offsets)
     np.testing.assert_allclose(forces.sum(axis=0), 0.0, atol=1e-9)
     assert forces[0, 0] == pytest.approx(-5.0)
     assert forces[1:, 0].sum() == pytest.approx(5.0)
@@ -101,5 +101,5 @@ def test_a_squeeze_pushes_nothing_aside() -> None:
 def test_springs_that_bear_a_weight_exert_it() -> None:
     grip = _grip(0.06)
     wanted = np.array([0.5, 3.0, -1.0])
-    forces = _forces(grip, grip.bearing(wanted))
+    forces = _forces(grip, grip.force_offsets(wanted))
     np.testing.assert_allclose(forces.sum(axis=0), wanted, atol=1e-9)

@@ -110,7 +110,7 @@ def test_finger_stiffness_is_that_of_the_file() -> None:
 @pytest.mark.parametrize("posture", [*one_finger_postures(), *two_finger_postures(0.04)])
 def test_postures_within_the_limits_of_the_file(posture: Posture) -> None:
     limits = _limits()
-    for name, angle in zip(HAND.joint_names, posture.joints, strict=True):
+    for name, angle in zip(HAND.joint_names, posture.joint_angles, strict=True):
         assert float(limits[name].attrib["lower"]) <= angle <= float(limits[name].attrib["upper"])
 
 

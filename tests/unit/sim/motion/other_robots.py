@@ -30,19 +30,19 @@ class GripperGrasp:
     opening: float
     grip: Grip
     middle: Array = field(default_factory=lambda: np.array([0.0, _ASIDE, _LENGTH]))
-    holding: tuple[str, ...] = ("right", "left")
+    touching_fingers: tuple[str, ...] = ("right", "left")
 
     @property
-    def pressing(self) -> Array:
+    def squeeze_offsets(self) -> Array:
         """Both fingers are commanded inwards."""
         return np.full(2, -1.0 / _STIFFNESS)
 
-    def posture(self, opening: float = 0.0) -> Posture:
+    def posture_at(self, opening: float = 0.0) -> Posture:
         """Both fingertips as far from the middle."""
         half = self.width / 2.0 + opening + TwoFingerGripper.tip_radius
-        return _posture("gripper", {"left": (half,), "right": (half,)}, self.holding)
+        return _posture("gripper", {"left": (half,), "right": (half,)}, self.touching_fingers)
 
-    def bearing(self, force_P: Array) -> Array:
+    def force_offsets(self, force_P: Array) -> Array:
         """Along x alone."""
         return np.array([-0.5, 0.5]) * float(force_P[0]) / _STIFFNESS
 
@@ -97,7 +97,9 @@ class TwoFingerGripper:
         R_DP = rot_x(side) @ rot_y(-tilt) @ np.diag([1.0, -1.0, -1.0]) @ rot_z(np.array(turn))
         n = len(R_DP)
         spheres = tuple(self.whole_spheres(posture) for posture in postures)
-        return PostureSet.of(postures, spheres, np.zeros(n, dtype=int), R_DP, np.full(n, 20.0))
+        return PostureSet.from_postures(
+            postures, spheres, np.zeros(n, dtype=int), R_DP, np.full(n, 20.0)
+        )
 
     def grasp_posture(self, width: float, *, pinch: bool = False) -> GripperGrasp | None:
         """Both fingers about the width."""
@@ -108,7 +110,7 @@ class TwoFingerGripper:
 
     def flip_postures(self, lid: LidShape) -> FlipPostureSet:
         """It flips no lids."""
-        path = LidPath.of(lid)
+        path = LidPath.from_lid(lid)
         return FlipPostureSet(path, (), (), np.zeros((0, len(path.points), 3, 3)), np.zeros((0, 3)))
 
     def closing_direction(self, finger: str) -> Array:

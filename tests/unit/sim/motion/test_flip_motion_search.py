@@ -54,25 +54,29 @@ def _plan(start: float, end: float, *, heading: float = 0.0, limit: float = 1.5)
 @given(st.floats(0.0, 1.9), st.booleans())
 def test_a_fingertip_on_its_way_touches_the_lid_where_it_is(angle: float, opens: bool) -> None:
     lid = _lid(0.0, 1.9) if opens else _lid(1.9, 0.0)
-    (tip,), (into,) = lid.tips(np.array([angle])), lid.normals(np.array([angle]))
+    (tip,), (into,) = lid.tip_centres(np.array([angle])), lid.lid_normals(np.array([angle]))
     sphere = np.append(tip, TIP_RADIUS)
     # Tangent to the plate: rounding only.
-    assert lid.distance(sphere[None], np.array(angle)) == pytest.approx(0.0, abs=1e-9)
+    assert lid.distance_to_lid(sphere[None], np.array(angle)) == pytest.approx(0.0, abs=1e-9)
     # A little further in the lid would be pushed.
     sphere[:3] += 1e-3 * into
-    assert lid.distance(sphere[None], np.array(angle)) == pytest.approx(-1e-3, abs=1e-6)
-    assert lid.angle(tip) == pytest.approx(angle, abs=1e-9)
+    assert lid.distance_to_lid(sphere[None], np.array(angle)) == pytest.approx(-1e-3, abs=1e-6)
+    assert lid.angle_at_tip(tip) == pytest.approx(angle, abs=1e-9)
 
 
 def test_a_lid_is_a_plate_with_a_tab() -> None:
     lid = _lid(0.0, 1.9)
     above = np.array([[0.035, 0.0, THICKNESS + 0.02, 0.01], [0.08, 0.0, THICKNESS + 0.02, 0.01]])
     beside = np.array([[0.085, 0.03, 0.0, 0.01]])
-    assert lid.distance(above, np.array(0.0)) == pytest.approx([0.01, 0.01])
-    assert lid.distance(beside, np.array(0.0))[0] > 0.0  # beside the tab and beyond the plate
+    assert lid.distance_to_lid(above, np.array(0.0)) == pytest.approx([0.01, 0.01])
+    assert (
+        lid.distance_to_lid(beside, np.array(0.0))[0] > 0.0
+    )  # beside the tab and beyond the plate
     # Opened upright it stands at the hinge.
     upright = np.array([[-0.02, 0.0, 0.05, 0.005]])
-    assert lid.distance(upright, np.array(math.pi / 2)) == pytest.approx(0.02 - THICKNESS - 0.005)
+    assert lid.distance_to_lid(upright, np.array(math.pi / 2)) == pytest.approx(
+        0.02 - THICKNESS - 0.005
+    )
 
 
 @pytest.mark.parametrize("way", [(0.0, OPEN), (OPEN, 0.0)])
@@ -80,17 +84,17 @@ def test_hands_touch_with_nothing_but_a_fingertip(way: tuple[float, float]) -> N
     lid = _lid(*way)
     hands = HAND.flip_postures(lid)
     assert len(hands) > 100
-    rest = hands.robot[:, :, :-1]  # the fingertip comes last
+    rest = hands.path_spheres[:, :, :-1]  # the fingertip comes last
     angles = np.broadcast_to(hands.path.angles, rest.shape[:2])
-    assert lid.distance(rest, angles).min() > 0.0
+    assert lid.distance_to_lid(rest, angles).min() > 0.0
     assert (rest[..., 2] - rest[..., 3]).min() > -lid.height
 
 
 def test_the_way_begins_and_ends_off_the_lid() -> None:
     for lid in (_lid(0.0, OPEN), _lid(OPEN, 0.0)):
-        way = LidPath.of(lid)
+        way = LidPath.from_lid(lid)
         tips = np.column_stack([way.points, np.full(len(way.points), TIP_RADIUS)])
-        gaps = lid.distance(tips[:, None], way.angles)[:, 0]
+        gaps = lid.distance_to_lid(tips[:, None], way.angles)[:, 0]
         assert gaps[way.touching] == pytest.approx(0.0, abs=1e-9)
         assert gaps[[0, -3, -1]].min() > 0.02
         assert way.points[-1] == pytest.approx(way.points[0])
@@ -111,9 +115,9 @@ def test_a_cup_beside_the_arm_is_opened_and_closed_whichever_way_it_faces(
     stance, _ = found
     fingertip = []
     for point, share in zip(stance.hands.path.points, stance.hands.path.shares, strict=True):
-        q = stance.joints(point, float(share))
+        q = stance.joint_angles(point, float(share))
         assert (np.abs(q) < LIMITS).all()
-        R_WP, p_WP = reach.mount.palm(q)
+        R_WP, p_WP = reach.mount.palm_poses(q)
         fingertip.append(p_WP + R_WP @ stance.stance.posture.tips[0])
     wanted = stance.hands.path.points @ stance.R_WE.T + stance.p_WE
     assert np.array(fingertip) == pytest.approx(wanted, abs=1e-9)

@@ -56,10 +56,10 @@ def test_the_carton_is_poured_from() -> None:
 def test_the_palm_is_where_the_legs_want_it() -> None:
     way = _way(plan(LIFT, DOWN), state())
     for leg in (leg for some in way.legs for leg in some):
-        R_WB, p_WB = leg.poses(np.linspace(0.0, 1.0, 4))
-        q, valid = way.joints(R_WB, p_WB)
+        R_WB, p_WB = leg.poses_at(np.linspace(0.0, 1.0, 4))
+        q, valid = way.joint_angles(R_WB, p_WB)
         assert valid.all()
-        R_WP, p_WP = way.mount.palm(q)
+        R_WP, p_WP = way.mount.palm_poses(q)
         np.testing.assert_allclose(R_WP, R_WB @ way.R_BP, atol=1e-9)
         np.testing.assert_allclose(p_WP, p_WB + R_WB @ way.p_BP, atol=1e-9)
         assert (np.abs(q) < arm.LIMITS).all()
@@ -119,16 +119,16 @@ def test_far_away_is_out_of_reach() -> None:
 def test_the_elbow_swings_before_it_goes_on_with_what_it_holds() -> None:
     lifted = _way(plan(LIFT), state())
     last = lifted.legs[1][-1]
-    q, _ = lifted.joints(*(end[None] for end in last.ends))
+    q, _ = lifted.joint_angles(*(end[None] for end in last.end_pose))
     held = Held("carton", grasp(), LIFT.height, tuple(q[0].tolist()))
     for y in (-0.2, 0.1):
         made = plan(Carry(to=Aim(x=0.72, y=y)), DOWN, held=True)
         way = _way(made, state(held=held))
-        first, _ = way.joints(*way.legs[1][0].poses(np.zeros(1)))
+        first, _ = way.joint_angles(*way.legs[1][0].poses_at(np.zeros(1)))
         np.testing.assert_allclose(way.there[0], q[0], atol=0.15)  # a grid of elbow angles
         np.testing.assert_allclose(way.there[-1], first[0], atol=1e-9)
         # The hand stays where it is.
-        palms = lifted.mount.palm(np.array(way.there))[1]
+        palms = lifted.mount.palm_poses(np.array(way.there))[1]
         np.testing.assert_allclose(palms, palms[:1].repeat(len(palms), axis=0), atol=1e-9)
 
 

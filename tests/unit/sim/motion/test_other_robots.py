@@ -71,10 +71,10 @@ def test_the_tips_of_any_hand_follow_the_path_of_a_push(reach: ArmHandReach, fin
     assert not isinstance(found, ReachAnswer), found
     stance, path = found[0], reach.fingertip_path(push, there)
     assert path.touch[0] == pytest.approx(0.5 - 0.03 - reach.mount.hand.tip_radius)
-    for point in path.points():
-        q = stance.joints(point)
+    for point in path.points_at():
+        q = stance.joint_angles(point)
         assert q.shape == (len(reach.mount.arm.joint_names),)
-        R_WP, p_WP = reach.mount.palm(q)
+        R_WP, p_WP = reach.mount.palm_poses(q)
         tips = p_WP + stance.posture.tips @ R_WP.T
         # arccos of a direction cosine near ±1 halves the digits.
         np.testing.assert_allclose(tips.mean(axis=0), point, atol=1e-7)
@@ -88,12 +88,12 @@ def test_any_hand_closes_about_the_middle_of_a_grasp(reach: ArmHandReach) -> Non
     found = reach.grasp_motion(made, there)
     assert isinstance(found, GraspMotion), found
     carton = there.objects["carton"].pose
-    q, valid = found.joints(carton.R_WB[None], carton.p_WB[None])
+    q, valid = found.joint_angles(carton.R_WB[None], carton.p_WB[None])
     assert valid.all()
-    R_WP, p_WP = reach.mount.palm(q[0])
-    touching = found.grip.posture()
+    R_WP, p_WP = reach.mount.palm_poses(q[0])
+    touching = found.grip.posture_at()
     tips = dict(zip(touching.pushing, p_WP + touching.tips @ R_WP.T, strict=True))
-    opposed, *others = (tips[finger] for finger in found.grip.holding)
+    opposed, *others = (tips[finger] for finger in found.grip.touching_fingers)
     middle = carton.p_WB + np.array([0.0, 0.0, 0.08])
     half = np.array([0.0, 0.03 + reach.mount.hand.tip_radius, 0.0])
     np.testing.assert_allclose(opposed, middle + half, atol=1e-6)

@@ -92,8 +92,8 @@ def _robot(stance: ArmConfiguration, q: np.ndarray, *, tips: bool) -> np.ndarray
 
 def _transit(stance: ArmConfiguration, way: FingertipPath) -> np.ndarray:
     above = np.array([*way.start[:2], stance.lift])
-    legs = [REACH.home, *stance.via, stance.joints(above)]
-    down = [stance.joints(above + t * (way.start - above)) for t in np.linspace(0.0, 1.0, 20)]
+    legs = [REACH.home, *stance.via, stance.joint_angles(above)]
+    down = [stance.joint_angles(above + t * (way.start - above)) for t in np.linspace(0.0, 1.0, 20)]
     return np.vstack([*(interpolate_joints(a, b) for a, b in itertools.pairwise(legs)), down])
 
 
@@ -109,23 +109,29 @@ def test_hand_and_arm_keep_clear_of_a_crowd_all_the_way(fragile: bool) -> None:
         if isinstance(answer, ReachAnswer):
             continue
         reached += 1
-        stance, way = answer[0], FingertipPath.of(push, state.objects[push.object], HAND.tip_radius)
+        stance, way = (
+            answer[0],
+            FingertipPath.from_push(push, state.objects[push.object], HAND.tip_radius),
+        )
         transit = _robot(stance, _transit(stance, way), tips=True)
         # Between the poses that were looked at a sphere moves by less than 2 mm towards an object.
         assert (transit[..., 2] - transit[..., 3]).min() > 0.005 - 0.002
         for t in np.linspace(0.0, 1.0, 21):
             moved = t * (way.end - way.touch)
-            robot = _robot(stance, stance.joints(way.touch + moved), tips=False)
+            robot = _robot(stance, stance.joint_angles(way.touch + moved), tips=False)
             for name, seen in state.objects.items():
-                obstacle = Obstacle.of(seen, 0.0)
+                obstacle = Obstacle.from_seen(seen, 0.0)
                 if name == push.object:
-                    assert obstacle.taken(np.zeros(3), moved, 0.0).distance(robot).min() > 0.0
-                    assert obstacle.distance(transit).min() > OBJECT_CLEARANCE - 0.002
+                    assert (
+                        obstacle.after_motion(np.zeros(3), moved, 0.0).distance_to(robot).min()
+                        > 0.0
+                    )
+                    assert obstacle.distance_to(transit).min() > OBJECT_CLEARANCE - 0.002
                     continue
                 clearance = FRAGILE_CLEARANCE if fragile else OBJECT_CLEARANCE
                 # A stroke is looked at every 25 mm; see below.
-                assert obstacle.distance(robot).min() > clearance - 0.0025
-                assert obstacle.distance(transit).min() > clearance - 0.002
+                assert obstacle.distance_to(robot).min() > clearance - 0.0025
+                assert obstacle.distance_to(transit).min() > clearance - 0.002
     assert reached >= (4 if fragile else 8)
 
 
@@ -134,7 +140,7 @@ def test_what_stands_halfway_beside_the_stroke_is_in_the_way() -> None:
     push = _push(tea, 0.0, 0.1, stroke=0.2)
     x, y, z = push.p_BC
     push = push.model_copy(update={"p_BC": (x, y + 0.03, z)})
-    way = FingertipPath.of(push, tea, HAND.tip_radius)
+    way = FingertipPath.from_push(push, tea, HAND.tip_radius)
     thin = BoxModel(name="post", size=(0.01, 0.01, 0.25), mass=0.1, friction=0.4)
     for off in (0.02, 0.03, 0.04, 0.05, 0.06):
         # Beside the box's way, but maybe not beside the hand's: it is wider behind than in front.
@@ -144,8 +150,8 @@ def test_what_stands_halfway_beside_the_stroke_is_in_the_way() -> None:
             assert answer.blocker == "post"
             continue
         for t in np.linspace(0.0, 1.0, 41):
-            q = answer[0].joints(way.touch + t * (way.end - way.touch))
-            distance = Obstacle.of(post, 0.0).distance(_robot(answer[0], q, tips=True))
+            q = answer[0].joint_angles(way.touch + t * (way.end - way.touch))
+            distance = Obstacle.from_seen(post, 0.0).distance_to(_robot(answer[0], q, tips=True))
             # Looked at every 25 mm: 12.5 mm off its nearest, a sphere of 22 mm that keeps 34 mm
             # from a post comes as near as (34² − 12.5²)^½ = 31.6 mm.
             assert distance.min() > OBJECT_CLEARANCE - 0.0025
@@ -157,7 +163,7 @@ def test_what_was_just_reached_is_reached_from_the_next_look() -> None:
     tea = state.objects["ice tea box"]
     push = _push(tea, 0.0, 0.03, stroke=0.05)
     wall = BoxModel(name="wall", size=(0.01, 0.6, 0.3), mass=1.0, friction=0.4)
-    behind = float(FingertipPath.of(push, tea, HAND.tip_radius).start[0])
+    behind = float(FingertipPath.from_push(push, tea, HAND.tip_radius).start[0])
 
     def stance(nearer: float, spare: float) -> object:
         seen = SeenObject("wall", PlanarPose(behind - 0.2 + nearer, 0.0), wall)
@@ -175,7 +181,7 @@ def test_what_was_just_reached_is_reached_from_the_next_look() -> None:
 
 @pytest.mark.parametrize("fragile", [False, True])
 def test_what_looks_thoroughly_keeps_clear_too(fragile: bool) -> None:
-    thorough = REACH.thorough()
+    thorough = REACH.thorough_reach()
     least = FRAGILE_CLEARANCE if fragile else LEAST_CLEARANCE
     for seed in SEEDS[:6]:
         push, state = _crowd(seed, fragile=fragile)
@@ -183,18 +189,21 @@ def test_what_looks_thoroughly_keeps_clear_too(fragile: bool) -> None:
         if isinstance(answer, ReachAnswer):
             assert isinstance(REACH.push_configuration(push, state), ReachAnswer)
             continue
-        stance, way = answer[0], FingertipPath.of(push, state.objects[push.object], HAND.tip_radius)
+        stance, way = (
+            answer[0],
+            FingertipPath.from_push(push, state.objects[push.object], HAND.tip_radius),
+        )
         transit = _robot(stance, _transit(stance, way), tips=True)
         for name, seen in state.objects.items():
             if name == push.object:
                 continue
-            obstacle = Obstacle.of(seen, 0.0)
+            obstacle = Obstacle.from_seen(seen, 0.0)
             # As in the test of a crowd above.
-            assert obstacle.distance(transit).min() > least - 0.002
+            assert obstacle.distance_to(transit).min() > least - 0.002
             for t in np.linspace(0.0, 1.0, 21):
-                q = stance.joints(way.touch + t * (way.end - way.touch))
+                q = stance.joint_angles(way.touch + t * (way.end - way.touch))
                 robot = _robot(stance, q, tips=False)
-                assert obstacle.distance(robot).min() > least - 0.0025
+                assert obstacle.distance_to(robot).min() > least - 0.0025
 
 
 @pytest.mark.slow
@@ -203,7 +212,7 @@ def test_what_looks_thoroughly_gets_past_what_is_nearer() -> None:
     tea = state.objects["ice tea box"]
     push = _push(tea, 0.0, 0.03, stroke=0.05)
     wall = BoxModel(name="wall", size=(0.01, 0.6, 0.3), mass=1.0, friction=0.4)
-    behind = float(FingertipPath.of(push, tea, HAND.tip_radius).start[0])
+    behind = float(FingertipPath.from_push(push, tea, HAND.tip_radius).start[0])
 
     def nearest(reach: ArmHandReach) -> float:
         at = np.arange(0.0, 0.2, 0.001)
@@ -213,7 +222,7 @@ def test_what_looks_thoroughly_gets_past_what_is_nearer() -> None:
         return float(max(got))
 
     # As much as it may pass nearer, but for the millimetre between two walls.
-    nearer = nearest(REACH.thorough()) - nearest(REACH)
+    nearer = nearest(REACH.thorough_reach()) - nearest(REACH)
     assert nearer > OBJECT_CLEARANCE - LEAST_CLEARANCE - 0.0015
 
 
@@ -235,7 +244,7 @@ def test_the_hand_that_is_chosen_bears_the_force() -> None:
         assert not isinstance(answer, ReachAnswer), answer
         stance, way = (
             answer[0],
-            FingertipPath.of(push, state.objects["ice tea box"], HAND.tip_radius),
+            FingertipPath.from_push(push, state.objects["ice tea box"], HAND.tip_radius),
         )
         (finger,) = stance.posture.pushing
         angles = np.array(stance.posture.angles[finger])

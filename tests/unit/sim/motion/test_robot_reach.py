@@ -98,7 +98,7 @@ def test_the_way_is_free_by_drakes_own_distances(
     state = _believed(scene)
     push = _push(state, name, face, height, fingers=fingers)
     stance = _stance(reach, push, state)
-    way = FingertipPath.of(push, state.objects[name], HAND.tip_radius)
+    way = FingertipPath.from_push(push, state.objects[name], HAND.tip_radius)
     builder = DiagramBuilder()
     model = add_plant(builder, scene)
     diagram = builder.Build()
@@ -130,12 +130,12 @@ def _poses(
     reach: ArmHandReach, stance: ArmConfiguration, way: FingertipPath
 ) -> Iterator[np.ndarray]:
     above = np.array([*way.start[:2], stance.lift])
-    legs = [reach.home, *stance.via, stance.joints(above)]
+    legs = [reach.home, *stance.via, stance.joint_angles(above)]
     for start, end in itertools.pairwise(legs):
         for t in np.linspace(0.0, 1.0, 60):
             yield start + t * (end - start)
     for t in np.linspace(0.0, 1.0, 40):
-        yield stance.joints(above + t * (way.start - above))
+        yield stance.joint_angles(above + t * (way.start - above))
 
 
 def _body(model: object, query: object, geometry: object) -> str:
@@ -149,14 +149,14 @@ def test_the_tips_go_where_the_push_says(reach: ArmHandReach, scene: Scene) -> N
     push = _push(state, "ice tea box", "front", 0.029)
     stance, way = (
         _stance(reach, push, state),
-        FingertipPath.of(push, state.objects["ice tea box"], HAND.tip_radius),
+        FingertipPath.from_push(push, state.objects["ice tea box"], HAND.tip_radius),
     )
-    for point in way.points():
-        R_WP, p_WP = reach.mount.palm(stance.joints(point))
+    for point in way.points_at():
+        R_WP, p_WP = reach.mount.palm_poses(stance.joint_angles(point))
         middle = R_WP @ stance.posture.tips.mean(axis=0) + p_WP
         np.testing.assert_allclose(middle, point, atol=1e-7)  # as the inverse kinematics
     with pytest.raises(UnreachableError):
-        stance.joints(np.array([3.0, 0.0, 0.1]))
+        stance.joint_angles(np.array([3.0, 0.0, 0.1]))
 
 
 def test_too_low_is_refused(reach: ArmHandReach, scene: Scene) -> None:
@@ -225,8 +225,8 @@ def test_spheres_cover_the_collision_shapes() -> None:
         a, b, c = posture.angles[finger]
         for joint, angle in zip(FINGER_JOINTS, (a, b, c, c), strict=True):
             model.plant.GetJointByName(f"{finger}_{joint}").set_angle(context, angle)
-    mount = Mount.of(scene.robot, ARM, HAND)
-    R_WP, p_WP = mount.palm(q)
+    mount = Mount.from_cell(scene.robot, ARM, HAND)
+    R_WP, p_WP = mount.palm_poses(q)
     hand = HAND.spheres(posture)
     arm = ARM.spheres(q)
     centres = np.vstack([hand[:, :3] @ R_WP.T + p_WP, arm[:, :3] @ mount.R_WA.T + mount.p_WA])

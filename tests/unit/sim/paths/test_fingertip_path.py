@@ -46,9 +46,9 @@ def target() -> SeenObject:
 
 def test_a_turning_push_moves_its_contact_as_far_as_its_stroke(target: SeenObject) -> None:
     push = _push("turned", turn=-0.6)
-    way = FingertipPath.of(push, target, HAND.tip_radius)
+    way = FingertipPath.from_push(push, target, HAND.tip_radius)
     shares = np.linspace(0.0, 1.0, 2001)
-    points, turns = way.points(shares)[1:], way.turns(shares)[1:]
+    points, turns = way.points_at(shares)[1:], way.turns_at(shares)[1:]
     # The fingertip is fixed to the object: what it touches lies a radius ahead of its centre.
     contact = points + TIP_RADIUS * rot_z(turns) @ way.inward
     steps = np.diff(contact, axis=0)
@@ -62,11 +62,11 @@ def test_a_turning_push_moves_its_contact_as_far_as_its_stroke(target: SeenObjec
 
 def test_a_turn_by_nothing_is_a_straight_push(target: SeenObject) -> None:
     turned, straight = (
-        FingertipPath.of(_push("turned"), target, HAND.tip_radius),
-        FingertipPath.of(_push("stroke"), target, HAND.tip_radius),
+        FingertipPath.from_push(_push("turned"), target, HAND.tip_radius),
+        FingertipPath.from_push(_push("stroke"), target, HAND.tip_radius),
     )
-    np.testing.assert_allclose(turned.points(), straight.points(), atol=1e-12)
-    assert not turned.turns().any()
+    np.testing.assert_allclose(turned.points_at(), straight.points_at(), atol=1e-12)
+    assert not turned.turns_at().any()
 
 
 def test_a_turned_palm_leaves_the_fingertip_where_it_should_be(target: SeenObject) -> None:
@@ -77,8 +77,10 @@ def test_a_turned_palm_leaves_the_fingertip_where_it_should_be(target: SeenObjec
     )
     assert isinstance(answer, tuple), answer
     stance: ArmConfiguration = answer[0]
-    way = FingertipPath.of(push, target, HAND.tip_radius)
-    for point, turned in zip(way.points(), way.turns(), strict=True):
-        R_WP, p_WP = Mount.of(scene.robot, ARM, HAND).palm(stance.joints(point, turned))
+    way = FingertipPath.from_push(push, target, HAND.tip_radius)
+    for point, turned in zip(way.points_at(), way.turns_at(), strict=True):
+        R_WP, p_WP = Mount.from_cell(scene.robot, ARM, HAND).palm_poses(
+            stance.joint_angles(point, turned)
+        )
         np.testing.assert_allclose(R_WP, rot_z(turned) @ stance.R_WP, atol=1e-9)
         np.testing.assert_allclose(p_WP + R_WP @ stance.posture.tips[0], point, atol=1e-9)
