@@ -18,8 +18,8 @@ from planner.problem.planning_problem import (
     MotionLimits,
     PlanningProblem,
 )
-from planner.refusals import grasp_refusals as refusals
 from planner.refusals import push_refusals
+from planner.refusals.refusal_builder import no_plan
 from planner.types.dead_ends import NoPlanError
 from planner.types.plan import DefaultUsed
 
@@ -68,7 +68,7 @@ def _target(frame: g.Frame, state: WorldState) -> SeenObject:
     name = frame.object.id if frame.object is not None else None
     if name is None and isinstance(frame.goal, g.SetDown):
         if held is None:
-            raise refusals.holds_nothing()
+            raise no_plan("holds_nothing")
         name = held.name
     assert name is not None, "objects are resolved by now"
     # A hand that holds an object has none left for its lid.

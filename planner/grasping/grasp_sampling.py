@@ -23,6 +23,7 @@ import numpy as np
 from objectmodels.geometry.base_shapes import Array
 from planner.geometry.footprints import footprint, overlaps
 from planner.refusals import grasp_refusals as refusals
+from planner.refusals.refusal_builder import no_plan
 
 if TYPE_CHECKING:
     from objectmodels.geometry.side_faces import Face
@@ -113,15 +114,20 @@ def body_candidates(problem: GraspProblem) -> list[Candidate]:
     target, robot, asked = problem.target, problem.robot, problem.contact
     graspable = target.model.grasp
     if graspable is None:
-        raise refusals.not_graspable(target)
+        raise no_plan("not_graspable", object=target.name)
     low, high = max(graspable.lowest, asked.low), min(graspable.highest, asked.high)
     if low > high:
-        raise refusals.no_such_height(target, graspable, asked)
+        numbers = {"lowest": graspable.lowest, "highest": graspable.highest}
+        raise no_plan(
+            "no_such_height", numbers, spans=asked.spans, object=target.name, region=asked.region
+        )
     sides = list(_opposite_sides(target))
     grips = [(pair, robot.grasp(pair.width)) for pair in sides if _fits(pair.width, robot)]
     closing = [(pair, grip) for pair, grip in grips if grip is not None]
     if not closing:
-        raise refusals.not_that_wide(target, [pair.width for pair in sides], _grasp_widths(robot))
+        raise refusals.not_that_wide(
+            target.name, [pair.width for pair in sides], _grasp_widths(robot)
+        )
     found: list[Candidate] = []
     # Where neither level nor upright fingers find room, those that come down askew may.
     for pitches in (_SQUARE, _ASKEW):
@@ -132,7 +138,9 @@ def body_candidates(problem: GraspProblem) -> list[Candidate]:
         if found:
             break
     else:
-        raise refusals.no_room(target, low, high, asked)
+        code = "no_room_there" if asked.region else "no_room"
+        numbers = {"lowest": low, "highest": high}
+        raise no_plan(code, numbers, spans=asked.spans, object=target.name)
     return found
 
 
@@ -153,11 +161,12 @@ def lid_candidates(
     radius, low, high = held_part(target, lid)
     grip = robot.grasp(2.0 * radius, pinch=True) if _fits(2.0 * radius, robot) else None
     if grip is None:
-        raise refusals.not_that_wide(target, [2.0 * radius], _grasp_widths(robot), part="lid")
+        raise refusals.not_that_wide(target.name, [2.0 * radius], _grasp_widths(robot), part="lid")
     # The fingertips stay above what a knob stands on, and below its upper end.
     height = max(0.5 * (low + high), low + grip.ahead + _OVER)
     if height > high - _BORDER:
-        raise refusals.low_lid(target, high - low, grip.ahead + _OVER + _BORDER)
+        numbers = {"height": high - low, "needed": grip.ahead + _OVER + _BORDER}
+        raise no_plan("low_lid", numbers, object=target.name)
     middle = np.array([*lid_middle(target), height])
     both = np.concatenate((headings, headings + np.pi)) - target.pose.yaw
     return [

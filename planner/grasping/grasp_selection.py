@@ -21,7 +21,9 @@ from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.grasp_stability import STRONGEST, Contacts, Lifted
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.refusals import grasp_refusals as refusals
+from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Action, Aim, Grasp, GraspAction, GraspPrediction, Limits, Vector3
+from planner.types.dead_ends import NoPlanError
 from planner.types.plan import DefaultUsed, Plan
 
 if TYPE_CHECKING:
@@ -150,8 +152,7 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
     spare = limit / wanted
     if not (spare >= 1.0).any():
         best = int(spare.argmax())
-        mu = friction(problem.target.model)
-        raise refusals.too_heavy(problem, bearings[best].candidate, float(wanted[best]), mu)
+        raise _too_heavy(problem, bearings[best].candidate, float(wanted[best]))
     squeeze = np.minimum(np.maximum(wanted, worst), limit)
     probability = np.array(
         [known.probability(*each) for each in zip(bearings, squeeze, strict=True)]
@@ -164,8 +165,16 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
     good = (spare >= 1.0) & (probability >= d.probability)
     if not good.any():
         best = int(np.where(spare >= 1.0, probability, -1.0).argmax())
-        learn = _best_experiment(problem.target.model, bearings[best], squeeze[best], d.found_to)
-        raise refusals.may_slip(problem, float(squeeze[best]), float(probability[best]), *learn)
+        learn, then = _best_experiment(
+            problem.target.model, bearings[best], squeeze[best], d.found_to
+        )
+        numbers = {
+            "squeeze": float(squeeze[best]),
+            "probability": float(probability[best]),
+            "probability_then": then,
+            "asked_probability": problem.effort.probability,
+        }
+        raise no_plan("may_slip", numbers, object=problem.target.name, learn=learn)
     crowded = [each.candidate.crowded(problem.target, problem.state) for each in bearings]
     # Height does not matter to a hold; in the middle there is most room for the hand.
     heights = np.array([each.candidate.middle[2] for each in bearings])
@@ -185,6 +194,22 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
         )
         for i in order
     ]
+
+
+def _too_heavy(problem: GraspProblem, candidate: Candidate, wanted: float) -> NoPlanError:
+    """Dead end since it takes more squeeze than there is."""
+    model, has = problem.target.model, candidate.grip.strongest
+    numbers = {"needed_force": wanted, "strongest": has, "friction": friction(model)}
+    bears = math.inf if model.grasp is None or candidate.part == "lid" else model.grasp.crush
+    return refusals.too_heavy(
+        problem.goal.doing,
+        problem.target.name,
+        numbers,
+        width=candidate.width,
+        crush=bears,
+        allowed=problem.force.max,
+        spans=problem.force.spans,
+    )
 
 
 def strongest(problem: GraspProblem, candidate: Candidate) -> float:
@@ -322,9 +347,12 @@ def first_reachable_plan(
         answers.append(problem.robot.reach_plan(made, problem.state))
         if answers[-1].ok:
             return made
+    doing, name = problem.goal.doing, problem.target.name
     if not answers and unlikely is not None:
-        raise refusals.unlikely(problem, unlikely)
-    raise refusals.no_reach(problem, answers)
+        asked = problem.effort.probability
+        numbers = {"probability": unlikely.probability, "asked_probability": asked}
+        raise no_plan("unlikely_grasp", numbers, doing=doing, object=name)
+    raise refusals.no_reach(doing, name, answers, held=problem.state.held is not None)
 
 
 def _plan_with_grasp(

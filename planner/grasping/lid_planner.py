@@ -31,7 +31,8 @@ from planner.grasping.grasp_selection import (
     first_reachable_plan,
     stable_grasps,
 )
-from planner.refusals import lid_refusals as lidrefusals
+from planner.refusals import grasp_refusals as refusals
+from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import (
     Aim,
     Carry,
@@ -79,7 +80,7 @@ def open_lid(problem: GraspProblem) -> Plan | Reached:
             return Reached(lid=seen) if is_off(lid, seen) else _plan_pull_off(problem, lid)
         case ScrewCap():
             return Reached(lid=seen) if is_off(lid, seen) else _plan_screw_off(problem, lid)
-    raise lidrefusals.no_lid(problem)
+    raise no_plan("no_lid", object=problem.target.name)
 
 
 def close_lid(problem: GraspProblem) -> Plan | Reached:
@@ -100,7 +101,7 @@ def close_lid(problem: GraspProblem) -> Plan | Reached:
             if seen <= problem.defaults.lid_closed:
                 return Reached(lid=seen)
             return _plan_screw_on(problem, lid, seen)
-    raise lidrefusals.no_lid(problem)
+    raise no_plan("no_lid", object=problem.target.name)
 
 
 def is_open(seen: SeenObject, defaults: Defaults) -> bool:
@@ -122,11 +123,13 @@ def _plan_flip(problem: GraspProblem, lid: FlipLid, action: PlanTask, end: float
     start = target.lid or 0.0
     arc = flip(target.model, lid, start=start, end=end, fixed=target.fixed)
     if arc.largest_force > problem.force.max:
-        raise lidrefusals.too_weak(problem, arc.largest_force)
+        numbers = {"needed_force": arc.largest_force, "allowed_force": problem.force.max}
+        doing, spans = problem.goal.doing, problem.force.spans
+        raise no_plan("flip_not_allowed", numbers, spans=spans, doing=doing, object=target.name)
     if arc.least_margin < d.lid_reserve:
-        raise lidrefusals.gives_way(problem, arc)
+        raise refusals.gives_way(problem.goal.doing, target, arc, d.lid_reserve)
     if arc.probability < d.probability:
-        raise lidrefusals.may_give_way(problem, arc)
+        raise refusals.may_give_way(problem.goal.doing, target, arc, problem.effort.probability)
     step = FlipOver(
         start=start,
         end=end,
@@ -202,7 +205,7 @@ def _plan_take_off(
         steps = (*before, LiftUp(height=up, hold=0.0, prediction=pull), Carry(to=spot), SetDown())
         drafts.append(MotionDraft(steps, probability))
     if not drafts:
-        raise lidrefusals.no_room_aside(problem, lid.radius)
+        raise no_plan("no_room_aside", {"width": 2.0 * lid.radius}, object=problem.target.name)
     return first_reachable_plan(
         problem, "open", each_with_each(ways, drafts), len(ways) * len(drafts)
     )
@@ -213,7 +216,7 @@ def _plan_put_on(problem: GraspProblem, lid: LiftOffLid) -> Plan:
     target, d = problem.target, problem.defaults
     x, y, _ = (target.pose.R_WB @ [*lid_middle(target), 0.0] + target.pose.p_WB).tolist()
     if target.lid_at is None:
-        raise lidrefusals.lid_not_seen(problem)
+        raise no_plan("lid_not_seen", object=problem.target.name)
     press = max(lid.retention, d.lid_press)
     # Pressed on, it must not slide through the fingers.
     ways = _lid_holds(problem, lid, Load(max(press, lid.mass * GRAVITY)))
@@ -230,7 +233,7 @@ def _plan_screw_on(problem: GraspProblem, cap: ScrewCap, seen: float) -> Plan:
         NoPlanError: it is off, and no hand gets a thread to catch.
     """
     if is_off(cap, seen):
-        raise lidrefusals.thread(problem)
+        raise no_plan("cap_off", object=problem.target.name)
     found = unscrew(problem.target.model, cap, fixed=problem.target.fixed)
     _require_still(problem, found)
     turn = _turn_step(problem, cap, -seen, found)
@@ -242,9 +245,9 @@ def _plan_screw_on(problem: GraspProblem, cap: ScrewCap, seen: float) -> Plan:
 def _require_still(problem: GraspProblem, found: Loosening) -> None:
     """The object stays where it is while its lid comes off."""
     if found.margin < problem.defaults.lid_reserve:
-        raise lidrefusals.comes_along(problem, found)
+        raise refusals.comes_along(problem.target, found)
     if found.probability < problem.effort.probability:
-        raise lidrefusals.may_come_along(problem, found)
+        raise refusals.may_come_along(problem.target, found, problem.effort.probability)
 
 
 def _cap_holds(problem: GraspProblem, cap: ScrewCap) -> list[StableGrasp]:

@@ -31,8 +31,9 @@ from planner.grasping.grasp_selection import (
 from planner.problem.goal_poses import find_goal_poses, pose_as_aim
 from planner.problem.place_regions import moved
 from planner.refusals import grasp_refusals as refusals
+from planner.refusals.refusal_builder import Spans, no_plan
 from planner.types.actions import Action, Aim, Carry, LiftUp, SetDown
-from planner.types.dead_ends import Alternatives
+from planner.types.dead_ends import Alternatives, NoPlanError
 from planner.types.plan import DefaultUsed, Plan
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ def set_down(problem: GraspProblem) -> Plan:
         NoPlanError: the hand holds nothing, or nothing can stand there.
     """
     if problem.state.held is None:
-        raise refusals.holds_nothing()
+        raise no_plan("holds_nothing")
     require_room(problem, problem.target, {})
     draft = MotionDraft((SetDown(),), aim=pose_as_aim(problem.target))
     return _plan_with_drafts(problem, "place", held_already(problem), [draft])
@@ -126,9 +127,15 @@ def require_liftable(problem: GraspProblem) -> None:
         NoPlanError: a holder or the sentence keeps it there.
     """
     if problem.target.fixed:
-        raise refusals.is_fixed(problem)
+        raise no_plan("is_fixed", doing=problem.goal.doing, object=problem.target.name)
     if problem.motion.on_the_table:
-        raise refusals.not_while(problem, problem.motion.on_the_table, "takes it off the table")
+        raise forbidden_meanwhile(problem, problem.motion.on_the_table, "takes it off the table")
+
+
+def forbidden_meanwhile(problem: GraspProblem, spans: Spans, what: str) -> NoPlanError:
+    """Dead end since the sentence asks for something and forbids what that takes."""
+    doing, name = problem.goal.doing, problem.target.name
+    return no_plan("forbidden_meanwhile", spans=spans, doing=doing, object=name, forbidden=what)
 
 
 def clearance_height(problem: GraspProblem, to: Aim) -> float:
@@ -165,12 +172,12 @@ def require_room(problem: GraspProblem, there: SeenObject, near: dict[str, float
     for name, seen in problem.others.items():
         apart = min(problem.clearance(seen), _CLOSER * near.get(name, np.inf))
         if gap(own, footprint(seen)) < max(apart, kept.get(name, 0.0)):
-            raise refusals.no_place(problem, f"the {problem.target.name}", name)
+            raise refusals.no_place(f"the {problem.target.name}", name)
     edge = min(
         travel_to_edge(own, problem.state.table, u, problem.defaults.clearance) for u in _AXES
     )
     if edge < 0.0:
-        raise refusals.no_place(problem, f"the {problem.target.name}", None)
+        raise refusals.no_place(f"the {problem.target.name}", None)
 
 
 def _draft_to(problem: GraspProblem, aim: Aim, found: GoalPoses) -> MotionDraft:

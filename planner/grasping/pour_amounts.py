@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from planner.grasping.lid_planner import is_open
-from planner.refusals import pour_refusals as pourrefusals
+from planner.refusals import grasp_refusals as refusals
+from planner.refusals.refusal_builder import no_plan
 from planner.types.plan import DefaultUsed
 
 if TYPE_CHECKING:
@@ -43,12 +44,12 @@ class Hollow:
             NoPlanError: it is none, lies, or is closed.
         """
         if seen.lies_on != "bottom":
-            raise pourrefusals.lies(seen)
+            raise no_plan("container_lies", object=seen.name)
         container, vessel = seen.model.container, seen.model.vessel
         if container is None or vessel is None:
-            raise pourrefusals.no_container(seen)
+            raise no_plan("no_container", object=seen.name)
         if not is_open(seen, defaults):
-            raise pourrefusals.is_closed(seen)
+            raise no_plan("is_closed", object=seen.name)
         return cls(seen, container, vessel)
 
     @property
@@ -85,14 +86,15 @@ def amount(problem: GraspProblem, source: Hollow, into: Hollow, goal: g.Pour) ->
     """
     has, room = source.container.contents, into.room
     if has < _DROP:
-        raise pourrefusals.is_empty(problem)
+        raise no_plan("is_empty", {"contents": 0.0}, object=problem.target.name)
     wanted, used = _wanted_volume(source, into, goal, problem.defaults)
     if goal.fill is not None and wanted < _DROP:
         return None
     if wanted > room:
-        raise pourrefusals.does_not_fit(into.seen, wanted, room, has, goal.spans)
+        raise refusals.does_not_fit(into.seen.name, wanted, room, has, goal.spans)
     if wanted > has:
-        raise pourrefusals.not_so_much(problem, wanted, has, goal.spans)
+        numbers = {"volume": wanted, "contents": has}
+        raise no_plan("not_so_much", numbers, spans=goal.spans, object=problem.target.name)
     everything = goal.volume is None and goal.fill is None and wanted > has - _DROP
     return Amount(wanted, room, everything, used)
 

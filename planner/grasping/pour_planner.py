@@ -31,13 +31,14 @@ from planner.grasping.grasp_selection import (
 from planner.grasping.lift_planner import (
     TO_THE_SIDE,
     clearance_height,
+    forbidden_meanwhile,
     lift_steps,
     require_liftable,
 )
 from planner.grasping.pour_amounts import Amount, Hollow, amount
-from planner.refusals import grasp_refusals as refusals
-from planner.refusals import pour_refusals as pourrefusals
+from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Action, Aim, Carry, PourOut, PourPrediction, SetDown
+from planner.types.dead_ends import NoPlanError
 from planner.types.plan import DefaultUsed, Plan, Reached
 
 if TYPE_CHECKING:
@@ -84,14 +85,14 @@ def pour_out(problem: GraspProblem, goal: g.Pour) -> Plan | Reached:
         NoPlanError: nothing runs out, it does not fit, or it would be spilled.
     """
     if goal.into is None:
-        raise pourrefusals.into_nothing(problem, goal.spans)
+        raise no_plan("into_nothing", spans=goal.spans, object=problem.target.name)
     if goal.into.id == problem.target.name:
-        raise pourrefusals.into_itself(problem, goal.spans)
+        raise no_plan("into_itself", spans=goal.spans, object=problem.target.name)
     source = Hollow.of(problem.target, problem.defaults)
     into = Hollow.of(problem.state.objects[goal.into.id or ""], problem.defaults)
     require_liftable(problem)
     if problem.motion.upright:
-        raise refusals.not_while(problem, problem.motion.upright, "tilts it")
+        raise forbidden_meanwhile(problem, problem.motion.upright, "tilts it")
     wanted = amount(problem, source, into, goal)
     return Reached() if wanted is None else _Pouring(problem, source, into, wanted).best()
 
@@ -158,15 +159,30 @@ class _Pouring:
             if off < _CENTRED or side * closing @ opening > TO_THE_SIDE * off
         ]
 
+    def _may_spill(self, motion: Motion) -> NoPlanError:
+        """Dead end since too much may miss or run over, or too little run out."""
+        numbers = {
+            "volume": self._wanted.volume,
+            "room": self._wanted.room,
+            **{name: float(value) for name, value in motion.poured.mean_volumes().items()},
+            "probability": motion.probability,
+            "asked_probability": self._problem.effort.probability,
+        }
+        name, into = self._problem.target.name, self._into.seen.name
+        return no_plan("may_spill", numbers, object=name, into=into)
+
     def _likely_motions(self, closing: list[Array]) -> dict[int, Motion]:
         """The motion for each direction in which it may lean, if it is likely enough."""
         leans = {_lean_key(lean): lean for each in closing for lean in self._lean_directions(each)}
         if not leans:
-            raise pourrefusals.wrong_side(self._problem)
+            held = self._problem.state.held is not None
+            code = "wrong_side_in_hand" if held else "wrong_side"
+            holds = "is held" if held else "can be held"
+            raise no_plan(code, object=self._problem.target.name, holds=holds)
         found = {key: self._pour_motion(lean) for key, lean in leans.items()}
         best = max(found.values(), key=lambda motion: motion.probability)
         if best.probability < self._problem.effort.probability:
-            raise pourrefusals.may_spill(self._problem, self._into.seen, self._wanted, best)
+            raise self._may_spill(best)
         asked = self._problem.effort.probability
         return {key: motion for key, motion in found.items() if motion.probability >= asked}
 
@@ -232,7 +248,7 @@ class _Pouring:
             motion.probability,
             aim=None if held else Aim(x=pose.x, y=pose.y, yaw=pose.yaw),
             defaults=(*self._wanted.defaults, *self._defaults_used()),
-            notes=(f"the stream lands {refusals.mm(motion.ahead)} ahead of the lip",),
+            notes=(f"the stream lands {1e3 * motion.ahead:.0f} mm ahead of the lip",),
         )
 
     def _opening_W(self) -> Array:

@@ -22,9 +22,9 @@ from planner.problem.contact_heights import (
 from planner.problem.planning_problem import GoalT, GraspProblem, PlanningProblem, PushProblem
 from planner.problem.tilt_goals import almost_tips, spill_tilt
 from planner.refusals.push_refusals import unsupported, unsupported_while
+from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Aim
 from planner.types.dead_ends import NoPlanError
-from planner.types.refusal import Refusal
 
 
 @dataclass(frozen=True)
@@ -75,8 +75,7 @@ def _keep_anyhow(problem: PlanningProblem[GoalT], clause: g.Constraint) -> Plann
 
 
 def _contradiction(message: str, spans: g.Spans, **numbers: float) -> NoPlanError:
-    refusal = Refusal(reason="impossible", message=message, numbers=numbers, spans=spans)
-    return NoPlanError(refusal)
+    return no_plan("contradiction", numbers, spans=spans, message=message)
 
 
 def _with_tilt(problem: PushProblem, tilt: float) -> PushProblem:
@@ -245,15 +244,7 @@ def _at_speed(problem: PushProblem, speed: float, spans: g.Spans) -> PushProblem
 
 
 def _too_fast(speed: float, most: float, what: str, spans: g.Spans) -> NoPlanError:
-    return NoPlanError(
-        Refusal(
-            reason="impossible",
-            message=f"{1e3 * speed:.0f} mm/s are asked; {what} {1e3 * most:.0f} mm/s",
-            numbers={"speed": speed, "most": most},
-            spans=spans,
-            suggestions=(f"at {100 * most:.0f} cm/s",),
-        )
-    )
+    return no_plan("too_fast", {"speed": speed, "most": most}, spans=spans, what=what)
 
 
 def _push_slowly(problem: PushProblem, clause: g.Slow) -> PushProblem:

@@ -19,10 +19,9 @@ from planner.problem.displacement_goals import goal_distance, goal_heading
 from planner.problem.place_regions import Beside, Between, region, share_of_way
 from planner.problem.planning_problem import PushGoal
 from planner.refusals.push_refusals import unsupported
+from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Aim
-from planner.types.dead_ends import NoPlanError
 from planner.types.plan import DefaultUsed
-from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
     from planner.problem.planning_problem import GoalT, PlanningProblem
@@ -110,8 +109,7 @@ def _motion_heading(
     name = problem.target.name
     for other, way in ((goal.toward, "towards"), (goal.away_from, "away from")):
         if isinstance(other, g.ObjectRef) and other.id == name:
-            message = f"the {name} cannot move {way} itself"
-            raise NoPlanError(Refusal(reason="impossible", message=message, spans=other.spans))
+            raise no_plan("moves_itself", spans=other.spans, object=name, way=way)
     heading = goal_heading(goal, problem.target, problem.state, problem.defaults)
     if heading is not None:
         return heading, ()
@@ -158,7 +156,7 @@ def _event_poses(problem: PlanningProblem[GoalT], goal: g.Displace, until: g.Unt
     way = free_travel(own, footprint(other), u[:2], 0.0)
     if until.event == "touching":
         if math.isinf(way):
-            raise NoPlanError(_never_met(target, other, until.spans))
+            raise no_plan("never_met", spans=until.spans, object=target.name, other=other.name)
         met = _pose_along(target, heading, way + _BEYOND, used)
         return replace(met, goal=replace(met.goal, until="touching", meets=other.name))
     # In line with it, or beside it: as far along the way as the other one stands.
@@ -166,17 +164,8 @@ def _event_poses(problem: PlanningProblem[GoalT], goal: g.Displace, until: g.Unt
     if until.event == "next_to" and math.isfinite(way):
         along = min(along, way - defaults.place_gap)
     if along <= 0.0:
-        raise NoPlanError(_never_met(target, other, until.spans))
+        raise no_plan("never_met", spans=until.spans, object=target.name, other=other.name)
     return _pose_along(target, heading, along, used)
-
-
-def _never_met(target: SeenObject, other: SeenObject, spans: g.Spans) -> Refusal:
-    return Refusal(
-        reason="impossible",
-        message=f"the {target.name} does not come to the {other.name} in that direction",
-        spans=spans,
-        suggestions=(f"push it towards the {other.name}",),
-    )
 
 
 # -- placing and turning ----------------------------------------------------------------------
@@ -195,8 +184,7 @@ def _place_poses(problem: PlanningProblem[GoalT], goal: g.Place) -> GoalPoses:
         place = share_of_way(place, goal.fraction, target, defaults.place_tolerance)
     spots = place.spots(target)
     if not spots:
-        message = f"there is no room for the {target.name} there"
-        raise NoPlanError(Refusal(reason="impossible", message=message, spans=goal.spans))
+        raise no_plan("no_room_at_goal", spans=goal.spans, object=target.name)
     used: tuple[DefaultUsed, ...] = ()
     if isinstance(place, Beside) and goal.distance is None and place.gap > 0.0:
         reason = "no distance said"

@@ -14,6 +14,7 @@ import numpy as np
 
 from objectmodels.mechanics.tilt_limits import largest_return, return_probability
 from planner.geometry.footprints import footprint, free_travel
+from planner.refusals.refusal_builder import QUANTITIES, refusal
 from planner.types.actions import Limits
 from planner.types.dead_ends import NoPlanError
 from planner.types.refusal import Refusal
@@ -103,12 +104,13 @@ def _may_lean_on(
     problem: PushProblem, other: str, angle: float, free: float, leans: float
 ) -> Refusal:
     """Another object stands where it leans to."""
-    return Refusal(
-        reason="blocked",
-        message=f"tilted by {_deg(angle)}, the {problem.target.name} would lean over by "
-        f"{1e3 * leans:.0f} mm; the {other} leaves it {1e3 * max(free, 0.0):.0f} mm",
-        numbers={"free": free, "leans_over": leans},
-        suggestions=("tilt it to another side",),
+    return refusal(
+        "leans_on",
+        {"free": free, "leans_over": leans},
+        object=problem.target.name,
+        other=other,
+        tilt=angle,
+        room=max(free, 0.0),
     )
 
 
@@ -158,27 +160,16 @@ def _may_fall(problem: PushProblem, inward: NDArray[np.float64], angle: float) -
     sure = largest_return(target.model, inward, problem.effort.probability)
     possible = max(sure - defaults.tilt_tolerance, 0.0)
     impossible = angle >= no_return
-    unknown = (
-        ""
-        if impossible
-        else f"; with what is known of its centre of mass, it is sure to come back from up to "
-        f"{_floor(sure)} only, and a tilt may be {_deg(defaults.tilt_tolerance)} more than asked"
+    ways = (
+        (f"up to {QUANTITIES['deg_floor'](possible)} would do",)
+        if possible > math.radians(1.0)
+        else ()
     )
-    ways = (f"up to {_floor(possible)} would do",) if possible > math.radians(1.0) else ()
     learn = () if impossible else ("find out where its centre of mass is first",)
-    return Refusal(
-        reason="impossible" if impossible else "too_uncertain",
-        message=f"{_deg(angle)} are asked, and the {target.name} falls by itself beyond "
-        f"{_deg(no_return)}{unknown}",
-        numbers={"tilt": angle, "stay_on_base_angle": no_return, "sure_return": sure},
-        suggestions=(*ways, *learn),
+    return refusal(
+        "no_return" if impossible else "may_not_return",
+        {"tilt": angle, "stay_on_base_angle": no_return, "sure_return": sure},
+        instead=(*ways, *learn),
+        object=target.name,
+        tolerance=defaults.tilt_tolerance,
     )
-
-
-def _deg(angle: float) -> str:
-    return f"{math.degrees(angle):.1f}°".replace(".0°", "°")
-
-
-def _floor(angle: float) -> str:
-    """An angle in words that is not rounded up."""
-    return f"{math.floor(10.0 * math.degrees(angle)) / 10.0:g}°"

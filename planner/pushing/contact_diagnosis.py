@@ -15,6 +15,7 @@ import numpy as np
 
 from objectmodels.geometry.base_shapes import Disc
 from planner.pushing.contact_sampling import EDGE, has_place, model_limited_by_hand
+from planner.refusals.refusal_builder import refusal
 from planner.types.dead_ends import NoPlanError
 from planner.types.refusal import Refusal, RefusalReason
 
@@ -58,34 +59,23 @@ def _no_place(problem: PushProblem, sides: list[Side]) -> Refusal:
     if max(asked.low, lowest) <= min(asked.high, highest):
         return _too_narrow(problem, sides)
     numbers = {"lowest_height": lowest, "highest_height": highest}
-    suggestions: tuple[str, ...] = ("leave out where to touch it",)
-    reason: RefusalReason = "out_of_reach"
     if asked.region is None:
-        message = f"the {target.name} is {_mm(size)} high; the fingers reach {_mm(lowest)} and more"
-        suggestions = ()
+        code = "out_of_fingers_reach"
     elif asked.low > highest:
-        reason = "impossible"
-        message = (
-            f"{asked.region} means {_mm(asked.low)} or higher; the {target.name} is {_mm(size)} "
-            f"high and fingertips find a place on it up to {_mm(highest)}"
-        )
+        code = "region_too_high"
     elif asked.low > asked.high:
-        reason, numbers = "impossible", {"lowest_asked": asked.low, "highest_asked": asked.high}
-        message = (
-            f"no contact is {asked.region}: one ends at {_mm(asked.high)}, the other starts at "
-            f"{_mm(asked.low)}"
-        )
+        code, numbers = "no_such_contact", {"lowest_asked": asked.low, "highest_asked": asked.high}
     else:
-        message = (
-            f"{asked.region} means up to {_mm(asked.high)}; the lowest contact that the fingers "
-            f"reach is {_mm(lowest)}"
-        )
-    return Refusal(
-        reason=reason,
-        message=message,
-        numbers=numbers,
+        code = "region_too_low"
+    return refusal(
+        code,
+        numbers,
         spans=asked.spans,
-        suggestions=suggestions,
+        object=target.name,
+        size=size,
+        region=asked.region,
+        low=asked.low,
+        high=asked.high,
     )
 
 
@@ -94,14 +84,9 @@ def _too_narrow(problem: PushProblem, sides: list[Side]) -> Refusal:
     width = max(side.face.width for side in sides)
     fingers = min(asked.fingers)
     needed = 2 * EDGE + (spreads[-1] if fingers == 2 else 0.0)
-    tips = "two fingertips need" if fingers == 2 else "a fingertip needs"
-    return Refusal(
-        reason="impossible",
-        message=f"the {problem.target.name} is {_mm(width)} wide there; {tips} {_mm(needed)}",
-        numbers={"width": width, "needed_width": needed},
-        spans=asked.spans,
-        suggestions=("push it with one finger",) if fingers == 2 else (),
-    )
+    code = "too_narrow_for_two" if fingers == 2 else "too_narrow_for_one"
+    numbers = {"width": width, "needed_width": needed}
+    return refusal(code, numbers, spans=asked.spans, object=problem.target.name)
 
 
 def contact_refusal(problem: PushProblem, step: PushStep, sides: list[Side]) -> Refusal:
@@ -113,46 +98,48 @@ def contact_refusal(problem: PushProblem, step: PushStep, sides: list[Side]) -> 
     nominal = worst.critical_height
     if step.outcome == "slide":
         sure = min(float(worst.height_below.max()), model.top)
-        refusal = _cannot_slide(problem, float(nominal.max()), sure)
+        refused = _cannot_slide(problem, float(nominal.max()), sure)
         side, height = sides[int(np.argmax(nominal))], max(asked.low, limits.lowest_height)
     else:
-        refusal = _cannot_topple(problem, float(nominal.min()))
+        refused = _cannot_topple(problem, float(nominal.min()))
         highest = model.top - limits.fingertip_radius
         side, height = sides[int(np.argmin(nominal))], min(asked.high, highest)
-    if refusal.reason == "out_of_reach":
-        return refusal
+    if refused.reason == "out_of_reach":
+        return refused
     touch = Touch(
         point=np.array([*side.face.centre[:2], height]),
         normal=side.face.normal,
         outcome=step.outcome,
         turns=2 not in asked.fingers and step.outcome == "slide",
     )
-    if refusal.reason == "impossible":
+    if refused.reason == "impossible":
         # As sure that it does not as a plan must be that it does.
         if outcome_probability(model, touch) < 1.0 - problem.effort.probability:
-            return refusal
-        refusal = refusal.model_copy(update={"reason": "too_uncertain"})
+            return refused
+        refused = refused.model_copy(update={"reason": "too_uncertain"})
     # The last case that candidates are looked at for is that of the hand's stiffness.
-    return _with_doubt(problem, refusal, model_limited_by_hand(model, limits), touch)
+    return _with_doubt(problem, refused, model_limited_by_hand(model, limits), touch)
 
 
 def _with_doubt(
-    problem: PushProblem, refusal: Refusal, model: ObjectModel, touch: Touch
+    problem: PushProblem, refused: Refusal, model: ObjectModel, touch: Touch
 ) -> Refusal:
     """The refusal with how likely it is, and with what would settle it."""
     probability, asked = outcome_probability(model, touch), problem.effort.probability
     learn, then = best_experiment(model, touch, problem.defaults)
-    verb = "slides" if touch.outcome == "slide" else "topples"
-    message = (
-        f"{refusal.message}; pushed {_mm(touch.point[2])} up it {verb} with a probability of "
-        f"{probability:.2f}, and {asked:.2f} is asked"
+    doubt = {"probability": probability, "probability_then": then, "asked_probability": asked}
+    with_doubt = refusal(
+        "not_sure",
+        {**refused.numbers, **doubt},
+        message=refused.message,
+        at=touch.point[2],
+        verb="slides" if touch.outcome == "slide" else "topples",
     )
-    numbers = {"probability": probability, "probability_then": then}
-    return refusal.model_copy(
+    return refused.model_copy(
         update={
-            "message": message,
-            "numbers": {**refusal.numbers, **numbers, "asked_probability": asked},
-            "suggestions": (learn, *refusal.suggestions),
+            "message": with_doubt.message,
+            "numbers": with_doubt.numbers,
+            "suggestions": (learn, *refused.suggestions),
         }
     )
 
@@ -178,13 +165,8 @@ def _cannot_slide(problem: PushProblem, critical: float, sure: float) -> Refusal
     elif lowest >= critical or asked.low < sure < lowest:
         reason = "out_of_reach"
     if asked.region is None:
-        return Refusal(
-            reason=reason,
-            message=f"the {target.name} would not slide for sure: {certain}; "
-            f"the lowest contact that the fingers reach is {_mm(lowest)}",
-            numbers=numbers,
-            suggestions=("topple it instead",),
-        )
+        name = target.name
+        return refusal("may_not_slide", numbers, reason=reason, object=name, certain=certain)
     numbers["lowest_asked"] = asked.low
     if asked.region == "at the top":
         numbers["lowest_top"] = asked.low
@@ -192,14 +174,18 @@ def _cannot_slide(problem: PushProblem, critical: float, sure: float) -> Refusal
     heights = f"{_mm(asked.low)} or higher" if upright else f"{_mm(asked.low)} to {_mm(asked.high)}"
     reached = f", reached from {_mm(lowest)} up" if lowest > asked.low else ""
     verb = "tips" if lowest >= critical else "may tip"
-    elsewhere = ("push it at the bottom",) if asked.low >= sure > reached_from else ()
-    return Refusal(
-        reason=reason,
-        message=f"{asked.region} means {heights} on the {target.name}{reached}; "
-        f"pushed there it {verb}, since {certain}",
-        numbers=numbers,
+    lower = asked.low >= sure > reached_from
+    return refusal(
+        "may_not_slide_up_there" if lower else "may_not_slide_there",
+        numbers,
         spans=asked.spans,
-        suggestions=(*elsewhere, "leave out where to touch it"),
+        reason=reason,
+        object=target.name,
+        region=asked.region,
+        heights=heights,
+        reached=reached,
+        verb=verb,
+        certain=certain,
     )
 
 
@@ -221,34 +207,16 @@ def _cannot_topple(problem: PushProblem, critical: float) -> Refusal:
     asked, target = problem.contact, problem.target
     highest = min(asked.high, target.model.top - problem.robot.limits.fingertip_radius)
     numbers = {"highest_height": highest}
+    spans, name = asked.spans, target.name
     if math.isinf(critical):
-        return Refusal(
-            reason="impossible",
-            message=f"the {target.name} does not topple there: by what is known it slides "
-            f"before it topples, even {_mm(highest)} above the table",
-            numbers=numbers,
-            spans=asked.spans,
-            suggestions=_other_side(target),
-        )
+        other = _other_side(target)
+        return refusal("never_topples", numbers, spans=spans, instead=other, object=name)
     numbers["critical_height"] = critical
     higher = ("push it at the top",) if asked.high < target.model.top else ()
     if critical > highest:
-        return Refusal(
-            reason="impossible",
-            message=f"the {target.name} does not topple there: it slides before it topples below "
-            f"{_mm(critical)}, and the highest contact is {_mm(highest)}",
-            numbers=numbers,
-            spans=asked.spans,
-            suggestions=higher or _other_side(target),
-        )
-    return Refusal(
-        reason="too_uncertain",
-        message=f"the {target.name} should topple when pushed above {_mm(critical)}, but friction "
-        f"and centre of mass are not known well enough to be sure up to {_mm(highest)}",
-        numbers=numbers,
-        spans=asked.spans,
-        suggestions=higher,
-    )
+        other = higher or _other_side(target)
+        return refusal("slides_below", numbers, spans=spans, instead=other, object=name)
+    return refusal("may_not_topple", numbers, spans=spans, instead=higher, object=name)
 
 
 # -- which doubt leaves the outcome open ---------------------------------------------------------

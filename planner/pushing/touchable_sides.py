@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from planner.geometry.directions import HEADINGS, angle_between, face_name, heading_of, unit
+from planner.geometry.directions import HEADINGS, angle_between, face_name, heading_of, phrase, unit
 from planner.geometry.footprints import footprint, landing_strip, overlaps, travel_to_edge
 from planner.problem.tilt_goals import require_free_tilt
 from planner.pushing.push_paths import largest_obliqueness
@@ -123,7 +123,13 @@ def _square_enough(problem: PushProblem, step: PushStep, sides: list[Side], head
     if abs(oblique) > largest:
         raise NoPlanError(
             refusals.askew(
-                target, contact.face, heading, side.heading, oblique, largest, contact.spans
+                target,
+                contact.face,
+                phrase(heading),
+                phrase(side.heading),
+                oblique,
+                largest,
+                contact.spans,
             )
         )
     return side

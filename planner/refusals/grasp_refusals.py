@@ -1,231 +1,163 @@
-"""Why a hand does not hold, lift or place something: a sentence with the numbers that decide."""
+"""Refusals of what a whole hand does: which sentence it is, and the numbers that decide."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from planner.refusals.push_refusals import unsupported
-from planner.types.dead_ends import NoPlanError
-from planner.types.refusal import Refusal
+from planner.refusals.push_refusals import deciding_answer
+from planner.refusals.refusal_builder import Spans, no_plan
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from objectmodels.models.object_parts import Graspable
-    from planner.grasping.grasp_sampling import Candidate
-    from planner.problem.planning_problem import ContactLimits, GraspProblem
-    from planner.types.plan import Plan
-    from planner.types.refusal import RefusalReason
+    from objectmodels.containers.lid_forces import FlipArc, Loosening
+    from planner.types.dead_ends import NoPlanError
     from planner.types.robot import ReachAnswer
     from planner.types.world_state import SeenObject
 
-Spans = tuple[tuple[int, int], ...]
-
-
-def refused(
-    reason: RefusalReason,
-    message: str,
-    spans: Spans,
-    *suggestions: str,
-    **numbers: float,
-) -> NoPlanError:
-    """A refusal because of some words, or of none, with its numbers by their names."""
-    return NoPlanError(
-        Refusal(
-            reason=reason, message=message, numbers=numbers, spans=spans, suggestions=suggestions
-        )
-    )
-
-
-def mm(length: float) -> str:
-    """A length as people read it."""
-    return f"{1e3 * length:.0f} mm"
-
-
-# -- where it may be held -----------------------------------------------------------------------
-
-
-def not_graspable(target: SeenObject) -> NoPlanError:
-    """Nobody has said where it may be held."""
-    return unsupported(
-        f"holding the {target.name}",
-        f"the model of the {target.name} does not say where a hand may hold it",
-        (),
-        "push it",
-        "add a `grasp` block to its model",
-    )
-
 
 def not_that_wide(
-    target: SeenObject, widths: Sequence[float], held: tuple[float, float], part: str = "body"
+    name: str, widths: Sequence[float], held: tuple[float, float], part: str = "body"
 ) -> NoPlanError:
-    """The hand does not close about it."""
-    what = f"the {target.name}" if part == "body" else f"the {target.name}'s lid"
+    """Dead end since the hand does not close about the object, or about its lid."""
+    what = f"the {name}" if part == "body" else f"the {name}'s lid"
     if not widths:
-        return refused("impossible", f"{what} has no two sides that a hand could hold", ())
-    width, (narrowest, widest) = min(widths), held
-    if width > widest:
-        opens = f"the hand opens to {mm(widest)}"
-    else:
-        width = max(widths)
-        opens = f"the hand closes to {mm(narrowest)}"
-    return refused(
-        "impossible",
-        f"{what} is {mm(width)} wide, {opens}",
-        (),
-        "push it",
-        width=width,
-        widest=widest,
-        narrowest=narrowest,
-    )
+        return no_plan("no_two_sides", part=what)
+    narrowest, widest = held
+    wide = min(widths) > widest
+    width = min(widths) if wide else max(widths)
+    numbers = {"width": width, "widest": widest, "narrowest": narrowest}
+    return no_plan("too_wide" if wide else "too_narrow", numbers, part=what)
 
 
-def low_lid(target: SeenObject, tall: float, needed: float) -> NoPlanError:
-    """The fingers find no room about what its lid is held by."""
-    return refused(
-        "impossible",
-        f"the {target.name}'s lid can be held over {mm(tall)} of its height, the fingers need "
-        f"{mm(needed)}",
-        (),
-        height=tall,
-        needed=needed,
-    )
-
-
-def no_such_height(target: SeenObject, graspable: Graspable, asked: ContactLimits) -> NoPlanError:
-    """The sentence leaves no height at which it may be held."""
-    return refused(
-        "impossible",
-        f"the {target.name} may be held between {mm(graspable.lowest)} and "
-        f"{mm(graspable.highest)} above its base, not {asked.region}",
-        asked.spans,
-        "leave out where to hold it",
-        lowest=graspable.lowest,
-        highest=graspable.highest,
-    )
-
-
-def no_room(target: SeenObject, low: float, high: float, asked: ContactLimits) -> NoPlanError:
-    """The fingers, one beside the other, find no place on it."""
-    return refused(
-        "impossible",
-        f"the fingers side by side find no room on the {target.name} between {mm(low)} and "
-        f"{mm(high)} above its base",
-        asked.spans,
-        *(("leave out where to hold it",) if asked.region else ()),
-        lowest=low,
-        highest=high,
-    )
-
-
-# -- how hard it must be held -------------------------------------------------------------------
-
-
-def too_heavy(problem: GraspProblem, candidate: Candidate, wanted: float, mu: float) -> NoPlanError:
-    """It takes more squeeze than there is."""
-    force, model = problem.force, problem.target.model
-    has = candidate.grip.strongest
-    bears = math.inf if model.grasp is None or candidate.part == "lid" else model.grasp.crush
-    numbers = {"needed_force": wanted, "strongest": has, "friction": mu}
-    what = f"{problem.goal.doing} the {problem.target.name}"
-    needs = f"{what} needs {wanted:.1f} N of squeeze with μ {mu:.2f}; "
-    if force.max <= min(has, bears):
-        return refused(
-            "impossible",
-            f"{needs}{force.max:.1f} N are allowed",
-            force.spans,
-            f"allow {math.ceil(2.0 * wanted) / 2.0:g} N",
-            allowed_force=force.max,
-            **numbers,
-        )
-    if bears < has:
-        return refused("impossible", f"{needs}it bears {bears:.1f} N", (), crush=bears, **numbers)
-    at = f"the fingers have {has:.1f} N at {mm(candidate.width)}"
-    return refused("impossible", f"{needs}{at}", (), "push it instead", **numbers)
-
-
-def may_slip(
-    problem: GraspProblem, squeeze: float, probability: float, learn: str, then: float
+def too_heavy(
+    doing: str,
+    name: str,
+    numbers: dict[str, float],
+    *,
+    width: float,
+    crush: float,
+    allowed: float,
+    spans: Spans,
 ) -> NoPlanError:
-    """It may slip, since weight or friction are not known well enough."""
-    asked = problem.effort.probability
-    return refused(
-        "too_uncertain",
-        f"squeezed with {squeeze:.1f} N the {problem.target.name} holds with a probability of "
-        f"{probability:.2f}, and {asked:.2f} is asked",
-        (),
-        learn,
-        squeeze=squeeze,
-        probability=probability,
-        probability_then=then,
-        asked_probability=asked,
+    """Dead end since it takes more squeeze than there is.
+
+    Args:
+        doing: what takes it, such as `lifting`.
+        name: of the object.
+        numbers: `needed_force`, `strongest` of the hand [N], and `friction`.
+        width: between the touched sides [m].
+        crush: squeeze that the object bears [N].
+        allowed: squeeze that the sentence allows [N].
+        spans: words that say so.
+    """
+    words: dict[str, Any] = {"doing": doing, "object": name, "width": width}
+    if allowed <= min(numbers["strongest"], crush):
+        numbers = {"allowed_force": allowed, **numbers}
+        return no_plan("squeeze_not_allowed", numbers, spans=spans, **words)
+    if crush < numbers["strongest"]:
+        return no_plan("bears_no_squeeze", {"crush": crush, **numbers}, **words)
+    return no_plan("squeeze_not_there", numbers, **words)
+
+
+def no_reach(doing: str, name: str, answers: Sequence[ReachAnswer], *, held: bool) -> NoPlanError:
+    """Dead end since there are ways, but the hand cannot make them."""
+    last, blocker = deciding_answer(answers)
+    one = len(answers) == 1
+    code = {
+        (False, False): "no_grasp_reached",
+        (False, True): "grasps_blocked",
+        (True, False): "no_reach_in_hand",
+        (True, True): "blocked_in_hand",
+    }[held, blocker is not None]
+    return no_plan(
+        code,
+        {"ways": float(len(answers)), **last.numbers},
+        doing=doing,
+        object=name,
+        last=last.message,
+        blocker=blocker,
+        are="is" if one else "are",
+        number="one way" if one else f"{len(answers)} ways",
     )
 
 
-def unlikely(problem: GraspProblem, made: Plan) -> NoPlanError:
-    """Each part of a plan is likely enough, but not all of them together."""
-    asked = problem.effort.probability
-    return refused(
-        "too_uncertain",
-        f"{problem.goal.doing} the {problem.target.name} succeeds with a probability of "
-        f"{made.probability:.2f}, and {asked:.2f} is asked",
-        (),
-        f"find out the weight of the {problem.target.name} first",
-        probability=made.probability,
-        asked_probability=asked,
-    )
+def no_place(what: str, blocker: str | None) -> NoPlanError:
+    """Dead end since there is no room where something should stand."""
+    if blocker is None:
+        return no_plan("table_ends", what=what)
+    return no_plan("place_taken", what=what, other=blocker)
 
 
-def no_reach(problem: GraspProblem, answers: Sequence[ReachAnswer]) -> NoPlanError:
-    """There are ways, but the hand cannot make them."""
-    blockers = [a for a in answers if a.reason == "obstacle" and a.blocker]
-    last = (blockers or answers)[0]
-    ways = "one way" if len(answers) == 1 else f"{len(answers)} ways"
-    other = f"move the {blockers[0].blocker}" if blockers else "move it to another place"
-    if problem.state.held is not None:
-        other = f"put the {problem.target.name} down, then it may be held otherwise"
-    return refused(
-        "blocked" if blockers else "out_of_reach",
-        f"there {'is' if len(answers) == 1 else 'are'} {ways} of {problem.goal.doing} the "
-        f"{problem.target.name}, but the hand does not get there: {last.message}",
-        (),
-        other,
-        **{"ways": float(len(answers)), **last.numbers},
-    )
+# -- lids ---------------------------------------------------------------------------------------
 
 
-# -- what the hand holds, and where things stand ------------------------------------------------
+def gives_way(doing: str, target: SeenObject, arc: FlipArc, reserve: float) -> NoPlanError:
+    """Dead end since the standing object would slide or topple before its lid moves all the way."""
+    numbers = {**_arc_numbers(arc), "margin": arc.least_margin}
+    return no_plan("gives_way", numbers, **_arc_words(doing, target, arc), reserve=reserve)
 
 
-def holds_nothing() -> NoPlanError:
-    """There is nothing to be set down."""
-    return refused("impossible", "the hand holds nothing that could be put down", ())
+def may_give_way(doing: str, target: SeenObject, arc: FlipArc, asked: float) -> NoPlanError:
+    """Dead end since it may, as weight, friction or the lid are not known well enough."""
+    sure = {"probability": arc.probability, "asked_probability": asked}
+    return no_plan("may_give_way", {**_arc_numbers(arc), **sure}, **_arc_words(doing, target, arc))
 
 
-def is_fixed(problem: GraspProblem) -> NoPlanError:
-    """A holder keeps it where it is."""
-    return refused(
-        "impossible",
-        f"the {problem.target.name} is fixed in a holder; {problem.goal.doing} it would tear "
-        "it out",
-        (),
-    )
+def _arc_words(doing: str, target: SeenObject, arc: FlipArc) -> dict[str, Any]:
+    near = arc.weakest_index
+    slides = bool(arc.slide[near] < arc.topple[near])
+    return {
+        "doing": doing,
+        "object": target.name,
+        "mass": target.model.mass,
+        "verb": "slides" if slides else "tips",
+        "limit": float((arc.slide if slides else arc.topple)[near]),
+    }
 
 
-def not_while(problem: GraspProblem, spans: Spans, forbidden: str) -> NoPlanError:
-    """The sentence asks for something and forbids what that takes."""
-    return refused(
-        "impossible", f"{problem.goal.doing} the {problem.target.name} {forbidden}", spans
-    )
+def _arc_numbers(arc: FlipArc) -> dict[str, float]:
+    near = arc.weakest_index
+    found = {
+        "lid_force": float(arc.force[near]),
+        "largest_lid_force": arc.largest_force,
+        "slide_force": float(arc.slide[near]),
+        "topple_force": float(arc.topple[near]),
+        "angle": float(arc.angles[near]),
+    }
+    return {name: value for name, value in found.items() if math.isfinite(value)}
 
 
-def no_place(problem: GraspProblem, what: str, blocker: str | None) -> NoPlanError:
-    """Where it should stand there is no room."""
-    met = "the table ends there" if blocker is None else f"the {blocker} stands there"
-    return refused(
-        "impossible" if blocker is None else "blocked",
-        f"{what} cannot be put there: {met}",
-        (),
-        *(() if blocker is None else (f"move the {blocker} first",)),
-    )
+def comes_along(target: SeenObject, found: Loosening) -> NoPlanError:
+    """Dead end since the object would be lifted or turned with its lid."""
+    code = "turned_along" if _is_screwed(target) else "pulled_along"
+    return no_plan(code, _loosening_numbers(found), object=target.name)
+
+
+def may_come_along(target: SeenObject, found: Loosening, asked: float) -> NoPlanError:
+    """Dead end since it may, as friction, weight or the lid are not known well enough."""
+    code = "may_be_turned_along" if _is_screwed(target) else "may_be_pulled_along"
+    sure = {"probability": found.probability, "asked_probability": asked}
+    return no_plan(code, {**_loosening_numbers(found), **sure}, object=target.name)
+
+
+def _is_screwed(target: SeenObject) -> bool:
+    return target.model.lid is not None and target.model.lid.kind == "screw"
+
+
+def _loosening_numbers(found: Loosening) -> dict[str, float]:
+    return {"needed": found.needed, "held": found.held, "margin": found.margin}
+
+
+# -- pouring ------------------------------------------------------------------------------------
+
+
+def does_not_fit(
+    into: str, wanted: float, room: float, contents: float, spans: Spans
+) -> NoPlanError:
+    """Dead end since it would run over, whether or not there is so much."""
+    numbers = {"volume": wanted, "room": max(room, 0.0), "contents": contents}
+    fits = min(numbers["room"], contents)
+    code = "does_not_fit" if contents > room else "all_does_not_fit"
+    return no_plan(code if fits > 0.0 else "is_full", numbers, spans=spans, into=into, fits=fits)

@@ -22,6 +22,7 @@ class Refusal(Value):
     """Why no plan is made, with the numbers that decide.
 
     Attributes:
+        code: stable name of what decides, finer than the reason.
         reason: the kind of obstacle.
         message: one plain sentence with the deciding numbers in it, units in mm, N or degrees.
         numbers: the same numbers by name [SI].
@@ -30,6 +31,7 @@ class Refusal(Value):
         suggestions: what would be possible instead, as plain phrases.
     """
 
+    code: str
     reason: RefusalReason
     message: str
     numbers: dict[str, float] = Field(default_factory=dict)

@@ -22,7 +22,9 @@ def test_every_status_is_one_of_the_contract() -> None:
 
 def test_every_reason_of_a_refusal_is_in_the_table_and_exits_4() -> None:
     for reason in get_args(RefusalReason):
-        info = refusal_error(Refusal(reason=reason, message="no", spans=((3, 5), (8, 9))))
+        info = refusal_error(
+            Refusal(code="no_side", reason=reason, message="no", spans=((3, 5), (8, 9)))
+        )
         assert info.code in errors.CODES
         assert info.status.exit == errors.NO_PLAN
         assert info.span == (3, 9)

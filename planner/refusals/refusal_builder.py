@@ -1,0 +1,92 @@
+"""From a code and its numbers to a refusal."""
+
+from __future__ import annotations
+
+import math
+import string
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from planner.refusals.sentences import SENTENCES
+from planner.types.dead_ends import NoPlanError
+from planner.types.refusal import Refusal, RefusalReason
+
+Spans = tuple[tuple[int, int], ...]
+
+QUANTITIES: dict[str, Callable[[float], str]] = {
+    "mm": lambda length: f"{1e3 * length:.0f} mm",
+    "cm": lambda length: f"{100 * length:.0f} cm",
+    "deg": lambda angle: f"{math.degrees(abs(angle)):.0f}°",
+    "deg1": lambda angle: f"{math.degrees(angle):.1f}°",
+    "deg_exact": lambda angle: f"{math.degrees(angle):.1f}°".replace(".0°", "°"),
+    "deg_floor": lambda angle: f"{math.floor(10.0 * math.degrees(angle)) / 10.0:g}°",
+    "mm/s": lambda speed: f"{1e3 * speed:.0f} mm/s",
+    "cm/s": lambda speed: f"{100 * speed:.0f} cm/s",
+    "N": lambda force: f"{force:.1f} N",
+    "N2": lambda force: f"{force:.2f} N",
+    "N_up": lambda force: f"{math.ceil(2.0 * force) / 2.0:g} N",
+    "Nm": lambda torque: f"{torque:.3f} N·m",
+    "s": lambda time: f"{time:.1f} s",
+    "s_up": lambda time: f"{math.ceil(2.0 * time) / 2.0:g} s",
+    "kg": lambda mass: f"{mass:.2f} kg",
+    "ml": lambda volume: f"{1e6 * volume:.0f} ml",
+    "share": lambda share: f"{share:.2f}",
+    "times": lambda factor: f"{factor:.1f} times",
+    "count": lambda number: f"{number:.0f}",
+}
+"""How people read a number in SI units, by what stands behind the colon."""
+
+
+class _Formatter(string.Formatter):
+    def format_field(self, value: object, format_spec: str) -> str:
+        """One number or word of a sentence."""
+        if format_spec:
+            assert isinstance(value, float | int), f"{value!r} is no number"
+            return QUANTITIES[format_spec](value)
+        return str(value)
+
+
+def filled_in(text: str, values: Mapping[str, object]) -> str:
+    """A sentence with its words and numbers."""
+    return _Formatter().vformat(text, (), values)
+
+
+def refusal(
+    code: str,
+    numbers: Mapping[str, float] | None = None,
+    *,
+    spans: Spans = (),
+    reason: RefusalReason | None = None,
+    instead: tuple[str, ...] | None = None,
+    **words: object,
+) -> Refusal:
+    """Refusal in the words of its code.
+
+    Args:
+        code: in `SENTENCES`.
+        numbers: that decide, by name [SI].
+        spans: the words that cannot be satisfied.
+        reason: the kind of obstacle, where it is not that of the code.
+        instead: what would be possible, where it is not that of the code.
+        words: other words and numbers of the sentence.
+    """
+    said, numbers = SENTENCES[code], numbers or {}
+    values = {**numbers, **words}
+    return Refusal(
+        code=code,
+        reason=reason or said.reason,
+        message=filled_in(said.text, values),
+        numbers=dict(numbers),
+        capability=said.capability and filled_in(said.capability, values),
+        spans=spans,
+        suggestions=tuple(filled_in(one, values) for one in said.instead)
+        if instead is None
+        else instead,
+    )
+
+
+def no_plan(
+    code: str, numbers: Mapping[str, float] | None = None, *, spans: Spans = (), **words: Any
+) -> NoPlanError:
+    """Dead end in the words of its code; see `refusal`."""
+    return NoPlanError(refusal(code, numbers, spans=spans, **words))

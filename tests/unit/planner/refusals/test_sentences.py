@@ -1,0 +1,78 @@
+"""Sentences of the refusals: each in its words, with its numbers as people read them."""
+
+from __future__ import annotations
+
+import json
+import re
+import string
+from pathlib import Path
+
+import pytest
+
+from planner.refusals.refusal_builder import QUANTITIES, no_plan, refusal
+from planner.refusals.sentences import SENTENCES
+
+ROOT = Path(__file__).parents[4]
+GOLDEN = json.loads((ROOT / "tests/data/refusals.json").read_text(encoding="utf-8"))
+NUMBER = 0.1234
+
+
+def _values(*texts: str) -> dict[str, object]:
+    """A value for each name in some texts: a number where one is read, else the name itself."""
+    parts = [part for text in texts for part in string.Formatter().parse(text)]
+    return {name: NUMBER if spec else name.upper() for _, name, spec, _ in sorted(
+        ((a, b, c, d) for a, b, c, d in parts if b), key=lambda part: bool(part[2])
+    )}  # fmt: skip
+
+
+def _said(code: str) -> dict[str, object]:
+    one = SENTENCES[code]
+    values = _values(one.text, *one.instead, one.capability or "")
+    found = refusal(code, **values)  # type: ignore[arg-type]
+    return {
+        "reason": found.reason,
+        "message": found.message,
+        "suggestions": list(found.suggestions),
+        "capability": found.capability,
+    }
+
+
+def test_the_file_has_every_sentence() -> None:
+    assert list(GOLDEN) == list(SENTENCES)
+
+
+@pytest.mark.parametrize("code", SENTENCES)
+def test_each_sentence_is_in_its_words(code: str) -> None:
+    assert _said(code) == GOLDEN[code]
+
+
+def test_every_sentence_is_used() -> None:
+    source = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "planner").rglob("*.py"))
+    for code in SENTENCES:
+        assert len(re.findall(rf'"{code}"', source)) > 1, code
+
+
+@pytest.mark.parametrize(
+    ("quantity", "value", "text"),
+    [
+        ("mm", 0.0312, "31 mm"),
+        ("deg", -0.5236, "30°"),
+        ("deg_exact", 0.0873, "5°"),
+        ("deg_floor", 0.0872, "4.9°"),
+        ("N", 3.68, "3.7 N"),
+        ("N_up", 3.1, "3.5 N"),
+        ("ml", 2.5e-4, "250 ml"),
+        ("share", 0.987, "0.99"),
+    ],
+)
+def test_how_a_number_is_read(quantity: str, value: float, text: str) -> None:
+    assert QUANTITIES[quantity](value) == text
+
+
+def test_a_refusal_bears_its_code_and_the_numbers_that_decide() -> None:
+    numbers = {"needed_force": 3.2, "min_force": 9.0}
+    found = refusal("too_light", numbers, spans=((1, 3),), object="cup")
+    assert (found.code, found.reason, found.numbers) == ("too_light", "impossible", numbers)
+    assert found.spans == ((1, 3),)
+    assert no_plan("too_light", numbers, object="cup").refusal.code == "too_light"
+    assert refusal("too_light", numbers, reason="blocked", object="cup").reason == "blocked"
