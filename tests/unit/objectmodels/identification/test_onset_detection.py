@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from objectmodels import ModelError
+from objectmodels.geometry.base_shapes import Array
 from objectmodels.identification import detect_onset
 from tests.unit.objectmodels.identification.recordings import made_up
 
@@ -62,3 +63,20 @@ def test_broken_recordings_are_refused(
     with pytest.raises(ModelError) as raised:
         detect_onset(time, force, travel)
     assert raised.value.code == "bad_array"
+
+
+def bent(before: float, after: float) -> tuple[Array, Array, Array]:
+    """A touch without noise whose finger travels at two speeds [m/s], a second and then three."""
+    time = np.arange(0.0, 4.0, 0.01)
+    later = np.maximum(time - 1.0, 0.0)
+    return time, 3.0 * np.minimum(time, 1.0), before * np.minimum(time, 1.0) + after * later
+
+
+@pytest.mark.parametrize(("way", "moved"), [(0.0008, False), (0.0013, True)])
+def test_a_millimetre_shows_that_it_moved(way: float, moved: bool) -> None:
+    assert detect_onset(*bent(0.0, way / 3.0)).moved == moved
+
+
+@pytest.mark.parametrize(("faster", "moved"), [(2.0, False), (4.5, True)])
+def test_what_moves_goes_three_times_as_fast_as_before(faster: float, moved: bool) -> None:
+    assert detect_onset(*bent(0.002, 0.002 * faster)).moved == moved
