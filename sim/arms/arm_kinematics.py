@@ -1,6 +1,6 @@
-"""What planning and control know of an arm, whichever it is.
+"""Protocol of an arm: all that planning and control know of it.
 
-Frames: A is the arm's base, F its flange. Another arm is a folder of its own beside `lwr`.
+Frames: A is the arm's base, F its flange. Another arm is a folder of its own in this room.
 """
 
 from __future__ import annotations

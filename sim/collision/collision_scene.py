@@ -1,4 +1,4 @@
-"""What hand and arm must not touch: the table and the objects on it, as the robot sees them.
+"""The table and the objects on it, as the robot sees them: hand and arm must not touch them.
 
 Model: an object is an upright prism or cylinder, the robot is spheres
 (`sim.collision.collision_spheres`). From every object a clearance is kept, more from a fragile one.
@@ -134,7 +134,7 @@ class CollisionScene:
         spare: float = 0.0,
         clearance: float = OBJECT_CLEARANCE,
     ) -> CollisionScene:
-        """What the robot sees.
+        """The scene of what the robot sees.
 
         Args:
             state: what it sees.

@@ -1,10 +1,10 @@
-"""What planning and control know of a hand, whichever it is.
+"""Protocol of a hand, and its values: all that planning and control know of it.
 
 Frames: F is the arm's flange. P is the palm: z along the straight fingers, x from the fingers to
 the one that opposes them, which is the direction in which the hand closes. D is the frame of a
 push (x into the touched face, z up), T the midpoint of the pushing fingertips' centres. E stands
-at the hinge of a lid, see `sim.paths.lid_arc_path`. Another hand is a folder of its own beside
-`four_finger`.
+at the hinge of a lid, see `sim.paths.lid_arc_path`. Another hand is a folder of its own
+in this room.
 """
 
 from __future__ import annotations
@@ -195,7 +195,7 @@ def padded_spheres(spheres: tuple[Array, ...]) -> list[Array]:
 
 
 class GraspPosture(Protocol):
-    """How a hand closes about something of a width."""
+    """A posture of a hand that closes about something of a width."""
 
     @property
     def width(self) -> float:
@@ -209,12 +209,12 @@ class GraspPosture(Protocol):
 
     @property
     def opening(self) -> float:
-        """How far the fingertips stand off each side before they close [m]."""
+        """Distance of the fingertips from each side before they close [m]."""
         ...
 
     @property
     def grip(self) -> Grip:
-        """What the planner knows of it."""
+        """The grip as the planner knows it."""
         ...
 
     @property
@@ -309,7 +309,7 @@ class Hand(Protocol):
         ...
 
     def grasp_posture(self, width: float, *, pinch: bool = False) -> GraspPosture | None:
-        """How the hand closes about a width [m], or about a knob of it; None if it does not."""
+        """The grasp about a width [m], or about a knob of it; None if there is none."""
         ...
 
     def flip_postures(self, lid: LidShape) -> FlipPostureSet:

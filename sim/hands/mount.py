@@ -1,4 +1,4 @@
-"""Where the robot is: an arm on its base with a hand on its flange.
+"""The mounted robot: an arm on its base with a hand on its flange.
 
 Frames: W is the world, A the arm's base, F its flange, P the palm.
 """

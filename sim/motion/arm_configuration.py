@@ -1,4 +1,4 @@
-"""How arm and hand stand while they push: one family of poses along the path of the fingertips.
+"""Arm and hand while they push: one family of poses along the path of the fingertips.
 
 The palm keeps its orientation, or turns about the vertical with an object that is turned.
 

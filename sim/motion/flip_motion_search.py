@@ -47,7 +47,7 @@ _BODY_CLEARANCE = 0.002  # of the hand from the object and its lid on its way do
 
 @dataclass(frozen=True, eq=False)
 class FlipConfiguration:
-    """How arm and hand stand while they flip a lid.
+    """Arm and hand while they flip a lid.
 
     Attributes:
         stance: at the start.
@@ -75,7 +75,7 @@ class FlipConfiguration:
 
     @property
     def _palm_turn(self) -> float:
-        """How far the palm turns about E's y axis [rad]."""
+        """Turn of the palm about E's y axis [rad]."""
         R_EP = self.hands.R_EP[0]
         whole = R_EP[self.hands.path.touching.stop - 1] @ R_EP[0].T
         return float(np.arctan2(whole[0, 2], whole[0, 0]))
@@ -220,7 +220,7 @@ class FlipMotionSearch:
     def _follow_path(
         self, hands: FlipPostureSet, hand: NDArray[np.intp], elbow: Array, branch: NDArray[np.intp]
     ) -> _Solved:
-        """What is continuous all along the way and free, from above the start on."""
+        """Solutions that are continuous and free all along the path, from above the start on."""
         some = hands[hand]
         w, d = len(some.path.points), len(_DESCENT)
         at, lift = (

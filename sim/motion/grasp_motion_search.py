@@ -145,7 +145,7 @@ class GraspMotionSearch:
             self._stood = held.after_motion(held.p_WB, self._p_WB[k], angle)
 
     def _around_it(self, scenery: CollisionScene, handled: HeldObject) -> CollisionScene:
-        """What the hand must not touch: a lid's object it may come near to."""
+        """The scene for the hand, which may come near to the object of a lid."""
         others = (
             replace(each, clearance=_OWNER_CLEARANCE - self._spare)
             if each.name == self._owner
@@ -194,7 +194,7 @@ class GraspMotionSearch:
     # -- hand and held object -------------------------------------------------------------------
 
     def _hand_blocked(self) -> ReachAnswer | None:
-        """What is in the way of the hand and of what it holds, whatever the arm does."""
+        """The answer if something is in the way of the hand or of what it holds; else None."""
         R_WP, p_WP = self._R_WB @ self._R_BP, self._p_WB + self._R_WB @ self._p_BP
         what = f"the {self._plan.object}"
         for is_open in (True, False):
@@ -230,7 +230,7 @@ class GraspMotionSearch:
         return hand.whole_spheres(posture) if self._owner is None else hand.thin_spheres(posture)
 
     def _held_blocked(self) -> ReachAnswer | None:
-        """What is in the way of the held object."""
+        """The answer if something is in the way of the held object; else None."""
         holding = ~self._free
         body = place_spheres(
             surface_spheres(self._scenery.pushed.outline, self._scenery.pushed.height),
@@ -287,7 +287,7 @@ class GraspMotionSearch:
         return q, np.asarray(good.all(axis=1) & steady), room.min(axis=1)
 
     def _arm_blocked(self, q: Array) -> str | None:
-        """What the arm would hit on the way; None if nothing."""
+        """Name of the object that the arm would hit on the way; None if there is none."""
         robot = self._mount.arm_spheres(q)
         if (height_above_table(robot) < TABLE_CLEARANCE).any():
             return "table"
@@ -340,7 +340,7 @@ class GraspMotionSearch:
         return None
 
     def _is_clear(self, q: Array) -> bool:
-        """Whether the arm keeps clear of the table and of all others."""
+        """True if the arm keeps clear of the table and of all others."""
         robot = self._mount.arm_spheres(q)
         high = height_above_table(robot).min() >= TABLE_CLEARANCE
         return bool(high and all(each.is_clear(robot).all() for each in self._scenery.others))

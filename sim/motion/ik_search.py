@@ -1,4 +1,4 @@
-"""How the arm stands along the way of a push, for many hands at once.
+"""Arm poses along the path of a push, for many hands at once.
 
 Model: all solutions of the arm over a ring of redundancy angles (of the elbow), first at both ends
 of the stroke, which sorts out most, then along the whole way for the best. They are ranked by the
@@ -101,7 +101,7 @@ class PushIkSearch:
         self.too_weak = False
 
     def solutions_along(self, hands: PostureSet, least: float) -> Iterator[IkSolutions]:
-        """What is reachable and strong enough, the best first, some at a time.
+        """Solutions that are reachable and strong enough, the best first, some at a time.
 
         Args:
             hands: with which.
@@ -136,7 +136,7 @@ class PushIkSearch:
     def _follow_path(
         self, hands: PostureSet, hand: NDArray[np.intp], elbow: Array, branch: NDArray[np.intp]
     ) -> IkSolutions:
-        """What is continuous along the whole way, from a height above the start on."""
+        """Solutions that are continuous along the whole path, from above the start on."""
         start, w = self._points[0], len(self._points)
         lifts = _LIFTS[start[2] + 0.03 < _LIFTS]
         above = np.column_stack([np.tile(start[:2], (len(lifts), 1)), lifts])

@@ -53,7 +53,7 @@ _BACK_POINTS = 4  # places on the way back from a turned face that are looked at
 
 @dataclass(frozen=True)
 class Effort:
-    """How long a stance is looked for, and how near the hand may come to things.
+    """Length of a search, and how near the hand may come to things.
 
     Attributes:
         clearance: of hand and arm from what is neither pushed nor fragile [m].
@@ -89,7 +89,7 @@ class _Found:
 
     @property
     def reach_answer(self) -> tuple[ArmConfiguration, ReachAnswer]:
-        """What is told of it."""
+        """The configuration and the answer to the planner."""
         numbers = {"strength": self.strength}
         return self.stance, ReachAnswer(ok=True, margin=self.room, numbers=numbers)
 
@@ -236,7 +236,7 @@ class PushMotionSearch:
     # -- arms -----------------------------------------------------------------------------------
 
     def _configurations(self, hands: PostureSet, least: float) -> Iterator[_Found]:
-        """What is reachable, strong enough and free at the object, the best first.
+        """Configurations that are reachable, strong enough and free at the object, the best first.
 
         Args:
             hands: that are clear.
@@ -276,7 +276,7 @@ class PushMotionSearch:
         return free_path(self._mount.arm, self._home, found.above, places, is_free)
 
     def _comes_off(self, found: _Found) -> bool:
-        """Whether the hand also gets off a face that it has turned, and back to the start."""
+        """True if the hand also gets off a face that it has turned, and back to the start."""
         if not self._way.turn:
             return True
         end, turned = self._points[-1], self._way.turn

@@ -83,7 +83,7 @@ def _shortest_free(nodes: Array, is_free: IsFree) -> tuple[Array, ...] | None:
 
 
 def _is_free_road(start: Array, goal: Array, is_free: IsFree) -> bool:
-    """Whether all poses of a straight road are free; a few tell most that are not."""
+    """True if all poses of a straight road are free; most that are not show it in a few."""
     poses = interpolate_joints(start, goal)
     return all(bool(is_free(some).all()) for some in (poses[::_COARSE], poses))
 

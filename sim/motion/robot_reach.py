@@ -118,7 +118,7 @@ class ArmHandReach:
         return ReachAnswer(ok=True, margin=found.room, numbers=numbers)
 
     def _flip_answer(self, plan: Plan, state: WorldState) -> ReachAnswer:
-        """Whether a fingertip can carry out a plan in which nothing is held."""
+        """The answer for a plan that a fingertip carries out, with nothing held."""
         (step,) = plan.steps
         assert isinstance(step, FlipOver), "an empty hand only flips lids"
         found = self.flip_configuration(step, plan.object, state)

@@ -1,1 +1,1 @@
-"""Where fingertip and held object go."""
+"""Paths of fingertips and held objects: geometry that knows no robot."""

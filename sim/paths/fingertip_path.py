@@ -30,7 +30,7 @@ STROKE_POINTS = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 
 @dataclass(frozen=True)
 class FingertipPath:
-    """Where the midpoint of the fingertips goes in W, and how the palm turns on it.
+    """Path of the midpoint of the fingertips in W, and turn of the palm along it.
 
     Attributes:
         inward: horizontal unit vector to which the hand is square: into the touched face, as that
@@ -88,5 +88,5 @@ class FingertipPath:
         return np.vstack([self.start, self.touch + (shares * sines)[:, None] * turned])
 
     def turns_at(self, shares: Array = STROKE_POINTS) -> Array:
-        """How far the palm has turned at these points, shape (1 + n,) [rad]."""
+        """Turn of the palm at these points, shape (1 + n,) [rad]."""
         return np.append(0.0, shares * self.turn)

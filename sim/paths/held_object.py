@@ -1,4 +1,4 @@
-"""What a hand takes hold of: an object, or the lid of one.
+"""The object that a hand takes hold of, or the lid of one.
 
 Model: a lid that comes off is held by its knob or its rim, from above. The hand treats it as an
 upright cylinder of its own, on the object's top or where it lies aside; its frame stands at the
@@ -53,7 +53,7 @@ class HeldObject:
 
     @classmethod
     def from_plan(cls, plan: Plan, state: WorldState) -> HeldObject:
-        """What a plan with a grasp is about."""
+        """The object or lid that a plan with a grasp is about."""
         assert plan.grasp is not None, "something is held"
         already = state.held if plan.grasp.held else None
         target = state.objects[plan.object]
@@ -82,7 +82,7 @@ class HeldObject:
 
     @property
     def grasped_obstacle(self) -> Obstacle:
-        """What the hand closes about, where it is taken."""
+        """Obstacle about which the hand closes, where it is taken."""
         whole = Obstacle.from_seen(self.held, 0.0)
         there = replace(whole, p_WB=whole.p_WB + np.array([0.0, 0.0, self.height]))
         if self.owner is None:

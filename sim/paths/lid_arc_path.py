@@ -54,12 +54,12 @@ class LidShape:
 
     @property
     def is_opening(self) -> bool:
-        """Whether it is opened."""
+        """True if the lid is opened."""
         return self.end > self.start
 
     @property
     def touch_lever(self) -> float:
-        """Where it is touched, from the hinge [m]."""
+        """Distance from the hinge at which the lid is touched [m]."""
         return self.length + GRIP * self.tab
 
     def tip_centres(self, angles: Array, off: Array | float = 0.0) -> Array:
@@ -112,7 +112,7 @@ class LidShape:
 
 @dataclass(frozen=True, eq=False)
 class LidPath:
-    """Where the fingertip goes in E, and how: before the lid, along the arc, off it and back.
+    """Path of the fingertip in E: before the lid, along the arc, off it and back.
 
     Attributes:
         points: p_ET, shape (w, 3) [m].

@@ -18,7 +18,7 @@ from sim.rotations import Array
 
 @dataclass(frozen=True, eq=False)
 class TiltArc:
-    """Where the fingertip may be.
+    """Places of the fingertip during a tilt.
 
     Attributes:
         origin: p_WT at the touch, the object upright, shape (3,) [m].
@@ -34,7 +34,7 @@ class TiltArc:
 
     @property
     def edge_distance(self) -> float:
-        """How far T is behind the edge at the touch [m]."""
+        """Distance of T behind the edge at the touch [m]."""
         return self.length + self.tip_radius
 
     @property
@@ -62,5 +62,5 @@ class TiltArc:
         )
 
     def _seen_from_edge(self, tips: Array) -> tuple[Array, Array]:
-        """How far behind the edge and above the table they are, shape (n,) each [m]."""
+        """Distances behind the edge and above the table, shape (n,) each [m]."""
         return self.edge_distance - (tips - self.origin) @ self.u, tips[:, 2]

@@ -1,4 +1,4 @@
-"""How the hand closes about something of a width: four fingertips on two parallel sides.
+"""Grasps of something of a width: four fingertips on two parallel sides.
 
 Model: no finger is spread, so that each moves in its own plane across the palm. The fingertips
 touch at one height along the straight fingers, thumb against the other three, and close along a
@@ -90,7 +90,7 @@ class FourFingerGrasp:
         return _closed_posture(name, self.width + 2.0 * opening, x, z, self.touching_fingers)
 
     def touch_point(self, finger: str) -> Array:
-        """Where a finger touches, in P, shape (3,) [m]."""
+        """Place at which a finger touches, in P, shape (3,) [m]."""
         tip = finger_points(finger, self.posture_at().angles[finger])[3]
         return np.asarray(tip + TIP_RADIUS * closing_direction(finger))
 
@@ -138,7 +138,7 @@ def closing_direction(finger: str) -> Array:
 
 
 def grasp_posture(width: float, *, pinch: bool = False, wrist: float) -> FourFingerGrasp | None:
-    """How the hand closes about a width; None if it does not.
+    """The grasp about a width; None if the hand does not close about it.
 
     Args:
         width: of an object, or of a knob or cap that thumb and middle finger pinch [m].
@@ -194,7 +194,7 @@ def _grasp_at(width: float, x: float, z: float, shares: Array) -> FourFingerGras
 
 
 def _planner_grip(found: FourFingerGrasp, wrist: float) -> Grip:
-    """What the planner knows of a grasp."""
+    """The grip as the planner knows it."""
     x, _, z = found.middle
     contacts = np.array(
         [found.touch_point(finger)[[2, 1]] - [z, 0.0] for finger in found.touching_fingers]

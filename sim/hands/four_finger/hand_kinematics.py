@@ -188,7 +188,7 @@ def max_tip_force(finger: str, angles: Angles, p_PC: Array, load_P: Array) -> Ar
 
 
 def is_at_stop(angles: Angles) -> bool:
-    """Whether a joint of a finger is at its stop, which then bears what no torque sensor shows."""
+    """True if a joint of a finger is at its stop, which bears what no torque sensor shows."""
     low, high = FINGER_LIMITS.T
     room = np.minimum(angles - low, high - angles)
     return bool(room.min() < _STOP)

@@ -133,7 +133,7 @@ def _is_closed(posture: Posture) -> bool:
 
 
 def pushing_quality(posture: Posture, R_DP: Array) -> tuple[Array, Array, Array]:
-    """How well a hand pushes along D's x axis in each orientation, by its worst finger.
+    """Quality of a push along D's x axis in each orientation, by the hand's worst finger.
 
     Args:
         posture: of its fingers.
