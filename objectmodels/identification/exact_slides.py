@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Array, Disc
 from objectmodels.geometry.support_points import hull_polygon
-from objectmodels.mechanics.exact.exact_thresholds import ExactThresholds, push_axes
-from objectmodels.mechanics.exact.support_springs import Springs
+from objectmodels.mechanics.exact.exact_thresholds import ExactThresholds
+from objectmodels.mechanics.exact.support_springs import Springs, push_axes
 from objectmodels.mechanics.friction_limit import friction_limit
 from objectmodels.mechanics.push_thresholds import push_moment, ratio_at
 from objectmodels.models.object_model import ObjectModel

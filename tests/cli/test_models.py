@@ -176,6 +176,7 @@ def test_a_map_of_probability(capsys: pytest.CaptureFixture[str]) -> None:
 # -- affordances ------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_affordances_of_the_ice_tea_box(capsys: pytest.CaptureFixture[str]) -> None:
     status, document = answer(capsys, "affordances", "ice tea box")
     assert status == 0

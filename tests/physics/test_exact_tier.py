@@ -232,6 +232,7 @@ def most_held(points: Array, com: Array, p: Array, u: Array, mu: float) -> tuple
     return float(ratio), float(left)
 
 
+@pytest.mark.slow
 def test_the_optimistic_bound_is_the_largest_push_that_contact_forces_hold() -> None:
     endless = 0
     for kind in BOUNDED:

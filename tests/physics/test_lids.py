@@ -43,6 +43,7 @@ def test_a_hinge_opens_at_the_torque_that_its_truth_says(snap: float) -> None:
     assert LidBench(scene).push_lid(1.05 * needed) > 0.1
 
 
+@pytest.mark.slow
 def test_a_lid_stays_where_the_finger_left_it_and_is_shut_again() -> None:
     bench = LidBench(alone("ice tea cup"))
     opened = bench.flip(np.radians(95.0))
@@ -102,7 +103,9 @@ def test_a_cap_turns_in_a_holder_and_the_free_bottle_turns_along() -> None:
     assert free.force == pytest.approx(0.28 * 0.535 * G * 0.029, rel=0.10)
 
 
-@pytest.mark.parametrize("kind", ["flip", "lift_off", "screw"])
+@pytest.mark.parametrize(
+    "kind", [pytest.param("flip", marks=pytest.mark.slow), "lift_off", "screw"]
+)
 def test_random_lids_open_as_predicted(kind: str) -> None:
     rng = np.random.default_rng(7)
     cases: list[Case] = [drawn(kind, rng) for _ in range(4)]  # type: ignore[arg-type]

@@ -149,6 +149,7 @@ def test_a_plan_may_be_of_a_look_that_saw_it_turned_a_little() -> None:
     assert trace.end == "turned", trace.detail
 
 
+@pytest.mark.slow
 def test_a_hand_that_cannot_go_straight_off_the_face_goes_by_the_joints() -> None:
     alone = _alone(load_scene("kitchen"), "ice tea box")
     plan = _plan("ice tea box", alone, 2, -0.5)

@@ -29,7 +29,7 @@ from objectmodels.geometry.support_points import (
     mean_distance,
     support_points,
 )
-from objectmodels.mechanics.exact.support_springs import Springs
+from objectmodels.mechanics.exact.support_springs import Springs, push_axes
 from objectmodels.mechanics.friction_limit import Limit, friction_limit
 from objectmodels.mechanics.push_outcomes import Thresholds, closed_form_thresholds
 from objectmodels.mechanics.push_thresholds import (
@@ -112,14 +112,6 @@ class ExactThresholds(Thresholds):
         v = (1.0 + omega * left)[:, None] * along + beta[:, None] * across
         zero = np.zeros((len(p), 2))
         return np.asarray(np.column_stack((zero, omega, v, zero[:, 0])) / h[:, None])
-
-
-def push_axes(u: Array) -> tuple[Array, Array, Array]:
-    """Horizontal part of directions, shape (n,), and unit vectors along and to the left, (n, 2)."""
-    h = np.hypot(u[:, 0], u[:, 1])
-    with np.errstate(invalid="ignore", divide="ignore"):
-        along = np.where(h[:, None] > 0.0, u[:, :2] / h[:, None], [1.0, 0.0])
-    return h, along, np.column_stack((-along[:, 1], along[:, 0]))
 
 
 def exact_thresholds(model: Mechanical, p: Array, u: Array, friction: Friction) -> ExactThresholds:

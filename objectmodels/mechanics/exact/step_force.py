@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.mechanics.exact.exact_thresholds import push_axes
+from objectmodels.mechanics.exact.support_springs import push_axes
 from objectmodels.mechanics.push_outcomes import (
     OUTCOMES,
     closed_form_thresholds,

@@ -77,6 +77,7 @@ def test_some_of_the_others_are_fragile() -> None:
     assert 0.0 < np.mean([item.fragile for item in others]) < 0.5
 
 
+@pytest.mark.slow
 def test_most_sentences_are_sensible_and_some_are_not() -> None:
     sensible = [said(Job(0, number))[1].sensible for number in range(10 * len(KINDS))]
     # Nine in ten are drawn so; 0.07 is two standard deviations of 70.

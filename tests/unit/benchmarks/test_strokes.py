@@ -77,6 +77,7 @@ def test_a_sentence_that_can_be_done_is_found_and_can_be_repeated() -> None:
     assert repeated(scene, can, found[0])
 
 
+@pytest.mark.slow
 def test_a_sentence_that_cannot_be_done_is_not_found() -> None:
     cannot = asked(f"push the {OBJECT} away with at most 0.5 N")
     found, rolled = search(world(), cannot, 1, np.random.default_rng(0))

@@ -146,6 +146,7 @@ def test_half_a_turn_goes_on_where_headings_begin_anew(
     assert aim.yaw == pytest.approx(stage.start.yaw + sign * math.pi)
 
 
+@pytest.mark.slow
 def test_a_turn_too_far_is_turned_back_not_around(
     controller: Controller, goes: Callable[..., Happens], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -307,6 +308,7 @@ def test_after_a_push_that_failed_another_contact_is_tried(
     assert failed.direction_W == pytest.approx(other.direction_W, abs=EXACT)
 
 
+@pytest.mark.slow
 def test_it_is_told_that_planning_takes_longer(
     controller: Controller, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -108,6 +108,7 @@ def test_frames_are_carried_out_in_turn_up_to_the_first_that_fails(
     assert second.x == pytest.approx(first.x + 0.1)
 
 
+@pytest.mark.slow
 def test_a_refusal_moves_nothing(controller: Controller, monkeypatch: pytest.MonkeyPatch) -> None:
     stage = played(controller)
     result = controller.say("push the ice tea box at the top without toppling it")

@@ -204,6 +204,7 @@ def test_why_it_was_refused(conversation: Conversation) -> None:
     assert result.answer.numbers == refused.error.numbers
 
 
+@pytest.mark.slow
 def test_why_another_push_would_not_do(conversation: Conversation) -> None:
     result = plan(conversation, "push the ice tea box away", "why can you not push it at the top?")
     assert result.answer is not None
@@ -331,6 +332,7 @@ def test_what_stands_there_is_left(conversation: Conversation, stage: PlayedExec
     assert result.answer.text == f"The ice tea box is where it was before “{PUSH}”."
 
 
+@pytest.mark.slow
 def test_more_after_a_place_goes_on_where_all_pushes_led(
     conversation: Conversation, stage: PlayedExecutor
 ) -> None:
@@ -349,6 +351,7 @@ def test_undo_of_an_object_that_was_not_pushed(conversation: Conversation) -> No
     assert "the cereal box was not pushed" in result.error.message
 
 
+@pytest.mark.slow
 def test_each_step_is_told_and_undone_the_last_first(
     conversation: Conversation, stage: PlayedExecutor
 ) -> None:

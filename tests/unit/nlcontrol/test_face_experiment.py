@@ -59,6 +59,7 @@ def expected() -> tuple[TouchResult, ...]:
     return experiment().run(executor=Inline())
 
 
+@pytest.mark.slow
 def test_results_are_in_the_order_of_the_contacts(expected: tuple[TouchResult, ...]) -> None:
     # b/μ is 113 mm, and the left one is off the middle.
     assert [result.outcome for result in expected] == ["slide", "slide", "slide", "topple"]

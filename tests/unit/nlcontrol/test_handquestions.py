@@ -17,6 +17,7 @@ def kitchen() -> Controller:
     return Controller("kitchen")
 
 
+@pytest.mark.slow
 def test_too_heavy_with_both_forces(kitchen: Controller) -> None:
     answer = kitchen.say("can you lift the ice tea box?").answer
     assert answer is not None

@@ -267,6 +267,7 @@ def test_what_is_possible_is_what_the_planner_plans(kitchen: Controller) -> None
     assert found.text.startswith(f"Yes: two fingers on its front face, {height}")
 
 
+@pytest.mark.slow
 def test_what_is_impossible_says_why_and_what_would_do(kitchen: Controller) -> None:
     frame = _ask("possible", "ice tea box", AT_THE_TOP, g.NoTopple(), **PUSH)
     made = kitchen.plan(frame.model_copy(update={"query": None}))

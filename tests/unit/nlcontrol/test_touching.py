@@ -97,6 +97,7 @@ def test_where_nothing_may_move_the_model_answers(kitchen: Controller) -> None:
     assert "0.313" in result.answer.text
 
 
+@pytest.mark.slow
 def test_touches_that_show_nothing_are_told(kitchen: Controller) -> None:
     executor = played(kitchen)
     result = kitchen.say("find out how heavy the ice tea box is")

@@ -40,6 +40,7 @@ def _values(result: Result) -> dict[str, str]:
     return {row.parameter: row.value for row in result.explained()}
 
 
+@pytest.mark.slow
 def test_only_words_without_meaning_are_left_over() -> None:
     left = {}
     for path in sorted(SENTENCES.glob("*.yaml")):

@@ -174,6 +174,7 @@ def test_a_force_that_suffices_is_kept(kitchen: WorldState, reach: RuledReach) -
     assert refusal.spans
 
 
+@pytest.mark.slow
 def test_at_the_top_it_tips(kitchen: WorldState, reach: RuledReach) -> None:
     refusal = refused("push the ice tea box at the top without toppling it", kitchen, reach)
     assert refusal.reason == "impossible"

@@ -90,6 +90,7 @@ def test_a_pour_ends_where_the_brim_says() -> None:
     assert running.volume_steps.sum(axis=-1) == pytest.approx(running.total_volume)
 
 
+@pytest.mark.slow
 def test_a_pour_takes_the_time_that_fine_steps_take() -> None:
     coarse = pour(CARTON, FULL, **OVER)
     time = np.linspace(0.0, float(coarse.time[-1]), 4000)

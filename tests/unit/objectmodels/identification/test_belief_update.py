@@ -51,6 +51,7 @@ def off_by_two(rng: np.random.Generator, com_sd: float) -> tuple[ObjectModel, Ob
     [(0.001, ["front"], False), (0.001, ["front"], True), (0.003, ["front", "back"], False)],
     ids=["one tilt", "one tilt, exact", "opposite tilts"],
 )
+@pytest.mark.slow
 def test_few_touches_mend_a_guess_off_by_two(com_sd: float, sides: list[str], exact: bool) -> None:
     """One side tells the mass by as much as it is known where that is: 1 mm for 2 %."""
     mended = 0

@@ -27,6 +27,7 @@ CORNERS: tuple[Support, ...] = ("corners",)
 
 
 @pytest.mark.parametrize("noise", [1.0, 2.0])
+@pytest.mark.slow
 def test_intervals_hold_the_truth_as_often_as_they_say(noise: float) -> None:
     """Also if the noise is twice as large as stated."""
     held = np.zeros(len(UNCERTAIN))
@@ -38,6 +39,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(noise: float) -> None:
     assert (held <= 0.99 * RUNS).all(), dict(zip(UNCERTAIN, held / RUNS, strict=True))
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_truth_in_the_exact_tier() -> None:
     runs = 40
     held = np.zeros(len(UNCERTAIN))

@@ -71,6 +71,7 @@ def test_a_weight_straight_onto_the_thumb_cannot_slip() -> None:
     st.floats(-0.02, 0.02),
     st.floats(1.05, 3.0),
 )
+@pytest.mark.slow
 def test_more_squeeze_never_holds_less(
     mu: float, tilt: float, y: float, z: float, more: float
 ) -> None:

@@ -30,6 +30,7 @@ def test_through_the_centre_it_goes_straight() -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(st.floats(-0.05, 0.05), st.floats(-0.45, 0.45))
+@pytest.mark.slow
 def test_the_sense_of_turning_is_that_of_masons_vote(lateral: float, angle: float) -> None:
     """Both edges of the friction cone and the push vote by the side on which the centre lies."""
     p = np.array([-0.045, lateral])

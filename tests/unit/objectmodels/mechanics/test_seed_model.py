@@ -84,6 +84,7 @@ def test_the_paper_s_four_outcomes(height: float, force: float, outcome: str) ->
     assert SeedModel.of(BOX).outcome((-0.05, 0.0, height), (force, 0.0, 0.0)) == outcome
 
 
+@pytest.mark.slow
 def test_ten_thousand_random_pushes_agree_with_the_closed_form() -> None:
     """Tipping is the centre of pressure leaving the base; sliding is the no-yaw formula."""
     rng = np.random.default_rng(11)

@@ -197,6 +197,7 @@ def test_a_place_that_is_taken(table: WorldState, hand: RuledHand) -> None:
     assert "the mug stands there" in made.message
 
 
+@pytest.mark.slow
 def test_a_low_mug_is_held_by_fingers_that_come_down_askew(
     table: WorldState, hand: RuledHand
 ) -> None:

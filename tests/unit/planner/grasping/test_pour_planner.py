@@ -77,6 +77,7 @@ def test_the_lip_is_where_the_stream_falls_into_the_opening(
     assert math.pi / 2 < step.angle < math.radians(150.0)
 
 
+@pytest.mark.slow
 def test_it_leans_along_the_line_between_thumb_and_fingers(
     known: WorldState, hand: RuledHand
 ) -> None:
@@ -86,6 +87,7 @@ def test_it_leans_along_the_line_between_thumb_and_fingers(
     assert abs(lean @ np.array(made.grasp.closing_W)) == pytest.approx(1.0, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_where_the_arm_does_not_reach_it_is_turned_first(known: WorldState) -> None:
     hand = RuledHand(holds=lambda made: any(step.kind == "carry" for step in made.steps))
     made = planned("pour the ice tea into the mug", known, hand)
@@ -113,6 +115,7 @@ def test_parts_of_it(
     assert step.prediction.poured == pytest.approx(volume, rel=0.02)
 
 
+@pytest.mark.slow
 def test_all_as_a_share_is_everything(known: WorldState, hand: RuledHand) -> None:
     assert _step(_pour(known, hand, fraction=1.0)).volume is None
 
@@ -179,6 +182,7 @@ def test_what_is_full_enough_is_left(known: WorldState, hand: RuledHand) -> None
     assert isinstance(_pour(state, hand, fill=0.5), Reached)
 
 
+@pytest.mark.slow
 def test_what_is_held_is_not_set_down(known: WorldState, hand: RuledHand) -> None:
     grasp = planned("pour the ice tea into the mug", known, hand).grasp
     assert grasp is not None

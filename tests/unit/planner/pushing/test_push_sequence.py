@@ -143,6 +143,7 @@ def test_without_time_for_a_second_push_two_fingers_push_steeply() -> None:
     assert refused(one, alone()).reason == "out_of_time"
 
 
+@pytest.mark.slow
 def test_a_steep_push_keeps_the_aim_of_the_plan_before() -> None:
     heading = math.radians(24.0)
 

@@ -33,6 +33,7 @@ def _sphere(x: float, y: float, z: float, radius: float = 0.01) -> np.ndarray:
 
 
 @given(x=st.floats(-0.2, 0.2), y=st.floats(-0.2, 0.2), z=st.floats(-0.1, 0.3))
+@pytest.mark.slow
 def test_a_cylinder_is_a_prism_of_many_corners(x: float, y: float, z: float) -> None:
     radius, height = 0.04, 0.1
     phi = 2.0 * np.pi * np.arange(720) / 720
