@@ -13,6 +13,23 @@ ALLOWED = {("nlcontrol.results.result", "nlcontrol.reports")}
 
 MOST_MODULES_OF_A_TYPING_CIRCLE = 3
 
+# Circles for typing that are still to be opened; no other may come in.
+OPEN = (
+    {"planner.grasping.grasp_sampling", "planner.refusals.grasp_refusals"},
+    {
+        "planner.grasping.pour_amounts",
+        "planner.grasping.pour_planner",
+        "planner.refusals.pour_refusals",
+    },
+    {
+        "nlcontrol.session.controller",
+        "nlcontrol.session.conversation",
+        "nlcontrol.session.exploration_commands",
+        "nlcontrol.session.frame_execution",
+        "nlcontrol.session.weighing",
+    },
+)
+
 
 @pytest.fixture(scope="module")
 def found() -> dict[str, Imports]:
@@ -24,7 +41,6 @@ def allowed(importing: str, imported: str) -> bool:
     return (importing, room(imported)) in ALLOWED
 
 
-@pytest.mark.xfail(strict=False, reason="walls that are still open")
 def test_no_circle_of_imports_at_run_time(found: dict[str, Imports]) -> None:
     graph = {
         name: frozenset(
@@ -35,7 +51,6 @@ def test_no_circle_of_imports_at_run_time(found: dict[str, Imports]) -> None:
     assert circles(graph) == []
 
 
-@pytest.mark.xfail(strict=False, reason="walls that are still open")
 def test_circles_for_typing_stay_small_and_inside_a_room(found: dict[str, Imports]) -> None:
     graph = {
         name: frozenset(
@@ -48,7 +63,8 @@ def test_circles_for_typing_stay_small_and_inside_a_room(found: dict[str, Import
     wrong = [
         circle
         for circle in circles(graph)
-        if len(circle) > MOST_MODULES_OF_A_TYPING_CIRCLE or len({room(m) for m in circle}) > 1
+        if (len(circle) > MOST_MODULES_OF_A_TYPING_CIRCLE or len({room(m) for m in circle}) > 1)
+        and not any(set(circle) <= known for known in OPEN)
     ]
     assert wrong == []
 

@@ -18,7 +18,11 @@ IRREGULAR = {
 NOT_PARTICIPLES = {"embed", "exceed", "feed", "need", "proceed", "seed", "speed", "succeed"}
 VAGUE = {"of", "read", "with"}
 
-MOST_ONE_WORD_NAMES = 0.4
+MOST_ONE_WORD_NAMES = 0.42
+
+# What is left of earlier names and docstrings; the numbers only fall.
+LEFT_NAMES = {"grammar": 1, "objectmodels": 4, "planner": 17, "sim": 43, "nlcontrol": 43}
+LEFT_DOCSTRINGS = {"grammar": 0, "objectmodels": 1, "planner": 8, "sim": 84, "nlcontrol": 78}
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -44,7 +48,6 @@ def is_one_word(name: str) -> bool:
     return "_" not in name.strip("_")
 
 
-@pytest.mark.xfail(strict=False, reason="names that are still to go")
 @pytest.mark.parametrize("package", PACKAGES)
 def test_no_public_function_is_named_by_a_participle_or_a_vague_word(package: str) -> None:
     found = [
@@ -53,16 +56,14 @@ def test_no_public_function_is_named_by_a_participle_or_a_vague_word(package: st
         if not node.name.startswith("_")
         and (is_bare_participle(node.name) or node.name.strip("_") in VAGUE)
     ]
-    assert found == []
+    assert len(found) <= LEFT_NAMES[package], found
 
 
-@pytest.mark.xfail(strict=False, reason="names that are still to go")
 def test_few_names_have_one_word() -> None:
     names = [node.name for package in PACKAGES for _, node in functions(package)]
     assert sum(map(is_one_word, names)) / len(names) < MOST_ONE_WORD_NAMES
 
 
-@pytest.mark.xfail(strict=False, reason="docstrings that are still to go")
 @pytest.mark.parametrize("package", PACKAGES)
 def test_docstrings_begin_with_what_is_returned_or_done(package: str) -> None:
     found = [
@@ -71,7 +72,7 @@ def test_docstrings_begin_with_what_is_returned_or_done(package: str) -> None:
         if (first := (ast.get_docstring(node) or "").partition("\n")[0])
         and re.match(r"(That|What|Whether|Where|How|Who)\b", first)
     ]
-    assert found == []
+    assert len(found) <= LEFT_DOCSTRINGS[package], found
 
 
 @pytest.mark.parametrize("name", ["told", "_beheld_not", "asked", "speed", "goal_poses", "_held"])
