@@ -12,7 +12,12 @@ from tests.architecture.product import ROOT, modules, tree
 
 MOST_MODULES = 15
 MOST_LINES = 400
-LONGER = {"objectmodels/models/object_model.py", "planner/types/actions.py"}  # by a few lines
+# By a few lines; no other may come in.
+LONGER = {
+    "planner/refusals/sentences.py",
+    "planner/types/actions.py",
+    "sim/motion/grasp_motion_search.py",
+}
 
 # Names that every package may have.
 CONVENTIONAL = {"__init__", "__main__", "errors"}
