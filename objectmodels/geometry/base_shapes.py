@@ -323,7 +323,8 @@ def unique_rows(rows: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     As `np.unique`, which loads numpy's masked arrays besides.
     """
     order = np.lexsort(rows.T[::-1])
-    begins = np.append(True, np.any(rows[order[1:]] != rows[order[:-1]], axis=1))
+    first = np.ones(min(len(rows), 1), dtype=np.bool_)
+    begins = np.append(first, np.any(rows[order[1:]] != rows[order[:-1]], axis=1))
     which = np.empty(len(rows), dtype=np.intp)
     which[order] = np.cumsum(begins) - 1
     return order[begins], which

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import dblquad
 
 from objectmodels import Disc, ModelError, Polygon
-from objectmodels.geometry.base_shapes import Array, Base
+from objectmodels.geometry.base_shapes import Array, Base, unique_rows
 from objectmodels.geometry.support_points import (
     carrying_base,
     friction_radius,
@@ -169,3 +169,14 @@ def test_feet_on_a_line_or_beyond_the_base_are_refused(
 ) -> None:
     with pytest.raises(ModelError, match=r"line|outside"):
         carrying_base(feet, Polygon.rectangle(0.1, 0.1))
+
+
+@pytest.mark.parametrize("rows", [[], [[1.0, 2.0]], [[2.0, 1.0], [1.0, 2.0], [2.0, 1.0]]])
+def test_unique_rows_are_those_of_numpy(rows: list[list[float]]) -> None:
+    values = np.array(rows).reshape(-1, 2)
+    _, expected_first, expected_which = np.unique(
+        values, axis=0, return_index=True, return_inverse=True
+    )
+    first, which = unique_rows(values)
+    assert first.tolist() == expected_first.tolist()
+    assert which.tolist() == expected_which.ravel().tolist()
