@@ -153,7 +153,7 @@ def press(seen: SeenObject, point: Array, normal: Array, limits: RobotLimits) ->
     return _touch_experiment("press", seen, point, normal, max(PRESS, stroke), limits)
 
 
-def expected(experiment: Experiment, model: ObjectModel) -> tuple[Trial, ...]:
+def expected_trials(experiment: Experiment, model: ObjectModel) -> tuple[Trial, ...]:
     """Trials that an experiment would show if the model were right, with their precision.
 
     Args:

@@ -37,7 +37,7 @@ from objectmodels.identification.experiment_design import (
 )
 from objectmodels.identification.joint_fit import Fit, fit
 from objectmodels.models.parameters import Provenance
-from planner.touch_experiments import Experiment, Kind, expected
+from planner.touch_experiments import Experiment, Kind, expected_trials
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
@@ -215,7 +215,10 @@ def _until(
         if not offered:
             return
         candidates = {
-            f"{i} {e.name}": (e, Candidate(f"{i} {e.name}", expected(e, model), _cost(e, explorer)))
+            f"{i} {e.name}": (
+                e,
+                Candidate(f"{i} {e.name}", expected_trials(e, model), _cost(e, explorer)),
+            )
             for i, e in enumerate(offered)
         }
         best = rank_candidates(model, [c for _, c in candidates.values()], asked, spread=SPREAD)[0]

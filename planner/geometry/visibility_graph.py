@@ -133,14 +133,14 @@ def _cheapest_path(
 ) -> list[tuple[float, float]] | None:
     """The cheapest way over the grid; the start itself need not be free."""
 
-    def left(at: tuple[int, int]) -> float:
+    def remaining_way(at: tuple[int, int]) -> float:
         ways = [abs(line[i] - line[k]) for line, i, k in zip(lines, at, there, strict=True)]
         return float(sum(ways))
 
     best: dict[tuple[int, int, float], float] = {}
     # Estimate, cost, number of legs, place, heading of the last leg, legs as a linked list.
     queue: list[tuple[float, float, int, tuple[int, int], float, object]] = [
-        (left(here), 0.0, 0, here, math.inf, None)
+        (remaining_way(here), 0.0, 0, here, math.inf, None)
     ]
     while queue:
         _, cost, legs, at, heading, way = heapq.heappop(queue)
@@ -157,7 +157,7 @@ def _cheapest_path(
             total = cost + length + turn_cost * turns
             if total < best.get((i, j, next_heading), math.inf) - 1e-9:
                 best[i, j, next_heading] = total
-                estimate = total + left((i, j))
+                estimate = total + remaining_way((i, j))
                 linked = (way, next_heading, length)
                 heapq.heappush(queue, (estimate, total, legs + turns, (i, j), next_heading, linked))
     return None

@@ -63,7 +63,7 @@ class Candidate:
     width: float
     grip: Grip
 
-    def crowded(self, target: SeenObject, state: WorldState) -> bool:
+    def is_crowded(self, target: SeenObject, state: WorldState) -> bool:
         """Return True if something stands where the knuckles would be, as seen from above."""
         R_WB = target.pose.R_WB
         closing = (R_WB @ self.closing)[:2]

@@ -69,7 +69,7 @@ class GraspLoad:
     lean: float = 0.0
     angle: float = 0.0
 
-    def lifted(self, model: ObjectModel) -> Lifted:
+    def lifted_object(self, model: ObjectModel) -> Lifted:
         """It in the hand, through its motion."""
         each = self.candidate
         closing, approach, contacts = each.closing, each.approach, each.grip.contacts
@@ -146,7 +146,9 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
         NoPlanError: none does.
     """
     d, known = problem.defaults, _GraspBeliefs(problem.target.model)
-    just, worst = (np.array(found) for found in zip(*map(known.needed, bearings), strict=True))
+    just, worst = (
+        np.array(found) for found in zip(*map(known.squeeze_needed, bearings), strict=True)
+    )
     wanted = problem.force.reserve * just
     limit = np.array([strongest(problem, each.candidate) for each in bearings])
     spare = limit / wanted
@@ -175,7 +177,7 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
             "asked_probability": problem.effort.probability,
         }
         raise no_plan("may_slip", numbers, object=problem.target.name, learn=learn)
-    crowded = [each.candidate.crowded(problem.target, problem.state) for each in bearings]
+    crowded = [each.candidate.is_crowded(problem.target, problem.state) for each in bearings]
     # Height does not matter to a hold; in the middle there is most room for the hand.
     heights = np.array([each.candidate.middle[2] for each in bearings])
     off = np.abs(heights - 0.5 * (heights.min() + heights.max()))
@@ -229,9 +231,9 @@ class _GraspBeliefs:
         self._needed: dict[bytes, tuple[float, float]] = {}
         self._likely: dict[bytes, float] = {}
 
-    def needed(self, bearing: GraspLoad) -> tuple[float, float]:
+    def squeeze_needed(self, bearing: GraspLoad) -> tuple[float, float]:
         """Squeeze with everything as believed, and in the worst case [N]."""
-        lifted = bearing.lifted(self._model)
+        lifted = bearing.lifted_object(self._model)
         key = self._cache_key(lifted)
         if key not in self._needed:
             found = lifted.hold_by(STRONGEST)
@@ -240,7 +242,7 @@ class _GraspBeliefs:
 
     def probability(self, bearing: GraspLoad, squeeze: float) -> float:
         """Probability that a squeeze holds."""
-        lifted = bearing.lifted(self._model)
+        lifted = bearing.lifted_object(self._model)
         key = self._cache_key(lifted) + f"{squeeze:.6g}".encode()
         if key not in self._likely:
             self._likely[key] = lifted.hold_probability(squeeze)
@@ -306,7 +308,7 @@ def _best_experiment(
     then = {}
     for name, mean in sd.items():
         known = model.model_copy(update={name: min(getattr(model, name), found_to * mean)})
-        then[name] = bearing.lifted(known).hold_probability(squeeze)
+        then[name] = bearing.lifted_object(known).hold_probability(squeeze)
     best = max(then, key=lambda name: then[name])
     return words[best], then[best]
 

@@ -29,7 +29,7 @@ from planner.grasping.grasp_selection import (
     stable_grasps,
 )
 from planner.problem.goal_poses import find_goal_poses, pose_as_aim
-from planner.problem.place_regions import moved
+from planner.problem.place_regions import object_at
 from planner.refusals import grasp_refusals as refusals
 from planner.refusals.refusal_builder import Spans, no_plan
 from planner.types.actions import Action, Aim, Carry, LiftUp, SetDown
@@ -140,7 +140,10 @@ def forbidden_meanwhile(problem: GraspProblem, spans: Spans, what: str) -> NoPla
 
 def clearance_height(problem: GraspProblem, to: Aim) -> float:
     """Height at which it passes over everything between where it is and an aim [m]."""
-    start, end = footprint(problem.target), footprint(moved(problem.target, np.array([to.x, to.y])))
+    start, end = (
+        footprint(problem.target),
+        footprint(object_at(problem.target, np.array([to.x, to.y]))),
+    )
     way = hull_polygon(np.vstack([start, end])).vertices
     kept = dict(problem.motion.clear_of)
     tops = [
@@ -181,7 +184,7 @@ def require_room(problem: GraspProblem, there: SeenObject, near: dict[str, float
 
 
 def _draft_to(problem: GraspProblem, aim: Aim, found: GoalPoses) -> MotionDraft:
-    there = replace(moved(problem.target, np.array([aim.x, aim.y])))
+    there = replace(object_at(problem.target, np.array([aim.x, aim.y])))
     require_room(problem, there, dict(found.goal.near))
     steps = (*lift_steps(problem, clearance_height(problem, aim)), Carry(to=aim), SetDown())
     return MotionDraft(steps, aim=aim, defaults=found.defaults_used)

@@ -37,7 +37,7 @@ class Hollow:
     vessel: Vessel
 
     @classmethod
-    def of(cls, seen: SeenObject, defaults: Defaults) -> Hollow:
+    def from_object(cls, seen: SeenObject, defaults: Defaults) -> Hollow:
         """An object as a container.
 
         Raises:

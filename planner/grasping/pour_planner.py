@@ -88,8 +88,8 @@ def pour_out(problem: GraspProblem, goal: g.Pour) -> Plan | Reached:
         raise no_plan("into_nothing", spans=goal.spans, object=problem.target.name)
     if goal.into.id == problem.target.name:
         raise no_plan("into_itself", spans=goal.spans, object=problem.target.name)
-    source = Hollow.of(problem.target, problem.defaults)
-    into = Hollow.of(problem.state.objects[goal.into.id or ""], problem.defaults)
+    source = Hollow.from_object(problem.target, problem.defaults)
+    into = Hollow.from_object(problem.state.objects[goal.into.id or ""], problem.defaults)
     require_liftable(problem)
     if problem.motion.upright:
         raise forbidden_meanwhile(problem, problem.motion.upright, "tilts it")

@@ -269,7 +269,7 @@ class Between(Region):
 
     def apart(self, own: SeenObject) -> float:
         """The gap to each of the two, with the object in the middle [m]."""
-        at = moved(own, self._position_halfway(own))
+        at = object_at(own, self._position_halfway(own))
         return gap(footprint(at), footprint(self.one))
 
     def _position_halfway(self, own: SeenObject) -> Array:
@@ -354,7 +354,7 @@ def share_of_way(place: Region, share: float, start: SeenObject, tolerance: floa
     return Spot(x, y, tolerance)
 
 
-def moved(seen: SeenObject, at: Array) -> SeenObject:
+def object_at(seen: SeenObject, at: Array) -> SeenObject:
     """An object at another position, with the heading that it has."""
     return replace(seen, pose=replace(seen.pose, x=float(at[0]), y=float(at[1])))
 

@@ -64,7 +64,7 @@ def spill_tilt(target: SeenObject, sigmas: float) -> float | None:
         sigmas: standard deviations by which there may be more in it than is believed.
     """
     container, vessel = target.model.container, target.model.vessel
-    if container is None or vessel is None or target.covered:
+    if container is None or vessel is None or target.is_covered:
         return None
     volume = container.contents + sigmas * container.contents_sd
     if volume <= 0.0:

@@ -21,7 +21,7 @@ import numpy as np
 from objectmodels.geometry.base_shapes import Disc
 from planner.geometry.directions import angle_between, heading_of, unit
 from planner.geometry.footprints import footprint, free_travel, travel_to_edge
-from planner.problem.place_regions import moved
+from planner.problem.place_regions import object_at
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -73,7 +73,7 @@ class SegmentEnd:
 
 def moved_along(target: SeenObject, segment: PathSegment) -> SeenObject:
     """The object after a segment."""
-    return moved(target, (target.pose.p_WB + segment.displacement)[:2])
+    return object_at(target, (target.pose.p_WB + segment.displacement)[:2])
 
 
 def largest_obliqueness(target: SeenObject, sigmas: float, *, steep: bool = False) -> float:

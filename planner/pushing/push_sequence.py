@@ -16,7 +16,7 @@ import numpy as np
 
 from planner.geometry.directions import heading_of, unit
 from planner.geometry.footprints import footprint, gap, travel_to_edge
-from planner.problem.place_regions import moved
+from planner.problem.place_regions import object_at
 from planner.pushing.contact_planner import PushCandidate, best_push
 from planner.pushing.push_paths import (
     ANOTHER_PUSH,
@@ -187,7 +187,7 @@ class PushSequencePlanner:
         places = Alternatives()
         for spot in self._roomy_places(target):
             with places:
-                turned, _ = self._turn_pushes(moved(target, spot), turn)
+                turned, _ = self._turn_pushes(object_at(target, spot), turn)
                 aim = Aim(x=float(spot[0]), y=float(spot[1]), yaw=target.pose.yaw)
                 way = PushSequencePlanner(going, aim, self._search).pushes()
                 if isinstance(way, list):
@@ -199,7 +199,7 @@ class PushSequencePlanner:
         found, state = [], self._problem.state
         for heading in np.arange(8) * math.pi / 4.0:
             spot = (target.pose.p_WB + _ASIDE * unit(float(heading)))[:2]
-            here = footprint(moved(target, spot))
+            here = footprint(object_at(target, spot))
             rooms = [gap(here, footprint(state.objects[name])) for name in self._clearances]
             edges = [
                 travel_to_edge(here, state.table, unit(quarter * math.pi / 2.0)[:2], 0.0)

@@ -88,7 +88,7 @@ class SeenObject:
     lid_at: tuple[float, float, float] | None = None
 
     @property
-    def covered(self) -> bool:
+    def is_covered(self) -> bool:
         """Return True if a lid keeps its contents in, as far as is seen; one unseen is closed."""
         lid = self.model.lid
         return lid is not None and not lid.leaves_free(self.lid or 0.0)

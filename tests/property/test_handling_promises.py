@@ -14,7 +14,7 @@ from objectmodels.containers.lid_forces import flip
 from objectmodels.models.object_parts import FlipLid
 from planner import plan
 from planner.geometry.footprints import footprint, gap
-from planner.problem.place_regions import moved
+from planner.problem.place_regions import object_at
 from planner.types.actions import Carry, PourOut
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan, Reached
@@ -100,6 +100,6 @@ def _stands_free(made: Plan, state: WorldState) -> None:
     """Where something is put, nothing else stands."""
     for step in made.steps:
         if isinstance(step, Carry) and made.task == "place":
-            there = moved(state.objects[made.object], np.array([step.to.x, step.to.y]))
+            there = object_at(state.objects[made.object], np.array([step.to.x, step.to.y]))
             others = (seen for name, seen in state.objects.items() if name != made.object)
             assert all(gap(footprint(there), footprint(seen)) > 0.0 for seen in others)

@@ -16,7 +16,7 @@ from planner.touch_experiments import (
     TILT,
     TILT_SHARE,
     Experiment,
-    expected,
+    expected_trials,
     experiments,
 )
 from planner.types.robot import RobotLimits
@@ -131,7 +131,7 @@ def test_a_side_as_wide_as_the_fingertip_has_no_ends(width: float, arm: RobotLim
 def test_what_is_expected_agrees_with_the_model(name: str, yaw: float, arm: RobotLimits) -> None:
     model = MODELS[name]
     for e in experiments(seen(model, yaw), arm):
-        trials = expected(e, model)
+        trials = expected_trials(e, model)
         balance = Balance(model, trials)
         predicted = balance.linear_predictions(model.means).predicted
         assert np.isfinite(predicted).all()
@@ -188,7 +188,7 @@ def test_another_belief_expects_another_turn(arm: RobotLimits) -> None:
     model = MODELS["ice tea box"]
     e = next(e for e in experiments(seen(model), arm) if e.kind == "off-centre slide")
     wide = model.model_copy(update={"friction_radius": 1.5 * model.friction_radius})
-    (before,), (after,) = expected(e, model), expected(e, wide)
+    (before,), (after,) = expected_trials(e, model), expected_trials(e, wide)
     assert before.turn_rate is not None
     assert after.turn_rate is not None
     assert 0.0 < after.turn_rate / before.turn_rate < 1.0

@@ -10,7 +10,7 @@ import pytest
 from objectmodels import Registry
 from objectmodels.identification import Trial
 from objectmodels.models.object_model import ObjectModel
-from planner.touch_experiments import Experiment, Kind, expected
+from planner.touch_experiments import Experiment, Kind, expected_trials
 from planner.types.actions import FaceName
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
@@ -56,7 +56,9 @@ class Hand:
         )  # fmt: skip
 
     def trials(self, recording: Recording, *, repetition: int) -> tuple[Trial, ...]:
-        return () if recording.end == "unreachable" else expected(recording.experiment, MODEL)
+        return (
+            () if recording.end == "unreachable" else expected_trials(recording.experiment, MODEL)
+        )
 
     @property
     def names(self) -> list[str]:

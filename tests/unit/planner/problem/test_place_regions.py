@@ -12,7 +12,14 @@ from hypothesis import strategies as st
 
 from grammar.frames import command as g
 from planner.geometry.footprints import footprint, gap
-from planner.problem.place_regions import Between, Region, moved, region, share_of_way, table_region
+from planner.problem.place_regions import (
+    Between,
+    Region,
+    object_at,
+    region,
+    share_of_way,
+    table_region,
+)
 from planner.types.defaults import DEFAULTS
 from planner.types.world_state import PlanarPose, WorldState
 from tests.sizes import examples
@@ -103,7 +110,7 @@ def test_an_object_on_any_spot_is_there(relation: g.Relation, yaw: float, other:
     ways = [float(np.linalg.norm(spot - tea.pose.p_WB[:2])) for spot in spots]
     assert ways == sorted(ways)
     for spot in spots:
-        assert place.holds(moved(tea, spot))
+        assert place.holds(object_at(tea, spot))
     assert not place.holds(tea)
 
 
@@ -133,7 +140,7 @@ def test_sides_are_those_of_the_robot(relation: g.Relation, x: int | None, y: in
 def test_a_side_does_not_move_it_across_more_than_needed() -> None:
     state = _three()
     goal = g.Place(relation="in_front_of", reference=(CEREAL,))
-    there = moved(state.objects["ice tea box"], np.array([0.3, 0.31]))
+    there = object_at(state.objects["ice tea box"], np.array([0.3, 0.31]))
     nearest, middle = _place(state, goal).spots(there)
     assert (nearest[1], middle[1]) == pytest.approx((0.31, 0.30))
 
@@ -143,7 +150,7 @@ def test_the_wrong_side_is_no_left() -> None:
     tea = state.objects["ice tea box"]
     left = _place(state, g.Place(relation="left_of", reference=(CEREAL,)))
     right = _place(state, g.Place(relation="right_of", reference=(CEREAL,)))
-    at = moved(tea, right.spots(tea)[0])
+    at = object_at(tea, right.spots(tea)[0])
     assert right.holds(at)
     assert not left.holds(at)
     apart, aside = left.measures(at)
@@ -156,9 +163,9 @@ def test_a_place_too_far_aside_is_not_beside() -> None:
     tea = state.objects["ice tea box"]
     behind = _place(state, g.Place(relation="behind", reference=(CEREAL,)))
     spot = behind.spots(tea)[-1]
-    _, aside = behind.measures(moved(tea, spot))
-    assert behind.holds(moved(tea, spot + np.array([0.0, 0.99 * aside.tolerance])))
-    assert not behind.holds(moved(tea, spot + np.array([0.0, 1.01 * aside.tolerance])))
+    _, aside = behind.measures(object_at(tea, spot))
+    assert behind.holds(object_at(tea, spot + np.array([0.0, 0.99 * aside.tolerance])))
+    assert not behind.holds(object_at(tea, spot + np.array([0.0, 1.01 * aside.tolerance])))
 
 
 def test_a_gap_that_is_said() -> None:
@@ -166,7 +173,7 @@ def test_a_gap_that_is_said() -> None:
     tea = state.objects["ice tea box"]
     place = _place(state, g.Place(relation="next_to", reference=(CEREAL,), distance=0.08))
     spot = place.spots(tea)[0]
-    apart = gap(footprint(moved(tea, spot)), footprint(state.objects["cereal box"]))
+    apart = gap(footprint(object_at(tea, spot)), footprint(state.objects["cereal box"]))
     assert apart == pytest.approx(0.08, abs=2e-5)  # it is found to 0.01 mm
 
 
@@ -175,19 +182,19 @@ def test_between_is_as_far_from_both() -> None:
     tea = state.objects["ice tea box"]
     place = _place(state, g.Place(relation="between", reference=(CEREAL, COFFEE)))
     (spot,) = place.spots(tea)
-    there = footprint(moved(tea, spot))
+    there = footprint(object_at(tea, spot))
     gaps = [gap(there, footprint(state.objects[name])) for name in ("cereal box", "coffee box")]
     assert gaps[0] == pytest.approx(gaps[1], abs=2e-5)  # found to 0.01 mm
     assert spot[0] == pytest.approx(0.60)
     near = DEFAULTS.between_tolerance
-    assert place.holds(moved(tea, spot + np.array([0.0, 0.99 * near])))
-    assert not place.holds(moved(tea, spot + np.array([0.0, 1.01 * near])))
+    assert place.holds(object_at(tea, spot + np.array([0.0, 0.99 * near])))
+    assert not place.holds(object_at(tea, spot + np.array([0.0, 1.01 * near])))
 
 
 def test_between_needs_room() -> None:
     state = _three()
     tea, cereal = state.objects["ice tea box"], state.objects["cereal box"]
-    tight = Between(cereal, moved(cereal, np.array([0.60, 0.40])), 0.03)
+    tight = Between(cereal, object_at(cereal, np.array([0.60, 0.40])), 0.03)
     assert tight.spots(tea) == []
 
 
@@ -195,8 +202,8 @@ def test_points_and_regions_of_the_table() -> None:
     state = _three()
     tea = state.objects["ice tea box"]
     point = _place(state, g.Place(relation="at", reference=g.Point(x=0.5, y=0.1)))
-    assert point.holds(moved(tea, np.array([0.509, 0.1])))
-    assert not point.holds(moved(tea, np.array([0.511, 0.1])))
+    assert point.holds(object_at(tea, np.array([0.509, 0.1])))
+    assert not point.holds(object_at(tea, np.array([0.511, 0.1])))
     # The table reaches from (-0.2, -0.8) to (1.2, 0.8); 50 mm of gap and 45 mm of box are left.
     for name, spot in (
         ("center", (0.5, 0.0)),
@@ -210,9 +217,9 @@ def test_points_and_regions_of_the_table() -> None:
     ):
         place = table_region(name, state.table, DEFAULTS)
         assert place.spots(tea)[0] == pytest.approx(spot)
-        assert place.holds(moved(tea, np.array(spot)))
+        assert place.holds(object_at(tea, np.array(spot)))
         assert not place.holds(tea)
-        assert not place.holds(moved(tea, np.array(spot) + 0.2))
+        assert not place.holds(object_at(tea, np.array(spot) + 0.2))
 
 
 def test_every_region_of_the_language_has_a_meaning() -> None:
@@ -230,7 +237,7 @@ def test_halfway_to_the_edge() -> None:
     tea = state.objects["ice tea box"]
     half = share_of_way(table_region("left_edge", state.table, DEFAULTS), 0.5, tea, 0.01)
     assert half.spots(tea)[0] == pytest.approx((0.40, (0.05 + 0.705) / 2))
-    assert half.holds(moved(tea, half.spots(tea)[0]))
+    assert half.holds(object_at(tea, half.spots(tea)[0]))
 
 
 def test_a_gap_of_the_defaults_is_used() -> None:
@@ -240,5 +247,5 @@ def test_a_gap_of_the_defaults_is_used() -> None:
         g.Place(relation="next_to", reference=(CEREAL,)), state, replace(DEFAULTS, place_gap=0.1)
     )
     assert wide is not None
-    there = footprint(moved(tea, wide.spots(tea)[0]))
+    there = footprint(object_at(tea, wide.spots(tea)[0]))
     assert gap(there, footprint(state.objects["cereal box"])) == pytest.approx(0.1, abs=2e-5)
