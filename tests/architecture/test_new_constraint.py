@@ -38,7 +38,7 @@ LIMIT = """def _lift_at_most(problem: GraspProblem, clause: Any) -> GraspProblem
 
 
 LIMITS: dict[str, ConstraintRule] = {
-    "max_height": ConstraintRule(_kept, _lift_at_most),"""
+    "max_height": ConstraintRule(_keep_anyhow, _lift_at_most),"""
 CHECK = """def _max_height(clause: Any, e: Evidence) -> Iterator[Check]:
     height = e.trace.poses[e.name][:, 6]
     lifted = float(height.max() - height[0])
