@@ -34,7 +34,7 @@ from benchmarks.record import Kept, carried_out
 from nlcontrol import Controller
 from nlcontrol.learning.exploration_session import CENTRE_OF_MASS, explore
 from nlcontrol.learning.learning_reports import ExplorationReport
-from nlcontrol.learning.push_lessons import taken
+from nlcontrol.learning.push_lessons import apply_lesson
 from nlcontrol.reports.exploration_report import with_truth
 from objectmodels import ObjectModel
 from objectmodels.geometry.mechanical import UNCERTAIN
@@ -169,7 +169,7 @@ def _two_touches(job: Job) -> Done:
 
     def learn(touched: Touched) -> None:
         for trial in touched.trials:
-            controller.models[name] = taken(controller.models[name], trial).model
+            controller.models[name] = apply_lesson(controller.models[name], trial).model
 
     explorer = Explorer(name, controller.executor, controller.look, learn=learn)
     explorer.touch("tilt", "front", 0)

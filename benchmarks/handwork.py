@@ -32,7 +32,7 @@ from benchmarks.record import Kept, carried_out
 from nlcontrol import Controller, Registry
 from nlcontrol.checks.trace_measures import tilt_at_end
 from nlcontrol.checks.verdicts import PLANNED_ENDS, Check
-from nlcontrol.learning.grasp_lessons import refilled
+from nlcontrol.learning.grasp_lessons import change_contents
 from objectmodels import ObjectModel
 from objectmodels.models.object_parts import Lid, LiftOffLid
 from sim.truth.object_truth import Truth
@@ -148,8 +148,8 @@ def true(model: ObjectModel, rng: np.random.Generator) -> Truth:
         volume = contents * container.contents
         if model.name == _POURED:
             volume = filled * vessel.capacity
-        shell = refilled(model, -container.contents)
-        model = refilled(shell.model_copy(update={"mass": mass * shell.mass}), volume)
+        shell = change_contents(model, -container.contents)
+        model = change_contents(shell.model_copy(update={"mass": mass * shell.mass}), volume)
     return Truth.model_validate(
         dict(as_believed(model))
         | {

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from objectmodels import BoxModel, PrismModel
 from objectmodels.models.object_model import ObjectModel
-from sim.face_experiment.applied_force import started
+from sim.face_experiment.applied_force import onset_time
 
 Array = NDArray[np.float64]
 
@@ -194,7 +194,7 @@ def roll_out(world: World, push: Push) -> Seen:
         if slip >= SLIPS or lift >= LIFTS:
             both = {"slide": slips, "topple": lifts}
             times = STEP * np.arange(len(slips))
-            starts = {key: started(times, v) for key, v in both.items() if v[-1] >= COUNTS}
+            starts = {key: onset_time(times, v) for key, v in both.items() if v[-1] >= COUNTS}
             outcome = min(starts, key=lambda key: starts[key])
             onset = share_at(starts[outcome]) * push.onset
             return Seen(outcome, onset, share_at(time) * push.onset, slip, lift)

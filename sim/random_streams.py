@@ -14,7 +14,7 @@ from sim.rotations import Array
 
 
 @unique
-class Stream(IntEnum):
+class RandomStream(IntEnum):
     """What is drawn at random."""
 
     VISION_NOISE = 1
@@ -30,7 +30,7 @@ class Stream(IntEnum):
     LID_NOISE = 11
 
 
-def source(seed: int, stream: Stream) -> np.random.Generator:
+def source(seed: int, stream: RandomStream) -> np.random.Generator:
     """The stream of one thing in the world of a seed."""
     return np.random.default_rng([seed, int(stream)])
 

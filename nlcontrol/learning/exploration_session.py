@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 from nlcontrol.errors import ControlError, ErrorInfo, error
 from nlcontrol.learning.learning_reports import ExplorationReport, TouchMade
 from nlcontrol.learning.log_fitting import correlations, fitted_parameter
-from nlcontrol.learning.push_lessons import SPREAD, taken
+from nlcontrol.learning.push_lessons import SPREAD, apply_lesson
 from objectmodels.errors import ModelError
 from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification.belief_update import initial_belief as guessed
@@ -86,10 +86,10 @@ class Exploration:
     @property
     def trace(self) -> Trace | None:
         """Everything that happened."""
-        from sim.traces.trace import joined
+        from sim.traces.trace import join_traces
 
         traces = [t.recording.trace for t in self.touches if t.recording.trace is not None]
-        return joined(traces) if traces else None
+        return join_traces(traces) if traces else None
 
 
 def explore(
@@ -192,7 +192,7 @@ def _believed(model: ObjectModel, trials: Sequence[Trial]) -> ObjectModel:
     """What is believed after the trials of one touch; those that no values explain do not count."""
     for trial in trials:
         try:
-            model = taken(model, trial).model
+            model = apply_lesson(model, trial).model
         except ModelError:
             continue
     return model

@@ -20,7 +20,7 @@ from objectmodels.containers.contents_update import container_with_mass, contain
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.types.actions import LiftUp, PourOut
 from planner.types.plan import Plan
-from sim.control.grasping.held_object_sensing import Weight, weight
+from sim.control.grasping.held_object_sensing import Weight, estimate_weight
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
@@ -46,7 +46,7 @@ _HELD = 0.4  # least of that time [s]
 _FROM_LEVEL = 0.02  # a share of the contents that always stays unknown
 
 
-def believed_after(
+def beliefs_after_grasp(
     made: Plan, models: Mapping[str, ObjectModel], trace: Trace
 ) -> dict[str, ObjectModel]:
     """The models that are believed otherwise after a plan of the hand.
@@ -64,8 +64,8 @@ def believed_after(
     doubt = 0.0 if trace.end == "handled" else 0.5 * poured
     into = pours[0].into
     return {
-        made.object: refilled(models[made.object], -ended * poured, doubt),
-        into: refilled(models[into], ended * received, doubt),
+        made.object: change_contents(models[made.object], -ended * poured, doubt),
+        into: change_contents(models[into], ended * received, doubt),
     }
 
 
@@ -81,10 +81,12 @@ def felt_weight(made: Plan, trace: Trace) -> Weight | None:
     # It hangs still in the end; the arm still swings at first.
     still = up[trace.time[up] > trace.time[up[-1]] - _SWUNG * max(held, _HELD)]
     vertical = np.sum([force[still, 2] for force in trace.felt.values()], axis=0)
-    return weight(vertical, len(still))
+    return estimate_weight(vertical, len(still))
 
 
-def weighed(made: Plan, model: ObjectModel, trace: Trace) -> tuple[ObjectModel, Lesson] | None:
+def weight_from_grasp(
+    made: Plan, model: ObjectModel, trace: Trace
+) -> tuple[ObjectModel, Lesson] | None:
     """What is believed of an object that was lifted; None if it was not.
 
     What it weighs otherwise than believed is put down to its contents, as far as these are
@@ -104,7 +106,7 @@ def weighed(made: Plan, model: ObjectModel, trace: Trace) -> tuple[ObjectModel, 
     rest_sd = math.sqrt(1.0 - gain) * model.mass_sd
     after, held = model, container_with_mass(model, model.mass + more, rest_sd)
     if held is not None and model.container is not None:
-        after = refilled(model, held.contents - model.container.contents)
+        after = change_contents(model, held.contents - model.container.contents)
     after = after.model_copy(
         update={"container": held, "mass": model.mass + more, "mass_sd": rest_sd}
     )
@@ -127,7 +129,7 @@ def weighed(made: Plan, model: ObjectModel, trace: Trace) -> tuple[ObjectModel, 
     )
 
 
-def refilled(model: ObjectModel, more: float, sd: float = 0.0) -> ObjectModel:
+def change_contents(model: ObjectModel, more: float, sd: float = 0.0) -> ObjectModel:
     """A container after a volume went in, or out, as it stands upright.
 
     Args:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from objectmodels import ObjectModel, Registry
 
 
-def renamed(model: ObjectModel, name: str) -> ObjectModel:
+def rename_model(model: ObjectModel, name: str) -> ObjectModel:
     """The model under another name; its synonyms stay with the model that they belong to.
 
     Raises:
@@ -28,7 +28,7 @@ def renamed(model: ObjectModel, name: str) -> ObjectModel:
     return model.model_copy(update={"name": name, "synonyms": ()})
 
 
-def placed(registry: Registry, model: ObjectModel) -> Path:
+def storage_path(registry: Registry, model: ObjectModel) -> Path:
     """Puts a model into a registry, over the user's own one of that name, and names its file.
 
     Nothing is written: on a copy of the registry this tells beforehand whether it can be kept.
@@ -49,7 +49,7 @@ def placed(registry: Registry, model: ObjectModel) -> Path:
     return path
 
 
-def kept(registry: Registry, model: ObjectModel) -> tuple[Path, str | None]:
+def store_model(registry: Registry, model: ObjectModel) -> tuple[Path, str | None]:
     """Writes a model into the user's folder, over the user's own one of that name.
 
     Returns:
@@ -61,7 +61,7 @@ def kept(registry: Registry, model: ObjectModel) -> tuple[Path, str | None]:
     """
     from objectmodels.registry.model_files import save_model
 
-    path = placed(registry, model)
+    path = storage_path(registry, model)
     save_model(model, path)
     replaced = registry.replaced_place(model.name)
     return path, None if replaced == str(path) else replaced

@@ -12,7 +12,7 @@ from nlcontrol.learning.learning_reports import Change, Lesson
 from objectmodels.errors import ModelError
 from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.mechanics.turning_push import learned_radius
-from sim.exploration.push_observation import shown
+from sim.exploration.push_observation import trial_from_push
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
@@ -40,7 +40,9 @@ RADIUS_SD = 0.15
 shifts."""
 
 
-def learned(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectModel, Lesson] | None:
+def lesson_from_push(
+    made: Plan, target: SeenObject, trace: Trace
+) -> tuple[ObjectModel, Lesson] | None:
     """What is believed after a push, and what it taught; None if it taught nothing.
 
     Args:
@@ -51,11 +53,11 @@ def learned(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectModel, 
     if trace.end == "turned":
         return _from_turn(made, target, trace)
     why = CONTRADICTIONS.get(trace.end)
-    trial = shown(made.push, target, trace) if target.lies_on == "bottom" else None
+    trial = trial_from_push(made.push, target, trace) if target.lies_on == "bottom" else None
     if trial is None:
         return None
     try:
-        update = taken(target.model, trial)
+        update = apply_lesson(target.model, trial)
     except ModelError:
         return None  # no parameters of this object explain it
     return update.model, Lesson(
@@ -65,7 +67,7 @@ def learned(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectModel, 
         surprise=update.surprise,
         contradicts=why is not None,
         why=why,
-        changes=changes(target.model, update.model),
+        changes=parameter_changes(target.model, update.model),
     )
 
 
@@ -89,11 +91,11 @@ def _from_turn(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectMode
     force = float(np.mean(trace.push_force()[pushing]))
     return after, Lesson(
         object=target.name, moved="slide", force=force, surprise=abs(shown - believed) / sd,
-        contradicts=False, why=None, changes=changes(model, after),
+        contradicts=False, why=None, changes=parameter_changes(model, after),
     )  # fmt: skip
 
 
-def taken(model: ObjectModel, trial: Trial) -> Update:
+def apply_lesson(model: ObjectModel, trial: Trial) -> Update:
     """What is believed after a trial; a belief that it contradicts was too sure, and is widened."""
     from objectmodels.identification.belief_update import update_belief
     from objectmodels.identification.no_motion_update import update_without_motion, widen_belief
@@ -107,7 +109,7 @@ def taken(model: ObjectModel, trial: Trial) -> Update:
     return replace(again, surprise=first.surprise)
 
 
-def changes(before: ObjectModel, after: ObjectModel) -> tuple[Change, ...]:
+def parameter_changes(before: ObjectModel, after: ObjectModel) -> tuple[Change, ...]:
     """What changed in what is believed."""
     rows = zip(
         UNCERTAIN, before.means, before.deviations, after.means, after.deviations, strict=True

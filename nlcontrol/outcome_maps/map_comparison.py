@@ -114,7 +114,7 @@ def contacts_of(chart: OutcomeMap, name: str, face: str) -> list[Contact]:
     ]
 
 
-def told(found: Comparison) -> str:
+def agreement_text(found: Comparison) -> str:
     """How far an experiment and the prediction agree, in a sentence."""
     share, median, compared = found.agreement, found.median_error, int(found.compared.sum())
     undecided = len(found.results) - compared - found.left_out
@@ -129,7 +129,7 @@ def _reasons(found: Comparison) -> list[str]:
     return [f"not carried out at {n}: {why}" for why, n in counted.most_common()]
 
 
-def text(experiments: Sequence[Comparison]) -> list[str]:
+def comparison_lines(experiments: Sequence[Comparison]) -> list[str]:
     """The maps in letters side by side, top row first, and how far they agree.
 
     Args:
@@ -152,12 +152,12 @@ def text(experiments: Sequence[Comparison]) -> list[str]:
     for found in experiments:
         lines += [
             f"experiment: pushed by {BY[found.by]} in the scene {found.scene}, seed {found.seed}",
-            *(f"  {line}" for line in (told(found), *_reasons(found))),
+            *(f"  {line}" for line in (agreement_text(found), *_reasons(found))),
         ]
     return lines
 
 
-def document(experiments: Sequence[Comparison]) -> dict[str, Any]:
+def comparison_document(experiments: Sequence[Comparison]) -> dict[str, Any]:
     """A comparison as plain data: the map, and of each contact what was measured; SI units.
 
     Args:
@@ -168,7 +168,7 @@ def document(experiments: Sequence[Comparison]) -> dict[str, Any]:
 
 
 def _document(found: Comparison) -> dict[str, Any]:
-    predicted = maps.document(found.chart, found.face)
+    predicted = maps.map_document(found.chart, found.face)
     rows = zip(
         predicted["contacts"], found.results, found.compared, found.agrees, found.error, strict=True
     )

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nlcontrol.outcome_maps.map_comparison import BY, Comparison, told
+from nlcontrol.outcome_maps.map_comparison import BY, Comparison, agreement_text
 from nlcontrol.outcome_maps.outcome_map_table import legend
 
 if TYPE_CHECKING:
@@ -132,8 +132,8 @@ def save_comparison(experiments: Sequence[Comparison], path: Path, *, shaded: bo
 def _agreements(experiments: Sequence[Comparison]) -> str:
     """What stands below the panels: how far each experiment agrees with the prediction."""
     if len(experiments) == 1:
-        return told(experiments[0])
-    return "\n".join(f"{BY[found.by]}: {told(found)}" for found in experiments)
+        return agreement_text(experiments[0])
+    return "\n".join(f"{BY[found.by]}: {agreement_text(found)}" for found in experiments)
 
 
 def _tall(face: Face) -> float:

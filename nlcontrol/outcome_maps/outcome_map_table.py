@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 LETTERS = {"slide": "s", "topple": "T", "undecided": "?", "none": "·"}
 
 
-def document(chart: OutcomeMap, face: str) -> dict[str, Any]:
+def map_document(chart: OutcomeMap, face: str) -> dict[str, Any]:
     """The map as plain data, SI units; what never happens is null."""
     likely = chart.likelihood
     rows = zip(
@@ -53,7 +53,7 @@ def _finite(value: float) -> float | None:
 
 def save_table(chart: OutcomeMap, face: str, path: Path) -> None:
     """Writes the map as CSV: one row for each contact, units in the header."""
-    rows = document(chart, face)["contacts"]
+    rows = map_document(chart, face)["contacts"]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(
@@ -74,7 +74,7 @@ def legend(chart: OutcomeMap) -> str:
     return f"undecided: thresholds within {100 * chart.band:g} %"
 
 
-def text(chart: OutcomeMap, face: str) -> list[str]:
+def map_lines(chart: OutcomeMap, face: str) -> list[str]:
     """The map in letters, top row first, and what it says in a sentence."""
     outcome, force = chart.outcome, chart.force
     return [

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from planner.touch_experiments import Kind
-from sim.exploration.trial_extraction import curve
+from sim.exploration.trial_extraction import force_curve
 from sim.rotations import Array
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def save_curves(touches: Sequence[Touched], name: str, path: Path) -> None:
 
 def _draw(axes: Axes, touches: Sequence[Touched]) -> None:
     for touched in touches:
-        recording, found = touched.recording, curve(touched.recording)
+        recording, found = touched.recording, force_curve(touched.recording)
         colour = _COLOURS[touched.experiment.push.face]
         rubs = touched.experiment.kind == "rub"
         forces = {"-": found.force} | ({"--": -recording.forces[:, 2]} if rubs else {})

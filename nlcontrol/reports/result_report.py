@@ -80,7 +80,7 @@ def answer_lines(answer: Answer) -> Iterator[str]:
     yield from (f"  → {suggestion}" for suggestion in answer.suggestions)
     if answer.map is not None and answer.chart is not None:
         yield ""
-        yield from maps.text(answer.map, answer.chart.face)
+        yield from maps.map_lines(answer.map, answer.chart.face)
 
 
 def default_line(used: DefaultUsed) -> str:

@@ -283,7 +283,7 @@ class Controller:
 
         return Conversation(self).say(text, plan_only=plan_only, progress=progress)
 
-    def begun(self, text: str, command: Command | None = None) -> Result:
+    def empty_result(self, text: str, command: Command | None = None) -> Result:
         """The result of a sentence of which nothing has come yet."""
         result = Result(ok=False, status="failed", text=text, scene=self.cell.name, seed=self.seed)
         if command is None:
@@ -306,15 +306,15 @@ class Controller:
             plan_only: stop before anything is executed.
             progress: told what happens during the simulation.
         """
-        from nlcontrol.session.frame_execution import carry_out
+        from nlcontrol.session.frame_execution import run_command
 
-        result = self.begun(command.text, command)
+        result = self.empty_result(command.text, command)
         try:
             held = None if self.held is None else self.held.name
             command = self.resolve(command, replace(context, held=held))
         except ControlError as raised:
             return with_(result, status="not_understood", error=raised.info)
-        return carry_out(self, command, result, plan_only=plan_only, progress=progress)
+        return run_command(self, command, result, plan_only=plan_only, progress=progress)
 
 
 def _simulated(scene: str | Path | Scene, seed: int) -> Executor:

@@ -72,7 +72,7 @@ class Conversation:
             command = self.controller.parse(text)
             return self._answer(command, plan_only, progress)
         except ControlError as raised:
-            begun = self.controller.begun(text, command)
+            begun = self.controller.empty_result(text, command)
             self._last = with_(begun, status="not_understood", error=raised.info)
             if command is None:
                 self._said = None
@@ -99,7 +99,7 @@ class Conversation:
     def _told(
         self, command: g.Command, answer: Answer, status: Literal["done", "answered"]
     ) -> Result:
-        result = self.controller.begun(command.text, command)
+        result = self.controller.empty_result(command.text, command)
         return with_(result, ok=True, status=status, answer=answer)
 
     # --- memory ------------------------------------------------------------------------------

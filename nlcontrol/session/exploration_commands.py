@@ -20,7 +20,7 @@ from nlcontrol.learning.exploration_session import (
 )
 from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.asked_push import target_of
-from nlcontrol.session.weighing import by_lifting, weigh
+from nlcontrol.session.weighing import asks_for_lifting, weigh_by_lifting
 from nlcontrol.text_format import enumeration
 from objectmodels.identification.experiment_design import is_precise_enough, parameter_precisions
 
@@ -46,7 +46,7 @@ _KEPT = {"no_topple", "gentle", "slow"}
 """Clauses that every touch keeps."""
 
 
-def wanted(frame: g.Frame) -> tuple[str, ...]:
+def requested_parameters(frame: g.Frame) -> tuple[str, ...]:
     """The parameters that a sentence wants to have found out.
 
     Raises:
@@ -89,7 +89,7 @@ def _unsupported(frame: g.Frame, message: str, capability: str, hint: str) -> Co
     )
 
 
-def unknown(frame: g.Frame, model: ObjectModel, known: float) -> bool:
+def is_unknown(frame: g.Frame, model: ObjectModel, known: float) -> bool:
     """Whether a question asks for something that touching tells and that is not known well.
 
     Args:
@@ -104,7 +104,7 @@ def unknown(frame: g.Frame, model: ObjectModel, known: float) -> bool:
     return any(sd > known for sd in parameter_precisions(model, asked).values())
 
 
-def find_out(
+def explore_parameters(
     controller: Controller, frame: g.Frame, progress: Progress | None
 ) -> tuple[Exploration | None, Answer]:
     """Touches an object until what a sentence asks is known, and tells it.
@@ -119,9 +119,9 @@ def find_out(
     Raises:
         ControlError: `unsupported`, `not_on_table`, `not_explorable`.
     """
-    if by_lifting(frame):
-        return None, weigh(controller, _on_table(controller, frame), frame, progress)
-    name, parameters = _on_table(controller, frame), wanted(frame)
+    if asks_for_lifting(frame):
+        return None, weigh_by_lifting(controller, _on_table(controller, frame), frame, progress)
+    name, parameters = _on_table(controller, frame), requested_parameters(frame)
     precision, model = controller.defaults.found_to, controller.models[name]
     question = frame.model_copy(update={"query": "value", "action": None, "constraints": ()})
     if is_precise_enough(model, precisions_asked(model, parameters, precision)):
@@ -140,16 +140,16 @@ def find_out(
     return found, controller.answer(question).model_copy(update={"lines": lines})
 
 
-def announced(controller: Controller, frame: g.Frame, state: WorldState) -> str:
+def exploration_notice(controller: Controller, frame: g.Frame, state: WorldState) -> str:
     """What would be done, in a sentence.
 
     Raises:
         ControlError: as for `find_out`.
     """
     name = _on_table(controller, frame)
-    if by_lifting(frame):
+    if asks_for_lifting(frame):
         return f"the {name} would be lifted, weighed in the hand and set down again"
-    kinds = kinds_for(wanted(frame))
+    kinds = kinds_for(requested_parameters(frame))
     target = target_of(frame, state)
     share = f"{100.0 * controller.defaults.found_to:.0f} %"
     return (

@@ -28,14 +28,14 @@ from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
 from planner.types.robot import FailedPush
 from planner.types.world_state import WorldState
-from sim.traces.trace import EndReason, Trace, joined
+from sim.traces.trace import EndReason, Trace, join_traces
 
 if TYPE_CHECKING:
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.executor import Progress
 
 
-def carry_out(
+def run_command(
     controller: Controller,
     command: g.Command,
     result: Result,
@@ -61,7 +61,7 @@ def carry_out(
         elif frame.query is not None:
             result = _answered(controller, index, frame, result)
         else:
-            result = _Carrying(controller, index, frame, progress).out(result, plan_only)
+            result = FrameRun(controller, index, frame, progress).run(result, plan_only)
         if result.error or result.status == "planned":
             break
     if result.status == "planned" and len(command.frames) > 1:
@@ -88,11 +88,11 @@ def _answered(controller: Controller, index: int, frame: g.Frame, result: Result
 
 def _to_be_found_out(controller: Controller, frame: g.Frame) -> bool:
     """Whether a question asks for something that is not known well, of an object within reach."""
-    from nlcontrol.session.exploration_commands import unknown
+    from nlcontrol.session.exploration_commands import is_unknown
 
     name = frame.object.id if frame.object else None
     model = controller.models.get(name) if name else None
-    return model is not None and unknown(frame, model, controller.defaults.known_to)
+    return model is not None and is_unknown(frame, model, controller.defaults.known_to)
 
 
 def _explored(
@@ -104,16 +104,16 @@ def _explored(
     progress: Progress | None,
 ) -> Result:
     """The result with what touching the object found out."""
-    from nlcontrol.session.exploration_commands import announced, find_out
+    from nlcontrol.session.exploration_commands import exploration_notice, explore_parameters
 
     step = Step(frame=index, status="failed")
     try:
         state = controller.about(frame)
         step = step.model_copy(update={"basis": Basis.of(frame, state, controller.defaults)})
         if plan_only:
-            note = announced(controller, frame, state)
+            note = exploration_notice(controller, frame, state)
             return _ended(with_(result, notes=(*result.notes, note)), step, "planned")
-        found, answer = find_out(controller, frame, progress)
+        found, answer = explore_parameters(controller, frame, progress)
     except ControlError as raised:
         return _ended(result, step, _unanswered(raised.info), raised.info)
     step = step.model_copy(update={"exploration": found and found.report, "answer": answer})
@@ -121,7 +121,7 @@ def _explored(
     return _ended(result, step, "done" if frame.query is None else "answered")
 
 
-class _Carrying:
+class FrameRun:
     """One frame on its way.
 
     Args:
@@ -142,7 +142,7 @@ class _Carrying:
         self.failed: list[FailedPush] = []
         self._yaw: float | None = None
 
-    def out(self, result: Result, plan_only: bool) -> Result:
+    def run(self, result: Result, plan_only: bool) -> Result:
         """The result with what came of the frame."""
         controller = self.controller
         previous: Plan | None = None
@@ -237,10 +237,12 @@ class _Carrying:
 
     def _learn(self, made: Plan, state: WorldState, trace: Trace) -> None:
         """What a push taught; the controller believes it from now on."""
-        from nlcontrol.learning.push_lessons import learned  # planning alone teaches nothing
+        from nlcontrol.learning.push_lessons import (
+            lesson_from_push,  # planning alone teaches nothing
+        )
 
         name = made.push.object
-        found = learned(made, state.objects[name], trace)
+        found = lesson_from_push(made, state.objects[name], trace)
         if found is None:
             return
         model, lesson = found
@@ -251,26 +253,30 @@ class _Carrying:
 
     def _learn_by_hand(self, made: Plan, trace: Trace) -> bool:
         """What lifting taught of a weight, and where the contents are; whether all was done."""
-        from nlcontrol.learning.grasp_lessons import TRIED_AGAIN, believed_after, weighed
+        from nlcontrol.learning.grasp_lessons import (
+            TRIED_AGAIN,
+            beliefs_after_grasp,
+            weight_from_grasp,
+        )
 
         models = self.controller.models
-        found = weighed(made, models[made.object], trace)
+        found = weight_from_grasp(made, models[made.object], trace)
         if found is not None:
             model, lesson = found
             self.controller.models[made.object] = model
             self._note(lessons=(*self.step.lessons, lesson))
-        models |= believed_after(made, models, trace)
+        models |= beliefs_after_grasp(made, models, trace)
         return trace.end not in TRIED_AGAIN
 
     def _traced(self, result: Result) -> Result:
         """The result with everything that happened for this frame."""
-        execution = summary(joined(self.traces))
+        execution = summary(join_traces(self.traces))
         self._note(execution=execution)
         before = [result.trace] if result.trace is not None else []
-        return with_(result, trace=joined([*before, *self.traces]), execution=execution)
+        return with_(result, trace=join_traces([*before, *self.traces]), execution=execution)
 
     def _checked(self, result: Result) -> Result:
-        trace = joined(self.traces)
+        trace = join_traces(self.traces)
         checks = self.controller.check(self.frame, trace)
         self._note(checks=checks)
         result = with_(result, checks=result.checks + checks)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
 from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error
-from nlcontrol.learning.grasp_lessons import felt_weight, weighed
+from nlcontrol.learning.grasp_lessons import felt_weight, weight_from_grasp
 from nlcontrol.questions.answer import Answer
 from nlcontrol.text_format import known
 from objectmodels.mechanics.push_thresholds import GRAVITY
@@ -23,12 +23,14 @@ if TYPE_CHECKING:
     from nlcontrol.session.executor import Progress
 
 
-def by_lifting(frame: g.Frame) -> bool:
+def asks_for_lifting(frame: g.Frame) -> bool:
     """Whether a sentence asks for that way."""
     return isinstance(frame.goal, g.Parameters) and frame.goal.method == "lift"
 
 
-def weigh(controller: Controller, name: str, frame: g.Frame, progress: Progress | None) -> Answer:
+def weigh_by_lifting(
+    controller: Controller, name: str, frame: g.Frame, progress: Progress | None
+) -> Answer:
     """Lifts an object, weighs it, and sets it down.
 
     Args:
@@ -44,7 +46,7 @@ def weigh(controller: Controller, name: str, frame: g.Frame, progress: Progress 
     plan = _planned(controller, name, frame)
     model = controller.models[name]
     trace = controller.execute(plan, progress)
-    felt, found = felt_weight(plan, trace), weighed(plan, model, trace)
+    felt, found = felt_weight(plan, trace), weight_from_grasp(plan, model, trace)
     if felt is None:
         raise error("not_explorable", f"the {name} was not lifted: {trace.detail}")
     if found is not None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.perception.fingertip_sensing import Touch, feel
+from sim.perception.fingertip_sensing import Touch, sense_touch
 from sim.rotations import quaternion
 from sim.traces.trace import ContactEvent, Trace
 
@@ -76,7 +76,7 @@ class TraceRecorder:
             self._newest_lids = self.frames[-1].lids
         if self.fingers:
             self.torques = np.array([self.port.finger_torques(f) for f in self.fingers])
-            self.touch = feel(
+            self.touch = sense_touch(
                 self.port, self.mount, self.fingers, self.inward, self.torques - self.zero
             )
         self._phases.append(self.phase)

@@ -17,7 +17,7 @@ from planner.types.actions import Action, LiftUp, PourOut, SetDown
 from planner.types.world_state import Held
 from sim.control.free_motion import Progress
 from sim.control.grasping.hand_motion import ACCELERATES, HandMotion
-from sim.control.grasping.held_object_sensing import HandSense, Holding, Weight, weight
+from sim.control.grasping.held_object_sensing import HandSense, Holding, Weight, estimate_weight
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.trace_recorder import TraceRecorder
 from sim.motion.grasp_motion_search import GraspMotion
@@ -243,7 +243,7 @@ class GraspExecution:
             self._motion.stay()
             felt.append(self._sense.vertical)
         # The arm still swings at first.
-        return weight(np.array(felt[len(felt) // 3 :]), self._motion.zero_samples)
+        return estimate_weight(np.array(felt[len(felt) // 3 :]), self._motion.zero_samples)
 
     def _pour(self, step: PourOut, legs: tuple[HeldSegment, ...]) -> None:
         """Tilts until enough has run out, waits, and comes back upright."""

@@ -19,7 +19,7 @@ from sim.cell.cell_description import LOOK
 from sim.collision.collision_scene import SPARE
 from sim.control.free_motion import Progress, look_around, silent
 from sim.control.free_motion import watch as watch_frames
-from sim.control.pushing.force_control import Errand, PlannedControl
+from sim.control.pushing.force_control import ExecutionContext, ForceController
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.pushing.push_control import PushControl
 from sim.control.pushing.tilt_control import TiltControl
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
     from sim.control.robot_setup import RobotSetup
 
-_CONTROLS: dict[str, type[PlannedControl]] = {
+_CONTROLS: dict[str, type[ForceController]] = {
     "tilted": TiltControl,
     "turned": TurnControl,
 }
@@ -99,7 +99,7 @@ def _push(plan: Plan, execution: PushExecution, tell: Progress) -> tuple[EndReas
     execution.approach(stance, way)
     tell("touch", execution.recorder.port.time, "feeling for the face")
     make = _CONTROLS.get(plan.push.ends_on, PushControl)
-    control = make(Errand(plan, execution.recorder, stance, way, state, tell))
+    control = make(ExecutionContext(plan, execution.recorder, stance, way, state, tell))
     try:
         control.touch()
         return control.act()

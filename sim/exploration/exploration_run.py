@@ -18,7 +18,7 @@ from planner.touch_experiments import Experiment, Kind, experiments
 from planner.types.actions import FaceName
 from planner.types.world_state import WorldState
 from sim.exploration.touch_recording import Recording
-from sim.exploration.trial_extraction import trials
+from sim.exploration.trial_extraction import extract_trials
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
@@ -166,7 +166,7 @@ class Explorer:
         if tried is None:
             return False
         recording = self._executor.touch(tried, state, self._progress)
-        touched = Touched(recording, trials(recording, repetition=repetition), repetition)
+        touched = Touched(recording, extract_trials(recording, repetition=repetition), repetition)
         self.touches.append(touched)
         if touched.trials:
             self._learn(touched)

@@ -45,7 +45,7 @@ _SHOWS: dict[str, Moved] = {
 }
 
 
-def shown(push: Push, target: SeenObject, trace: Trace) -> Trial | None:
+def trial_from_push(push: Push, target: SeenObject, trace: Trace) -> Trial | None:
     """What a push showed; None if that is not clear.
 
     Args:

@@ -60,7 +60,7 @@ class Curve:
     onset: Onset | None
 
 
-def curve(recording: Recording) -> Curve:
+def force_curve(recording: Recording) -> Curve:
     """Force and travel over time, with the onset of motion."""
     u = np.array(recording.experiment.push.direction_W)
     time = recording.time - recording.time[0] if len(recording.time) else recording.time
@@ -70,7 +70,7 @@ def curve(recording: Recording) -> Curve:
     return Curve(time, force, travel, onset)
 
 
-def trials(recording: Recording, *, repetition: int = 0) -> tuple[Trial, ...]:
+def extract_trials(recording: Recording, *, repetition: int = 0) -> tuple[Trial, ...]:
     """What a touch showed; nothing if nothing moved.
 
     Args:

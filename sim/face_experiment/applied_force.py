@@ -143,10 +143,10 @@ class _Roll:
         way = seen.slip if seen.outcome == "slide" else seen.lift
         speeds = np.diff(way[: seen.sample + 1]) / step
         middles = step * (np.arange(seen.sample) + 0.5)
-        return self._force(max(started(middles, speeds), 0.0))
+        return self._force(max(onset_time(middles, speeds), 0.0))
 
 
-def started(times: ArrayLike, speeds: ArrayLike) -> float:
+def onset_time(times: ArrayLike, speeds: ArrayLike) -> float:
     """When a speed that last grew as v ∝ (t − t0)² was zero [s].
 
     Args:

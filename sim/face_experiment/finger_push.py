@@ -25,7 +25,7 @@ from sim.control.robot_setup import RobotSetup
 from sim.execution.push_execution import PushExecution
 from sim.exploration.probe_control import ProbeControl
 from sim.exploration.touch_recording import Recording
-from sim.exploration.trial_extraction import curve
+from sim.exploration.trial_extraction import force_curve
 from sim.face_experiment.face_contact import Contact, TouchResult
 from sim.motion.arm_configuration import UnreachableError
 from sim.motion.robot_reach import ArmHandReach
@@ -73,7 +73,7 @@ class FingerTouch:
         seen = Observer(world.scene).judge(contact.object, poses)
         if seen.outcome == "none":
             return TouchResult(None, None, recording.detail)
-        onset = curve(recording).onset
+        onset = force_curve(recording).onset
         felt = onset.force if onset is not None and onset.moved else None
         return TouchResult(seen.outcome, felt, recording.detail)
 

@@ -37,7 +37,7 @@ class Touch:
         return middle
 
 
-def feel(
+def sense_touch(
     port: RobotPort, mount: Mount, fingers: tuple[str, ...], inward_W: Array, torques: Array
 ) -> Touch:
     """Where the pushing fingers are and what they press, by their joints' sensors.

@@ -150,7 +150,7 @@ class Trace:
         return np.asarray(np.sum([f @ self.direction for f in self.felt.values()], axis=0))
 
 
-def joined(traces: Sequence[Trace]) -> Trace:
+def join_traces(traces: Sequence[Trace]) -> Trace:
     """Executions one after another in one world as one.
 
     How it ended, the direction and the names of the fingers are those of the last one.

@@ -8,11 +8,11 @@ each object, in the order of the file, whatever their σ.
 
 from __future__ import annotations
 
-from sim.random_streams import Stream, clipped_normal, source
+from sim.random_streams import RandomStream, clipped_normal, source
 from sim.truth.scene_file import Hidden, Scene
 
 
-def drawn(scene: Scene, seed: int) -> Scene:
+def sample_world(scene: Scene, seed: int) -> Scene:
     """The scene as it is true in the world of a seed; the same if it hides nothing.
 
     Args:
@@ -22,7 +22,7 @@ def drawn(scene: Scene, seed: int) -> Scene:
     hidden = scene.hidden
     if hidden == Hidden():
         return scene
-    rng = source(seed, Stream.HIDDEN)
+    rng = source(seed, RandomStream.HIDDEN)
     objects = []
     for item in scene.objects:
         mass, friction, finger, *shift = clipped_normal(rng, 6).tolist()

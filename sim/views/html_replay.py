@@ -14,7 +14,7 @@ from sim.rotations import Array
 from sim.traces.trace import Trace
 from sim.truth.scene_file import Scene
 from sim.views.liquid_view import COLOUR, parts, triangles
-from sim.views.trace_scene import Stage, samples, view
+from sim.views.trace_scene import TraceScene, samples, view
 
 if TYPE_CHECKING:
     from pydrake.geometry import Meshcat
@@ -119,7 +119,7 @@ def save_replay(trace: Trace, scene: Scene, path: Path | str) -> None:
             MeshcatVisualizer.AddToBuilder(builder, model.scene_graph, meshcat, params)
         )
 
-    stage = Stage(scene, furnish)
+    stage = TraceScene(scene, furnish)
     liquid = _Liquid(meshcat, scene)
     recorder = visualizers[0].StartRecording()
     recorder.set_autoplay(True)

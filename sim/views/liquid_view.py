@@ -16,7 +16,7 @@ import numpy as np
 from objectmodels.containers.pour_dynamics import exit_velocity, fall_time
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from sim.rotations import Array
-from sim.worlds.drake.liquid_transfer import leaning
+from sim.worlds.drake.liquid_transfer import lean_of
 
 if TYPE_CHECKING:
     from objectmodels.models.vessel import Vessel
@@ -90,7 +90,7 @@ def _standing(vessel: Vessel, volume: float, R_WB: Array) -> Array:
     """Corners of what of a cavity is below the level, in B."""
     ring = vessel.section.corners
     low, high = (np.column_stack([ring, np.full(len(ring), z)]) for z in (vessel.floor, vessel.top))
-    level = float(vessel.surface_level(min(volume, vessel.capacity), *leaning(R_WB)))
+    level = float(vessel.surface_level(min(volume, vessel.capacity), *lean_of(R_WB)))
     starts = np.concatenate([low, high, low])
     ends = np.concatenate([np.roll(low, -1, axis=0), np.roll(high, -1, axis=0), high])
     a, b = starts @ R_WB[2] - level, ends @ R_WB[2] - level
@@ -107,7 +107,7 @@ def _landing_height(trace: Trace, scene: Scene, source: str, sample: int) -> flo
             vessel = scene.object(name).truth.vessel
             assert vessel is not None
             R_WB, p_WB = _pose(trace, name, sample)
-            return float(p_WB[2] + vessel.surface_level(volumes[sample], *leaning(R_WB)))
+            return float(p_WB[2] + vessel.surface_level(volumes[sample], *lean_of(R_WB)))
     return 0.0
 
 
@@ -116,7 +116,7 @@ def _stream(
 ) -> tuple[Array, ...]:
     """A stream from the lip down to a height."""
     R_WB, p_WB = X_WB
-    tilt, heading = leaning(R_WB)
+    tilt, heading = lean_of(R_WB)
     p_WL = p_WB + R_WB @ vessel.lip_point(heading)
     head = max(float(vessel.liquid_head(volume, tilt, heading)), 1e-4)
     ahead, down = (float(v) for v in exit_velocity(head, tilt))

@@ -11,7 +11,7 @@ from sim.errors import PictureError
 from sim.rotations import Array
 from sim.traces.trace import Trace
 from sim.truth.scene_file import Scene
-from sim.views.trace_scene import Stage, samples, view
+from sim.views.trace_scene import TraceScene, samples, view
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -106,7 +106,7 @@ class _Camera:
     def __init__(self, scene: Scene, eye: Array, at: Array) -> None:
         self._sensor: Any = None
         self._eye, self._at = eye, at
-        self._stage = Stage(scene, self._furnish)
+        self._stage = TraceScene(scene, self._furnish)
 
     def _furnish(self, builder: DiagramBuilder, model: Plant) -> None:
         from pydrake.geometry import (

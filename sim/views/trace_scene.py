@@ -23,7 +23,7 @@ _BY_HAND = ("lift", "carry", "pour", "lid")
 _NEARER = 0.7  # share of the distance from which the work of a hand is looked at
 
 
-class Stage:
+class TraceScene:
     """A diagram without motion of its own.
 
     Args:

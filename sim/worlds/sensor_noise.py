@@ -15,7 +15,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from sim.cell.cell_description import JointSensor, TorqueSensor
-from sim.random_streams import Stream, source
+from sim.random_streams import RandomStream, source
 from sim.rotations import Array
 
 
@@ -41,8 +41,8 @@ class TorqueReadings:
     ) -> None:
         self._sensor, self._gain = sensor, 1.0 + gain_error
         self._samples = max(1, round(sensor.rate_hz * period))
-        self._noise = source(seed, Stream.TORQUE_NOISE)
-        bias = source(seed, Stream.TORQUE_BIAS)
+        self._noise = source(seed, RandomStream.TORQUE_NOISE)
+        bias = source(seed, RandomStream.TORQUE_BIAS)
         self._bias = {
             finger: sensor.bias_nm * bias.standard_normal(count) for finger, count in joints.items()
         }
@@ -75,11 +75,11 @@ class JointReadings:
         def each(arm: float, finger: float) -> Array:
             return np.where(np.arange(joints) < arm_joints, arm, finger)
 
-        self._rng = source(seed, Stream.JOINT_NOISE)
+        self._rng = source(seed, RandomStream.JOINT_NOISE)
         self._noise = each(sensor.arm_noise_rad, sensor.finger_noise_rad)
         self._rounded = _Rounding(each(sensor.arm_resolution_rad, sensor.finger_resolution_rad))
         self._offset = each(sensor.arm_offset_rad, sensor.finger_offset_rad)
-        self._offset *= source(seed, Stream.JOINT_OFFSET).standard_normal(joints)
+        self._offset *= source(seed, RandomStream.JOINT_OFFSET).standard_normal(joints)
 
     def read(self, angles: Array) -> Array:
         """What is shown of true angles, shape (n,) [rad]."""

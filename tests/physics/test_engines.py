@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks.engines import run, worst
 from benchmarks.pushes import STEP, share_at
-from sim.face_experiment.applied_force import started
+from sim.face_experiment.applied_force import onset_time
 
 PUSHES = 12
 SEED = 0
@@ -37,11 +37,11 @@ def test_the_delay_of_the_ramp_is_taken_out() -> None:
     times = STEP * np.arange(1000)
     speeds = 1e-6 + 0.5 * np.maximum(times - 0.9, 0.0) ** 2
     # The creep of 1e-6 m/s shifts the line by less than a step.
-    assert started(times, speeds) == pytest.approx(0.9, abs=STEP)
+    assert onset_time(times, speeds) == pytest.approx(0.9, abs=STEP)
 
 
 def test_a_body_that_breaks_away_at_once_has_no_delay() -> None:
-    assert started(STEP * np.arange(51), [0.0] * 50 + [0.01]) == pytest.approx(50 * STEP)
+    assert onset_time(STEP * np.arange(51), [0.0] * 50 + [0.01]) == pytest.approx(50 * STEP)
 
 
 def test_the_force_does_not_start_below_zero() -> None:

@@ -10,7 +10,7 @@ import pytest
 from nlcontrol import Controller
 from planner.types.plan import Plan
 from sim import Trace, load_scene
-from sim.random_streams import Stream, source
+from sim.random_streams import RandomStream, source
 from sim.simulated_executor import simulation
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import FrictionVariation, Scene
@@ -70,7 +70,7 @@ def trials() -> list[Pushed]:
 def test_each_push_is_one_trial(trials: list[Pushed]) -> None:
     own = trials[0].before
     log_sd = np.sqrt(np.log1p(PER_TRIAL**2))
-    drawn = source(SEED, Stream.TRIAL_FRICTION).standard_normal(2)
+    drawn = source(SEED, RandomStream.TRIAL_FRICTION).standard_normal(2)
     expected = own.friction_table * np.exp(log_sd * drawn - log_sd**2 / 2.0)
     found = [trial.after.friction_table for trial in trials]
     # Fingertips that chatter do not draw again; changes below 0.1 % are not carried out.

@@ -75,7 +75,7 @@ def command(
     repetition by itself, those of all together, and how the object really is in the scene.
     """
     from nlcontrol.learning.exploration_session import explore
-    from nlcontrol.learning.model_store import kept, placed, renamed
+    from nlcontrol.learning.model_store import rename_model, storage_path, store_model
     from nlcontrol.outcome_maps.experiment_runner import object_on_table
     from nlcontrol.reports.exploration_report import report_lines, with_truth
     from objectmodels.geometry.mechanical import UNCERTAIN
@@ -90,7 +90,9 @@ def command(
     item = object_on_table(name, controller.cell, controller.models, controller.registry)
     if saved_as is not None:
         believed = controller.models[item.name]
-        placed(controller.registry.copy(), renamed(believed, saved_as) if saved_as else believed)
+        storage_path(
+            controller.registry.copy(), rename_model(believed, saved_as) if saved_as else believed
+        )
     with Narrator() as progress:
         found = explore(
             controller.executor, controller.models, item.name,
@@ -104,14 +106,14 @@ def command(
         with replace_file(picture) as temporary:
             save_curves(found.touches, item.name, temporary)
         files["picture"] = str(picture)
-    model = found.model if not saved_as else renamed(found.model, saved_as)
+    model = found.model if not saved_as else rename_model(found.model, saved_as)
     if output is not None:
         save_model(model, output)
         files["model"] = str(output)
     truth = simulation(controller.executor).truth(item.name)
     report = with_truth(found.report, truth).model_copy(update={"files": files})
     if saved_as is not None:
-        path, instead = kept(controller.registry, model)
+        path, instead = store_model(controller.registry, model)
         report = report.model_copy(update={"saved": str(path), "instead_of": instead})
     if as_json:
         print_json(report.model_dump(mode="json"))

@@ -10,7 +10,7 @@ import click
 from nlcontrol.cli.console.console_output import FILE, json_option, print_json, require_writable
 from nlcontrol.cli.console.model_options import ParameterNames, keep_options, open_registry
 from nlcontrol.errors import OK
-from nlcontrol.learning.model_store import kept, renamed
+from nlcontrol.learning.model_store import rename_model, store_model
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel, Registry
@@ -47,9 +47,9 @@ def command(
     _require_sensible(files, saved_as, output)
     registry = open_registry()
     found = fit_files(_find_model(registry, name), files, parameters)
-    model = found.model if not saved_as else renamed(found.model, saved_as)
+    model = found.model if not saved_as else rename_model(found.model, saved_as)
     # Both are written only now that nothing can fail any more but the writing itself.
-    path, instead = (None, None) if saved_as is None else kept(registry, model)
+    path, instead = (None, None) if saved_as is None else store_model(registry, model)
     if output is not None:
         save_model(model, output)
     written = {"saved": _path_text(path), "output": _path_text(output), "instead_of": instead}

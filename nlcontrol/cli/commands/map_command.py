@@ -169,7 +169,12 @@ def _answer_map(
         maps.save_table(chart, face, path)
 
     return _write_and_print(
-        maps.document(chart, face), maps.text(chart, face), outputs, draw, tabulate, as_json
+        maps.map_document(chart, face),
+        maps.map_lines(chart, face),
+        outputs,
+        draw,
+        tabulate,
+        as_json,
     )
 
 
@@ -187,7 +192,12 @@ def _answer_comparison(
         comparison.save_table(found, path)
 
     return _write_and_print(
-        comparison.document(found), comparison.text(found), outputs, draw, tabulate, as_json
+        comparison.comparison_document(found),
+        comparison.comparison_lines(found),
+        outputs,
+        draw,
+        tabulate,
+        as_json,
     )
 
 

@@ -89,7 +89,7 @@ def _answer_line(conversation: Conversation, text: str, plan_only: bool) -> Resu
         click.echo("interrupted", err=True)
         return None
     except Exception as raised:
-        begun = conversation.controller.begun(text)
+        begun = conversation.controller.empty_result(text)
         return begun.model_copy(update={"error": described(raised)})
 
 

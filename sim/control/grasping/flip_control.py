@@ -19,7 +19,7 @@ import numpy as np
 from planner.types.actions import FlipOver
 from planner.types.world_state import SeenObject
 from sim.control.free_motion import HAND_ACCELERATION, HAND_SPEED, Progress
-from sim.control.grasping.lid_sensing import LidView
+from sim.control.grasping.lid_sensing import LidEstimator
 from sim.control.pushing.guarded_touch import PAUSE, TOUCH_SPEED
 from sim.control.trace_recorder import TraceRecorder
 from sim.motion.flip_motion_search import FlipConfiguration
@@ -70,7 +70,7 @@ class FlipControl:
         self._tell = tell
         # The way was looked for with rounded angles.
         self._lid = replace(stance.lid, start=step.start, end=step.end)
-        self._view = LidView(target, step.start)
+        self._view = LidEstimator(target, step.start)
         self._period = recorder.port.period
         self._angle = step.start
         self._at = (stance.hands.path.points[0], 0.0)
@@ -208,4 +208,4 @@ class FlipControl:
         assert self._recorder.touch is not None, "the recorder knows the finger"
         felt = float(self._recorder.touch.forces[0] @ self._recorder.inward)
         self._felt += min(1.0, self._period / _FILTER) * (felt - self._felt)
-        self._view.seen(self._recorder.frames)
+        self._view.update_from_camera(self._recorder.frames)

@@ -283,7 +283,7 @@ class Weight:
     samples: int
 
 
-def weight(vertical: Array, zero_samples: int) -> Weight:
+def estimate_weight(vertical: Array, zero_samples: int) -> Weight:
     """The weight of what is held still.
 
     Args:

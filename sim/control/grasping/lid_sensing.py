@@ -32,7 +32,7 @@ _TURNING = 0.15  # time constant of the felt torque [s]
 _LID_SHARE, _POSE_SHARE = 0.3, 0.2  # weights of a new frame
 
 
-class LidView:
+class LidEstimator:
     """A lid and its object as they are seen.
 
     Args:
@@ -53,7 +53,7 @@ class LidView:
         self._p_WB = target.pose.p_WB
         self._turned = 0.0
 
-    def seen(self, frames: Iterable[Frame]) -> None:
+    def update_from_camera(self, frames: Iterable[Frame]) -> None:
         """Takes in what arrived."""
         for frame in frames:
             pose = frame.poses[self._name]
@@ -99,7 +99,7 @@ class LidSense(HandSense):
         self._lid_way = way
         self.holding = way.grip.touching_fingers
         self._owner = handled.state.objects[handled.name]
-        self._view = LidView(self._owner, handled.opened)
+        self._view = LidEstimator(self._owner, handled.opened)
         self.most_torque = np.inf
         self.torque = 0.0
 
@@ -116,7 +116,7 @@ class LidSense(HandSense):
     def step(self, q_arm: Array, q_hand: Array) -> None:
         """Commands joint angles, and takes in what is felt and seen then."""
         super().step(q_arm, q_hand)
-        self._view.seen(self._recorder.frames)
+        self._view.update_from_camera(self._recorder.frames)
         touch = self._recorder.touch
         if touch is None:
             return

@@ -39,18 +39,18 @@ _FASTEST_START = 0.012  # before the object moves [m/s]
 _LOOK_ANGLE, _LOOK_PLACE = 0.003, 0.0005  # doubt that averaging leaves [rad], [m]
 
 
-class Keeper(Protocol):
+class MotionEstimator(Protocol):
     """An estimate of how the object moves, from the fingertips and from late camera frames."""
 
-    def moved(self, time: float, tip: Array) -> None:
+    def update_from_tip(self, time: float, tip: Array) -> None:
         """Takes T in W, shape (2,) [m], at a time [s]."""
 
-    def seen(self, time: float, pose: SeenPose) -> None:
+    def update_from_camera(self, time: float, pose: SeenPose) -> None:
         """Takes what a camera frame of an earlier time [s] shows."""
 
 
 @dataclass(frozen=True)
-class Errand:
+class ExecutionContext:
     """What a planned motion is to do, and with what.
 
     Attributes:
@@ -70,7 +70,7 @@ class Errand:
     tell: Progress
 
 
-class PlannedControl(TouchControl, ABC):
+class ForceController(TouchControl, ABC):
     """One planned motion, from before a face to its end: first `touch`, then `act`.
 
     Args:
@@ -80,7 +80,7 @@ class PlannedControl(TouchControl, ABC):
         plan: of the errand.
     """
 
-    def __init__(self, errand: Errand) -> None:
+    def __init__(self, errand: ExecutionContext) -> None:
         self.plan = plan = errand.plan
         super().__init__(
             plan.push,
@@ -140,10 +140,10 @@ class PlannedControl(TouchControl, ABC):
         vision, here = self.recorder.port.cell.vision, self._here.midpoint
         return LimitGuards(self.plan.push, self._state, vision, here, self._period)
 
-    def _inform(self, keeper: Keeper) -> None:
-        keeper.moved(self.recorder.port.time, self._here.midpoint[:2])
+    def _inform(self, keeper: MotionEstimator) -> None:
+        keeper.update_from_tip(self.recorder.port.time, self._here.midpoint[:2])
         for frame in self.recorder.frames:
-            keeper.seen(frame.time, frame.poses[self._object])
+            keeper.update_from_camera(frame.time, frame.poses[self._object])
 
     @property
     def _camera(self) -> tuple[float, float]:

@@ -113,7 +113,7 @@ class _State:
     belief: Array
 
 
-class LineKeeper:
+class LateralController:
     """Estimates how the object moves and says which way the fingertip must go.
 
     Args:
@@ -172,11 +172,11 @@ class LineKeeper:
         return now.tip + self._pushed.middle(*now.belief[:2])[0]
 
     @property
-    def come(self) -> float:
+    def travelled_distance(self) -> float:
         """How far the middle has come along the push since the touch [m]."""
         return float(self._middle[0] - self._first)
 
-    def moved(self, time: float, tip: Array) -> None:
+    def update_from_tip(self, time: float, tip: Array) -> None:
         """Takes the fingertip's centre in W, shape (2,) [m], at a time [s]."""
         now = self._now
         tip_D = self._R_DW @ tip
@@ -190,7 +190,7 @@ class LineKeeper:
         self._P = F @ self._P @ F.T + np.diag(drift)
         self._history.append(_State(time, tip_D, now.belief + mobility * turned * rolled))
 
-    def seen(self, time: float, pose: SeenPose) -> None:
+    def update_from_camera(self, time: float, pose: SeenPose) -> None:
         """Takes a camera frame of an earlier time; it corrects everything believed since."""
         past = [state for state in self._history if state.time >= time - 1e-9]
         if not past or past[0] is self._history[0]:

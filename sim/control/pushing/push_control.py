@@ -16,8 +16,8 @@ from __future__ import annotations
 import numpy as np
 
 from sim.control.pushing.clause_guards import Follower
-from sim.control.pushing.force_control import PlannedControl
-from sim.control.pushing.lateral_control import LineKeeper, Pushed
+from sim.control.pushing.force_control import ForceController
+from sim.control.pushing.lateral_control import LateralController, Pushed
 from sim.control.pushing.push_guards import MOVED, Guards
 from sim.rotations import Array
 from sim.traces.trace import EndReason
@@ -60,7 +60,7 @@ class _Line:
         return self._correction
 
 
-class PushControl(PlannedControl):
+class PushControl(ForceController):
     """One push, from before the face to its end."""
 
     def act(self) -> tuple[EndReason, str]:
@@ -82,7 +82,10 @@ class PushControl(PlannedControl):
             stopped = limits.end(elapsed, now, here, felt, self.recorder.frames)
             if steering is not None:
                 self._inform(steering)
-                come, slope = steering.come, steering.slope(push.stroke - steering.come)
+                come, slope = (
+                    steering.travelled_distance,
+                    steering.slope(push.stroke - steering.travelled_distance),
+                )
             elif turns:
                 come, slope = self._led(limits.follower)
             end = guards.end(elapsed, come, felt, self._tilt) or stopped
@@ -128,7 +131,7 @@ class PushControl(PlannedControl):
         remaining = max(self.plan.push.stroke - float(come), _SHORTEST)
         return float(come), float(np.clip(-aside / remaining, -_LARGEST_SLOPE, _LARGEST_SLOPE))
 
-    def _steering(self) -> LineKeeper:
+    def _steering(self) -> LateralController:
         """Steering from what is believed at the touch."""
         push, pose, model = self.plan.push, self._target.pose, self._target.model
         inward = float(np.arctan2(-push.normal_W[1], -push.normal_W[0]))
@@ -136,7 +139,7 @@ class PushControl(PlannedControl):
         into = np.array([np.cos(facing), np.sin(facing)])
         face = max(model.faces([facing]), key=lambda face: -into @ face.normal[:2])
         left = np.array([-into[1], into[0]])
-        return LineKeeper(
+        return LateralController(
             Pushed(
                 depth=float(-into @ push.p_BC[:2]),
                 tip_radius=self._tip_radius,

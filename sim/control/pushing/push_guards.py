@@ -10,7 +10,7 @@ import numpy as np
 
 from planner.types.actions import Push
 from planner.types.plan import Plan
-from sim.control.pushing.tilt_estimator import TiltView
+from sim.control.pushing.tilt_estimator import TiltEstimator
 from sim.traces.trace import EndReason
 
 RAMP = 2.0
@@ -146,7 +146,7 @@ class TiltGuards(Guards):
         self._longest = min(self._longest, plan.push.limits.duration or np.inf)
 
     def tilt_end(
-        self, elapsed: float, travel: float, felt: float, view: TiltView
+        self, elapsed: float, travel: float, felt: float, view: TiltEstimator
     ) -> tuple[EndReason, str] | None:
         """Why the tilt ends before the asked angle; None if it goes on.
 
@@ -165,7 +165,7 @@ class TiltGuards(Guards):
             or self._too_long(elapsed)
         )
 
-    def _leans(self, view: TiltView, travel: float) -> tuple[EndReason, str] | None:
+    def _leans(self, view: TiltEstimator, travel: float) -> tuple[EndReason, str] | None:
         if view.tilt > self._farthest:
             return "tilted", f"it leans by {np.degrees(view.tilt):.1f}°, more than it may"
         short = max((1.0 - _SLIDES_SHARE) * view.own, _SURELY * view.unsure)

@@ -15,9 +15,9 @@ from __future__ import annotations
 import numpy as np
 
 from objectmodels.mechanics.tilt_limits import length_along
-from sim.control.pushing.force_control import Errand, PlannedControl
+from sim.control.pushing.force_control import ExecutionContext, ForceController
 from sim.control.pushing.push_guards import MOVED, TiltGuards
-from sim.control.pushing.tilt_estimator import TiltView
+from sim.control.pushing.tilt_estimator import TiltEstimator
 from sim.paths.tilt_arc import TiltArc
 from sim.traces.trace import EndReason
 
@@ -35,14 +35,14 @@ _BEHIND = 0.02  # most way back behind the touch [m]
 _STEPS = 8  # places of the arc that the arm is asked for beforehand
 
 
-class TiltControl(PlannedControl):
+class TiltControl(ForceController):
     """One tilt, from before the face until the object stands again."""
 
-    def __init__(self, errand: Errand) -> None:
+    def __init__(self, errand: ExecutionContext) -> None:
         super().__init__(errand)
         self._length = length_along(self._target.model, self._target.pose.R_WB.T @ self._u)
         self._arc = TiltArc(self.way.touch, self._u, self._length, self._tip_radius)
-        self._view = TiltView(self._camera[1])
+        self._view = TiltEstimator(self._camera[1])
         self._angle = 0.0  # of the arc, as commanded
         self._most = 0.0  # the largest tilt
         self._most_force = 0.0
@@ -106,9 +106,9 @@ class TiltControl(PlannedControl):
         self.recorder.inward = np.cos(lean) * self._u - [0.0, 0.0, np.sin(lean)]
         self._step(self._arc.tip_at(self._angle), self._u)
         now = self.recorder.port.time
-        self._view.moved(now, float(self._arc.tilt_angles(self._here.midpoint[None])[0]))
+        self._view.update_from_tip(now, float(self._arc.tilt_angles(self._here.midpoint[None])[0]))
         for frame in self.recorder.frames:
             up = frame.poses[self._object].R_WB[:, 2]
-            self._view.seen(frame.time, float(np.arctan2(up @ self._u, up[2])))
+            self._view.update_from_camera(frame.time, float(np.arctan2(up @ self._u, up[2])))
         self._most = max(self._most, self._view.tilt)
         self._most_force = max(self._most_force, self._felt)

@@ -17,7 +17,7 @@ _TRUSTED = 4.0  # frames that the fingertip's own tilt is worth at the touch
 _KEPT = 1.0  # time for which the fingertip's tilts are kept; frames are not later [s]
 
 
-class TiltView:
+class TiltEstimator:
     """The tilt of an object that a fingertip leans on.
 
     Args:
@@ -46,14 +46,14 @@ class TiltView:
         weight = max(1.0 / (_TRUSTED + self._frames), _LEAST_WEIGHT)
         return self._noise * float(np.sqrt(weight / (2.0 - weight)))
 
-    def moved(self, time: float, own: float) -> None:
+    def update_from_tip(self, time: float, own: float) -> None:
         """The fingertip tells a tilt [rad] at a time [s]."""
         self.own = own
         self._past.append((time, own))
         while self._past[0][0] < time - _KEPT:
             self._past.popleft()
 
-    def seen(self, time: float, tilt: float) -> None:
+    def update_from_camera(self, time: float, tilt: float) -> None:
         """A frame of a time [s] shows a tilt [rad]."""
         _, own = min(self._past, key=lambda past: abs(past[0] - time))
         self._frames += 1.0

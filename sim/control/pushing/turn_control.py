@@ -13,9 +13,9 @@ import numpy as np
 from objectmodels import ObjectModel
 from objectmodels.mechanics.push_motion import touched_faces
 from objectmodels.mechanics.turning_push import turning_motion
-from sim.control.pushing.force_control import Errand, PlannedControl
+from sim.control.pushing.force_control import ExecutionContext, ForceController
 from sim.control.pushing.push_guards import MOVED, Guards
-from sim.control.pushing.turn_estimator import TurnedObject, TurnKeeper
+from sim.control.pushing.turn_estimator import TurnedObject, TurnEstimator
 from sim.rotations import Array, rot_z
 from sim.traces.trace import EndReason
 
@@ -26,10 +26,10 @@ _FOLLOWS = 0.1  # share of its error that the palm's heading loses in a control 
 _FACE_END = 0.002  # distance from the end of a face at which the push stops [m]
 
 
-class TurnControl(PlannedControl):
+class TurnControl(ForceController):
     """One push that turns an object, from before the face to its end."""
 
-    def __init__(self, errand: Errand) -> None:
+    def __init__(self, errand: ExecutionContext) -> None:
         super().__init__(errand)
         self._direction = self._u
         # In B: where the face is touched, and where along it, half its width, its curvature.
@@ -65,37 +65,40 @@ class TurnControl(PlannedControl):
             command = command + advance * self._u + swung
             self._step(command, self._u)
 
-    def _turned(self, keeper: TurnKeeper) -> tuple[EndReason, str] | None:
-        if abs(keeper.turned) < abs(self.plan.push.turn) or keeper.turned * self.plan.push.turn < 0:
+    def _turned(self, keeper: TurnEstimator) -> tuple[EndReason, str] | None:
+        if (
+            abs(keeper.turn_angle) < abs(self.plan.push.turn)
+            or keeper.turn_angle * self.plan.push.turn < 0
+        ):
             return None
-        return "turned", f"it was seen to turn by {np.degrees(keeper.turned):.1f}°"
+        return "turned", f"it was seen to turn by {np.degrees(keeper.turn_angle):.1f}°"
 
-    def _at_an_end_of_the_face(self, keeper: TurnKeeper) -> tuple[EndReason, str] | None:
+    def _at_an_end_of_the_face(self, keeper: TurnEstimator) -> tuple[EndReason, str] | None:
         at, half, curvature = self._face
         # Along ẑ × inward, which is against the face's tangent.
         if curvature == 0.0 and abs(at - keeper.slip) > half - _FACE_END:
             return "guard", f"the fingertip slid {1e3 * abs(keeper.slip):.0f} mm, off the face"
         return None
 
-    def _speed(self, before: float, start: float, keeper: TurnKeeper) -> float:
+    def _speed(self, before: float, start: float, keeper: TurnEstimator) -> float:
         """Largest speed of the contact now [m/s]: slow until it moves, and as the end is near."""
         if abs(keeper.travel) < MOVED:
             return start
-        remaining = abs(self.plan.push.turn - keeper.turned)
+        remaining = abs(self.plan.push.turn - keeper.turn_angle)
         at_end = float(max(_SLOWEST, _BRAKING * remaining) / abs(keeper.rate))
         return self._faster(before, min(at_end, _CONTACT * self.plan.push.speed))
 
-    def _follow(self, keeper: TurnKeeper, advance: float) -> None:
+    def _follow(self, keeper: TurnEstimator, advance: float) -> None:
         """Turns palm and direction with the object."""
         self.turned += keeper.rate * advance
-        self.turned += _FOLLOWS * (keeper.turned - self.turned)
+        self.turned += _FOLLOWS * (keeper.turn_angle - self.turned)
         R = rot_z(self.turned)
         self._u = R @ self._direction
         self.recorder.inward = R @ self.way.inward
 
     # -- what is known -------------------------------------------------------------------------
 
-    def _keeper(self) -> TurnKeeper:
+    def _keeper(self) -> TurnEstimator:
         """The estimate of the turn, from what is believed at the touch."""
         pose, inward = self._target.pose, self.way.inward[:2]
         here, centre = self._here.midpoint[:2], self.way.touch[:2]
@@ -108,7 +111,7 @@ class TurnControl(PlannedControl):
             radius=self._tip_radius,
             rate=self._rate(),
         )
-        return TurnKeeper(
+        return TurnEstimator(
             body,
             here,
             float((here - centre) @ along),

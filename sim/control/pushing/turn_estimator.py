@@ -64,7 +64,7 @@ class _Past:
     tip: Array
 
 
-class TurnKeeper:
+class TurnEstimator:
     """Estimates the turn of an object.
 
     Args:
@@ -99,7 +99,7 @@ class TurnKeeper:
         self.travel = 0.0
 
     @property
-    def turned(self) -> float:
+    def turn_angle(self) -> float:
         """θ [rad]."""
         return float(self._x[0])
 
@@ -113,12 +113,12 @@ class TurnKeeper:
         """How far the contact is along the face from where it was to be, along ẑ × inward [m]."""
         return float(self._x[2])
 
-    def moved(self, time: float, tip: Array) -> None:
+    def update_from_tip(self, time: float, tip: Array) -> None:
         """Takes the fingertip's centre in W, shape (2,) [m], at a time [s]."""
         body, step = self._body, tip - self._tip
         # The contact moves as the tip's centre does, and around it.
         around = self.rate * body.radius * float(body.along @ body.direction)
-        way = float(step @ (_rotation(self.turned) @ body.direction)) / (1.0 - around)
+        way = float(step @ (_rotation(self.turn_angle) @ body.direction)) / (1.0 - around)
         self._tip = tip
         self.travel += way
         F = np.array([[1.0, way, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
@@ -127,14 +127,14 @@ class TurnKeeper:
         self._P = F @ self._P @ F.T + np.diag(drift) * abs(way) / 0.01
         self._past.append(_Past(time, self.travel, tip))
 
-    def seen(self, time: float, pose: SeenPose) -> None:
+    def update_from_camera(self, time: float, pose: SeenPose) -> None:
         """Takes a camera frame of an earlier time."""
         body = self._body
         then = next((past for past in self._past if past.time >= time - 1e-9), None)
         if then is None or then is self._past[0]:
             return
         since = self.travel - then.travel
-        turned = self.turned - self.rate * since
+        turned = self.turn_angle - self.rate * since
         R = _rotation(turned)
         arm = body.middle - self.slip * body.along
         error = np.array(

@@ -20,7 +20,7 @@ from sim.rotations import Array
 from sim.standard_robot import ARM, HAND
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene
-from sim.truth.world_sampling import drawn
+from sim.truth.world_sampling import sample_world
 from sim.worlds.drake.contact_watch import ContactWatch
 from sim.worlds.drake.drake_plant import Standing, add_plant
 from sim.worlds.drake.drake_ports import DrakeRobotPort
@@ -71,13 +71,13 @@ class DrakeWorld:
         from pydrake.systems.analysis import Simulator
         from pydrake.systems.framework import DiagramBuilder
 
-        scene = drawn(scene, seed)
+        scene = sample_world(scene, seed)
         self.scene = scene
         self.seed = seed
         builder = DiagramBuilder()
         self._model = add_plant(builder, scene, arm, hand)
         self._plant = self._model.plant
-        self._effort = summed(builder, self._plant, self._model.hand, scene.time_step_s)
+        self._effort = integrated_torques(builder, self._plant, self._model.hand, scene.time_step_s)
         self.simulator = Simulator(builder.Build())
         root = self.simulator.get_mutable_context()
         self._context = self._plant.GetMyMutableContextFromRoot(root)
@@ -117,7 +117,7 @@ class DrakeWorld:
         self._changes: tuple[Change, ...] = (
             self._lids,
             self._liquid,
-            *changes_in(self._model, root, scene, seed),
+            *world_changes(self._model, root, scene, seed),
         )
         self._poses: dict[str, tuple[Array, Array]] = {}
         self._touched: list[str] = []
@@ -212,7 +212,7 @@ class DrakeWorld:
         self._touched = self._watch.note(self.time, self._context)
 
 
-def summed(
+def integrated_torques(
     builder: DiagramBuilder, plant: MultibodyPlant, model: ModelInstanceIndex, time_step: float
 ) -> OutputPort:
     """The drives' torques of a model, integrated over time: samples alone would alias.
@@ -228,7 +228,7 @@ def summed(
     return integrator.get_output_port()
 
 
-def changes_in(model: Standing, root: Context, scene: Scene, seed: int) -> Iterable[Change]:
+def world_changes(model: Standing, root: Context, scene: Scene, seed: int) -> Iterable[Change]:
     """What changes in a scene; nothing of it costs any time where nothing does.
 
     Args:

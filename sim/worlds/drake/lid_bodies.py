@@ -100,7 +100,7 @@ def add_lid(
     model = plant.AddModelInstance(name)
     if isinstance(lid, FlipLid):
         return _add_flip_lid(plant, item, lid, body, solid, model)
-    on_seat, on_lid = shared(lid, on=True)
+    on_seat, on_lid = shared_inertia(lid, on=True)
     seat = plant.AddRigidBody(f"{name} seat", model, on_seat)
     covering = plant.AddRigidBody(name, model, on_lid)
     rim = _rim_frame(plant, name, body, (0.0, 0.0, item.truth.height))
@@ -241,7 +241,9 @@ def _disc_inertia(lid: FlipLid, hinge: lids.Hinge) -> SpatialInertia:
     return _cylinder_inertia(lid.mass, 0.5 * hinge.reach, lids.THICKNESS, p_LLcm)
 
 
-def shared(lid: LiftOffLid | ScrewCap, *, on: bool) -> tuple[SpatialInertia, SpatialInertia]:
+def shared_inertia(
+    lid: LiftOffLid | ScrewCap, *, on: bool
+) -> tuple[SpatialInertia, SpatialInertia]:
     """Inertia in L of the seat and of the lid, whether it is on or off."""
     share = _ON if on else _OFF
     middle = np.array([0.0, 0.0, 0.5 * lid.height])

@@ -18,7 +18,7 @@ import numpy as np
 from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid
 from sim.rotations import Array
 from sim.truth.object_truth import Truth
-from sim.worlds.drake.lid_bodies import LidBody, shared
+from sim.worlds.drake.lid_bodies import LidBody, shared_inertia
 
 if TYPE_CHECKING:
     from pydrake.math import RigidTransform
@@ -170,7 +170,9 @@ class Lids:
     def _share(self, each: LidBody, *, on: bool) -> None:
         assert each.seat is not None
         assert not isinstance(each.lid, FlipLid)
-        for body, inertia in zip((each.seat, each.body), shared(each.lid, on=on), strict=True):
+        for body, inertia in zip(
+            (each.seat, each.body), shared_inertia(each.lid, on=on), strict=True
+        ):
             body.SetSpatialInertiaInBodyFrame(self._context, inertia)
 
     def _touch_own(self, each: LidBody, *, touches: bool) -> None:

@@ -127,7 +127,7 @@ class Liquid:
         still = not filled.restless and _near(filled.up, R_WB[2])
         if filled.volume <= 0.0 or still or self._closed(name):
             return
-        vessel, (tilt, heading) = filled.vessel, leaning(R_WB)
+        vessel, (tilt, heading) = filled.vessel, lean_of(R_WB)
         above = filled.volume - float(vessel.brim(tilt, heading))
         filled.restless = above > 0.0
         if not filled.restless:
@@ -192,7 +192,7 @@ class Liquid:
         self._model.bodies[name].SetSpatialInertiaInBodyFrame(self._context, changed)
 
 
-def leaning(R_WB: Array) -> tuple[float, float]:
+def lean_of(R_WB: Array) -> tuple[float, float]:
     """How far a body leans, and to which direction in its x, y [rad]."""
     return _lean(R_WB[2])
 

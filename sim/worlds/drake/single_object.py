@@ -14,7 +14,7 @@ import numpy as np
 
 from sim.rotations import Array
 from sim.truth.scene_file import Scene
-from sim.truth.world_sampling import drawn
+from sim.truth.world_sampling import sample_world
 from sim.worlds.drake.drake_plant import (
     Standing,
     add_object,
@@ -22,7 +22,7 @@ from sim.worlds.drake.drake_plant import (
     filter_collisions,
     initial_pose,
 )
-from sim.worlds.drake.drake_world import changes_in
+from sim.worlds.drake.drake_world import world_changes
 
 _STICTION = 1e-6  # slip speed up to which friction counts as sticking [m/s]
 _SETTLING = 0.1  # in which the feet sink in until they carry the weight [s]
@@ -46,7 +46,7 @@ class SingleObjectWorld:
         from pydrake.systems.analysis import Simulator
         from pydrake.systems.framework import DiagramBuilder
 
-        self.scene = scene = drawn(scene, seed)
+        self.scene = scene = sample_world(scene, seed)
         self.step_time = scene.time_step_s
         builder = DiagramBuilder()
         config = MultibodyPlantConfig(
@@ -72,7 +72,7 @@ class SingleObjectWorld:
         self._root = self._simulator.get_mutable_context()
         self._context = self._plant.GetMyMutableContextFromRoot(self._root)
         model = Standing(self._plant, scene_graph, {name: self._body}, {name: feet}, {})
-        for change in changes_in(model, self._root, scene, seed):
+        for change in world_changes(model, self._root, scene, seed):
             change.prepare([name], {name: (self.R_WB, X_WB.translation())})
         self._steps = 0
         self._rested = math.ceil(_SETTLING / self.step_time)

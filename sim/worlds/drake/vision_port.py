@@ -20,7 +20,7 @@ from objectmodels.containers.lid_geometry import lid_name
 from objectmodels.models.object_parts import Lid, LiftOffLid
 from planner.types.world_state import Colour
 from sim.cell.cell_description import Vision
-from sim.random_streams import Stream, source
+from sim.random_streams import RandomStream, source
 from sim.rotations import Array, rot_x, rot_y, rot_z
 from sim.truth.scene_file import Scene
 from sim.worlds.ports import Frame, SeenPose
@@ -58,9 +58,9 @@ class VisionPort:
             else np.radians(vision.angle_noise_deg)
             for name, lid in (lids or {}).items()
         }
-        self._lid_rng = source(seed, Stream.LID_NOISE)
-        self._rng = source(seed, Stream.VISION_NOISE)
-        drawn = source(seed, Stream.VISION_BIAS).standard_normal((len(self.names), 4))
+        self._lid_rng = source(seed, RandomStream.LID_NOISE)
+        self._rng = source(seed, RandomStream.VISION_NOISE)
+        drawn = source(seed, RandomStream.VISION_BIAS).standard_normal((len(self.names), 4))
         angle = np.radians(vision.angle_bias_deg)
         self._bias = {
             name: (rot_z(angle * turn), vision.position_bias_m * np.array(shift))

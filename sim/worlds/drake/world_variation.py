@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.random_streams import Stream, clipped_normal, source
+from sim.random_streams import RandomStream, clipped_normal, source
 from sim.rotations import Array
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene, VaryingTable
@@ -50,7 +50,7 @@ class FrictionField:
     """
 
     def __init__(self, table: VaryingTable, seed: int) -> None:
-        rng = source(seed, Stream.TABLE_FRICTION)
+        rng = source(seed, RandomStream.TABLE_FRICTION)
         variation = table.friction_variation
         self._waves = rng.standard_normal((2, _WAVES)) / variation.length_m
         self._phases = rng.uniform(0.0, 2.0 * np.pi, _WAVES)
@@ -93,7 +93,7 @@ class VaryingFriction:
         self._field = FrictionField(scene.table, seed)
         self._own = {item.name: item.truth.friction_table for item in scene.objects}
         self._log_sd = _log_deviation(scene.table.friction_variation.per_trial)
-        self._rng = source(seed, Stream.TRIAL_FRICTION)
+        self._rng = source(seed, RandomStream.TRIAL_FRICTION)
         self._factors = dict.fromkeys(scene.names, 1.0)
         self._before: dict[str, tuple[Array, Array]] = {}
         self._present = {
@@ -167,7 +167,7 @@ class ShiftingContents:
         self._context = model.plant.GetMyMutableContextFromRoot(root)
         self._truths = {item.name: item.truth for item in scene.objects}
         self._present = dict(self._truths)
-        self._rng = source(seed, Stream.CONTENTS)
+        self._rng = source(seed, RandomStream.CONTENTS)
 
     def prepare(self, touched: Sequence[str], poses: Mapping[str, tuple[Array, Array]]) -> None:
         """Before a step: shifts the contents of what is touched anew, wherever it stands."""

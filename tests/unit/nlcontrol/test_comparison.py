@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from nlcontrol.outcome_maps import map_comparison as comparison
-from nlcontrol.outcome_maps.map_comparison import Comparison, contacts_of, told
+from nlcontrol.outcome_maps.map_comparison import Comparison, agreement_text, contacts_of
 from objectmodels import BoxModel
 from objectmodels.mechanics.outcome_map import OutcomeMap, outcome_map
 from sim.face_experiment.face_contact import TouchResult, Way
@@ -74,20 +74,20 @@ def test_what_was_not_carried_out_is_left_out_and_told() -> None:
     found = compared(results)
     assert (found.agreement, found.left_out) == (1.0, 3)
     assert not found.compared[:3].any()
-    assert "same class at 100.0 % of" in told(found)
+    assert "same class at 100.0 % of" in agreement_text(found)
     undecided = (found.chart.outcome[3:] == "undecided").sum()
-    assert f"({undecided} undecided)" in told(found)
-    reasons = [line for line in comparison.text([found]) if "not carried out" in line]
+    assert f"({undecided} undecided)" in agreement_text(found)
+    reasons = [line for line in comparison.comparison_lines([found]) if "not carried out" in line]
     assert reasons == ["  not carried out at 2: too low", "  not carried out at 1: too far"]
-    row = comparison.document([found])["contacts"][0]
+    row = comparison.comparison_document([found])["contacts"][0]
     assert (row["measured_outcome"], row["agrees"], row["force_error"]) == (None, None, None)
 
 
 def test_nothing_carried_out_is_nothing_compared() -> None:
     found = compared([TouchResult(None, None, "out of reach")] * len(CHART.force))
     assert (found.agreement, found.median_error) == (None, None)
-    assert told(found).startswith("same class at none of")
-    assert comparison.document([found])["agreement"] is None
+    assert agreement_text(found).startswith("same class at none of")
+    assert comparison.comparison_document([found])["agreement"] is None
 
 
 def test_what_moved_but_was_not_felt_has_no_force() -> None:
@@ -100,12 +100,12 @@ def test_what_moved_but_was_not_felt_has_no_force() -> None:
 
 def test_several_experiments_stand_beside_one_prediction(tmp_path: Path) -> None:
     both = [compared(as_predicted()), compared(as_predicted(scale=0.5), by="robot")]
-    document = comparison.document(both)
+    document = comparison.comparison_document(both)
     assert document.keys() == {"force", "robot"}
-    assert document["robot"] == comparison.document(both[1:])
+    assert document["robot"] == comparison.comparison_document(both[1:])
     assert document["force"]["median_force_error"] == 0.0
     assert document["robot"]["median_force_error"] == pytest.approx(1.0)
-    lines = comparison.text(both)
+    lines = comparison.comparison_lines(both)
     assert sum(line.count("   |   ") == 2 for line in lines) == len(np.unique(CHART.height))
     assert [line for line in lines if "the robot's finger" in line]
     comparison.save_table(both, tmp_path / "face.csv")
@@ -136,7 +136,7 @@ def test_the_table_has_a_row_for_each_contact(tmp_path: Path) -> None:
 def test_the_two_maps_in_letters_stand_side_by_side() -> None:
     results = as_predicted()
     results[0] = other(results[0])
-    lines = comparison.text([compared(results)])
+    lines = comparison.comparison_lines([compared(results)])
     rows = [tuple(line.split("mm  ")[1].split("   |   ")) for line in lines if "   |   " in line]
     heights = len(np.unique(CHART.height.round(9)))
     assert len(rows) == heights

@@ -9,7 +9,7 @@ import pytest
 from grammar.frames import command as g
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
-from nlcontrol.learning.grasp_lessons import refilled
+from nlcontrol.learning.grasp_lessons import change_contents
 
 
 @pytest.fixture(scope="module")
@@ -97,7 +97,7 @@ def test_what_topples_lies_on_its_side() -> None:
     assert 0.0 < answer.numbers["spilled"] < 10e-6
     assert answer.numbers["spilled"] == pytest.approx(2e-4 - answer.numbers["brim"])
     # With a quarter less, what is in it stays below the opening.
-    kitchen.models["ice tea"] = refilled(kitchen.models["ice tea"], -50e-6)
+    kitchen.models["ice tea"] = change_contents(kitchen.models["ice tea"], -50e-6)
     answer = kitchen.say(question).answer
     assert answer is not None
     assert answer.numbers["brim"] > answer.numbers["contents"]

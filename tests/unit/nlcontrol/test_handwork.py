@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller, Conversation
-from nlcontrol.learning.grasp_lessons import believed_after, refilled, weighed
+from nlcontrol.learning.grasp_lessons import beliefs_after_grasp, change_contents, weight_from_grasp
 from nlcontrol.plan_text import plan_reasons
 from nlcontrol.session.undo_frames import Pushed, in_words, way_back
 from objectmodels import ObjectModel
@@ -63,7 +63,7 @@ def carton(kitchen: Controller) -> ObjectModel:
 @pytest.mark.parametrize("mass", [0.06, 0.20, 0.24, 0.28])
 def test_what_hung_on_the_fingers_is_believed(carton: ObjectModel, mass: float) -> None:
     trace = hand_trace("ice tea", up=0.1, weighs=mass * GRAVITY)
-    found = weighed(LIFT, carton, trace)
+    found = weight_from_grasp(LIFT, carton, trace)
     assert found is not None
     model, lesson = found
     # Known to 1 %, against 30 % before: what is believed is what was felt, to a tenth of that.
@@ -81,28 +81,28 @@ def test_the_weight_of_a_lid_says_nothing_of_its_object(carton: ObjectModel) -> 
     trace = hand_trace("ice tea", up=0.1, weighs=0.5)
     by_lid = GRASP.model_copy(update={"part": "lid"})
     lid = hand_plan("ice tea", by_lid, *LIFT.steps)
-    assert weighed(LIFT, carton, trace) is not None
-    assert weighed(lid, carton, trace) is None
+    assert weight_from_grasp(LIFT, carton, trace) is not None
+    assert weight_from_grasp(lid, carton, trace) is None
 
 
 def test_nothing_is_learned_of_what_was_not_held(carton: ObjectModel) -> None:
-    assert weighed(LIFT, carton, hand_trace("ice tea", end="no_grasp")) is None
+    assert weight_from_grasp(LIFT, carton, hand_trace("ice tea", end="no_grasp")) is None
 
 
 # -- the contents -------------------------------------------------------------------------------
 
 
 def test_an_emptied_carton_is_its_shell(carton: ObjectModel) -> None:
-    empty = refilled(carton, -200 * ML)
+    empty = change_contents(carton, -200 * ML)
     assert empty.mass == pytest.approx(0.04)
     assert empty.container is not None
     assert empty.container.contents == pytest.approx(0.0, abs=1e-12)
-    back = refilled(empty, 200 * ML)
+    back = change_contents(empty, 200 * ML)
     assert (back.mass, *back.com) == pytest.approx((carton.mass, *carton.com))
 
 
 def test_more_than_fits_in_is_not_believed(carton: ObjectModel) -> None:
-    full = refilled(carton, 5.0)
+    full = change_contents(carton, 5.0)
     assert full.container is not None
     assert full.vessel is not None
     assert full.container.contents == pytest.approx(full.vessel.capacity)
@@ -113,14 +113,14 @@ def test_what_was_poured_is_in_the_other_one(kitchen: Controller) -> None:
     phase = trace.phase.astype("<U8")
     phase[phase == "carry"] = "pour"
     object.__setattr__(trace, "phase", phase)
-    after = believed_after(POUR, kitchen.models, trace)
+    after = beliefs_after_grasp(POUR, kitchen.models, trace)
     contents = {n: m.container.contents / ML for n, m in after.items() if m.container}
     assert contents == pytest.approx({"ice tea": 10.0, "mug": 180.0})
 
 
 def test_what_was_never_tilted_holds_what_it_held(kitchen: Controller) -> None:
-    assert believed_after(POUR, kitchen.models, hand_trace("ice tea")) == {}
-    assert believed_after(LIFT, kitchen.models, hand_trace("ice tea", up=0.1)) == {}
+    assert beliefs_after_grasp(POUR, kitchen.models, hand_trace("ice tea")) == {}
+    assert beliefs_after_grasp(LIFT, kitchen.models, hand_trace("ice tea", up=0.1)) == {}
 
 
 # -- the way back -------------------------------------------------------------------------------
@@ -132,7 +132,7 @@ def _state(kitchen: Controller, x: float, held: bool) -> WorldState:
 
 
 def test_undoing_a_lift_sets_it_down(kitchen: Controller) -> None:
-    done = Pushed(kitchen.begun("lift it"), "ice tea", PlanarPose(0.5, 0.0), "lift")
+    done = Pushed(kitchen.empty_result("lift it"), "ice tea", PlanarPose(0.5, 0.0), "lift")
     here = way_back([done], _state(kitchen, 0.5, held=True), DEFAULTS)
     assert [frame.goal.kind for frame in here.frames] == ["set_down"]
     assert in_words(here.frames) == "set the ice tea down"
@@ -142,7 +142,7 @@ def test_undoing_a_lift_sets_it_down(kitchen: Controller) -> None:
 
 
 def test_what_was_opened_is_closed_and_what_was_poured_stays(kitchen: Controller) -> None:
-    pose, said = PlanarPose(0.5, 0.0), kitchen.begun("")
+    pose, said = PlanarPose(0.5, 0.0), kitchen.empty_result("")
     state = _state(kitchen, 0.5, held=False)
     opened = way_back([Pushed(said, "ice tea", pose, "open")], state, DEFAULTS)
     assert [frame.goal.kind for frame in opened.frames] == ["close"]

@@ -12,9 +12,9 @@ from nlcontrol.learning.learning_reports import Change, Lesson
 from nlcontrol.learning.push_lessons import (
     CONTRADICTIONS,
     RADIUS_SD,
-    changes,
-    learned,
-    taken,
+    apply_lesson,
+    lesson_from_push,
+    parameter_changes,
 )
 from objectmodels import BoxModel
 from objectmodels.geometry.mechanical import UNCERTAIN
@@ -38,14 +38,14 @@ def slid(force: float) -> Trial:
 
 
 def test_a_slide_as_believed_makes_surer() -> None:
-    update = taken(BELIEF, slid(SLIDES))
+    update = apply_lesson(BELIEF, slid(SLIDES))
     assert update.surprise == pytest.approx(0.0, abs=1e-6)
     assert update.model.friction == pytest.approx(0.4, rel=1e-3)
     assert update.model.friction_sd < BELIEF.friction_sd
 
 
 def test_a_slide_that_contradicts_is_believed_more_than_one_that_does_not() -> None:
-    near, far = taken(BELIEF, slid(1.1 * SLIDES)), taken(BELIEF, slid(3.0 * SLIDES))
+    near, far = apply_lesson(BELIEF, slid(1.1 * SLIDES)), apply_lesson(BELIEF, slid(3.0 * SLIDES))
     assert not near.is_contradiction
     assert far.surprise > SURPRISING
     # The belief was too sure: widened, it gets there but for a tenth.
@@ -56,13 +56,15 @@ def test_a_slide_that_contradicts_is_believed_more_than_one_that_does_not() -> N
 
 def test_one_slide_tells_no_more_than_pushes_differ() -> None:
     unsure = BELIEF.model_copy(update={"mass_sd": 1e-4, "friction_sd": 0.2})
-    found = taken(unsure, replace(slid(SLIDES), force_sd=1e-4)).model
+    found = apply_lesson(unsure, replace(slid(SLIDES), force_sd=1e-4)).model
     # Friction differs by 5 % from push to push, and this one from the mean by as much.
     assert 0.05 <= found.friction_sd / found.friction < 0.10
 
 
 def test_what_moved_nothing_raises_the_belief() -> None:
-    update = taken(BELIEF, Trial("none", (-0.045, 0.0, 0.03), (2.0 * SLIDES, 0.0, 0.0), 0.05))
+    update = apply_lesson(
+        BELIEF, Trial("none", (-0.045, 0.0, 0.03), (2.0 * SLIDES, 0.0, 0.0), 0.05)
+    )
     assert update.is_contradiction
     onset = update.model.thresholds([(-0.045, 0.0, 0.03)], [(1.0, 0.0, 0.0)]).onset[0]
     assert onset > 1.9 * SLIDES
@@ -70,10 +72,10 @@ def test_what_moved_nothing_raises_the_belief() -> None:
 
 def test_only_what_changed_is_a_change() -> None:
     after = BELIEF.model_copy(update={"friction": 0.45, "mass_sd": 0.03})
-    found = {change.parameter: change for change in changes(BELIEF, after)}
+    found = {change.parameter: change for change in parameter_changes(BELIEF, after)}
     assert set(found) == {"mass", "friction"}
     assert (found["mass"].before_sd, found["mass"].after_sd) == (0.04, 0.03)
-    assert changes(BELIEF, BELIEF) == ()
+    assert parameter_changes(BELIEF, BELIEF) == ()
 
 
 @pytest.mark.parametrize(
@@ -144,7 +146,7 @@ def test_ends_that_contradict(
 ) -> None:
     plan, target = planned
     trace = stuck(make_trace(force=5.0)) if end == "force" else make_trace(force=5.0, end=end)
-    found = learned(plan, target, trace)
+    found = lesson_from_push(plan, target, trace)
     if end == "tilted":  # even from the start: an onset that nobody can tell
         assert found is None
         return
@@ -163,7 +165,7 @@ def test_a_push_that_went_as_predicted_teaches_too(
     planned: tuple[Plan, SeenObject], make_trace: TraceMaker
 ) -> None:
     plan, target = planned
-    found = learned(plan, target, make_trace(force=3.2))
+    found = lesson_from_push(plan, target, make_trace(force=3.2))
     assert found is not None
     model, lesson = found
     assert (lesson.moved, lesson.contradicts, lesson.why) == ("slide", False, None)
@@ -176,7 +178,7 @@ def test_what_lies_on_another_face_teaches_nothing_about_its_base(
     plan, target = planned
     lying = SeenObject(target.name, target.pose, target.model, lies_on="left")
     trace: Trace = make_trace(force=3.2)
-    assert learned(plan, lying, trace) is None
+    assert lesson_from_push(plan, lying, trace) is None
 
 
 def test_a_turn_shows_the_friction_radius(make_trace: TraceMaker) -> None:
@@ -202,7 +204,7 @@ def test_a_turn_shows_the_friction_radius(make_trace: TraceMaker) -> None:
     trace = replace(trace, seen={**trace.seen, push.object: seen})
     assert trace.seen_turn(push.object) == pytest.approx(after[2])
 
-    found = learned(plan, target, trace)
+    found = lesson_from_push(plan, target, trace)
     assert found is not None
     model, lesson = found
     before, sd = target.model.friction_radius, target.model.friction_radius_sd
@@ -216,10 +218,10 @@ def test_a_turn_shows_the_friction_radius(make_trace: TraceMaker) -> None:
     assert not lesson.contradicts
 
     barely = np.tile(seen[0], (n, 1))
-    assert learned(plan, target, replace(trace, seen={push.object: barely})) is None
+    assert lesson_from_push(plan, target, replace(trace, seen={push.object: barely})) is None
     # The pivot of a smaller turn drowns in the noise of two looks.
     for degrees, shows in ((6.0, False), (10.0, True)):
         half = 0.5 * np.radians(degrees)
         seen[trace.phase != "look", :4] = [np.cos(half), 0.0, 0.0, np.sin(half)]
         turned = replace(trace, seen={push.object: seen})
-        assert (learned(plan, target, turned) is not None) == shows
+        assert (lesson_from_push(plan, target, turned) is not None) == shows

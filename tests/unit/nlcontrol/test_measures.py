@@ -11,7 +11,7 @@ import pytest
 
 from nlcontrol.checks import trace_measures as measures
 from objectmodels import BoxModel
-from sim.traces.trace import Trace, joined
+from sim.traces.trace import Trace, join_traces
 from tests.unit.nlcontrol.pushes import seen
 
 TraceMaker = Callable[..., Trace]
@@ -90,13 +90,13 @@ def test_each_push_is_measured_by_itself(make_trace: TraceMaker) -> None:
     """Between two pushes on two sides the hand is somewhere else; that is no speed of a push."""
     first = seen(make_trace(travel=(0.1, 0.0), speed=0.02, force=3.0))
     second = seen(make_trace(travel=(0.0, -0.1), side=(0.0, 1.0), speed=0.03, force=4.0))
-    both = joined([first, replace(second, time=second.time + first.time[-1] + 0.01)])
+    both = join_traces([first, replace(second, time=second.time + first.time[-1] + 0.01)])
     assert len(measures.contacts(both, "ice tea box")) == 2
     # Windows at the ends of a push are shorter, so that a sample more or less counts for 2 %.
     assert measures.largest_push_speed(both) == pytest.approx(0.03, rel=0.02)
     assert measures.largest_push_force(both) == pytest.approx(4.0, rel=1e-9)
     stronger = seen(make_trace(travel=(0.1, 0.0), force=5.0))
-    both = joined([stronger, replace(second, time=second.time + stronger.time[-1] + 0.01)])
+    both = join_traces([stronger, replace(second, time=second.time + stronger.time[-1] + 0.01)])
     # The trace's direction is that of its last push; the first one went another way.
     assert measures.largest_push_force(both) == pytest.approx(5.0, rel=1e-9)
 

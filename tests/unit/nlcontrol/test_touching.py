@@ -10,7 +10,7 @@ import grammar
 from grammar.frames import command as g
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
-from nlcontrol.session.exploration_commands import EVERYTHING, unknown, wanted
+from nlcontrol.session.exploration_commands import EVERYTHING, is_unknown, requested_parameters
 from objectmodels import BoxModel
 from sim.simulated_executor import simulation
 from tests.fakes.played_executor import played
@@ -37,7 +37,7 @@ def frame(text: str) -> g.Frame:
     ],
 )
 def test_the_parameters_that_a_sentence_wants(text: str, parameters: tuple[str, ...]) -> None:
-    assert wanted(frame(text)) == parameters
+    assert requested_parameters(frame(text)) == parameters
 
 
 @pytest.mark.parametrize(
@@ -51,7 +51,7 @@ def test_what_touching_does_not_tell_is_said(
     kitchen: Controller, text: str, capability: str
 ) -> None:
     with pytest.raises(ControlError) as raised:
-        wanted(frame(text))
+        requested_parameters(frame(text))
     assert raised.value.info.capability == capability
     result = kitchen.say(text)
     assert (result.status, result.exit_status) == ("unsupported", 4)
@@ -80,7 +80,7 @@ def test_a_question_is_found_out_if_the_answer_is_not_known_well(
         name="crate", size=(0.1, 0.1, 0.2), mass=1.0, mass_sd=0.02, friction=0.4,
         friction_sd=sd * 0.4,
     )  # fmt: skip
-    assert unknown(frame(text), crate, 0.10) is expected
+    assert is_unknown(frame(text), crate, 0.10) is expected
 
 
 def test_a_plan_tells_what_would_be_touched_and_moves_nothing(kitchen: Controller) -> None:

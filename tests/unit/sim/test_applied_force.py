@@ -9,9 +9,9 @@ from objectmodels import BoxModel
 from sim import load_scene
 from sim.face_experiment import applied_force as appliedforce
 from sim.face_experiment.face_contact import Contact, TouchResult, Vector
-from sim.random_streams import Stream, source
+from sim.random_streams import RandomStream, source
 from sim.truth.scene_file import FrictionVariation, Hidden, Scene
-from sim.truth.world_sampling import drawn
+from sim.truth.world_sampling import sample_world
 from sim.worlds.drake.single_object import single_object_world
 from sim.worlds.drake.world_variation import FrictionField
 
@@ -101,7 +101,7 @@ def test_a_push_beside_the_object_misses_it() -> None:
 def test_what_the_scene_hides_is_drawn_from_the_seed(seed: int) -> None:
     scene = SCENE.model_copy(update={"hidden": Hidden(mass=0.3, friction=0.3)})
     push = (ICE_TEA, (-0.045, 0.0, 0.05), (1.0, 0.0, 0.0))
-    model = true_model(ICE_TEA, drawn(scene, seed))
+    model = true_model(ICE_TEA, sample_world(scene, seed))
     assert abs(model.mass / 1.06 - 1.0) > 0.01
     seen = touched(*push, scene=scene, seed=seed)
     assert seen.force == pytest.approx(model.friction * model.weight, rel=0.005)
@@ -113,7 +113,7 @@ def test_friction_is_that_of_the_place_and_the_trial() -> None:
     table = SCENE.table.model_copy(update={"friction_variation": variation})
     scene = SCENE.model_copy(update={"table": table})
     log_sd = np.sqrt(np.log1p(0.2**2))
-    draw = source(3, Stream.TRIAL_FRICTION).standard_normal()
+    draw = source(3, RandomStream.TRIAL_FRICTION).standard_normal()
     even, varied = touched(*push).force, touched(*push, scene=scene, seed=3).force
     assert even is not None
     assert varied == pytest.approx(even * np.exp(log_sd * draw - log_sd**2 / 2.0), rel=1e-3)

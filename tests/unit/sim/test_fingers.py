@@ -13,7 +13,7 @@ from sim import load_scene
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS, finger_points
 from sim.hands.hand_model import Angles
 from sim.hands.mount import Mount
-from sim.perception.fingertip_sensing import feel
+from sim.perception.fingertip_sensing import sense_touch
 from sim.standard_robot import ARM, HAND
 
 
@@ -53,7 +53,7 @@ def test_the_force_at_the_contact_point(finger: str, angles: Angles) -> None:
         ]
     )
     world: Any = Sensors(q, angles)
-    touch = feel(world, mount, (finger,), inward_W, torques[None])
+    touch = sense_touch(world, mount, (finger,), inward_W, torques[None])
     # A 3×3 system whose condition number is below a thousand.
     np.testing.assert_allclose(touch.forces[0], force_W, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(touch.midpoint, R_WP @ tip + p_WP, rtol=0, atol=1e-12)

@@ -8,7 +8,7 @@ import pytest
 from sim import load_scene
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Hidden, Scene
-from sim.truth.world_sampling import drawn
+from sim.truth.world_sampling import sample_world
 from sim.worlds.drake.drake_world import DrakeWorld
 
 SPREAD = Hidden(mass=0.10, friction=0.15, finger_friction=0.05, centre_of_mass_m=0.002)
@@ -21,12 +21,12 @@ def scene() -> Scene:
 
 def test_what_hides_nothing_stays_as_it_is() -> None:
     kitchen = load_scene("kitchen")
-    assert drawn(kitchen, 3) is kitchen
+    assert sample_world(kitchen, 3) is kitchen
 
 
 def test_spreads_are_those_of_the_file(scene: Scene) -> None:
     written = scene.object("coffee box").truth
-    truths = [drawn(scene, seed).object("coffee box").truth for seed in range(1000)]
+    truths = [sample_world(scene, seed).object("coffee box").truth for seed in range(1000)]
     for field, spread in (
         ("mass_kg", 0.10),
         ("friction_table", 0.15),
@@ -42,23 +42,23 @@ def test_spreads_are_those_of_the_file(scene: Scene) -> None:
 
 
 def test_a_seed_gives_one_truth_and_another_seed_another(scene: Scene) -> None:
-    assert drawn(scene, 5) == drawn(scene, 5)
-    assert drawn(scene, 5) != drawn(scene, 6)
+    assert sample_world(scene, 5) == sample_world(scene, 5)
+    assert sample_world(scene, 5) != sample_world(scene, 6)
     # What is drawn hides nothing any more.
-    assert drawn(drawn(scene, 5), 5) == drawn(scene, 5)
+    assert sample_world(sample_world(scene, 5), 5) == sample_world(scene, 5)
 
 
 def test_one_spread_leaves_the_others_alone(scene: Scene) -> None:
     alone = scene.model_copy(update={"hidden": Hidden(friction=0.15)})
     for name in scene.names:
-        one, all_ = (drawn(s, 2).object(name).truth for s in (alone, scene))
+        one, all_ = (sample_world(s, 2).object(name).truth for s in (alone, scene))
         assert one.friction_table == all_.friction_table
         assert one.mass_kg == scene.object(name).truth.mass_kg
 
 
 def test_the_world_is_as_drawn(scene: Scene) -> None:
     world = DrakeWorld(scene, seed=7)
-    assert world.scene == drawn(scene, 7)
+    assert world.scene == sample_world(scene, 7)
     assert world.truth_now("coffee box") == world.scene.object("coffee box").truth
 
 

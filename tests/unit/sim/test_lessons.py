@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from objectmodels import BoxModel
 from planner.types.actions import Push
 from planner.types.world_state import PlanarPose, SeenObject
-from sim.exploration.push_observation import EVEN, FORCE_SD, shown
+from sim.exploration.push_observation import EVEN, FORCE_SD, trial_from_push
 from sim.traces.trace import EndReason, Trace
 
 BOX = BoxModel(
@@ -90,7 +90,7 @@ def tilting(level: float = 2.0) -> tuple[NDArray[np.float64], ...]:
 
 @pytest.mark.parametrize("fingers", [1, 2])
 def test_a_slide_tells_the_force_of_its_even_part(fingers: int) -> None:
-    found = shown(push(fingers), SEEN, trace(*sliding(), fingers=fingers, up=0.2))
+    found = trial_from_push(push(fingers), SEEN, trace(*sliding(), fingers=fingers, up=0.2))
     assert found is not None
     assert (found.moved, found.tilt, found.turn_rate) == ("slide", 0.0, None)
     # In the object's own axes; only samples of the even part, so no peak and no braking.
@@ -99,8 +99,8 @@ def test_a_slide_tells_the_force_of_its_even_part(fingers: int) -> None:
 
 
 def test_two_fingers_press_level_with_the_centre_of_mass() -> None:
-    one = shown(push(1), SEEN, trace(*sliding(), fingers=1))
-    two = shown(push(2), SEEN, trace(*sliding()))
+    one = trial_from_push(push(1), SEEN, trace(*sliding(), fingers=1))
+    two = trial_from_push(push(2), SEEN, trace(*sliding()))
     assert one is not None
     assert two is not None
     assert one.point == AT
@@ -109,7 +109,7 @@ def test_two_fingers_press_level_with_the_centre_of_mass() -> None:
 
 @pytest.mark.parametrize("fingers", [1, 2])
 def test_a_tilt_tells_the_force_at_its_onset(fingers: int) -> None:
-    found = shown(push(fingers), SEEN, trace(*tilting(), end="tilted", fingers=fingers))
+    found = trial_from_push(push(fingers), SEEN, trace(*tilting(), end="tilted", fingers=fingers))
     assert found is not None
     assert (found.moved, found.tilt) == ("topple", 0.0)
     # Five samples to each side of the peak, at 1/30 N a sample before it: the mean is 5 % low.
@@ -118,13 +118,13 @@ def test_a_tilt_tells_the_force_at_its_onset(fingers: int) -> None:
 
 
 def test_a_topple_as_meant_tells_its_onset_too() -> None:
-    found = shown(push(), SEEN, trace(*tilting(), end="toppled"))
+    found = trial_from_push(push(), SEEN, trace(*tilting(), end="toppled"))
     assert found is not None
     assert found.moved == "topple"
 
 
 def test_what_slid_where_it_was_to_tilt_tells_a_slide() -> None:
-    found = shown(push(), SEEN, trace(*sliding(), end="slid"))
+    found = trial_from_push(push(), SEEN, trace(*sliding(), end="slid"))
     assert found is not None
     assert found.moved == "slide"
     assert found.force[0] == pytest.approx(3.5)
@@ -132,7 +132,7 @@ def test_what_slid_where_it_was_to_tilt_tells_a_slide() -> None:
 
 def test_the_force_limit_tells_the_force_at_the_end() -> None:
     force = np.concatenate([np.linspace(0.0, 6.0, 100), np.full(60, 6.0)])
-    found = shown(push(), SEEN, trace(force, np.linspace(0.0, 5e-4, 160), end="force"))
+    found = trial_from_push(push(), SEEN, trace(force, np.linspace(0.0, 5e-4, 160), end="force"))
     assert found is not None
     assert found.moved == "none"
     assert found.force[0] == pytest.approx(6.0)
@@ -140,20 +140,20 @@ def test_the_force_limit_tells_the_force_at_the_end() -> None:
 
 @pytest.mark.parametrize("end", ["guard", "speed", "no_touch", "unreachable"])
 def test_an_end_that_says_nothing_of_the_object_teaches_nothing(end: EndReason) -> None:
-    assert shown(push(), SEEN, trace(*sliding(), end=end)) is None
+    assert trial_from_push(push(), SEEN, trace(*sliding(), end=end)) is None
 
 
 def test_what_did_not_fall_after_its_stroke_did_not_slide() -> None:
     falling = push().model_copy(update={"ends_on": "toppled"})
-    assert shown(falling, SEEN, trace(*sliding())) is None
+    assert trial_from_push(falling, SEEN, trace(*sliding())) is None
 
 
 def test_what_is_not_clear_teaches_nothing() -> None:
     force, travel = sliding()
     # Too short a push; one that ended before it went evenly; a tilt without an onset; no push.
-    assert shown(push(), SEEN, trace(force[:8], travel[:8])) is None
-    assert shown(push(), SEEN, trace(force[:50], travel[:50])) is None
+    assert trial_from_push(push(), SEEN, trace(force[:8], travel[:8])) is None
+    assert trial_from_push(push(), SEEN, trace(force[:50], travel[:50])) is None
     flat = np.full(200, 1.0)
-    assert shown(push(), SEEN, trace(flat, np.zeros(200), end="tilted")) is None
+    assert trial_from_push(push(), SEEN, trace(flat, np.zeros(200), end="tilted")) is None
     nothing = replace(trace(force, travel), phase=np.full(30 + len(force), "transit"))
-    assert shown(push(), SEEN, nothing) is None
+    assert trial_from_push(push(), SEEN, nothing) is None

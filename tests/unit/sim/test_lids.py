@@ -14,9 +14,9 @@ from sim import SceneError, load_scene, save_replay
 from sim.control.free_motion import watch
 from sim.perception.state_estimation import estimate_objects, mean_lids
 from sim.rotations import rot_x
-from sim.traces.trace import Trace, joined
+from sim.traces.trace import Trace, join_traces
 from sim.truth.scene_file import Scene, parse_scene
-from sim.views.trace_scene import Stage
+from sim.views.trace_scene import TraceScene
 from sim.worlds.drake.drake_world import DrakeWorld
 from sim.worlds.drake.vision_port import initial_frames, vision_port
 from tests.fakes.robots import frames_in, robot_in
@@ -51,7 +51,7 @@ def test_closed_lids_stay_closed_and_stand_still(trace: Trace) -> None:
 
 
 def test_traces_of_lids_are_joined(trace: Trace) -> None:
-    twice = joined([trace, trace])
+    twice = join_traces([trace, trace])
     assert len(twice.lids["jar"]) == len(twice.seen_lids["jar"]) == 2 * len(trace.time)
     assert twice.lid_poses["jar"].shape == (2 * len(trace.time), 7)
 
@@ -153,7 +153,7 @@ def test_what_stands_in_a_holder_does_not_move(pantry: Scene) -> None:
 def test_a_replay_draws_lids_where_they_were(pantry: Scene, trace: Trace, tmp_path: Path) -> None:
     trace.lids["ice tea cup"][-1] = 1.5
     trace.lid_poses["jar"][-1, 4:] = (0.3, 0.3, 0.0)
-    stage = Stage(pantry, lambda builder, model: None)
+    stage = TraceScene(pantry, lambda builder, model: None)
     stage.show(trace, len(trace.time) - 1)
     plant, context = stage._model.plant, stage._plant_context
     lids = stage._model.lids

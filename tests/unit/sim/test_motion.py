@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sim.cell.cell_description import Vision
-from sim.control.pushing.lateral_control import LineKeeper, Pushed
+from sim.control.pushing.lateral_control import LateralController, Pushed
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.perception.state_estimation import mean_poses
 from sim.rotations import rot_z
@@ -94,7 +94,7 @@ class _Slid:
         self.first = self.theta
         self.most = 0.0
         self.tip = np.array([0.5, 0.0]) - true.middle(self.theta, self.contact)[0]
-        self.keeper = LineKeeper(
+        self.keeper = LateralController(
             believed,
             0.0,
             self.tip,
@@ -120,13 +120,13 @@ class _Slid:
             self.most = max(self.most, abs(self.theta - self.first))
             self.contact += self.true.rolling * TIP_RADIUS * turned
             self.tip = self.tip + step * np.array([1.0, slope])
-            self.keeper.moved(i * 0.01, self.tip)
+            self.keeper.update_from_tip(i * 0.01, self.tip)
             R = np.eye(3)
             R[:2, :2] = _turn(self.theta + self.rng.normal(0.0, np.radians(1.0)))
             p = np.array([*self.middle, 0.0]) + self.rng.normal(0.0, 0.002, 3)
             frames.append((i * 0.01, SeenPose(R, p)))
             if i % 3 == 2 and i > 5:
-                self.keeper.seen(*frames[i - 5])
+                self.keeper.update_from_camera(*frames[i - 5])
 
 
 @pytest.mark.parametrize(
@@ -152,7 +152,7 @@ def test_steering_holds_the_line_of_its_own_model(
     # The goals for displacements are 3 mm and 2°; a frame has noise of 2 mm and 1°.
     assert abs(slid.middle[1]) < off
     assert abs(np.degrees(slid.theta - slid.first)) < turned
-    assert slid.keeper.come == pytest.approx(slid.middle[0] - 0.5, abs=0.0005)
+    assert slid.keeper.travelled_distance == pytest.approx(slid.middle[0] - 0.5, abs=0.0005)
 
 
 @pytest.mark.parametrize("believed", [FLAT, ROUND])

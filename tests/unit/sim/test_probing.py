@@ -14,7 +14,7 @@ from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
 from sim.exploration.probe_control import probe
 from sim.exploration.touch_recording import Recording
-from sim.exploration.trial_extraction import trials
+from sim.exploration.trial_extraction import extract_trials
 from sim.motion.robot_reach import ArmHandReach
 from sim.standard_robot import ARM, HAND
 from sim.truth.scene_file import Scene
@@ -68,7 +68,7 @@ def test_a_slippery_object_slides_where_it_should_tilt() -> None:
     assert (found.end, found.moved) == ("guard", "slide")
     assert found.detail == "it slides where it should tilt"
     # What it showed counts: the force is that of the sliding friction.
-    (trial,) = trials(found)
+    (trial,) = extract_trials(found)
     assert trial.moved == "slide"
     assert np.linalg.norm(trial.force) == pytest.approx(0.12 * 1.06 * 9.81, rel=0.05)
 
@@ -98,7 +98,7 @@ def test_pressed_too_high_it_tilts_where_it_should_slide() -> None:
     state = seen(world)
     found = touched(experiment(state, "slide", height=0.2), world, state)
     assert (found.end, found.moved) == ("guard", "topple")
-    assert all(trial.moved == "topple" for trial in trials(found))
+    assert all(trial.moved == "topple" for trial in extract_trials(found))
 
 
 @pytest.mark.slow
@@ -108,7 +108,7 @@ def test_what_is_too_heavy_does_not_move() -> None:
     found = touched(experiment(state, "slide"), world, state)
     assert (found.end, found.moved) == ("force", None)
     assert "does not move with 1" in found.detail
-    assert trials(found) == ()
+    assert extract_trials(found) == ()
 
 
 @pytest.mark.slow
@@ -118,7 +118,7 @@ def test_nothing_where_it_should_be() -> None:
     found = touched(experiment(state, "slide"), world, state)
     assert (found.end, found.moved, found.after) == ("no_touch", None, None)
     assert "nothing was felt" in found.detail
-    assert trials(found) == ()
+    assert extract_trials(found) == ()
 
 
 def test_out_of_reach_nothing_moves() -> None:

@@ -13,7 +13,7 @@ from planner.touch_experiments import Experiment, experiments
 from planner.types.world_state import PlanarPose, SeenObject
 from sim import load_scene
 from sim.exploration.touch_recording import Recording
-from sim.exploration.trial_extraction import curve, trials
+from sim.exploration.trial_extraction import extract_trials, force_curve
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.motion.robot_reach import ArmHandReach
 from sim.paths.tilt_arc import TiltArc
@@ -79,7 +79,7 @@ def tilt_recording(noise: float = 0.0) -> Recording:
 
 
 def test_a_tilt_gives_the_balance_at_two_tilts() -> None:
-    small, large = trials(tilt_recording(), repetition=3)
+    small, large = extract_trials(tilt_recording(), repetition=3)
     for trial in (small, large):
         assert trial.moved == "topple"
         assert trial.repetition == 3
@@ -123,7 +123,7 @@ def slide_recording(turned: float, aside: float = 0.0) -> Recording:
 def test_a_slide_gives_the_mean_force_in_the_axes_half_way() -> None:
     turned = np.radians(6.0)
     rec = slide_recording(turned)
-    (trial,) = trials(rec)
+    (trial,) = extract_trials(rec)
     assert np.linalg.norm(trial.force) == pytest.approx(3.0, rel=1e-3)  # directions turn by 5°
     half_way = np.arctan2(trial.force[1], trial.force[0])
     assert half_way == pytest.approx(-turned * 6.75 / 12.0, abs=1e-3)
@@ -134,14 +134,14 @@ def test_a_slide_gives_the_mean_force_in_the_axes_half_way() -> None:
 
 def test_a_slide_counts_where_the_finger_was_half_way() -> None:
     rec = slide_recording(np.radians(6.0), aside=0.002)
-    (trial,) = trials(rec)
+    (trial,) = extract_trials(rec)
     x, y, z = rec.experiment.push.p_BC
     assert trial.point == pytest.approx((x, y + 0.001, z), abs=1e-9)
 
 
 def test_a_tilt_that_slid_tells_a_force_and_no_turn() -> None:
     slid = slide_recording(np.radians(6.0))
-    (trial,) = trials(replace(slid, experiment=experiment("tilt")))
+    (trial,) = extract_trials(replace(slid, experiment=experiment("tilt")))
     assert trial.moved == "slide"
     assert trial.turn_rate is None
 
@@ -152,25 +152,25 @@ def test_a_rub_gives_the_force_while_the_finger_slips() -> None:
     down = np.concatenate([np.zeros(30), np.linspace(0.0, 0.01, 200)])
     tips = start - down[:, None] * [0.0, 0.0, 1.0]
     forces = np.where(down > 0, 1.0, np.linspace(0, 1, 230))[:, None] * (2.0 * u - [0.0, 0.0, 1.2])
-    (trial,) = trials(recording(tried, "slip", tips, forces))
+    (trial,) = extract_trials(recording(tried, "slip", tips, forces))
     assert trial.normal == pytest.approx((-1.0, 0.0, 0.0))
     assert trial.force == pytest.approx((2.0, 0.0, -1.2), rel=1e-6)
 
 
 def test_noise_is_told() -> None:
-    quiet, noisy = trials(tilt_recording())[0], trials(tilt_recording(noise=0.1))[0]
+    quiet, noisy = extract_trials(tilt_recording())[0], extract_trials(tilt_recording(noise=0.1))[0]
     assert quiet.force_sd < noisy.force_sd
     assert abs(quiet.force[0] - noisy.force[0]) < 4.0 * noisy.force_sd
 
 
 def test_nothing_is_read_out_of_a_touch_that_moved_nothing() -> None:
     rec = tilt_recording()
-    assert trials(recording(rec.experiment, None, rec.tips, rec.forces)) == ()
-    assert trials(recording(rec.experiment, "topple", rec.tips[:5], rec.forces[:5])) == ()
+    assert extract_trials(recording(rec.experiment, None, rec.tips, rec.forces)) == ()
+    assert extract_trials(recording(rec.experiment, "topple", rec.tips[:5], rec.forces[:5])) == ()
 
 
 def test_the_curve_shows_the_onset() -> None:
-    found = curve(tilt_recording(noise=0.02))
+    found = force_curve(tilt_recording(noise=0.02))
     assert found.onset is not None
     assert found.onset.moved
     # The tilt begins at 0.6 s; the kink is found to a few samples.

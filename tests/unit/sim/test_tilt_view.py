@@ -5,20 +5,20 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.control.pushing.tilt_estimator import TiltView
+from sim.control.pushing.tilt_estimator import TiltEstimator
 
 NOISE = np.radians(1.0)
 PERIOD, FRAME, DELAY = 0.01, 1.0 / 30.0, 0.05
 
 
-def _watched(rate: float, offset: float, *, seconds: float, seed: int = 0) -> TiltView:
+def _watched(rate: float, offset: float, *, seconds: float, seed: int = 0) -> TiltEstimator:
     """A tilt that grows at a rate, while the fingertip tells it with an offset [rad]."""
-    rng, view, taken = np.random.default_rng(seed), TiltView(NOISE), 0
+    rng, view, taken = np.random.default_rng(seed), TiltEstimator(NOISE), 0
     for time in np.arange(0.0, seconds, PERIOD):
-        view.moved(time, rate * time + offset)
+        view.update_from_tip(time, rate * time + offset)
         if taken * FRAME + DELAY <= time:
             seen = rate * taken * FRAME + rng.normal(0.0, NOISE)
-            view.seen(taken * FRAME, seen)
+            view.update_from_camera(taken * FRAME, seen)
             taken += 1
     return view
 
@@ -43,9 +43,9 @@ def test_the_camera_takes_out_what_the_fingertip_does_not_know(offset: float) ->
 
 
 def test_without_frames_the_fingertip_is_believed() -> None:
-    view = TiltView(NOISE)
-    view.moved(0.0, 0.01)
+    view = TiltEstimator(NOISE)
+    view.update_from_tip(0.0, 0.01)
     assert view.tilt == pytest.approx(0.01)
     # The frames that it is trusted like: a single one moves it by a fifth at most.
-    view.seen(0.0, 0.02)
+    view.update_from_camera(0.0, 0.02)
     assert view.tilt == pytest.approx(0.012)

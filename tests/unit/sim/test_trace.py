@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim.traces.trace import ContactEvent, Trace, joined
+from sim.traces.trace import ContactEvent, Trace, join_traces
 
 N = 40
 
@@ -41,14 +41,14 @@ def trace(x: float, moved: float, fingers: int, began: float) -> Trace:
 
 def test_one_alone_is_itself() -> None:
     only = trace(0.5, 0.1, 2, 0.0)
-    assert joined([only]) is only
+    assert join_traces([only]) is only
 
 
 @pytest.mark.parametrize(("before", "after"), [(2, 2), (2, 1), (1, 2)])
 def test_one_after_another(before: int, after: int) -> None:
     first = replace(trace(0.5, 0.04, before, 0.0), end="tilted")
     second = trace(0.54, 0.06, after, 1.0)
-    both = joined([first, second])
+    both = join_traces([first, second])
     assert len(both.time) == len(both.phase) == len(both.joints) == len(both.force_limit) == 2 * N
     assert (np.diff(both.time) > 0.0).all()
     assert (both.end, tuple(both.tips)) == ("stroke", tuple(second.tips))
@@ -63,7 +63,7 @@ def test_one_after_another(before: int, after: int) -> None:
 
 def test_the_way_is_from_the_first_look_to_the_last() -> None:
     first, second = trace(0.5, 0.04, 2, 0.0), trace(0.54, 0.06, 2, 1.0)
-    both = joined([first, second])
+    both = join_traces([first, second])
     assert both.displacement("box") == pytest.approx((0.1, 0.0, 0.0))
     assert first.seen_displacement("box") == pytest.approx((0.04, 0.0, 0.0))
     assert both.seen_displacement("box") == pytest.approx((0.1, 0.0, 0.0))
@@ -72,8 +72,8 @@ def test_the_way_is_from_the_first_look_to_the_last() -> None:
 def test_one_that_ended_before_the_hand_got_there_has_no_fingers() -> None:
     first = trace(0.5, 0.04, 2, 0.0)
     ended = replace(trace(0.54, 0.0, 1, 1.0), tips={}, felt={}, end="unreachable")
-    both = joined([first, ended])
+    both = join_traces([first, ended])
     assert (both.end, tuple(both.tips)) == ("unreachable", tuple(first.tips))
     np.testing.assert_allclose(both.push_force()[:N], first.push_force())
     assert not both.push_force()[N:].any()
-    assert joined([ended, ended]).tips == {}
+    assert join_traces([ended, ended]).tips == {}

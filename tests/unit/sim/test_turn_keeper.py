@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.control.pushing.turn_estimator import TurnedObject, TurnKeeper
+from sim.control.pushing.turn_estimator import TurnedObject, TurnEstimator
 from sim.rotations import Array, rot_z
 from sim.worlds.ports import SeenPose
 
@@ -42,32 +42,32 @@ class Truth:
         return SeenPose(rot_z(seen), np.append(place, 0.0))
 
 
-def _keeper(believed: float, slip: float = 0.0, turn_sd: float = 0.006) -> TurnKeeper:
+def _keeper(believed: float, slip: float = 0.0, turn_sd: float = 0.006) -> TurnEstimator:
     tip = CONTACT - RADIUS * INWARD
     body = TurnedObject(0.0, INWARD, MIDDLE - tip, DIRECTION, RADIUS, believed)
-    return TurnKeeper(body, tip, slip, deviations=(turn_sd, 0.001), camera=(NOISE, ANGLE_NOISE))
+    return TurnEstimator(body, tip, slip, deviations=(turn_sd, 0.001), camera=(NOISE, ANGLE_NOISE))
 
 
-def _pushed(keeper: TurnKeeper, truth: Truth, travel: float, *, seed: int, speed: float) -> None:
+def _pushed(keeper: TurnEstimator, truth: Truth, travel: float, *, seed: int, speed: float) -> None:
     """Feeds a push of so much travel, frames at 25 Hz as late as the camera's."""
     rng, tip = np.random.default_rng(seed), CONTACT - RADIUS * INWARD
     ways = np.arange(0.0, travel, speed * PERIOD)
     late = round(DELAY / PERIOD)
     for k, way in enumerate(ways):
-        keeper.moved(k * PERIOD, truth.at(way, tip))
+        keeper.update_from_tip(k * PERIOD, truth.at(way, tip))
         if k % 4 == 0 and k > late:
-            keeper.seen((k - late) * PERIOD, truth.pose(ways[k - late], rng))
+            keeper.update_from_camera((k - late) * PERIOD, truth.pose(ways[k - late], rng))
 
 
 @pytest.mark.parametrize("rate", [-12.0, 8.0])
 def test_between_frames_it_goes_by_the_rate_and_the_way_of_the_contact(rate: float) -> None:
     keeper, truth, tip = _keeper(rate), Truth(rate), CONTACT - RADIUS * INWARD
     for k in range(200):
-        keeper.moved(k * PERIOD, truth.at(k * 2e-4, tip))
+        keeper.update_from_tip(k * PERIOD, truth.at(k * 2e-4, tip))
     travel = 199 * 2e-4
     # Each step is taken along the direction at its beginning, a thousandth of a radian off.
     assert keeper.travel == pytest.approx(travel, rel=5e-4)
-    assert keeper.turned == pytest.approx(rate * travel, rel=5e-4)
+    assert keeper.turn_angle == pytest.approx(rate * travel, rel=5e-4)
 
 
 @pytest.mark.parametrize("share", [0.6, 1.0, 1.7])
@@ -76,7 +76,7 @@ def test_a_wrong_rate_is_found(share: float) -> None:
     for seed in range(8):
         truth, keeper = Truth(-8.0), _keeper(-8.0 * share)
         _pushed(keeper, truth, 0.06, seed=seed, speed=0.02)
-        errors.append(keeper.turned - truth.rate * keeper.travel)
+        errors.append(keeper.turn_angle - truth.rate * keeper.travel)
         rates.append(keeper.rate)
     # 75 frames of 1°, of which the last dozen count most, and a first heading known to 0.3°.
     assert np.degrees(np.sqrt(np.mean(np.square(errors)))) < 0.4
@@ -89,14 +89,16 @@ def test_a_late_frame_does_not_pull_the_turn_back() -> None:
     tip, travel = CONTACT - RADIUS * INWARD, 0.0
     for k in range(101):
         travel = k * 0.05 * PERIOD
-        keeper.moved(k * PERIOD, truth.at(travel, tip))
-    before = keeper.turned
+        keeper.update_from_tip(k * PERIOD, truth.at(travel, tip))
+    before = keeper.turn_angle
     then = travel - 0.05 * DELAY
     place = truth.at(then, MIDDLE)
-    keeper.seen(1.0 - DELAY, SeenPose(rot_z(truth.rate * then), np.append(place, 0.0)))
+    keeper.update_from_camera(
+        1.0 - DELAY, SeenPose(rot_z(truth.rate * then), np.append(place, 0.0))
+    )
     # It shows 1.4° less than now, and just that is expected of it.
     assert np.degrees(abs(truth.rate * 0.05 * DELAY)) > 1.4
-    assert keeper.turned == pytest.approx(before, abs=3e-4)
+    assert keeper.turn_angle == pytest.approx(before, abs=3e-4)
 
 
 def test_slip_along_the_face_is_seen() -> None:
@@ -106,11 +108,11 @@ def test_slip_along_the_face_is_seen() -> None:
     rng, tip = np.random.default_rng(3), CONTACT - RADIUS * INWARD
     for k in range(300):
         travel = k * 2e-4
-        keeper.moved(k * PERIOD, truth.at(travel, tip))
+        keeper.update_from_tip(k * PERIOD, truth.at(travel, tip))
         if k % 4 == 0 and k:
             seen = truth.pose(travel, rng)
             shifted = seen.p_WB[:2] + _rotation(truth.rate * travel) @ offset
-            keeper.seen(k * PERIOD, SeenPose(seen.R_WB, np.append(shifted, 0.0)))
+            keeper.update_from_camera(k * PERIOD, SeenPose(seen.R_WB, np.append(shifted, 0.0)))
     # 75 frames of 2 mm, forgotten as the finger may slip by 0.8 mm per centimetre.
     assert keeper.slip == pytest.approx(slip, abs=0.0015)
 
@@ -124,11 +126,11 @@ def test_a_finger_that_slips_slowly_is_followed_and_noise_is_not() -> None:
             travel = k * 2e-4
             slip = 0.05 * travel  # 3 mm over 6 cm
             offset = slip * np.array([INWARD[1], -INWARD[0]])
-            keeper.moved(k * PERIOD, truth.at(travel, tip))
+            keeper.update_from_tip(k * PERIOD, truth.at(travel, tip))
             if k % 4 == 0 and k:
                 seen = truth.pose(travel, rng)
                 shifted = seen.p_WB[:2] + _rotation(truth.rate * travel) @ offset
-                keeper.seen(k * PERIOD, SeenPose(seen.R_WB, np.append(shifted, 0.0)))
+                keeper.update_from_camera(k * PERIOD, SeenPose(seen.R_WB, np.append(shifted, 0.0)))
         errors.append(keeper.slip - slip)
     # It lags by the way on which a slip is believed, and single frames of 2 mm hardly move it.
     assert -0.65e-3 < np.mean(errors) < 0.0

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sim.random_streams import Stream, source
+from sim.random_streams import RandomStream, source
 from sim.standard_robot import HAND
 from sim.truth.scene_file import FrictionVariation, Scene, VaryingTable, parse_scene
 from sim.worlds.drake.drake_plant import Plant, add_plant
@@ -117,7 +117,7 @@ def test_the_force_to_slide_is_that_of_the_place_and_of_the_trial(free: Free) ->
     assert np.ptp(onsets) > 0.1 * np.mean(onsets)
     # Only the third trial began with a touch; changes below 0.1 % are not carried out.
     np.testing.assert_allclose(factors[:2], 1.0, rtol=1e-3)
-    drawn = source(seed, Stream.TRIAL_FRICTION).standard_normal() * np.sqrt(np.log1p(0.2**2))
+    drawn = source(seed, RandomStream.TRIAL_FRICTION).standard_normal() * np.sqrt(np.log1p(0.2**2))
     np.testing.assert_allclose(factors[2:], np.exp(drawn) / np.sqrt(1.04), rtol=2e-3)
     assert abs(factors[2] - 1.0) > 0.05
 

@@ -12,7 +12,7 @@ import pytest
 from grammar.frames import command as g
 from objectmodels import BoxModel
 from planner.types.defaults import DEFAULTS
-from sim.traces.trace import joined
+from sim.traces.trace import join_traces
 from tests.unit.nlcontrol.checks.conftest import (
     AWAY,
     MUG,
@@ -213,7 +213,7 @@ def test_a_hard_push_is_ready_to_press(make_trace: TraceMaker, box: BoxModel) ->
 def test_every_push_touches_it_where_it_was_said(make_trace: TraceMaker, box: BoxModel) -> None:
     low, high = seen(make_trace(height=0.03)), seen(make_trace(height=0.2))
     later = replace(high, time=high.time + low.time[-1] + 0.01)
-    both = joined([low, later])
+    both = join_traces([low, later])
     found = one(check(frame_of(AWAY, g.ContactRegion(region="bottom")), both, box), "height")
     assert not found.ok
     assert found.measured == pytest.approx(0.2)

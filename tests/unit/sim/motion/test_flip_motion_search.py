@@ -17,7 +17,7 @@ from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.arms.lwr.lwr_kinematics import LIMITS
-from sim.control.grasping.lid_sensing import LidView
+from sim.control.grasping.lid_sensing import LidEstimator
 from sim.execution.plan_execution import execute
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.motion.robot_reach import ArmHandReach
@@ -147,12 +147,12 @@ def test_out_of_reach_is_told() -> None:
 
 def test_the_view_follows_what_is_seen() -> None:
     cup = _state(0.24, 0.2, 0.1).objects[CUP]
-    view = LidView(cup, 0.0)
+    view = LidEstimator(cup, 0.0)
     lean = np.array(
         [[math.cos(0.1), 0.0, math.sin(0.1)], [0, 1, 0], [-math.sin(0.1), 0, math.cos(0.1)]]
     )
     pose = SeenPose(lean @ cup.pose.R_WB, cup.pose.p_WB + np.array([0.003, 0.004, 0.0]))
-    view.seen([Frame(0.0, 0.0, {CUP: pose}, {CUP: 1.0})] * 60)
+    view.update_from_camera([Frame(0.0, 0.0, {CUP: pose}, {CUP: 1.0})] * 60)
     # After 60 frames an exponential mean has forgotten all but a millionth of the start.
     assert view.lid == pytest.approx(1.0, abs=1e-5)
     assert view.tilt == pytest.approx(0.1, abs=1e-5)

@@ -11,7 +11,7 @@ from planner.types.actions import Limits
 from planner.types.plan import Plan
 from planner.types.world_state import PlanarPose
 from sim.control.pushing.push_guards import Guards, TiltGuards
-from sim.control.pushing.tilt_estimator import TiltView
+from sim.control.pushing.tilt_estimator import TiltEstimator
 from sim.traces.trace import EndReason
 from tests.unit.planner.conftest import planned, world
 
@@ -135,7 +135,7 @@ def test_a_tilt_is_let_back_before_the_angle_of_no_return(
     # Without the limit of its sentence, which is nearer.
     push = made.push.model_copy(update={"limits": Limits()})
     plan = made.model_copy(update={"actions": (push,)})
-    view = TiltView(np.radians(1.0))
-    view.moved(0.0, share * plan.push.prediction.stay_on_base_angle)
+    view = TiltEstimator(np.radians(1.0))
+    view.update_from_tip(0.0, share * plan.push.prediction.stay_on_base_angle)
     found = TiltGuards(plan, PERIOD).tilt_end(1.0, 1e-4, plan.push.prediction.onset, view)
     assert (found and found[0]) == end
