@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import nlcontrol_former_names  # noqa: F401 – serves former names
 from grammar.errors import ParseError
 from grammar.frames.command import Command, Frame, ObjectRef
 

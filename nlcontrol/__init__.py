@@ -14,10 +14,11 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
-import nlcontrol_former_names  # noqa: F401 – serves former names
 from nlcontrol._shadowing import refuse_shadowed
+from nlcontrol.former_names import serve_former_names
 
 refuse_shadowed()
+serve_former_names()
 
 if TYPE_CHECKING:
     from grammar import Command, Frame, ParseError, parse

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import nlcontrol_former_names  # noqa: F401 – serves former names
 from objectmodels.lazy_names import lazy_names
 
 if TYPE_CHECKING:

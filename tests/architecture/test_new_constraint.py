@@ -89,7 +89,6 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("recipe")
     for package in PACKAGES:
         shutil.copytree(ROOT / package, folder / package)
-    shutil.copy(ROOT / "nlcontrol_former_names.py", folder)
     for name, known, new in EDITS:
         path = folder / name
         text = path.read_text(encoding="utf-8")

@@ -1,8 +1,8 @@
 """Former names of documented modules, which plug-ins may still import for one version.
 
-Each of the five packages imports this module. A former name is looked up only when Python finds no
-module of that name, and importing it warns with `DeprecationWarning`. To rename something that the
-guides show, add a row here.
+The front serves them: `import nlcontrol` comes first, as it does wherever a plug-in is loaded. A
+former name is looked up only when Python finds no module of that name, and importing it warns with
+`DeprecationWarning`. To rename something that the guides show, add a row here.
 """
 
 from __future__ import annotations
@@ -63,4 +63,6 @@ class _FormerNames(MetaPathFinder, Loader):
         vars(module)["__getattr__"] = current
 
 
-sys.meta_path.append(_FormerNames())
+def serve_former_names() -> None:
+    """Let Python find documented modules by their former names."""
+    sys.meta_path.append(_FormerNames())
