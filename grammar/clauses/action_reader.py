@@ -14,21 +14,7 @@ from grammar.clauses.object_descriptions import part_and_owner
 from grammar.errors import ParseError
 from grammar.frames import command as g
 from grammar.frames.command import Span
-from grammar.phrases.phrase_parts import (
-    AmountPart,
-    AskPart,
-    ConstraintPart,
-    DirectionPart,
-    HeadingPart,
-    IfPart,
-    Part,
-    ParticlePart,
-    PlacePart,
-    PurposePart,
-    ResultPart,
-    ThingPart,
-    VerbPart,
-)
+from grammar.phrases import phrase_parts as ph
 from grammar.words.lexicon import Lexicon, Verb
 from grammar.words.normalisation import Normalised
 
@@ -50,7 +36,7 @@ _STOPS: dict[str, g.Event] = {"moves": "moves", "tips": "tips", "about_to_tip": 
 _ASK_FOR_EVENTS = ("how_hard", "where")
 """Questions that may ask about an event."""
 
-Parts = list[Part]
+Parts = list[ph.Part]
 
 
 class ActionReader:
@@ -65,19 +51,19 @@ class ActionReader:
 
     def __init__(
         self,
-        parts: Sequence[Part],
-        asks: Sequence[AskPart],
+        parts: Sequence[ph.Part],
+        asks: Sequence[ph.Ask],
         lexicon: Lexicon,
         sentence: Normalised,
     ) -> None:
-        self._parts = [p for p in parts if not isinstance(p, VerbPart | IfPart)]
-        self._head = next(part for part in parts if isinstance(part, VerbPart))
+        self._parts = [p for p in parts if not isinstance(p, ph.Verb | ph.If)]
+        self._head = next(part for part in parts if isinstance(part, ph.Verb))
         self._asks = asks
         self._query = next((each.query for each in asks), None)
         self._lexicon = lexicon
         self._sentence = sentence
 
-    def frame_about(self, thing: ThingPart) -> g.Frame:
+    def frame_about(self, thing: ph.Thing) -> g.Frame:
         """The frame of the clause as it is about a thing.
 
         Raises:
@@ -111,9 +97,9 @@ class ActionReader:
         self,
         verb: Verb,
         name: str,
-        result: ResultPart | None,
+        result: ph.Result | None,
         rest: Parts,
-        thing: ThingPart,
+        thing: ph.Thing,
         span: Span,
     ) -> g.Goal:
         """Build the goal; every part that is left finds its place in it."""
@@ -123,7 +109,7 @@ class ActionReader:
                 "does_not_apply", message, thing.span, ("pour the contents of it into …",)
             )
         if verb.goal not in _PUSHED or verb.action == "pull":
-            rest = [p for p in rest if not (isinstance(p, DirectionPart) and p.implied)]
+            rest = [p for p in rest if not (isinstance(p, ph.Direction) and p.implied)]
         clause = Clause(rest, verb, self._sentence, span)
         goal = goal_builder_for(verb, result, clause)(clause)
         clause.require_all_taken(name)
@@ -132,41 +118,41 @@ class ActionReader:
         return goal.model_copy(update={"spans": tuple(sorted((*goal.spans, result.span)))})
 
     def _result_and_event(
-        self, rest: Parts, thing: ThingPart, verb: Verb
-    ) -> tuple[ResultPart | None, Parts, g.Event | None, g.Spans]:
+        self, rest: Parts, thing: ph.Thing, verb: Verb
+    ) -> tuple[ph.Result | None, Parts, g.Event | None, g.Spans]:
         """Find the wanted result, or the event that a question asks about, with its words."""
         event = next((each.event for each in self._asks if each.event), None)
-        said = tuple(p.span for p in rest if isinstance(p, ResultPart | PurposePart))
+        said = tuple(p.span for p in rest if isinstance(p, ph.Result | ph.Purpose))
         result, rest, asked = self._wanted_result(rest, thing, self._query, verb)
         return result, rest, event or asked, said if asked else ()
 
     def _wanted_result(
-        self, rest: Parts, thing: ThingPart, query: g.Query | None, verb: Verb
-    ) -> tuple[ResultPart | None, Parts, g.Event | None]:
+        self, rest: Parts, thing: ph.Thing, query: g.Query | None, verb: Verb
+    ) -> tuple[ph.Result | None, Parts, g.Event | None]:
         """Find the wanted result; in a question it is the event that is asked about."""
-        results = [p for p in rest if isinstance(p, ResultPart | PurposePart)]
-        rest = [p for p in rest if not isinstance(p, ResultPart | PurposePart)]
+        results = [p for p in rest if isinstance(p, ph.Result | ph.Purpose)]
+        rest = [p for p in rest if not isinstance(p, ph.Result | ph.Purpose)]
         if not results:
             return None, rest, None
         if len(results) > 1:
             raise unexpected_part(results[1], self._sentence)
         part = results[0]
-        mention = part.subject if isinstance(part, ResultPart) else part.thing
+        mention = part.subject if isinstance(part, ph.Result) else part.thing
         require_same(mention, thing, part, self._sentence)
-        before = isinstance(part, PurposePart) and part.before
+        before = isinstance(part, ph.Purpose) and part.before
         if query in ("how_hard", "where") and part.event in _EVENTS:
             return None, rest, _EVENTS[part.event]
         if query in ("how_hard", "where") and part.event == "stays_upright":
             return None, rest, "stays_upright"
         if query or before or part.event == "stays_upright":
             raise unexpected_part(part, self._sentence)
-        if isinstance(part, PurposePart):
-            part = ResultPart(part.span, part.event, thing)
+        if isinstance(part, ph.Purpose):
+            part = ph.Result(part.span, part.event, thing)
         elif part.amount:
-            rest.append(AmountPart(part.span, part.amount))
+            rest.append(ph.Amount(part.span, part.amount))
         return part, rest, None
 
-    def _of_a_part(self, goal: g.Goal, thing: ThingPart) -> tuple[g.Goal, ThingPart]:
+    def _of_a_part(self, goal: g.Goal, thing: ph.Thing) -> tuple[g.Goal, ph.Thing]:
         """Takes "the lid of the cup", when it is opened, for a part of the cup."""
         if not isinstance(goal, g.Open | g.Close):
             return goal, thing
@@ -176,10 +162,10 @@ class ActionReader:
         part, span, whole = parted
         return goal.model_copy(update={"part": part, "spans": (*goal.spans, span)}), whole
 
-    def _find_verb(self, part: VerbPart, rest: Parts) -> tuple[Verb, str, tuple[Span, ...], Parts]:
+    def _find_verb(self, part: ph.Verb, rest: Parts) -> tuple[Verb, str, tuple[Span, ...], Parts]:
         """Finds the verb with or without its particle; returns what it leaves of the rest."""
         lexicon = self._lexicon
-        particle = next((p for p in rest if isinstance(p, ParticlePart)), None)
+        particle = next((p for p in rest if isinstance(p, ph.Particle)), None)
         alone = lexicon.find_verb(part.word)
         if particle is not None and particle.optional:
             topples = lexicon.find_verb(part.word, particle.word)
@@ -203,7 +189,7 @@ class ActionReader:
             )
         moves = alone.goal in ("displace", "contact")
         if particle is not None and moves and particle.word in _UP_AND_DOWN:
-            direction = DirectionPart(particle.span, _UP_AND_DOWN[particle.word])
+            direction = ph.Direction(particle.span, _UP_AND_DOWN[particle.word])
             rest = [direction if p is particle else p for p in rest]
         return alone, part.word, (part.span,), rest
 
@@ -242,16 +228,16 @@ def _without_stops(
 
 def _with_stop_as_constraint(parts: Parts) -> Parts:
     """Takes "to the left so that it touches the mug" for a direction and where to stop."""
-    ends = next((p for p in parts if isinstance(p, ResultPart) and p.event == "ends_up"), None)
-    place = next((p for p in parts if isinstance(p, PlacePart)), None)
-    directed = any(isinstance(p, DirectionPart | HeadingPart) for p in parts)
+    ends = next((p for p in parts if isinstance(p, ph.Result) and p.event == "ends_up"), None)
+    place = next((p for p in parts if isinstance(p, ph.Place)), None)
+    directed = any(isinstance(p, ph.Direction | ph.Heading) for p in parts)
     if ends is None or place is None or not directed:
         return parts
     if place.relation not in ("touching", "next_to") or not isinstance(place.reference, tuple):
         return parts
     event = cast(Any, place.relation)
     stop = g.Until(event=event, object=place.reference[0], spans=(place.span,))
-    until = ConstraintPart(place.span, stop, ends.subject)
+    until = ph.Constraint(place.span, stop, ends.subject)
     return [until if part is place else part for part in parts if part is not ends]
 
 

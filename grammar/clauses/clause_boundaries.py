@@ -13,38 +13,25 @@ from dataclasses import replace
 from grammar.clauses.clause_errors import unexpected_part
 from grammar.errors import ParseError
 from grammar.frames.command import Span
-from grammar.phrases.phrase_parts import (
-    AmountPart,
-    AskPart,
-    AvoidPart,
-    ConstraintPart,
-    ExplorePart,
-    FillerPart,
-    FurtherNoTouchPart,
-    NextPart,
-    Part,
-    RemarkPart,
-    SeparatorPart,
-    VerbPart,
-)
+from grammar.phrases import phrase_parts as ph
 from grammar.words.normalisation import Normalised
 
-_JOINTS = (SeparatorPart, NextPart)
-_HEADS = (VerbPart, ExplorePart)
-_OPENINGS = (FillerPart, AmountPart, ConstraintPart, AvoidPart, RemarkPart)
+_JOINTS = (ph.Separator, ph.Next)
+_HEADS = (ph.Verb, ph.Explore)
+_OPENINGS = (ph.Filler, ph.Amount, ph.Constraint, ph.Avoid, ph.Remark)
 """What may stand before a verb."""
 
-Parts = list[Part]
+Parts = list[ph.Part]
 
 
-def clauses_of(parts: Sequence[Part], sentence: Normalised) -> list[Parts]:
+def clauses_of(parts: Sequence[ph.Part], sentence: Normalised) -> list[Parts]:
     """Splits the parts of a sentence into those of its clauses, joints left out.
 
     Raises:
         ParseError: `several_commands`, `unexpected_words`, `incomplete`, `unsupported_question`.
     """
     parts = _require_joints_join(_without_requests(parts, sentence), sentence)
-    if any(isinstance(part, AskPart) for part in parts):
+    if any(isinstance(part, ph.Ask) for part in parts):
         return [_question_parts(parts, sentence)]
     if sentence.question and not _is_request(sentence):
         raise _unclear_question_error(sentence)
@@ -52,7 +39,7 @@ def clauses_of(parts: Sequence[Part], sentence: Normalised) -> list[Parts]:
     for part in parts:
         if isinstance(part, _HEADS) and any(isinstance(p, _HEADS) for p in clauses[-1]):
             clauses.append(_take_opening(clauses[-1], part, sentence))
-        elif isinstance(part, NextPart) and part.word == "then" and _without_joints(clauses[-1]):
+        elif isinstance(part, ph.Next) and part.word == "then" and _without_joints(clauses[-1]):
             clauses.append([])
         clauses[-1].append(part)
     return [_without_joints(clause) for clause in clauses]
@@ -62,7 +49,7 @@ def _without_joints(clause: Parts) -> Parts:
     return [part for part in clause if not isinstance(part, _JOINTS)]
 
 
-def _take_opening(clause: Parts, verb: Part, sentence: Normalised) -> Parts:
+def _take_opening(clause: Parts, verb: ph.Part, sentence: Normalised) -> Parts:
     """Takes from a clause what opens the next one, back to the joint between them."""
     last = max((i for i, part in enumerate(clause) if isinstance(part, _JOINTS)), default=None)
     if last is None or not all(isinstance(part, _OPENINGS) for part in clause[last + 1 :]):
@@ -78,13 +65,13 @@ def _take_opening(clause: Parts, verb: Part, sentence: Normalised) -> Parts:
     return opening
 
 
-def _require_joints_join(parts: Sequence[Part], sentence: Normalised) -> Parts:
+def _require_joints_join(parts: Sequence[ph.Part], sentence: Normalised) -> Parts:
     """The parts, once every joint is found to join something."""
-    said = [part for part in parts if not isinstance(part, FillerPart)]
-    if isinstance(parts[-1], FillerPart) and said and isinstance(said[-1], SeparatorPart):
+    said = [part for part in parts if not isinstance(part, ph.Filler)]
+    if isinstance(parts[-1], ph.Filler) and said and isinstance(said[-1], ph.Separator):
         said.pop()  # "…, thank you"
     for before, part, after in zip([None, *said], said, [*said[1:], None], strict=False):
-        if not isinstance(part, SeparatorPart):
+        if not isinstance(part, ph.Separator):
             continue
         if after is None:
             raise ParseError(
@@ -95,31 +82,31 @@ def _require_joints_join(parts: Sequence[Part], sentence: Normalised) -> Parts:
             )
         if before is None and part.word != ",":
             raise _joint_error(part, sentence)
-        doubled = isinstance(after, SeparatorPart)
+        doubled = isinstance(after, ph.Separator)
         if doubled or (part.word == "or" and not _is_avoidance(after)):
             raise _joint_error(after if doubled else part, sentence)
     return list(parts)
 
 
-def _is_avoidance(part: Part) -> bool:
-    return isinstance(part, AvoidPart | FurtherNoTouchPart)
+def _is_avoidance(part: ph.Part) -> bool:
+    return isinstance(part, ph.Avoid | ph.FurtherNoTouch)
 
 
-def _joint_error(part: Part, sentence: Normalised) -> ParseError:
+def _joint_error(part: ph.Part, sentence: Normalised) -> ParseError:
     """A joint that joins nothing, or that leaves a choice."""
-    if not isinstance(part, SeparatorPart) or part.word != "or":
+    if not isinstance(part, ph.Separator) or part.word != "or":
         return unexpected_part(part, sentence)
     message = f'"{sentence.words_as_written(part.span)}" leaves a choice'
     return ParseError("unexpected_words", message, part.span, ("say the one that is meant",))
 
 
-def _without_requests(parts: Sequence[Part], sentence: Normalised) -> Parts:
+def _without_requests(parts: Sequence[ph.Part], sentence: Normalised) -> Parts:
     """Takes "can you" for a polite request, unless a question mark ends the sentence."""
     out: Parts = []
     for part in parts:
-        if isinstance(part, AskPart) and part.query is None:
+        if isinstance(part, ph.Ask) and part.query is None:
             asks = sentence.question
-            out.append(replace(part, query="possible") if asks else FillerPart(part.span, False))
+            out.append(replace(part, query="possible") if asks else ph.Filler(part.span, False))
         else:
             out.append(part)
     return out
@@ -147,7 +134,7 @@ def _unclear_question_error(sentence: Normalised) -> ParseError:
 def _question_parts(parts: Parts, sentence: Normalised) -> Parts:
     """The parts of a question, which is about one action."""
     verbs = [part for part in parts if isinstance(part, _HEADS)]
-    asks = [part for part in parts if isinstance(part, AskPart)]
+    asks = [part for part in parts if isinstance(part, ph.Ask)]
     actions = 0 if asks[0].query in ("value", "affordances") else 1
     others = [ask for ask in asks[1:] if not _is_same_question(asks[0], ask)]
     extra: Parts = [*verbs[actions:], *others]
@@ -156,7 +143,7 @@ def _question_parts(parts: Parts, sentence: Normalised) -> Parts:
     return _without_joints(parts)
 
 
-def _is_same_question(first: AskPart, second: AskPart) -> bool:
+def _is_same_question(first: ph.Ask, second: ph.Ask) -> bool:
     """Check for two parts of one question: "if you push it, what happens, will it topple"."""
     return first.query == second.query == "predict" and None in (first.event, second.event)
 

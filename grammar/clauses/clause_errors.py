@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from grammar.errors import ParseError
-from grammar.phrases.phrase_parts import FillerPart, Part, ThingPart, VerbPart
+from grammar.phrases import phrase_parts as ph
 from grammar.words.normalisation import Normalised
 
 
-def unexpected_part(part: Part, sentence: Normalised) -> ParseError:
+def unexpected_part(part: ph.Part, sentence: Normalised) -> ParseError:
     """Words that have no place where they stand."""
     written = sentence.words_as_written(part.span)
     message = f'"{written}" is not understood here'
     return ParseError("unexpected_words", message, part.span, (f'leave out "{written}"',))
 
 
-def several_objects(thing: ThingPart, sentence: Normalised) -> ParseError:
+def several_objects(thing: ph.Thing, sentence: Normalised) -> ParseError:
     """A second object."""
     return ParseError(
         "several_objects",
@@ -26,7 +26,7 @@ def several_objects(thing: ThingPart, sentence: Normalised) -> ParseError:
     )
 
 
-def no_object(verb: VerbPart, parts: Sequence[Part]) -> ParseError:
+def no_object(verb: ph.Verb, parts: Sequence[ph.Part]) -> ParseError:
     """A verb without what it is done to."""
     after = [part for part in parts if part.span[0] >= verb.span[1]]
     return ParseError(
@@ -37,9 +37,9 @@ def no_object(verb: VerbPart, parts: Sequence[Part]) -> ParseError:
     )
 
 
-def no_verb(sentence: Normalised, parts: Sequence[Part] = ()) -> ParseError:
+def no_verb(sentence: Normalised, parts: Sequence[ph.Part] = ()) -> ParseError:
     """Nothing says what to do."""
-    said = [part for part in parts if not isinstance(part, FillerPart)] or parts
+    said = [part for part in parts if not isinstance(part, ph.Filler)] or parts
     span = said[0].span if said else sentence.original_span(0, len(sentence.text))
     message = "the sentence does not say what to do"
     return ParseError("no_verb", message, span, ('say, for example, "push the box away"',))

@@ -8,25 +8,15 @@ from typing import TypeVar, cast
 from grammar.errors import ParseError
 from grammar.frames import command as g
 from grammar.frames.command import Span
-from grammar.phrases.phrase_parts import (
-    AmountPart,
-    AnglePart,
-    DiagonalPart,
-    DirectionPart,
-    FillerPart,
-    LengthPart,
-    Part,
-    SharePart,
-    VolumePart,
-)
+from grammar.phrases import phrase_parts as ph
 from grammar.words.lexicon import Verb
 from grammar.words.normalisation import Normalised
 
-P = TypeVar("P", bound=Part)
+P = TypeVar("P", bound=ph.Part)
 
 _OPPOSITES: tuple[set[g.Direction], ...] = ({"away", "toward"}, {"left", "right"})
-_MEASURES = (LengthPart, AnglePart)
-_HOW_MUCH = (AmountPart, SharePart, VolumePart)
+_MEASURES = (ph.Length, ph.Angle)
+_HOW_MUCH = (ph.Amount, ph.Share, ph.Volume)
 
 
 class Clause:
@@ -34,21 +24,21 @@ class Clause:
 
     def __init__(
         self,
-        parts: Sequence[Part],
+        parts: Sequence[ph.Part],
         verb: Verb,
         sentence: Normalised,
         verb_span: Span | None = None,
     ) -> None:
-        self._left = [part for part in parts if not isinstance(part, FillerPart)]
+        self._left = [part for part in parts if not isinstance(part, ph.Filler)]
         self._sentence = sentence
         self.verb = verb
         self.verb_span = verb_span
         self.spans: list[Span] = []
 
-    def has_part(self, *kinds: type[Part]) -> bool:
+    def has_part(self, *kinds: type[ph.Part]) -> bool:
         """Check for a part of these kinds that is left; an implied direction does not count."""
         return any(
-            isinstance(part, kinds) and not (isinstance(part, DirectionPart) and part.implied)
+            isinstance(part, kinds) and not (isinstance(part, ph.Direction) and part.implied)
             for part in self._left
         )
 
@@ -56,11 +46,11 @@ class Clause:
         """The first part of a kind, which stays to be taken."""
         return next((part for part in self._left if isinstance(part, kind)), None)
 
-    def replace_part(self, instead_of: Part, part: Part) -> None:
+    def replace_part(self, instead_of: ph.Part, part: ph.Part) -> None:
         """Takes a part for another one."""
         self._left = [part if each is instead_of else each for each in self._left]
 
-    def how_much(self) -> list[Part]:
+    def how_much(self) -> list[ph.Part]:
         """Everything that says how much of a liquid, in the order of the sentence; not taken."""
         return [part for part in self._left if isinstance(part, _HOW_MUCH)]
 
@@ -78,7 +68,7 @@ class Clause:
             raise self.said_twice_error(taken[0], taken[1])
         return taken[0] if taken else None
 
-    def said_twice_error(self, first: Part, second: Part) -> ParseError:
+    def said_twice_error(self, first: ph.Part, second: ph.Part) -> ParseError:
         """Two parts say the same thing."""
         quotes = self.quote(first), self.quote(second)
         return ParseError(
@@ -89,7 +79,7 @@ class Clause:
             spans=(first.span, second.span),
         )
 
-    def contradiction_error(self, first: Part, second: Part) -> ParseError:
+    def contradiction_error(self, first: ph.Part, second: ph.Part) -> ParseError:
         """Two parts contradict each other."""
         quotes = self.quote(first), self.quote(second)
         return ParseError(
@@ -100,18 +90,18 @@ class Clause:
             spans=(first.span, second.span),
         )
 
-    def does_not_apply_error(self, part: Part, message: str, *suggestions: str) -> ParseError:
+    def does_not_apply_error(self, part: ph.Part, message: str, *suggestions: str) -> ParseError:
         """A part that does not apply."""
         text = f"{self.quote(part)} {message}"
         return ParseError("does_not_apply", text, part.span, suggestions)
 
-    def quote(self, part: Part) -> str:
+    def quote(self, part: ph.Part) -> str:
         """The words of a part, in quotation marks."""
         return f'"{self._sentence.words_as_written(part.span)}"'
 
     def take_directions(self) -> tuple[g.Direction, ...]:
         """Takes what is said of the direction: none, one, or two across each other."""
-        parts = self.take_all(DirectionPart)
+        parts = self.take_all(ph.Direction)
         if any(not part.implied for part in parts):
             self.spans = [s for s in self.spans if s not in {p.span for p in parts if p.implied}]
             parts = [part for part in parts if not part.implied]
@@ -120,7 +110,7 @@ class Clause:
                 if {part.value, other.value} in _OPPOSITES:
                     raise self.contradiction_error(other, part)
         said = {part.value for part in parts}
-        diagonal = self.take_only(DiagonalPart)
+        diagonal = self.take_only(ph.Diagonal)
         if diagonal is not None and len(said) < 2:
             message = "needs two directions"
             raise self.does_not_apply_error(
@@ -130,11 +120,11 @@ class Clause:
 
     def drop_implied(self) -> None:
         """Forgets the direction that a side implies, where another says where to go."""
-        self._left = [p for p in self._left if not (isinstance(p, DirectionPart) and p.implied)]
+        self._left = [p for p in self._left if not (isinstance(p, ph.Direction) and p.implied)]
 
     def take_direction(self) -> g.Direction | None:
         """Takes what is said of the direction, where only a single one makes sense."""
-        last = next((p for p in reversed(self._left) if isinstance(p, DirectionPart)), None)
+        last = next((p for p in reversed(self._left) if isinstance(p, ph.Direction)), None)
         directions = self.take_directions()
         if last is not None and len(directions) > 1:
             message = "is a second direction; a single one is possible here"
@@ -143,13 +133,13 @@ class Clause:
 
     def take_angle(self) -> tuple[float | None, g.Bound]:
         """Takes an angle and its bound."""
-        part = self.take_only(AnglePart)
+        part = self.take_only(ph.Angle)
         return (None, "exact") if part is None else (part.value, part.bound)
 
     def take_amount(self) -> g.Amount | None:
         """Takes "a little", unless a quantity says how much."""
         measure = next((part for part in self._left if isinstance(part, _MEASURES)), None)
-        part = self.take_only(AmountPart)
+        part = self.take_only(ph.Amount)
         if part is not None and measure is not None:
             raise self.said_twice_error(part, measure)
         return None if part is None else cast(g.Amount, part.value)

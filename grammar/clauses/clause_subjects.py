@@ -14,52 +14,36 @@ from grammar.clauses.clause_errors import no_object, several_objects, unexpected
 from grammar.clauses.constraint_builder import require_same
 from grammar.clauses.object_descriptions import part_and_owner
 from grammar.frames import command as g
-from grammar.phrases.phrase_parts import (
-    AmountPart,
-    AskPart,
-    AvoidPart,
-    ConstraintPart,
-    FilledWithPart,
-    IntoPart,
-    LengthPart,
-    LidPart,
-    Part,
-    ParticlePart,
-    PlacePart,
-    RemarkPart,
-    ThingPart,
-    VerbPart,
-    VolumePart,
-)
+from grammar.phrases import phrase_parts as ph
 from grammar.words.lexicon import Lexicon, Verb
 from grammar.words.normalisation import Normalised
 
-NOBODY = ThingPart((0, 0), g.ObjectRef(text="it", pronoun=True))
+NOBODY = ph.Thing((0, 0), g.ObjectRef(text="it", pronoun=True))
 """What a remark is about that names nothing."""
 
 _MOVED_BY = {"from": "off", "on": "on"}
 """Particle that a lid's verb has where the sentence names what it goes off or on."""
 
-Parts = list[Part]
+Parts = list[ph.Part]
 
 
 # --- which object ------------------------------------------------------------------------------
 
 
 def clause_objects(
-    parts: Sequence[Part],
-    ask: Sequence[AskPart],
-    remarks: Sequence[RemarkPart],
+    parts: Sequence[ph.Part],
+    ask: Sequence[ph.Ask],
+    remarks: Sequence[ph.Remark],
     lexicon: Lexicon,
     sentence: Normalised,
-) -> list[ThingPart]:
+) -> list[ph.Thing]:
     """Find the objects of a clause with a verb: one, or several of a list.
 
     Raises:
         ParseError: `no_object`, `several_objects`, `other_object`, `unexpected_words`.
     """
     named = [part.thing for part in ask if part.thing is not None]
-    things = [part for part in parts if isinstance(part, ThingPart)]
+    things = [part for part in parts if isinstance(part, ph.Thing)]
     if named and len(things) > 1:
         raise several_objects(things[1], sentence)
     if named and named[0].ref.pronoun and things:
@@ -71,7 +55,7 @@ def clause_objects(
         return [replace(named[0], ref=named[0].ref.model_copy(update={"spans": spans}))]
     if not things and (remarks or any(part.query == "why" for part in ask)):
         return [NOBODY]
-    verb = next(part for part in parts if isinstance(part, VerbPart))
+    verb = next(part for part in parts if isinstance(part, ph.Verb))
     if not things:
         raise no_object(verb, parts)
     if not (verb.passive or remarks or ask) and things[0].span < verb.span:
@@ -85,10 +69,10 @@ def clause_objects(
     return things
 
 
-def _object_of_constraints(thing: ThingPart, parts: Sequence[Part]) -> ThingPart | None:
+def _object_of_constraints(thing: ph.Thing, parts: Sequence[ph.Part]) -> ph.Thing | None:
     """Object of "it" after "be careful not to topple the jar when you push it"."""
-    named = [part.thing for part in parts if isinstance(part, AvoidPart)]
-    named += [part.subject for part in parts if isinstance(part, ConstraintPart)]
+    named = [part.thing for part in parts if isinstance(part, ph.Avoid)]
+    named += [part.subject for part in parts if isinstance(part, ph.Constraint)]
     for other in named:
         if other is not None and not other.ref.pronoun and other.span < thing.span:
             spans = other.ref.spans + thing.ref.spans
@@ -96,7 +80,7 @@ def _object_of_constraints(thing: ThingPart, parts: Sequence[Part]) -> ThingPart
     return None
 
 
-def _is_list(things: Sequence[ThingPart], lexicon: Lexicon, sentence: Normalised) -> bool:
+def _is_list(things: Sequence[ph.Thing], lexicon: Lexicon, sentence: Normalised) -> bool:
     """Check for things that stand side by side, joined by "and"."""
     for one, other in pairwise(things):
         between = sentence.original[one.span[1] : other.span[0]].casefold()
@@ -110,9 +94,9 @@ def _is_list(things: Sequence[ThingPart], lexicon: Lexicon, sentence: Normalised
 # --- objects that are implied ------------------------------------------------------------------
 
 
-def attach_objects(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
+def attach_objects(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
     """The parts of a clause, once it is about the object that its verb handles."""
-    verb = next((part for part in parts if isinstance(part, VerbPart)), None)
+    verb = next((part for part in parts if isinstance(part, ph.Verb)), None)
     if verb is None:
         return list(parts)
     asks = _asks_for(verb, parts, lexicon)
@@ -121,41 +105,41 @@ def attach_objects(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised
     if asks is not None and asks.goal == "pour":
         return _with_poured_object(parts, verb)
     parts = _with_owner_of_lid(parts, verb, asks, lexicon, sentence)
-    said = any(isinstance(part, LengthPart | AmountPart) for part in parts)
+    said = any(isinstance(part, ph.Length | ph.Amount) for part in parts)
     if asks is not None and asks.goal == "lift" and not said:
         return [_with_lift_height(part, sentence) for part in parts]
     return list(parts)
 
 
-def _asks_for(verb: VerbPart, parts: Sequence[Part], lexicon: Lexicon) -> Verb | None:
-    particle = next((p for p in parts if isinstance(p, ParticlePart)), None)
+def _asks_for(verb: ph.Verb, parts: Sequence[ph.Part], lexicon: Lexicon) -> Verb | None:
+    particle = next((p for p in parts if isinstance(p, ph.Particle)), None)
     with_it = particle and lexicon.find_verb(verb.word, particle.word)
     return with_it or lexicon.find_verb(verb.word)
 
 
-def _pronoun_after(after: Part) -> ThingPart:
+def _pronoun_after(after: ph.Part) -> ph.Thing:
     """A pronoun behind a part, for the object that was spoken of before."""
     end = after.span[1]
-    return ThingPart((end, end), g.ObjectRef(text="it", pronoun=True))
+    return ph.Thing((end, end), g.ObjectRef(text="it", pronoun=True))
 
 
 # --- contents ---------------------------------------------------------------------------------
 
 
-def _with_fill_as_pour(parts: Sequence[Part], verb: VerbPart) -> Parts:
+def _with_fill_as_pour(parts: Sequence[ph.Part], verb: ph.Verb) -> Parts:
     """Takes "fill the mug with ice tea" for pouring the ice tea into the mug."""
-    filled = next((part for part in parts if isinstance(part, ThingPart)), None)
-    if filled is None or any(isinstance(part, IntoPart) for part in parts):
+    filled = next((part for part in parts if isinstance(part, ph.Thing)), None)
+    if filled is None or any(isinstance(part, ph.Into) for part in parts):
         return list(parts)
-    out: Parts = [IntoPart(filled.span, filled.ref) if p is filled else p for p in parts]
-    source = next((part.thing for part in parts if isinstance(part, FilledWithPart)), None)
+    out: Parts = [ph.Into(filled.span, filled.ref) if p is filled else p for p in parts]
+    source = next((part.thing for part in parts if isinstance(part, ph.FilledWith)), None)
     return [*out, source or _pronoun_after(verb)]
 
 
-def _with_poured_object(parts: Sequence[Part], verb: VerbPart) -> Parts:
+def _with_poured_object(parts: Sequence[ph.Part], verb: ph.Verb) -> Parts:
     """Takes "pour 100 ml into the mug" for 100 ml of what was spoken of before."""
-    amount = any(isinstance(part, VolumePart | AmountPart) for part in parts)
-    named = any(isinstance(part, ThingPart) for part in parts)
+    amount = any(isinstance(part, ph.Volume | ph.Amount) for part in parts)
+    named = any(isinstance(part, ph.Thing) for part in parts)
     return list(parts) if named or not amount else [*parts, _pronoun_after(verb)]
 
 
@@ -163,17 +147,17 @@ def _with_poured_object(parts: Sequence[Part], verb: VerbPart) -> Parts:
 
 
 def _with_owner_of_lid(
-    parts: Sequence[Part],
-    verb: VerbPart,
+    parts: Sequence[ph.Part],
+    verb: ph.Verb,
     asks: Verb | None,
     lexicon: Lexicon,
     sentence: Normalised,
 ) -> Parts:
     """Takes what is done to a lid for something done to the object that it belongs to."""
-    thing = next((part for part in parts if isinstance(part, ThingPart)), None)
+    thing = next((part for part in parts if isinstance(part, ph.Thing)), None)
     if thing is None:
         return list(parts)
-    place = next((part for part in parts if isinstance(part, PlacePart)), None)
+    place = next((part for part in parts if isinstance(part, ph.Place)), None)
     off = lexicon.find_verb(verb.word, "off")
     words = " ".join(thing.ref.text.casefold().split())
     if words not in lexicon.lids:
@@ -182,37 +166,37 @@ def _with_owner_of_lid(
         if parted is None or parted[0] not in lexicon.lids or not lifts:
             return list(parts)
         name, span, whole = parted
-        own: Parts = [ParticlePart(verb.span, "off"), LidPart(span, name), whole]
+        own: Parts = [ph.Particle(verb.span, "off"), ph.Lid(span, name), whole]
         return [p for part in parts for p in (own if part is thing else [part])]
     if place is None:
-        return _with_lid_of_known_object(parts, verb, asks, off, LidPart(thing.span, words))
+        return _with_lid_of_known_object(parts, verb, asks, off, ph.Lid(thing.span, words))
     particle = _MOVED_BY.get(place.relation, "")
     known = lexicon.find_verb(verb.word, particle)
     opens = asks is not None and asks.goal == "open" and particle == "off"
     closes_or_opens = known is not None and known.goal in ("open", "close")
     if not isinstance(place.reference, tuple) or not (opens or closes_or_opens):
         return list(parts)
-    whole = ThingPart(place.reference[0].spans[0], place.reference[0])
+    whole = ph.Thing(place.reference[0].spans[0], place.reference[0])
     start, end = _relation_span(place, whole, sentence)
-    lid = LidPart((thing.span[0], end) if opens else thing.span, words)
-    moved: Parts = [whole] if opens else [ParticlePart((start, end), particle), whole]
+    lid = ph.Lid((thing.span[0], end) if opens else thing.span, words)
+    moved: Parts = [whole] if opens else [ph.Particle((start, end), particle), whole]
     said = [lid if part is thing else part for part in parts]
     return [p for part in said for p in (moved if part is place else [part])]
 
 
 def _with_lid_of_known_object(
-    parts: Sequence[Part], verb: VerbPart, asks: Verb | None, off: Verb | None, lid: LidPart
+    parts: Sequence[ph.Part], verb: ph.Verb, asks: Verb | None, off: Verb | None, lid: ph.Lid
 ) -> Parts:
     """Takes "lift the lid", "put the lid back on" for the lid of what was spoken of before."""
-    said = [p for p in parts if not (isinstance(p, ThingPart) and p.span == lid.span)]
+    said = [p for p in parts if not (isinstance(p, ph.Thing) and p.span == lid.span)]
     if asks is not None and asks.goal in ("open", "close"):
         return [*said, lid, _pronoun_after(lid)]
     if asks is not None and asks.goal == "lift" and off is not None:
-        return [*said, ParticlePart(verb.span, "off"), lid, _pronoun_after(lid)]
+        return [*said, ph.Particle(verb.span, "off"), lid, _pronoun_after(lid)]
     return list(parts)
 
 
-def _relation_span(place: PlacePart, whole: ThingPart, sentence: Normalised) -> g.Span:
+def _relation_span(place: ph.Place, whole: ph.Thing, sentence: Normalised) -> g.Span:
     """Span of the relation of a place, without the object and its article."""
     start, end = place.span[0], whole.span[0]
     return start, start + len(sentence.original[start:end].rstrip())
@@ -221,13 +205,13 @@ def _relation_span(place: PlacePart, whole: ThingPart, sentence: Normalised) -> 
 # --- heights ----------------------------------------------------------------------------------
 
 
-def _with_lift_height(part: Part, sentence: Normalised) -> Part:
+def _with_lift_height(part: ph.Part, sentence: Normalised) -> ph.Part:
     """Takes "10 cm above the table" for how high it is lifted; "at 10 cm …" is where to touch."""
-    if not isinstance(part, ConstraintPart) or not isinstance(part.constraint, g.ContactRegion):
+    if not isinstance(part, ph.Constraint) or not isinstance(part.constraint, g.ContactRegion):
         return part
     clause = part.constraint
     height = clause.height
     touched = sentence.words_as_written(part.span).casefold().startswith("at ")
     if height is None or height.origin != "table" or height.bound != "exact" or touched:
         return part
-    return LengthPart(part.span, height.value, "exact")
+    return ph.Length(part.span, height.value, "exact")

@@ -9,16 +9,7 @@ from grammar.clauses.consistency import join_equal
 from grammar.errors import ParseError
 from grammar.frames.command import Constraint, ContactRegion, MaxDistance, NoTouch
 from grammar.frames.constraints import CONSTRAINTS, STILL, new_constraint
-from grammar.phrases.phrase_parts import (
-    AnglePart,
-    AvoidPart,
-    ConstraintPart,
-    FurtherNoTouchPart,
-    LengthPart,
-    Part,
-    ParticlePart,
-    ThingPart,
-)
+from grammar.phrases import phrase_parts as ph
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 
@@ -27,21 +18,21 @@ _NO_MOVE = "no_move"
 
 
 def constraints_of(
-    parts: Sequence[Part], thing: ThingPart, lexicon: Lexicon, sentence: Normalised
-) -> tuple[list[Part], tuple[Constraint, ...]]:
+    parts: Sequence[ph.Part], thing: ph.Thing, lexicon: Lexicon, sentence: Normalised
+) -> tuple[list[ph.Part], tuple[Constraint, ...]]:
     """Separates the constraints, in their order, from the parts that belong to the goal."""
-    rest: list[Part] = []
+    rest: list[ph.Part] = []
     constraints: list[Constraint] = []
-    previous: Part | None = None
+    previous: ph.Part | None = None
     for part in _with_bounds(_with_ranges(_with_particles(parts, lexicon))):
-        if isinstance(part, AvoidPart | FurtherNoTouchPart):
+        if isinstance(part, ph.Avoid | ph.FurtherNoTouch):
             _require_opened(part, previous, sentence)
-        if isinstance(part, AvoidPart):
+        if isinstance(part, ph.Avoid):
             constraints += _avoidance_constraints(part, thing, sentence)
-        elif isinstance(part, ConstraintPart):
+        elif isinstance(part, ph.Constraint):
             require_same(part.subject, thing, part, sentence)
             constraints.append(part.constraint)
-        elif isinstance(part, FurtherNoTouchPart):
+        elif isinstance(part, ph.FurtherNoTouch):
             constraints.append(part.constraint)
         else:
             rest.append(part)
@@ -50,7 +41,7 @@ def constraints_of(
 
 
 def require_same(
-    mention: ThingPart | None, thing: ThingPart, part: Part, sentence: Normalised
+    mention: ph.Thing | None, thing: ph.Thing, part: ph.Part, sentence: Normalised
 ) -> None:
     """Refuses a phrase that is about another object than the clause.
 
@@ -69,18 +60,18 @@ def require_same(
     )
 
 
-def can_be_same(mention: ThingPart, thing: ThingPart) -> bool:
+def can_be_same(mention: ph.Thing, thing: ph.Thing) -> bool:
     """Check for a mention that can be the object itself: "it", or the end of its name."""
     words, name = mention.ref.text.casefold().split(), thing.ref.text.casefold().split()
     return mention.ref.pronoun or words == name[-len(words) :]
 
 
 def _require_opened(
-    part: AvoidPart | FurtherNoTouchPart, previous: Part | None, sentence: Normalised
+    part: ph.Avoid | ph.FurtherNoTouch, previous: ph.Part | None, sentence: Normalised
 ) -> None:
     """A further thing to avoid needs a first one before it."""
-    listed = isinstance(previous, AvoidPart | FurtherNoTouchPart) or (
-        isinstance(previous, ConstraintPart) and _may_be_continued(previous.constraint)
+    listed = isinstance(previous, ph.Avoid | ph.FurtherNoTouch) or (
+        isinstance(previous, ph.Constraint) and _may_be_continued(previous.constraint)
     )
     if not getattr(part, "further", True) or listed:
         return
@@ -95,12 +86,12 @@ def _may_be_continued(constraint: Constraint) -> bool:
     return isinstance(constraint, NoTouch) or constraint.kind in limits
 
 
-def _with_particles(parts: Sequence[Part], lexicon: Lexicon) -> list[Part]:
+def _with_particles(parts: Sequence[ph.Part], lexicon: Lexicon) -> list[ph.Part]:
     """Gives "over" in "without knocking it over" to the verb that it stands behind."""
-    out: list[Part] = []
+    out: list[ph.Part] = []
     for part in parts:
         before = out[-1] if out else None
-        if isinstance(part, ParticlePart) and isinstance(before, AvoidPart) and before.word:
+        if isinstance(part, ph.Particle) and isinstance(before, ph.Avoid) and before.word:
             phrase = f"{before.word} {part.word}"
             kind = lexicon.terminals["AVOIDING"].get(phrase, lexicon.terminals["AVOID"].get(phrase))
             if kind is not None:
@@ -111,12 +102,12 @@ def _with_particles(parts: Sequence[Part], lexicon: Lexicon) -> list[Part]:
     return out
 
 
-def _with_ranges(parts: Sequence[Part]) -> list[Part]:
+def _with_ranges(parts: Sequence[ph.Part]) -> list[ph.Part]:
     """Turns the upper ends of distances ("5 to 10 cm", "…, at most 10 cm") into constraints."""
-    out: list[Part] = []
-    known: LengthPart | None = None
+    out: list[ph.Part] = []
+    known: ph.Length | None = None
     for part in parts:
-        if not isinstance(part, LengthPart):
+        if not isinstance(part, ph.Length):
             out.append(part)
             continue
         if part.most is not None:
@@ -129,16 +120,16 @@ def _with_ranges(parts: Sequence[Part]) -> list[Part]:
     return out
 
 
-def _at_most(part: LengthPart, value: float) -> ConstraintPart:
-    return ConstraintPart(part.span, MaxDistance(value=value, spans=(part.span,)))
+def _at_most(part: ph.Length, value: float) -> ph.Constraint:
+    return ph.Constraint(part.span, MaxDistance(value=value, spans=(part.span,)))
 
 
-def _with_bounds(parts: Sequence[Part]) -> list[Part]:
+def _with_bounds(parts: Sequence[ph.Part]) -> list[ph.Part]:
     """Joins "without tilting it" and "more than 5 degrees" to one limit."""
-    out: list[Part] = []
+    out: list[ph.Part] = []
     for part in parts:
         before = out[-1] if out else None
-        limit = _limit_part(before, part) if isinstance(before, AvoidPart) else None
+        limit = _limit_part(before, part) if isinstance(before, ph.Avoid) else None
         if limit is not None:
             out[-1] = limit
         else:
@@ -146,21 +137,21 @@ def _with_bounds(parts: Sequence[Part]) -> list[Part]:
     return out
 
 
-def _limit_part(avoid: AvoidPart, part: Part) -> ConstraintPart | None:
-    if not isinstance(part, AnglePart | LengthPart) or part.bound != "at_least":
+def _limit_part(avoid: ph.Avoid, part: ph.Part) -> ph.Constraint | None:
+    if not isinstance(part, ph.Angle | ph.Length) or part.bound != "at_least":
         return None
     avoided = CONSTRAINTS.get(STILL[0] if avoid.kind == _NO_MOVE else avoid.kind)
     limit = avoided.words.limit if avoided else ""
-    unit = "rad" if isinstance(part, AnglePart) else "m"
+    unit = "rad" if isinstance(part, ph.Angle) else "m"
     if not limit or CONSTRAINTS[limit].words.unit != unit or not isinstance(part.value, float):
         return None
     span = avoid.span[0], part.span[1]
     constraint = new_constraint(limit, value=part.value, spans=(span,))
-    return ConstraintPart(span, constraint, avoid.thing)
+    return ph.Constraint(span, constraint, avoid.thing)
 
 
 def _avoidance_constraints(
-    part: AvoidPart, thing: ThingPart, sentence: Normalised
+    part: ph.Avoid, thing: ph.Thing, sentence: Normalised
 ) -> list[Constraint]:
     if not part.kind:
         raise ParseError(

@@ -16,43 +16,21 @@ from grammar.clauses.goal_builder import goal_builder_for, take_method
 from grammar.clauses.object_descriptions import attach_descriptions
 from grammar.errors import ParseError
 from grammar.frames import command as g
-from grammar.phrases.phrase_parts import (
-    AmountPart,
-    AnglePart,
-    AskPart,
-    AvoidPart,
-    AwayFromPart,
-    ConstraintPart,
-    DirectionPart,
-    ExplorePart,
-    FillerPart,
-    HeadingPart,
-    IfPart,
-    LengthPart,
-    NotThisPart,
-    Part,
-    ParticlePart,
-    PlacePart,
-    RemarkPart,
-    SensePart,
-    SharePart,
-    TherePart,
-    ThingPart,
-    TowardPart,
-    VerbPart,
-)
+from grammar.phrases import phrase_parts as ph
 from grammar.words.lexicon import Lexicon, Verb
 from grammar.words.normalisation import Normalised
 
-_GOES_ON = (DirectionPart, HeadingPart, TowardPart, AwayFromPart, PlacePart, LengthPart, AnglePart,
-            SensePart, AmountPart, SharePart)  # fmt: skip
+_GOES_ON = (ph.Direction, ph.Heading, ph.Toward, ph.AwayFrom, ph.Place, ph.Length, ph.Angle,
+            ph.Sense, ph.Amount, ph.Share)  # fmt: skip
 """Parts that say what should become of the object, also without a verb."""
 
 
-Parts = list[Part]
+Parts = list[ph.Part]
 
 
-def frames_of(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> tuple[g.Frame, ...]:
+def frames_of(
+    parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Normalised
+) -> tuple[g.Frame, ...]:
     """Puts the parts of a sentence together.
 
     Raises:
@@ -61,7 +39,7 @@ def frames_of(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> 
     frames: list[g.Frame] = []
     previous: Parts = []
     for said in clauses_of(parts, sentence):
-        headed = any(isinstance(p, VerbPart | ExplorePart | RemarkPart) for p in said)
+        headed = any(isinstance(p, ph.Verb | ph.Explore | ph.Remark) for p in said)
         clause = said if headed or not frames else _complete_clause(said, previous, sentence)
         frames += _ClauseReader(clause, lexicon, sentence).read_frames()
         previous = clause
@@ -72,16 +50,16 @@ def _complete_clause(clause: Parts, previous: Parts, sentence: Normalised) -> Pa
     """A clause without its verb ("then to the left") goes on with verb and object of the last."""
     if not any(isinstance(part, _GOES_ON) for part in clause):
         raise no_verb(sentence, clause)
-    verb = [part for part in previous if isinstance(part, VerbPart | ParticlePart)][:2]
-    named = any(isinstance(part, ThingPart) for part in clause)
-    thing = [] if named else [part for part in previous if isinstance(part, ThingPart)][:1]
+    verb = [part for part in previous if isinstance(part, ph.Verb | ph.Particle)][:2]
+    named = any(isinstance(part, ph.Thing) for part in clause)
+    thing = [] if named else [part for part in previous if isinstance(part, ph.Thing)][:1]
     return [*verb, *thing, *clause]
 
 
 class _ClauseReader:
     """Reads one clause."""
 
-    def __init__(self, parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> None:
+    def __init__(self, parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Normalised) -> None:
         self._lexicon = lexicon
         self._sentence = sentence
         self._parts = attach_descriptions(
@@ -90,11 +68,11 @@ class _ClauseReader:
 
     def read_frames(self) -> list[g.Frame]:
         """The frames of the clause, one for each of its objects."""
-        remarks, explore = self._take_parts(RemarkPart), self._take_parts(ExplorePart)
+        remarks, explore = self._take_parts(ph.Remark), self._take_parts(ph.Explore)
         if explore:
             return self._with_remarks([self._exploration_frame(explore[0])], remarks)
-        ask = self._take_parts(AskPart)
-        verbs = [part for part in self._parts if isinstance(part, VerbPart)]
+        ask = self._take_parts(ph.Ask)
+        verbs = [part for part in self._parts if isinstance(part, ph.Verb)]
         self._require_there_is_clear(ask)
         if ask and remarks:
             raise unexpected_part(remarks[0], self._sentence)
@@ -104,9 +82,9 @@ class _ClauseReader:
             raise unexpected_part(verbs[0], self._sentence)
         if not verbs:
             return [self._remark_frame(remarks)]
-        excluded = self._take_parts(NotThisPart)
+        excluded = self._take_parts(ph.NotThis)
         things = clause_objects(self._parts, ask, remarks, self._lexicon, self._sentence)
-        self._take_parts(ThingPart)
+        self._take_parts(ph.Thing)
         if not ask:
             self._require_no_condition()
         reader = ActionReader(self._parts, ask, self._lexicon, self._sentence)
@@ -116,8 +94,8 @@ class _ClauseReader:
     def _with_remarks(
         self,
         frames: list[g.Frame],
-        remarks: Sequence[RemarkPart],
-        excluded: Sequence[NotThisPart] = (),
+        remarks: Sequence[ph.Remark],
+        excluded: Sequence[ph.NotThis] = (),
     ) -> list[g.Frame]:
         """The frames of a clause, with what its remarks do to them."""
         dialogue = self._joint_dialogue(remarks)
@@ -134,13 +112,13 @@ class _ClauseReader:
 
     # --- parts --------------------------------------------------------------------------------
 
-    def _take_parts(self, *kinds: type[Part]) -> list[Any]:
+    def _take_parts(self, *kinds: type[ph.Part]) -> list[Any]:
         taken = [part for part in self._parts if isinstance(part, kinds)]
         self._parts = [part for part in self._parts if not isinstance(part, kinds)]
         return taken
 
-    def _require_there_is_clear(self, ask: Sequence[AskPart]) -> None:
-        for part in self._take_parts(TherePart):
+    def _require_there_is_clear(self, ask: Sequence[ph.Ask]) -> None:
+        for part in self._take_parts(ph.There):
             if not any(each.query == "why" for each in ask):
                 written = self._sentence.words_as_written(part.span)
                 raise ParseError(
@@ -154,13 +132,13 @@ class _ClauseReader:
         """Lets "when you push it" follow a restriction; else a condition belongs to a question."""
         restricted = False
         for part in self._parts:
-            restricted = restricted or isinstance(part, AvoidPart | ConstraintPart)
-            if isinstance(part, IfPart) and not restricted:
+            restricted = restricted or isinstance(part, ph.Avoid | ph.Constraint)
+            if isinstance(part, ph.If) and not restricted:
                 raise unexpected_part(part, self._sentence)
 
     # --- questions and remarks ----------------------------------------------------------------
 
-    def _exploration_frame(self, part: ExplorePart) -> g.Frame:
+    def _exploration_frame(self, part: ph.Explore) -> g.Frame:
         rest, constraints = constraints_of(self._parts, part.thing, self._lexicon, self._sentence)
         clause = Clause(rest, Verb("explore", "parameters"), self._sentence)
         how = take_method(clause)
@@ -173,7 +151,7 @@ class _ClauseReader:
             spans=(part.span,),
         )
 
-    def _question_frame(self, asks: Sequence[AskPart]) -> g.Frame:
+    def _question_frame(self, asks: Sequence[ph.Ask]) -> g.Frame:
         """A question without a verb: how heavy, what can you do with, why."""
         ask = asks[0]
         Clause(self._parts, Verb("push", "contact"), self._sentence).require_all_taken(
@@ -194,7 +172,7 @@ class _ClauseReader:
             spans=(ask.span,),
         )
 
-    def _joint_dialogue(self, remarks: Sequence[RemarkPart]) -> g.Dialogue | None:
+    def _joint_dialogue(self, remarks: Sequence[ph.Remark]) -> g.Dialogue | None:
         """Act of all remarks together: "no, again" corrects; "again and again" is too much."""
         again = [remark for remark in remarks if remark.dialogue == "repeat"]
         if len(again) > 1:
@@ -205,10 +183,10 @@ class _ClauseReader:
                 return dialogue
         return None
 
-    def _remark_frame(self, remarks: Sequence[RemarkPart]) -> g.Frame:
+    def _remark_frame(self, remarks: Sequence[ph.Remark]) -> g.Frame:
         """A remark without a verb: undo that, a bit more to the left, no, the coffee box."""
-        excluded = self._take_parts(NotThisPart)
-        things = self._take_parts(ThingPart)
+        excluded = self._take_parts(ph.NotThis)
+        things = self._take_parts(ph.Thing)
         dialogue = self._joint_dialogue(remarks)
         if dialogue is None and excluded and things:
             dialogue = "correct"
@@ -218,8 +196,8 @@ class _ClauseReader:
             raise several_objects(things[1], self._sentence)
         thing = things[0] if things else NOBODY
         rest, constraints = constraints_of(self._parts, thing, self._lexicon, self._sentence)
-        rest = [p for p in rest if not (isinstance(p, ParticlePart) and p.optional)]
-        content = [part for part in rest if not isinstance(part, FillerPart)]
+        rest = [p for p in rest if not (isinstance(p, ph.Particle) and p.optional)]
+        content = [part for part in rest if not isinstance(part, ph.Filler)]
         if dialogue in ("undo", "stop") and (content or constraints):
             raise unexpected_part((content or remarks)[0], self._sentence)
         if dialogue == "stop" and things:
@@ -233,7 +211,7 @@ class _ClauseReader:
                 remarks[0].span,
                 ('say, for example, "no, the coffee box" or "no, to the left"',),
             )
-        turns = any(isinstance(part, AnglePart | SensePart) for part in content)
+        turns = any(isinstance(part, ph.Angle | ph.Sense) for part in content)
         goal: g.Goal = g.NoGoal()
         clause = Clause(rest, Verb("turn" if turns else "push", ""), self._sentence)
         if clause.has_part(*_GOES_ON):

@@ -13,50 +13,30 @@ from grammar.clauses.clause_parts import Clause
 from grammar.errors import ParseError
 from grammar.frames import command as g
 from grammar.frames.goals import GOALS
-from grammar.phrases.phrase_parts import (
-    AmountPart,
-    AwayFromPart,
-    DirectionPart,
-    FilledWithPart,
-    FullPart,
-    HeadingPart,
-    IntoPart,
-    LengthPart,
-    LidPart,
-    MePart,
-    MethodPart,
-    PlacePart,
-    ResultPart,
-    SensePart,
-    SharePart,
-    TablePart,
-    ThingPart,
-    TowardPart,
-    VolumePart,
-)
+from grammar.phrases import phrase_parts as ph
 from grammar.words.lexicon import Verb
 
 _SENSES: dict[g.Direction, g.Sense] = {"left": "ccw", "right": "cw"}
 
 
 def _displace_goal(clause: Clause) -> g.Displace | g.Place:
-    place = next((p for p in clause.take_all(PlacePart)), None)
+    place = next((p for p in clause.take_all(ph.Place)), None)
     if place is not None and place.relation not in ("away_from", "to"):
         return _place_goal_at(clause, place)
-    share = clause.take_only(SharePart)
+    share = clause.take_only(ph.Share)
     if place is not None and place.relation == "to" and share is None:
         return _place_goal_at(clause, place)
     heading, toward, me = (
-        clause.take_only(HeadingPart),
-        clause.take_only(TowardPart),
-        clause.take_only(MePart),
+        clause.take_only(ph.Heading),
+        clause.take_only(ph.Toward),
+        clause.take_only(ph.Me),
     )
-    off = clause.take_only(AwayFromPart)
+    off = clause.take_only(ph.AwayFrom)
     said = [part for part in (heading, toward, place, me, off) if part is not None]
     if said:
         clause.drop_implied()
-    if len(said) > 1 or (said and clause.has_part(DirectionPart)):
-        other = said[1] if len(said) > 1 else clause.take_all(DirectionPart)[0]
+    if len(said) > 1 or (said and clause.has_part(ph.Direction)):
+        other = said[1] if len(said) > 1 else clause.take_all(ph.Direction)[0]
         raise clause.contradiction_error(*sorted((said[0], other), key=lambda part: part.span))
     directions = clause.take_directions()
     if me is not None or (clause.verb.direction and not said and not directions):
@@ -76,7 +56,7 @@ def _displace_goal(clause: Clause) -> g.Displace | g.Place:
             )
         raise clause.does_not_apply_error(share, "needs to say where to", "halfway to the mug")
     amount = clause.take_amount()
-    length = clause.take_only(LengthPart)
+    length = clause.take_only(ph.Length)
     if share is not None and length is not None:
         raise clause.said_twice_error(share, length)
     if amount is None and length is None and share is None:
@@ -95,7 +75,7 @@ def _displace_goal(clause: Clause) -> g.Displace | g.Place:
 
 
 def _place_goal(clause: Clause) -> g.Place | g.SetDown:
-    place, table = clause.take_only(PlacePart), clause.take_only(TablePart)
+    place, table = clause.take_only(ph.Place), clause.take_only(ph.Table)
     if place is None and table is not None:
         return g.SetDown(spans=clause.all_spans)
     if place is None:
@@ -108,9 +88,9 @@ def _place_goal(clause: Clause) -> g.Place | g.SetDown:
     return _place_goal_at(clause, place)
 
 
-def _place_goal_at(clause: Clause, place: PlacePart) -> g.Place:
+def _place_goal_at(clause: Clause, place: ph.Place) -> g.Place:
     relation = "next_to" if place.relation in ("from", "away_from", "to") else place.relation
-    length, share = clause.take_only(LengthPart), clause.take_only(SharePart)
+    length, share = clause.take_only(ph.Length), clause.take_only(ph.Share)
     if place.relation == "from" and length is None:
         raise clause.does_not_apply_error(place, "needs a distance", "10 cm from the mug")
     objects = isinstance(place.reference, tuple)
@@ -134,8 +114,8 @@ def _place_goal_at(clause: Clause, place: PlacePart) -> g.Place:
 
 
 def _rotate_goal(clause: Clause) -> g.Rotate:
-    sense = clause.take_only(SensePart)
-    aside = clause.first_part(DirectionPart)
+    sense = clause.take_only(ph.Sense)
+    aside = clause.first_part(ph.Direction)
     direction = clause.take_direction()
     turned = _SENSES.get(direction) if direction else None
     if aside is not None and not aside.implied and (turned is None or sense is not None):
@@ -169,8 +149,8 @@ def _topple_goal(clause: Clause) -> g.Topple:
 
 
 def _hand_over_goal(clause: Clause) -> g.HandOver:
-    clause.take_only(MePart)
-    if clause.has_part(DirectionPart) and clause.take_direction() != "toward":
+    clause.take_only(ph.Me)
+    if clause.has_part(ph.Direction) and clause.take_direction() != "toward":
         raise ParseError(
             "does_not_apply",
             "things are handed to the one who speaks",
@@ -181,17 +161,17 @@ def _hand_over_goal(clause: Clause) -> g.HandOver:
 
 
 def _contact_goal(clause: Clause) -> g.Displace | g.Place | g.NoGoal:
-    moves = (DirectionPart, HeadingPart, TowardPart, AwayFromPart, PlacePart, LengthPart,
-             AmountPart, SharePart)  # fmt: skip
-    if clause.has_part(*moves, MePart):
+    moves = (ph.Direction, ph.Heading, ph.Toward, ph.AwayFrom, ph.Place, ph.Length,
+             ph.Amount, ph.Share)  # fmt: skip
+    if clause.has_part(*moves, ph.Me):
         return _displace_goal(clause)
     # The side that is touched says where to push, but a touch need not move anything.
-    clause.take_all(DirectionPart)
+    clause.take_all(ph.Direction)
     return g.NoGoal()
 
 
 def _set_down_goal(clause: Clause) -> g.Place | g.SetDown:
-    if clause.has_part(PlacePart, TablePart):
+    if clause.has_part(ph.Place, ph.Table):
         return _place_goal(clause)
     return g.SetDown()
 
@@ -203,7 +183,7 @@ def _parameters_goal(clause: Clause) -> g.Parameters:
 
 def take_method(clause: Clause) -> g.Method | None:
     """Takes how something is to be found out: "by lifting it"."""
-    part = clause.take_only(MethodPart)
+    part = clause.take_only(ph.Method)
     return None if part is None else part.value
 
 
@@ -212,7 +192,7 @@ def take_method(clause: Clause) -> g.Method | None:
 
 def lift_goal(clause: Clause) -> g.Lift:
     """Lift the mug by 10 cm."""
-    amount, height = clause.take_amount(), clause.take_only(LengthPart)
+    amount, height = clause.take_amount(), clause.take_only(ph.Length)
     return g.Lift(
         height=None if height is None else height.value,
         bound="exact" if height is None else height.bound,
@@ -232,19 +212,19 @@ def close_goal(clause: Clause) -> g.Close:
 
 
 def _take_lid_name(clause: Clause) -> str | None:
-    lid = clause.take_only(LidPart)
+    lid = clause.take_only(ph.Lid)
     return None if lid is None else lid.name
 
 
 def pour_goal(clause: Clause) -> g.Pour:
     """Pour half of the ice tea into the mug; until it is half full."""
-    full, said = clause.take_only(FullPart), clause.how_much()
+    full, said = clause.take_only(ph.Full), clause.how_much()
     into, amount, share = (
-        clause.take_only(IntoPart),
+        clause.take_only(ph.Into),
         clause.take_amount(),
-        clause.take_only(SharePart),
+        clause.take_only(ph.Share),
     )
-    volume = clause.take_only(VolumePart)
+    volume = clause.take_only(ph.Volume)
     if share is not None and share.of_way:
         raise clause.does_not_apply_error(share, "is no part of a liquid", "half of the water")
     if full is not None and full.subject and into and not _can_be_target(full.subject, into):
@@ -265,17 +245,17 @@ def pour_goal(clause: Clause) -> g.Pour:
     )
 
 
-def _can_be_target(subject: ThingPart, into: IntoPart) -> bool:
+def _can_be_target(subject: ph.Thing, into: ph.Into) -> bool:
     words, name = subject.ref.text.casefold().split(), into.target.text.casefold().split()
     return subject.ref.pronoun or words == name[-len(words) :]
 
 
 def fill_goal(clause: Clause) -> g.Pour:
     """Fill the mug with ice tea: to the brim, if nothing else is said."""
-    into, share = clause.first_part(IntoPart), clause.first_part(SharePart)
+    into, share = clause.first_part(ph.Into), clause.first_part(ph.Share)
     if into and share and share.span < into.span and not share.of_way:
-        clause.replace_part(share, FullPart(share.span, share.value))  # fill half of the mug
-    clause.take_only(FilledWithPart)
+        clause.replace_part(share, ph.Full(share.span, share.value))  # fill half of the mug
+    clause.take_only(ph.FilledWith)
     goal = pour_goal(clause)
     said = (goal.amount, goal.fraction, goal.volume, goal.fill)
     return goal if any(said) else goal.model_copy(update={"fill": 1.0})
@@ -306,7 +286,7 @@ _OUTCOMES = {event: kind for kind, goal in GOALS.items() for event in goal.words
 
 
 def goal_builder_for(
-    verb: Verb, result: ResultPart | None, clause: Clause
+    verb: Verb, result: ph.Result | None, clause: Clause
 ) -> Callable[[Clause], g.Goal]:
     """The goal that takes the parts of a clause: the verb's, or that of "so that it falls".
 

@@ -13,32 +13,12 @@ from typing import cast
 
 from grammar.clauses.clause_errors import unexpected_part
 from grammar.frames import command as g
-from grammar.phrases.phrase_parts import (
-    AskPart,
-    AvoidPart,
-    AwayFromPart,
-    ConstraintPart,
-    DirectionPart,
-    ExplorePart,
-    FurtherNoTouchPart,
-    HeadingPart,
-    LengthPart,
-    Part,
-    ParticlePart,
-    PlacePart,
-    RemarkPart,
-    ResultPart,
-    SidePart,
-    ThatIsPart,
-    ThingPart,
-    TowardPart,
-    VerbPart,
-)
+from grammar.phrases import phrase_parts as ph
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 
 _TAKES_PLACE = ("displace", "contact", "place", "set_down")
-_ELSEWHERE = (HeadingPart, TowardPart, AwayFromPart, LengthPart)
+_ELSEWHERE = (ph.Heading, ph.Toward, ph.AwayFrom, ph.Length)
 _TELLING = ("next_to", "left_of", "right_of", "in_front_of", "behind", "between", "touching",
             "on", "nearest")  # fmt: skip
 """Relations that can tell an object from others."""
@@ -49,10 +29,10 @@ _OF = re.compile(
     re.IGNORECASE | re.DOTALL,
 )
 
-Parts = list[Part]
+Parts = list[ph.Part]
 
 
-def attach_descriptions(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
+def attach_descriptions(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
     """The parts of a clause, with the places that tell objects apart given to the objects.
 
     Raises:
@@ -61,24 +41,24 @@ def attach_descriptions(parts: Sequence[Part], lexicon: Lexicon, sentence: Norma
     out: Parts = []
     parts = _with_touching_as_place(_with_touched_parts(parts, lexicon, sentence))
     for i, part in enumerate(parts):
-        telling = isinstance(part, SidePart)
-        if isinstance(part, PlacePart):
-            after_that_is = bool(out) and isinstance(out[-1], ThatIsPart)
+        telling = isinstance(part, ph.Side)
+        if isinstance(part, ph.Place):
+            after_that_is = bool(out) and isinstance(out[-1], ph.ThatIs)
             told = after_that_is and part.relation in _TELLING
             telling = told or _is_description(part, parts, i, out, lexicon)
             if told:
                 out.pop()
         if telling:
-            _attach_to_last(cast("SidePart | PlacePart", part), out, sentence)
+            _attach_to_last(cast("ph.Side | ph.Place", part), out, sentence)
         else:
             out.append(part)
     for part in out:
-        if isinstance(part, ThatIsPart):
+        if isinstance(part, ph.ThatIs):
             raise unexpected_part(part, sentence)
     return out
 
 
-def _with_touched_parts(parts: Sequence[Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
+def _with_touched_parts(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
     """Takes "the top of the box" for the box, touched at the top, unless it is opened."""
     if _goal_of_verb(list(parts), lexicon) in ("open", "close", None):
         return list(parts)
@@ -86,24 +66,24 @@ def _with_touched_parts(parts: Sequence[Part], lexicon: Lexicon, sentence: Norma
         said
         for part in parts
         for said in (
-            _split_touched_part(part, lexicon, sentence) if isinstance(part, ThingPart) else [part]
+            _split_touched_part(part, lexicon, sentence) if isinstance(part, ph.Thing) else [part]
         )
     ]
 
 
-def _split_touched_part(thing: ThingPart, lexicon: Lexicon, sentence: Normalised) -> Parts:
+def _split_touched_part(thing: ph.Thing, lexicon: Lexicon, sentence: Normalised) -> Parts:
     """A thing as it is, but "the top of the box" as the box and where it is touched."""
     parted = part_and_owner(thing, lexicon, sentence)
     contact = _contact_region(parted[0], lexicon) if parted else None
     if parted is None or contact is None:
         return [thing]
     _, span, whole = parted
-    return [whole, ConstraintPart(span, contact.model_copy(update={"spans": (span,)}))]
+    return [whole, ph.Constraint(span, contact.model_copy(update={"spans": (span,)}))]
 
 
 def part_and_owner(
-    thing: ThingPart, lexicon: Lexicon, sentence: Normalised
-) -> tuple[str, g.Span, ThingPart] | None:
+    thing: ph.Thing, lexicon: Lexicon, sentence: Normalised
+) -> tuple[str, g.Span, ph.Thing] | None:
     """Split "the lid of the cup" into the part, its span, and the whole."""
     start, end = thing.span
     match = _OF.fullmatch(sentence.original[start:end])
@@ -122,7 +102,7 @@ def part_and_owner(
         update["noun"] = " ".join(nouns) if update["qualities"] else ""
     ref = thing.ref.model_copy(update=update)
     part = " ".join(match["part"].casefold().split())
-    return part, (start, start + match.end("of")), ThingPart(span, ref, thing.contents)
+    return part, (start, start + match.end("of")), ph.Thing(span, ref, thing.contents)
 
 
 def _contact_region(where: str, lexicon: Lexicon) -> g.ContactRegion | None:
@@ -134,42 +114,42 @@ def _contact_region(where: str, lexicon: Lexicon) -> g.ContactRegion | None:
     return g.ContactRegion.model_validate({"region": region, "face": None if region else face})
 
 
-def _with_touching_as_place(parts: Sequence[Part]) -> Parts:
+def _with_touching_as_place(parts: Sequence[ph.Part]) -> Parts:
     """Takes "touching the block" for a place, unless it goes on with what is to be avoided."""
     out: Parts = []
     for part in parts:
         before = out[-1] if out else None
-        avoiding = isinstance(before, AvoidPart | FurtherNoTouchPart) or (
-            isinstance(before, ConstraintPart) and before.constraint.kind == "no_touch"
+        avoiding = isinstance(before, ph.Avoid | ph.FurtherNoTouch) or (
+            isinstance(before, ph.Constraint) and before.constraint.kind == "no_touch"
         )
-        if isinstance(part, FurtherNoTouchPart) and not avoiding and not part.either:
+        if isinstance(part, ph.FurtherNoTouch) and not avoiding and not part.either:
             touched = part.constraint.object
             if touched is not None:
-                out.append(PlacePart(part.span, "touching", (touched,)))
+                out.append(ph.Place(part.span, "touching", (touched,)))
                 continue
         out.append(part)
     return out
 
 
-def _is_description(part: PlacePart, parts: Parts, i: int, before: Parts, lexicon: Lexicon) -> bool:
+def _is_description(part: ph.Place, parts: Parts, i: int, before: Parts, lexicon: Lexicon) -> bool:
     """Check for a place that distinguishes an object, rather than saying where to go."""
     if part.relation == "nearest":
         return True
     owner = before[-1] if before else None
-    asked = isinstance(owner, AskPart | ExplorePart) and owner.thing is not None
-    if part.relation not in _TELLING or not (isinstance(owner, ThingPart) or asked):
+    asked = isinstance(owner, ph.Ask | ph.Explore) and owner.thing is not None
+    if part.relation not in _TELLING or not (isinstance(owner, ph.Thing) or asked):
         return False
-    if asked or any(isinstance(p, ResultPart) and p.event == "ends_up" for p in parts[:i]):
+    if asked or any(isinstance(p, ph.Result) and p.event == "ends_up" for p in parts[:i]):
         return asked
     goal = _goal_of_verb(parts, lexicon)
     if goal not in _TAKES_PLACE:
         # "Lean it against the wall" is no box that stands against the wall.
         return goal is not None and part.relation != "touching"
     rest = _without_avoidances(parts[i + 1 :])
-    if any(isinstance(p, PlacePart) and p.relation != "nearest" for p in rest):
+    if any(isinstance(p, ph.Place) and p.relation != "nearest" for p in rest):
         return True
     said = [*parts[:i], *rest]
-    directed = any(isinstance(p, DirectionPart) and not p.implied for p in said)
+    directed = any(isinstance(p, ph.Direction) and not p.implied for p in said)
     return goal not in ("place", "set_down") and (
         directed or any(isinstance(p, _ELSEWHERE) for p in said)
     )
@@ -180,40 +160,40 @@ def _without_avoidances(parts: Parts) -> Parts:
     return [
         part
         for before, part in zip([None, *parts], parts, strict=False)
-        if not isinstance(part, AvoidPart | ConstraintPart)
-        and not (isinstance(part, LengthPart) and isinstance(before, AvoidPart))
+        if not isinstance(part, ph.Avoid | ph.Constraint)
+        and not (isinstance(part, ph.Length) and isinstance(before, ph.Avoid))
     ]
 
 
 def _goal_of_verb(parts: Parts, lexicon: Lexicon) -> str | None:
     """Goal of the clause's verb; None if it has none."""
-    verb = next((p for p in parts if isinstance(p, VerbPart)), None)
+    verb = next((p for p in parts if isinstance(p, ph.Verb)), None)
     if verb is None:
-        return "none" if any(isinstance(p, RemarkPart) for p in parts) else None
-    particle = next((p for p in parts if isinstance(p, ParticlePart)), None)
+        return "none" if any(isinstance(p, ph.Remark) for p in parts) else None
+    particle = next((p for p in parts if isinstance(p, ph.Particle)), None)
     found = particle and lexicon.find_verb(verb.word, particle.word)
     found = found or lexicon.find_verb(verb.word)
     return found.goal if found else "displace"
 
 
-def _attach_to_last(part: SidePart | PlacePart, out: Parts, sentence: Normalised) -> None:
+def _attach_to_last(part: ph.Side | ph.Place, out: Parts, sentence: Normalised) -> None:
     """Gives what tells it apart to the last thing that was named."""
     for i in reversed(range(len(out))):
         owner = out[i]
-        if isinstance(owner, ThingPart):
+        if isinstance(owner, ph.Thing):
             out[i] = _described_thing(owner, part)
             return
-        if isinstance(owner, AskPart | ExplorePart) and owner.thing is not None:
+        if isinstance(owner, ph.Ask | ph.Explore) and owner.thing is not None:
             out[i] = replace(owner, thing=_described_thing(owner.thing, part))
             return
     raise unexpected_part(part, sentence)
 
 
-def _described_thing(thing: ThingPart, part: SidePart | PlacePart) -> ThingPart:
+def _described_thing(thing: ph.Thing, part: ph.Side | ph.Place) -> ph.Thing:
     ref = thing.ref
     noun = ref.noun if ref.qualities else _noun_of(ref)
     update: dict[str, object] = {"spans": (*ref.spans, part.span)}
-    if isinstance(part, SidePart):
+    if isinstance(part, ph.Side):
         update |= {"qualities": (*ref.qualities, part.quality), "noun": noun}
     elif part.relation == "nearest":
         update |= {

@@ -7,9 +7,9 @@ from typing import Any, Literal, cast
 from grammar.errors import ParseError
 from grammar.frames import command as g
 from grammar.frames.constraints import new_constraint
+from grammar.phrases import phrase_parts as ph
 from grammar.phrases import token_reader as q
 from grammar.phrases.outcome_phrases import Phrases
-from grammar.phrases.phrase_parts import ConstraintPart, DirectionPart, Part, RemarkPart
 
 _BOUNDED = {"exact": "", "at_least": "min_", "at_most": "max_"}
 """Bound of a quantity → what its constraint's kind begins with."""
@@ -30,37 +30,37 @@ class Manners(Phrases):
 
     # --- how ----------------------------------------------------------------------------------
 
-    def manner_part(self, children: Children) -> ConstraintPart:
+    def manner_part(self, children: Children) -> ph.Constraint:
         """Gently."""
         span = self._w.span_of(children)
         kind = self._w.value_of(children, "MANNER")
-        return ConstraintPart(span, new_constraint(kind, spans=(span,)))
+        return ph.Constraint(span, new_constraint(kind, spans=(span,)))
 
-    def compared_part(self, children: Children) -> list[Part]:
+    def compared_part(self, children: Children) -> list[ph.Part]:
         """More gently: as the last time, but so."""
         span = self._w.span_of(children)
         manner = new_constraint(self._w.value_of(children, "COMPARED"), spans=(span,))
-        return [RemarkPart(span, "more"), ConstraintPart(span, manner)]
+        return [ph.Remark(span, "more"), ph.Constraint(span, manner)]
 
-    def force_part(self, children: Children) -> ConstraintPart:
+    def force_part(self, children: Children) -> ph.Constraint:
         """With at most 5 N."""
         span = self._w.span_of(children)
         range_ = f"a force is more than 0 and at most {q.MAX_FORCE_N:g} N"
         newtons = self._w.in_unit(children, "FORCE_UNIT")[0]
         value = self._w.require_possible(children, newtons, q.MAX_FORCE_N, range_)
         kind = f"{_BOUNDED[self._w.bound_of(children)]}force"
-        return ConstraintPart(span, new_constraint(kind, value=value, spans=(span,)))
+        return ph.Constraint(span, new_constraint(kind, value=value, spans=(span,)))
 
-    def speed_part(self, children: Children) -> ConstraintPart:
+    def speed_part(self, children: Children) -> ph.Constraint:
         """At 2 cm/s."""
         span = self._w.span_of(children)
         range_ = f"a speed is more than 0 and at most {q.MAX_SPEED:g} m/s"
         speed = self._w.in_unit(children, "SPEED_UNIT")[0]
         value = self._w.require_possible(children, speed, q.MAX_SPEED, range_)
         kind = f"{_BOUNDED[self._w.bound_of(children)]}speed"
-        return ConstraintPart(span, new_constraint(kind, value=value, spans=(span,)))
+        return ph.Constraint(span, new_constraint(kind, value=value, spans=(span,)))
 
-    def duration_part(self, children: Children) -> ConstraintPart:
+    def duration_part(self, children: Children) -> ph.Constraint:
         """In under four seconds; for three seconds."""
         span = self._w.span_of(children)
         range_ = f"a time is more than 0 and at most {q.MAX_TIME_S:g} s"
@@ -76,9 +76,9 @@ class Manners(Phrases):
             )
         lasts = children[0].type == "BY" and bound == "exact"
         kind = g.Duration if lasts else g.MaxDuration
-        return ConstraintPart(span, kind(value=value, spans=(span,)))
+        return ph.Constraint(span, kind(value=value, spans=(span,)))
 
-    def effector_part(self, children: Children) -> ConstraintPart:
+    def effector_part(self, children: Children) -> ph.Constraint:
         """With two fingers, with your left hand."""
         span = self._w.span_of(children)
         written = self._w.sentence.words_as_written(span)
@@ -97,27 +97,27 @@ class Manners(Phrases):
             side=cast(Literal["left", "right"] | None, self._w.value_of(children, "SIDE") or None),
             spans=(span,),
         )
-        return ConstraintPart(span, effector)
+        return ph.Constraint(span, effector)
 
     # --- where it is touched ------------------------------------------------------------------
 
-    def region_part(self, children: Children) -> list[Part]:
+    def region_part(self, children: Children) -> list[ph.Part]:
         """At the top; at the top of the box."""
         region = cast(Literal["top", "middle", "bottom"], self._w.value_of(children, "REGION"))
-        things = [child for child in children if isinstance(child, Part)]
+        things = [child for child in children if isinstance(child, ph.Part)]
         return [self._contact_part(children[:1], region=region), *things]
 
-    def face_part(self, children: Children) -> ConstraintPart:
+    def face_part(self, children: Children) -> ph.Constraint:
         """On the left side."""
         return self._contact_part(children, face=cast(Face, self._w.value_of(children, "FACE")))
 
-    def from_side_part(self, children: Children) -> list[Part]:
+    def from_side_part(self, children: Children) -> list[ph.Part]:
         """From the left: the left face is touched and, if nothing else is said, pushed right."""
         face = cast(Face, self._w.value_of(children, "FROM_SIDE"))
-        implied = DirectionPart(self._w.span_of(children), _BEFORE_FACE[face], implied=True)
+        implied = ph.Direction(self._w.span_of(children), _BEFORE_FACE[face], implied=True)
         return [self._contact_part(children, face=face), implied]
 
-    def height_part(self, children: Children) -> ConstraintPart:
+    def height_part(self, children: Children) -> ph.Constraint:
         """At 3 cm above the table; no higher than 3 cm."""
         value, bound = self._w.lengths_in(children)[0], self._w.bound_of(children)
         limit = self._w.value_of(children, "HEIGHT_BOUND", bound)
@@ -127,7 +127,7 @@ class Manners(Phrases):
         bound = cast(g.Bound, limit)
         return self._contact_part(children, height=self._contact_height(children, value, bound))
 
-    def relative_height_part(self, children: Children) -> ConstraintPart:
+    def relative_height_part(self, children: Children) -> ph.Constraint:
         """At half its height."""
         length = children[1]
         return self._contact_part(
@@ -142,6 +142,6 @@ class Manners(Phrases):
             value=value, origin=cast(Literal["table", "top"], origin), bound=bound
         )
 
-    def _contact_part(self, children: Children, **said: Any) -> ConstraintPart:
+    def _contact_part(self, children: Children, **said: Any) -> ph.Constraint:
         span = self._w.span_of(children)
-        return ConstraintPart(span, g.ContactRegion(**said, spans=(span,)))
+        return ph.Constraint(span, g.ContactRegion(**said, spans=(span,)))

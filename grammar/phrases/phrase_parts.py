@@ -1,4 +1,4 @@
-"""Phrases of a sentence, one by one, before they are put together as frames.
+"""Phrases of a sentence, one by one, before they are put together as frames; imported as `ph`.
 
 Quantities are in SI units and radians; spans are columns of the sentence as given.
 """
@@ -7,62 +7,47 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from grammar.frames.command import (
-    Bound,
-    Constraint,
-    Dialogue,
-    Direction,
-    Event,
-    Method,
-    NoTouch,
-    ObjectRef,
-    Point,
-    Quality,
-    Query,
-    RelativeLength,
-    Span,
-    TableRegion,
-)
+from grammar.frames import command as g
 
 
 @dataclass(frozen=True)
 class Part:
     """A phrase of the sentence; `span` is where it stands."""
 
-    span: Span
+    span: g.Span
 
 
 # --- what holds the sentence together ---------------------------------------------------------
 
 
 @dataclass(frozen=True)
-class SeparatorPart(Part):
+class Separator(Part):
     """A comma, a full stop, or a word that joins: `and`, `or`, `but`."""
 
     word: str
 
 
 @dataclass(frozen=True)
-class NextPart(Part):
+class Next(Part):
     """Then; first."""
 
     word: str
 
 
 @dataclass(frozen=True)
-class FillerPart(Part):
+class Filler(Part):
     """Words without a meaning of their own, and whether they may stand anywhere (please)."""
 
     anywhere: bool
 
 
 @dataclass(frozen=True)
-class MePart(Part):
+class Me(Part):
     """The person who speaks, as the one to whom something is handed."""
 
 
 @dataclass(frozen=True)
-class TherePart(Part):
+class There(Part):
     """There: a place that only the situation names."""
 
 
@@ -70,7 +55,7 @@ class TherePart(Part):
 
 
 @dataclass(frozen=True)
-class VerbPart(Part):
+class Verb(Part):
     """A verb in its base form, without its particle.
 
     Attributes:
@@ -81,31 +66,31 @@ class VerbPart(Part):
 
     word: str
     passive: bool = False
-    completed: Span | None = None
+    completed: g.Span | None = None
 
 
 @dataclass(frozen=True)
-class ThingPart(Part):
+class Thing(Part):
     """A named object, or "it"; `span` is the name's, without the article."""
 
-    ref: ObjectRef
+    ref: g.ObjectRef
     contents: bool = False
 
 
 @dataclass(frozen=True)
-class ThatIsPart(Part):
+class ThatIs(Part):
     """Words such as "that is": a place follows that distinguishes the object."""
 
 
 @dataclass(frozen=True)
-class SidePart(Part):
+class Side(Part):
     """On the left: tells the object from others."""
 
-    quality: Quality
+    quality: g.Quality
 
 
 @dataclass(frozen=True)
-class ParticlePart(Part):
+class Particle(Part):
     """A word that belongs to the verb, or means a direction: over, up, down.
 
     It is optional where it may as well belong to a direction: "over to the left" topples with
@@ -117,7 +102,7 @@ class ParticlePart(Part):
 
 
 @dataclass(frozen=True)
-class DiagonalPart(Part):
+class Diagonal(Part):
     """Diagonally: two directions are to follow."""
 
 
@@ -125,75 +110,75 @@ class DiagonalPart(Part):
 
 
 @dataclass(frozen=True)
-class DirectionPart(Part):
+class Direction(Part):
     """A direction; `implied` if it follows from the side that is touched."""
 
-    value: Direction
+    value: g.Direction
     implied: bool = False
 
 
 @dataclass(frozen=True)
-class HeadingPart(Part):
+class Heading(Part):
     """A direction as an angle, counter-clockwise from straight ahead [rad]."""
 
     value: float
 
 
 @dataclass(frozen=True)
-class TowardPart(Part):
+class Toward(Part):
     """A target to move towards."""
 
-    target: ObjectRef | TableRegion
+    target: g.ObjectRef | g.TableRegion
 
 
 @dataclass(frozen=True)
-class AwayFromPart(Part):
+class AwayFrom(Part):
     """A part of the table to move away from."""
 
-    region: TableRegion
+    region: g.TableRegion
 
 
 @dataclass(frozen=True)
-class PlacePart(Part):
+class Place(Part):
     """A place; the relation is one of the contract's, or `from`, `away_from`, `to`."""
 
     relation: str
-    reference: tuple[ObjectRef, ...] | Point | TableRegion
+    reference: tuple[g.ObjectRef, ...] | g.Point | g.TableRegion
 
 
 @dataclass(frozen=True)
-class IntoPart(Part):
+class Into(Part):
     """The object to pour into."""
 
-    target: ObjectRef
+    target: g.ObjectRef
 
 
 @dataclass(frozen=True)
-class LengthPart(Part):
+class Length(Part):
     """A distance [m], or measured in objects; `most` is the other end of a range."""
 
-    value: float | RelativeLength
-    bound: Bound
+    value: float | g.RelativeLength
+    bound: g.Bound
     most: float | None = None
 
 
 @dataclass(frozen=True)
-class AnglePart(Part):
+class Angle(Part):
     """An angle [rad]."""
 
     value: float
-    bound: Bound
+    bound: g.Bound
 
 
 @dataclass(frozen=True)
-class AmountPart(Part):
+class Amount(Part):
     """A little, a lot."""
 
     value: str
 
 
 @dataclass(frozen=True)
-class SharePart(Part):
+class Share(Part):
     """Half of the way, all the way; or, of a liquid, half of it."""
 
     value: float
@@ -201,48 +186,48 @@ class SharePart(Part):
 
 
 @dataclass(frozen=True)
-class VolumePart(Part):
+class Volume(Part):
     """A volume of a liquid [m³]."""
 
     value: float
 
 
 @dataclass(frozen=True)
-class FullPart(Part):
+class Full(Part):
     """Until it is half full: a share of what can be filled, and of what this is said."""
 
     value: float
-    subject: ThingPart | None = None
+    subject: Thing | None = None
 
 
 @dataclass(frozen=True)
-class FilledWithPart(Part):
+class FilledWith(Part):
     """The liquid to fill with."""
 
-    thing: ThingPart
+    thing: Thing
 
 
 @dataclass(frozen=True)
-class LidPart(Part):
+class Lid(Part):
     """A part of an object that is opened or closed."""
 
     name: str
 
 
 @dataclass(frozen=True)
-class TablePart(Part):
+class Table(Part):
     """On the table, of something that is put there."""
 
 
 @dataclass(frozen=True)
-class MethodPart(Part):
+class Method(Part):
     """By lifting it: how something is found out."""
 
-    value: Method
+    value: g.Method
 
 
 @dataclass(frozen=True)
-class SensePart(Part):
+class Sense(Part):
     """Clockwise or not."""
 
     value: str
@@ -252,15 +237,15 @@ class SensePart(Part):
 
 
 @dataclass(frozen=True)
-class ConstraintPart(Part):
+class Constraint(Part):
     """A constraint, whole in itself; `subject` is what it says this of, if it names it."""
 
-    constraint: Constraint
-    subject: ThingPart | None = None
+    constraint: g.Constraint
+    subject: Thing | None = None
 
 
 @dataclass(frozen=True)
-class AvoidPart(Part):
+class Avoid(Part):
     """An event that must not happen.
 
     Attributes:
@@ -272,24 +257,24 @@ class AvoidPart(Part):
 
     kind: str
     word: str
-    thing: ThingPart | None = None
+    thing: Thing | None = None
     further: bool = False
 
 
 @dataclass(frozen=True)
-class FurtherNoTouchPart(Part):
+class FurtherNoTouch(Part):
     """… or touching the mug; `either` if it says "or"."""
 
-    constraint: NoTouch
+    constraint: g.NoTouch
     either: bool
 
 
 @dataclass(frozen=True)
-class ResultPart(Part):
+class Result(Part):
     """A wanted event: "so that it falls over"."""
 
     event: str
-    subject: ThingPart
+    subject: Thing
     amount: str | None = None
 
 
@@ -297,7 +282,7 @@ class ResultPart(Part):
 
 
 @dataclass(frozen=True)
-class AskPart(Part):
+class Ask(Part):
     """The opening of a question.
 
     Attributes:
@@ -309,45 +294,45 @@ class AskPart(Part):
         negated: whether it asks why something was not done.
     """
 
-    query: Query | None
-    event: Event | None = None
-    thing: ThingPart | None = None
+    query: g.Query | None
+    event: g.Event | None = None
+    thing: Thing | None = None
     which: tuple[str, ...] = ()
     whole: bool = False
     negated: bool = False
 
 
 @dataclass(frozen=True)
-class IfPart(Part):
+class If(Part):
     """If, when: the action that is asked about follows."""
 
 
 @dataclass(frozen=True)
-class PurposePart(Part):
+class Purpose(Part):
     """To make it slide; `before` if it is about what must not yet happen ("before it tips")."""
 
-    event: Event
-    thing: ThingPart | None
+    event: g.Event
+    thing: Thing | None
     before: bool = False
 
 
 @dataclass(frozen=True)
-class ExplorePart(Part):
+class Explore(Part):
     """Find out how heavy it is."""
 
     which: tuple[str, ...]
-    thing: ThingPart
+    thing: Thing
 
 
 @dataclass(frozen=True)
-class RemarkPart(Part):
+class Remark(Part):
     """A remark: undo that, again, no."""
 
-    dialogue: Dialogue
+    dialogue: g.Dialogue
 
 
 @dataclass(frozen=True)
-class NotThisPart(Part):
+class NotThis(Part):
     """Not the mug: what was not meant."""
 
-    thing: ThingPart
+    thing: Thing

@@ -8,7 +8,7 @@ from typing import Any, cast
 
 from grammar.errors import ParseError
 from grammar.frames.command import Bound, Span
-from grammar.phrases.phrase_parts import Part
+from grammar.phrases import phrase_parts as ph
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 from grammar.words.numerals import LENIENT, exact_decimal
@@ -47,8 +47,8 @@ class TokenReader:
         ends = [self._span_of_child(child) for child in children]
         return min(start for start, _ in ends), max(end for _, end in ends)
 
-    def _span_of_child(self, child: Token | Part) -> Span:
-        if isinstance(child, Part):
+    def _span_of_child(self, child: Token | ph.Part) -> Span:
+        if isinstance(child, ph.Part):
             return child.span
         return self.sentence.original_span(child.start_pos, child.end_pos)
 
