@@ -15,12 +15,6 @@ MOST_MODULES_OF_A_TYPING_CIRCLE = 3
 
 # Circles for typing that are still to be opened; no other may come in.
 OPEN = (
-    {"planner.grasping.grasp_sampling", "planner.refusals.grasp_refusals"},
-    {
-        "planner.grasping.pour_amounts",
-        "planner.grasping.pour_planner",
-        "planner.refusals.pour_refusals",
-    },
     {
         "nlcontrol.session.controller",
         "nlcontrol.session.conversation",
