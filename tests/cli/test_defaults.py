@@ -11,7 +11,7 @@ from nlcontrol import Controller
 from nlcontrol.cli import run
 from planner.types.default_settings import changed
 from planner.types.defaults import DEFAULTS
-from tests.unit.sim.test_scene_files import SCENE
+from tests.unit.sim.truth.test_scene_files import SCENE
 
 SENTENCE = "push the crate away"
 

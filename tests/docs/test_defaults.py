@@ -14,7 +14,7 @@ import pytest
 from nlcontrol.cli import run
 from planner.types.default_settings import changed, settings, table
 from planner.types.defaults import DEFAULTS, Defaults, kinds
-from tests.unit.sim.test_scene_files import SCENE
+from tests.unit.sim.truth.test_scene_files import SCENE
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "defaults.md").read_text(encoding="utf-8")
 

@@ -12,7 +12,7 @@ from objectmodels.models.vessel import Vessel
 from sim.traces.trace import Trace
 from sim.truth.scene_file import parse_scene
 from sim.views.liquid_view import Part, parts, triangles
-from tests.unit.sim.test_liquid import FORWARDS, FULL, SCENE, Moved
+from tests.unit.sim.worlds.drake.test_liquid import FORWARDS, FULL, SCENE, Moved
 
 Array = NDArray[np.float64]
 
