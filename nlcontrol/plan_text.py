@@ -265,7 +265,7 @@ def _holding(plan: Plan) -> str:
 def grasp_text(grasp: Grasp) -> str:
     """Where and how hard it is held: "from its side, 60 mm above its base, with 4.5 N"."""
     where = f"{quantity(grasp.p_BG[2], 'm')} above its base"
-    return f"{grasp.way}, {where}, with {quantity(grasp.squeeze, 'N')}"
+    return f"{grasp.approach_text}, {where}, with {quantity(grasp.squeeze, 'N')}"
 
 
 def steps_text(plan: Plan) -> str:
@@ -347,7 +347,7 @@ def _reasons(action: Action, name: str) -> Iterator[str]:
                 yield f"the {name} is lifted from {quantity(p.lifting_force, 'N')} on"
         case FlipOver():
             yield f"the lid takes up to {quantity(action.prediction.lid_force, 'N')}"
-            yield from _stands(action.prediction, name)
+            yield from _bearing_texts(action.prediction, name)
         case TurnCap():
             cap, turns = action.prediction, ""
             if cap.turning_torque is not None:
@@ -355,7 +355,7 @@ def _reasons(action: Action, name: str) -> Iterator[str]:
             yield f"the cap takes {quantity(cap.lid_torque, 'N·m')}{turns}"
 
 
-def _stands(p: FlipPrediction, name: str) -> Iterator[str]:
+def _bearing_texts(p: FlipPrediction, name: str) -> Iterator[str]:
     """What the standing object bears while its lid is opened."""
     gives = [
         f"{verb} from {quantity(force, 'N')} on"

@@ -39,7 +39,7 @@ def quantity(value: float, unit: str) -> str:
     return (text.lstrip("-") if float(text) == 0.0 else text) + sign
 
 
-def known(value: float, sd: float, unit: str = "") -> str:
+def with_sd_text(value: float, sd: float, unit: str = "") -> str:
     """A value with its standard deviation, to three decimals; without it if it is certain."""
     # As decimals: 0.0375 lies half-way as it stands in a model, but below that as a float.
     text, spread = (f"{Decimal(repr(float(x))):.3f}{unit}" for x in (value, sd))
@@ -58,7 +58,7 @@ def words(text: str, spans: Sequence[tuple[int, int]]) -> str:
     return " … ".join(text[start:end] for start, end in spans)
 
 
-def encodable(text: str) -> str:
+def encodable_text(text: str) -> str:
     """The text with each half of a surrogate pair replaced, since it could not be printed again.
 
     A shell hands over bytes that are not UTF-8 as such halves.
@@ -70,9 +70,9 @@ def frame_lines(frame: Frame, text: str) -> Iterator[str]:
     """A frame in a few lines: each part with its fields and its words."""
     for key in ("dialogue", "query", "action"):
         if getattr(frame, key) is not None:
-            yield f"  {key}: {getattr(frame, key)}{_quoted(text, frame.spans)}"
+            yield f"  {key}: {getattr(frame, key)}{_quoted_words(text, frame.spans)}"
     if frame.object is not None:
-        yield f"  object: {frame.object.text}{_quoted(text, frame.object.spans)}"
+        yield f"  object: {frame.object.text}{_quoted_words(text, frame.object.spans)}"
     if frame.goal.kind != "none":
         yield f"  goal: {_fields(frame.goal, text)}"
     if frame.event is not None:
@@ -84,7 +84,7 @@ def frame_lines(frame: Frame, text: str) -> Iterator[str]:
 def _fields(part: Any, text: str) -> str:
     values = part.model_dump(mode="json", exclude={"kind", "spans"}, exclude_defaults=True)
     told = "".join(f" {key}={_value(value)}" for key, value in values.items())
-    return f"{part.kind}{told}{_quoted(text, part.spans)}"
+    return f"{part.kind}{told}{_quoted_words(text, part.spans)}"
 
 
 def _value(value: Any) -> str:
@@ -101,7 +101,7 @@ def _value(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _quoted(text: str, spans: Sequence[tuple[int, int]]) -> str:
+def _quoted_words(text: str, spans: Sequence[tuple[int, int]]) -> str:
     return f"  “{words(text, spans)}”" if spans else ""
 
 
@@ -115,13 +115,13 @@ def error_lines(error: ErrorInfo, text: str | None = None) -> Iterator[str]:
     yield f"{title}{code}: {path}{error.message}"
     if text and error.span and len(text) <= 100 and text.isprintable():
         yield f"  {text}"
-        yield f"  {_underlined(error.spans or (error.span,))}"
+        yield f"  {_underlined_sentence(error.spans or (error.span,))}"
     if error.capability:
         yield f"  missing capability: {error.capability}"
     yield from (f"  → {suggestion}" for suggestion in error.suggestions)
 
 
-def _underlined(spans: Sequence[tuple[int, int]]) -> str:
+def _underlined_sentence(spans: Sequence[tuple[int, int]]) -> str:
     """Carets below the spans of a line."""
     marks = [" "] * max(end + 1 for _, end in spans)
     for start, end in spans:

@@ -68,9 +68,9 @@ def plan(
                 raise grasps.first
         problem = interpret_frame(frame, state, defaults, robot, previous=previous, failed=failed)
         if state.held is not None:
-            raise NoPlanError(refusals.holds(state.held.name))
+            raise NoPlanError(refusals.hand_not_free(state.held.name))
         if problem.target.lies_on != "bottom":
-            raise NoPlanError(refusals.lies(problem.target))
+            raise NoPlanError(refusals.object_lies(problem.target))
         return plan_pushes(problem, notify)
     except NoPlanError as error:
         return error.refusal

@@ -10,7 +10,7 @@ import numpy as np
 
 from grammar.frames import command as g
 from nlcontrol.checks import trace_measures as measures
-from nlcontrol.checks.verdicts import Check, named
+from nlcontrol.checks.verdicts import Check, object_name
 
 if TYPE_CHECKING:
     from nlcontrol.checks.evidence import Evidence
@@ -25,7 +25,7 @@ class _Implied:
     spans: g.Spans = ()
 
 
-def met(trace: Trace, one: str, other: str) -> bool:
+def touched_others(trace: Trace, one: str, other: str) -> bool:
     """Whether two bodies began to touch."""
     return any({c.body_a, c.body_b} == {one, other} for c in trace.contacts)
 
@@ -36,7 +36,7 @@ def others(e: Evidence) -> Iterator[Check]:
     if len(names) < 2:
         return
     allowed = {frozenset((e.name, name)) for name in _to_be_touched(e)}
-    begun = _begun(e.trace)
+    begun = _new_contacts(e.trace)
     touched: set[str] = set()
     for contact in e.trace.contacts:
         pair = frozenset((contact.body_a, contact.body_b))
@@ -46,7 +46,7 @@ def others(e: Evidence) -> Iterator[Check]:
         if pair not in allowed and not together:
             touched |= objects - {e.name}
     found = ", ".join(sorted(touched)) or "none"
-    yield named(_Implied(), "touched on the way", "none", found)
+    yield object_name(_Implied(), "touched on the way", "none", found)
 
 
 def _to_be_touched(e: Evidence) -> Iterator[str]:
@@ -62,7 +62,7 @@ def _to_be_touched(e: Evidence) -> Iterator[str]:
             yield clause.object.id or clause.object.text
 
 
-def _begun(trace: Trace) -> float:
+def _new_contacts(trace: Trace) -> float:
     """When the robot began to touch anything [s]."""
     touching = np.flatnonzero(measures.during(trace, ("touch", "push", "grasp", "lid")))
     return float(trace.time[touching[0]]) if len(touching) else float("inf")

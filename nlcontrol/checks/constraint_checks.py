@@ -9,11 +9,11 @@ import numpy as np
 
 from grammar.frames import command as g
 from nlcontrol.checks import trace_measures as measures
-from nlcontrol.checks.bystander_checks import met
+from nlcontrol.checks.bystander_checks import touched_others
 from nlcontrol.checks.event_checks import until
-from nlcontrol.checks.goal_checks import stands
+from nlcontrol.checks.goal_checks import stands_on_base
 from nlcontrol.checks.grasp_checks import by_hand
-from nlcontrol.checks.verdicts import Check, Relation, compare, named
+from nlcontrol.checks.verdicts import Check, Relation, compare, object_name
 from planner.geometry.directions import face_name
 from planner.geometry.footprints import gap
 
@@ -35,7 +35,7 @@ def _no_topple(clause: g.NoTopple, e: Evidence) -> Iterator[Check]:
         no_return = min(e.model.angle_of_no_return(face.normal) for face in e.model.faces())
         limit = e.defaults.no_topple_share * no_return
         yield compare(clause, "at_most", "largest tilt", limit, e.largest_tilt, 0.0, "rad")
-    yield stands(clause, e)
+    yield stands_on_base(clause, e)
 
 
 def _kept_upright(clause: g.NoTopple | g.NoTilt, e: Evidence) -> Iterator[Check]:
@@ -88,7 +88,7 @@ def _no_spill(clause: g.NoSpill, e: Evidence) -> Iterator[Check]:
         quantity = "share of the contents that was spilled"
         yield compare(clause, "at_most", quantity, e.defaults.no_spill, share, 0.0, "")
     else:
-        yield named(clause, "spilled", "nothing", "nothing")
+        yield object_name(clause, "spilled", "nothing", "nothing")
 
 
 def _no_touch(clause: g.NoTouch, e: Evidence) -> Iterator[Check]:
@@ -97,8 +97,8 @@ def _no_touch(clause: g.NoTouch, e: Evidence) -> Iterator[Check]:
     if clause.object is not None:
         what = clause.object.id or clause.object.text
         names = (what,)
-    touched = [name for name in names if met(e.trace, e.name, name)]
-    yield named(clause, f"contact with {what}", "none", ", ".join(touched) or "none")
+    touched = [name for name in names if touched_others(e.trace, e.name, name)]
+    yield object_name(clause, f"contact with {what}", "none", ", ".join(touched) or "none")
     if clause.clearance is not None:
         kept = min((_least_gap(e, name) for name in names), default=clause.clearance)
         tolerance = e.defaults.clear_tolerance
@@ -107,7 +107,7 @@ def _no_touch(clause: g.NoTouch, e: Evidence) -> Iterator[Check]:
 
 
 def _least_gap(e: Evidence, name: str) -> float:
-    ways = zip(e.covered(e.name), e.covered(name), strict=True)
+    ways = zip(e.covered_outlines(e.name), e.covered_outlines(name), strict=True)
     return min(gap(own, other) for own, other in ways)
 
 
@@ -165,21 +165,21 @@ def _contact(clause: g.ContactRegion, e: Evidence) -> Iterator[Check]:
     """The first push that touched it elsewhere, if there is one; else the first of all."""
     touches = measures.contacts(e.trace, e.name, ("grasp",) if by_hand(e) else ("push",))
     if not touches:
-        yield named(clause, "contact", "touched", "never touched")
+        yield object_name(clause, "contact", "touched", "never touched")
         return
-    verdicts = [tuple(_touched(clause, p_BT, R_WB, e)) for p_BT, R_WB in touches]
+    verdicts = [tuple(_touch_check(clause, p_BT, R_WB, e)) for p_BT, R_WB in touches]
     wrong = (checks for checks in verdicts if not all(check.ok for check in checks))
     yield from next(wrong, verdicts[0])
 
 
-def _touched(clause: g.ContactRegion, p_BT: Array, R_WB: Array, e: Evidence) -> Iterator[Check]:
+def _touch_check(clause: g.ContactRegion, p_BT: Array, R_WB: Array, e: Evidence) -> Iterator[Check]:
     tolerance, height = e.defaults.height_tolerance, e.model.top
     if clause.face is not None:
         faces = e.model.faces(np.arctan2(-p_BT[1], -p_BT[0]))
         outside = [np.subtract(p_BT, f.centre) @ f.normal for f in faces]
         touched = faces[int(np.argmax(outside))]
         name, _ = face_name(R_WB @ np.array(touched.normal))
-        yield named(clause, "face touched", clause.face, name)
+        yield object_name(clause, "face touched", clause.face, name)
     if clause.region is not None:
         low, high = {"bottom": (0, 1), "middle": (1, 2), "top": (2, 3)}[clause.region]
         if low:
@@ -201,12 +201,12 @@ def _touched(clause: g.ContactRegion, p_BT: Array, R_WB: Array, e: Evidence) -> 
 
 def _effector(clause: g.Effector, e: Evidence) -> Iterator[Check]:
     if clause.side is not None:
-        yield named(clause, "hand used", f"{clause.side} hand", f"{HAND_SIDE} hand")
+        yield object_name(clause, "hand used", f"{clause.side} hand", f"{HAND_SIDE} hand")
     used = len(e.trace.tips)
     if clause.tool == "finger" and clause.count is not None:
-        yield named(clause, "fingers used", str(clause.count), str(used))
+        yield object_name(clause, "fingers used", str(clause.count), str(used))
     elif clause.side is None:
-        yield named(clause, "touched with", clause.tool, clause.tool if used else "nothing")
+        yield object_name(clause, "touched with", clause.tool, clause.tool if used else "nothing")
 
 
 CONSTRAINTS: dict[str, Callable[..., Iterator[Check]]] = {

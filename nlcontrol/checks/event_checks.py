@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from grammar.frames import command as g
-from nlcontrol.checks.bystander_checks import met
-from nlcontrol.checks.goal_checks import fell, stands
-from nlcontrol.checks.verdicts import Check, compare, named, placed
+from nlcontrol.checks.bystander_checks import touched_others
+from nlcontrol.checks.goal_checks import has_fallen, stands_on_base
+from nlcontrol.checks.verdicts import Check, compare, object_name, place_check
 from planner.geometry.directions import heading_of, unit
 from planner.geometry.footprints import footprint, gap
 from planner.problem.displacement_goals import goal_heading
@@ -28,8 +28,8 @@ def until(clause: g.Until, e: Evidence) -> Iterator[Check]:
 def _touching(clause: g.Until, e: Evidence) -> Iterator[Check]:
     other = _other(clause)
     own, there = (footprint(e.end.objects[name]) for name in (e.name, other))
-    touches = met(e.trace, e.name, other) or gap(own, there) <= e.defaults.touching_gap
-    yield named(clause, f"contact with {other}", "touched", "touched" if touches else "none")
+    touches = touched_others(e.trace, e.name, other) or gap(own, there) <= e.defaults.touching_gap
+    yield object_name(clause, f"contact with {other}", "touched", "touched" if touches else "none")
     shoved = float(np.linalg.norm(e.trace.displacement(other)[:2]))
     limit = e.defaults.overrun
     yield compare(clause, "at_most", f"{other} was moved along by", 0.0, shoved, limit, "m")
@@ -39,7 +39,7 @@ def _next_to(clause: g.Until, e: Evidence) -> Iterator[Check]:
     assert clause.object is not None
     place = region(g.Place(relation="next_to", reference=(clause.object,)), e.end, e.defaults)
     assert place is not None
-    yield from (placed(clause, measure) for measure in place.measures(e.end.objects[e.name]))
+    yield from (place_check(clause, measure) for measure in place.measures(e.end.objects[e.name]))
 
 
 def _in_line(clause: g.Until, e: Evidence) -> Iterator[Check]:
@@ -57,17 +57,17 @@ def _in_line(clause: g.Until, e: Evidence) -> Iterator[Check]:
 
 def _edge(clause: g.Until, e: Evidence) -> Iterator[Check]:
     place = table_region("edge", e.end.table, e.defaults)
-    yield from (placed(clause, measure) for measure in place.measures(e.end.objects[e.name]))
+    yield from (place_check(clause, measure) for measure in place.measures(e.end.objects[e.name]))
 
 
 def _about_to_tip(clause: g.Until, e: Evidence) -> Iterator[Check]:
     tips = e.defaults.tips
     yield compare(clause, "at_least", "largest tilt", tips, e.largest_tilt, 0.0, "rad")
-    yield stands(clause, e)
+    yield stands_on_base(clause, e)
 
 
 def _tips(clause: g.Until, e: Evidence) -> Iterator[Check]:
-    yield fell(clause, e)
+    yield has_fallen(clause, e)
 
 
 def _moves(clause: g.Until, e: Evidence) -> Iterator[Check]:

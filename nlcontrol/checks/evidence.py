@@ -83,7 +83,7 @@ class Evidence:
         """Whether the frame has a constraint of one of the kinds."""
         return any(clause.kind in kinds for clause in self.frame.constraints)
 
-    def covered(self, name: str) -> list[Array]:
+    def covered_outlines(self, name: str) -> list[Array]:
         """What an object covered of the table over time, corners in W of every so many samples."""
         poses, model = self.trace.poses[name], self.start.objects[name].model
         tilts = self.trace.tilt(name)
@@ -105,12 +105,12 @@ def _as_they_lay(
             rest = model.resting_face(R_WB)
         except ModelError:
             continue  # it leans on something: its own frame is as good as any
-        poses[name] = _reframed(poses[name], rest.R_BN, rest.p_BN)
+        poses[name] = _in_object_frame(poses[name], rest.R_BN, rest.p_BN)
         lay[name] = rest.model
     return replace(trace, poses=poses), lay
 
 
-def _reframed(poses: Array, R_BN: Array, p_BN: Array) -> Array:
+def _in_object_frame(poses: Array, R_BN: Array, p_BN: Array) -> Array:
     """Poses of frame N, which is fixed in B, from those of B; shape (n, 7)."""
     from scipy.spatial.transform import Rotation
 

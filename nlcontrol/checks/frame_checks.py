@@ -20,7 +20,7 @@ from nlcontrol.checks.bystander_checks import others
 from nlcontrol.checks.constraint_checks import CONSTRAINTS
 from nlcontrol.checks.evidence import Evidence
 from nlcontrol.checks.goal_checks import GOALS
-from nlcontrol.checks.verdicts import HAND_ENDS, PLANNED_ENDS, Check, named
+from nlcontrol.checks.verdicts import HAND_ENDS, PLANNED_ENDS, Check, object_name
 from nlcontrol.errors import error
 from planner.types.defaults import DEFAULTS, Defaults
 
@@ -62,7 +62,7 @@ def check(
     checks = list(GOALS[frame.goal.kind](frame.goal, e))
     for clause in frame.constraints:
         if trace.end == "reached" and clause.kind in _OF_PUSHES:
-            checks.append(named(clause, "push", "none needed", "none needed"))
+            checks.append(object_name(clause, "push", "none needed", "none needed"))
         else:
             checks += CONSTRAINTS[clause.kind](clause, e)
     return (*checks, *others(e))

@@ -10,7 +10,7 @@ import numpy as np
 from grammar.frames import command as g
 from nlcontrol.checks import grasp_checks as handling
 from nlcontrol.checks import trace_measures as measures
-from nlcontrol.checks.verdicts import Check, Clause, Relation, compare, named, placed
+from nlcontrol.checks.verdicts import Check, Clause, Relation, compare, object_name, place_check
 from planner.geometry.directions import HEADINGS, angle_between, heading_of
 from planner.problem.displacement_goals import goal_distance, goal_heading
 from planner.problem.place_regions import region, share_of_way
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
     from planner.types.defaults import Defaults
 
 
-def stands(clause: Clause, e: Evidence) -> Check:
+def stands_on_base(clause: Clause, e: Evidence) -> Check:
     """It comes to rest on its base."""
     _, tilt = measures.tilt_at_end(e.trace, e.name)
     return compare(clause, "at_most", "tilt at the end", e.defaults.rest_tilt, tilt, 0.0, "rad")
 
 
-def fell(clause: Clause, e: Evidence) -> Check:
+def has_fallen(clause: Clause, e: Evidence) -> Check:
     """It comes to rest on a side."""
     tilt, _ = measures.tilt_at_end(e.trace, e.name)
     return compare(clause, "at_least", "tilt at the end", e.defaults.toppled, tilt, 0.0, "rad")
@@ -41,7 +41,7 @@ def _falls(e: Evidence) -> bool:
 def _still_stands(clause: Clause, e: Evidence) -> Iterator[Check]:
     """It stands at the end, unless the sentence says so itself or wants it to fall."""
     if not _falls(e) and not e.has("no_topple"):
-        yield stands(clause, e)
+        yield stands_on_base(clause, e)
 
 
 def _displace(goal: g.Displace, e: Evidence) -> Iterator[Check]:
@@ -49,7 +49,7 @@ def _displace(goal: g.Displace, e: Evidence) -> Iterator[Check]:
     travel = e.trace.displacement(e.name)[:2]
     length = float(np.linalg.norm(travel))
     heading = goal_heading(goal, own, e.start, d)
-    tipped = _tipped(goal, heading, e)
+    tipped = _tip_check(goal, heading, e)
     if tipped is not None:
         yield from tipped
         return
@@ -73,7 +73,7 @@ def _displace(goal: g.Displace, e: Evidence) -> Iterator[Check]:
         yield from _still_stands(goal, e)
 
 
-def _tipped(goal: g.Displace, heading: float | None, e: Evidence) -> list[Check] | None:
+def _tip_check(goal: g.Displace, heading: float | None, e: Evidence) -> list[Check] | None:
     """Where it fell or leant, if it is to be pushed until it tips or is about to; else None."""
     events = [c.event for c in e.frame.constraints if isinstance(c, g.Until)]
     if "tips" in events:
@@ -103,7 +103,7 @@ def _place(goal: g.Place, e: Evidence) -> Iterator[Check]:
     if goal.fraction is not None:
         start = e.start.objects[e.name]
         place = share_of_way(place, goal.fraction, start, e.defaults.place_tolerance)
-    yield from (placed(goal, measure) for measure in place.measures(e.end.objects[e.name]))
+    yield from (place_check(goal, measure) for measure in place.measures(e.end.objects[e.name]))
     if handling.by_hand(e):
         yield from handling.set_down_upright(goal, e)
     else:
@@ -138,7 +138,7 @@ def _tilt(goal: g.Tilt, e: Evidence) -> Iterator[Check]:
 
 
 def _topple(goal: g.Topple, e: Evidence) -> Iterator[Check]:
-    yield fell(goal, e)
+    yield has_fallen(goal, e)
     if goal.direction:
         fall = measures.tilt_heading(e.trace, e.name)
         asked = HEADINGS[goal.direction]
@@ -147,7 +147,7 @@ def _topple(goal: g.Topple, e: Evidence) -> Iterator[Check]:
 
 def _none(goal: g.NoGoal, e: Evidence) -> Iterator[Check]:
     touched = "touched" if measures.contacts(e.trace, e.name) else "never touched"
-    yield named(goal, "contact", "touched", touched)
+    yield object_name(goal, "contact", "touched", touched)
     yield from _still_stands(goal, e)
 
 
@@ -167,10 +167,10 @@ GOALS: dict[str, Callable[..., Iterator[Check]]] = {
     "tilt": _tilt,
     "topple": _topple,
     "none": _none,
-    "lift": handling.lifted,
+    "lift": handling.lift_check,
     "set_down": handling.set_down,
-    "open": handling.opened,
-    "close": handling.closed,
-    "pour": handling.poured,
+    "open": handling.opening_check,
+    "close": handling.closing_check,
+    "pour": handling.pour_check,
 }
 """The check of each kind of goal; a kind that is missing cannot be checked."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from grammar.frames import command as g
 from nlcontrol.checks import trace_measures as measures
-from nlcontrol.checks.verdicts import Check, Clause, Relation, compare, named
+from nlcontrol.checks.verdicts import Check, Clause, Relation, compare, object_name
 from objectmodels.containers.lid_geometry import is_off
 from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
 
@@ -44,7 +44,7 @@ def _stays_put(clause: Clause, name: str, e: Evidence) -> Check:
 # -- lifted and set down ------------------------------------------------------------------------
 
 
-def lifted(goal: g.Lift, e: Evidence) -> Iterator[Check]:
+def lift_check(goal: g.Lift, e: Evidence) -> Iterator[Check]:
     """It is up at the end, and upright."""
     d = e.defaults
     by_default = {None: d.lift_height, "little": d.lift_little, "lot": d.lift_lot}
@@ -69,7 +69,7 @@ def set_down(goal: g.SetDown, e: Evidence) -> Iterator[Check]:
 # -- lids ---------------------------------------------------------------------------------------
 
 
-def opened(goal: g.Open, e: Evidence) -> Iterator[Check]:
+def opening_check(goal: g.Open, e: Evidence) -> Iterator[Check]:
     """Its lid is open, or off; the object stands where it stood."""
     lid, d = e.model.lid, e.defaults
     at_end = float(e.trace.lids[e.name][-1])
@@ -77,23 +77,23 @@ def opened(goal: g.Open, e: Evidence) -> Iterator[Check]:
         quantity = "angle of its lid"
         yield compare(goal, "at_least", quantity, d.lid_opened, at_end, 0.0, "rad")
     elif lid is not None:
-        yield named(goal, f"its {_called(lid)}", "off", _state(lid, at_end))
+        yield object_name(goal, f"its {_lid_name(lid)}", "off", _state(lid, at_end))
     yield from _stood_still(goal, e)
 
 
-def closed(goal: g.Close, e: Evidence) -> Iterator[Check]:
+def closing_check(goal: g.Close, e: Evidence) -> Iterator[Check]:
     """Its lid is shut, or on; the object stands where it stood."""
     lid, d = e.model.lid, e.defaults
     at_end = float(e.trace.lids[e.name][-1])
     if isinstance(lid, LiftOffLid):
-        yield named(goal, "its lid", "on", _state(lid, at_end))
+        yield object_name(goal, "its lid", "on", _state(lid, at_end))
     else:
         quantity = "angle of its lid" if isinstance(lid, FlipLid) else "turn of its cap"
         yield compare(goal, "at_most", quantity, d.lid_closed, at_end, 0.0, "rad")
     yield from _stood_still(goal, e)
 
 
-def _called(lid: LiftOffLid | ScrewCap) -> str:
+def _lid_name(lid: LiftOffLid | ScrewCap) -> str:
     return "cap" if isinstance(lid, ScrewCap) else "lid"
 
 
@@ -110,7 +110,7 @@ def _stood_still(clause: Clause, e: Evidence) -> Iterator[Check]:
 # -- poured -------------------------------------------------------------------------------------
 
 
-def poured(goal: g.Pour, e: Evidence) -> Iterator[Check]:
+def pour_check(goal: g.Pour, e: Evidence) -> Iterator[Check]:
     """So much arrived, hardly any was spilled, what it went into stands, the source is back."""
     assert goal.into is not None, "what is poured is poured into something"
     into, d = goal.into.id or goal.into.text, e.defaults
@@ -122,16 +122,16 @@ def poured(goal: g.Pour, e: Evidence) -> Iterator[Check]:
         least = d.pour_least * before
         yield compare(goal, "at_least", f"arrived in the {into}", least, received, 0.0, "m³")
     else:
-        asked = _asked(goal, before, into, e)
+        asked = _asked_volume(goal, before, into, e)
         tolerance = max(d.pour_share * asked, d.pour_margin)
         yield compare(goal, "about", f"arrived in the {into}", asked, received, tolerance, "m³")
     if not e.has("no_spill"):
-        yield spilled(goal, e)
+        yield spill_check(goal, e)
     yield _stays_put(goal, into, e)
     yield from set_down_upright(goal, e)
 
 
-def _asked(goal: g.Pour, before: float, into: str, e: Evidence) -> float:
+def _asked_volume(goal: g.Pour, before: float, into: str, e: Evidence) -> float:
     """The volume that is meant [m³]."""
     d = e.defaults
     if goal.volume is not None:
@@ -146,7 +146,7 @@ def _asked(goal: g.Pour, before: float, into: str, e: Evidence) -> float:
     return (d.pour_lot if goal.amount == "lot" else goal.fraction or 1.0) * before
 
 
-def spilled(clause: Clause, e: Evidence) -> Check:
+def spill_check(clause: Clause, e: Evidence) -> Check:
     """What ran onto the table, against what was in it."""
     lost = float(e.trace.spilled[-1] - e.trace.spilled[0]) if len(e.trace.spilled) else 0.0
     held = e.trace.contents.get(e.name)

@@ -87,7 +87,7 @@ def compare(
     )
 
 
-def named(clause: Clause, quantity: str, expected: str, measured: str) -> Check:
+def object_name(clause: Clause, quantity: str, expected: str, measured: str) -> Check:
     """A verdict on a name."""
     return Check(
         clause=clause.kind,
@@ -100,7 +100,7 @@ def named(clause: Clause, quantity: str, expected: str, measured: str) -> Check:
     )
 
 
-def placed(clause: Clause, measure: Measure) -> Check:
+def place_check(clause: Clause, measure: Measure) -> Check:
     """A verdict on a place."""
     return compare(
         clause, measure.relation, measure.quantity,

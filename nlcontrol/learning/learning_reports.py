@@ -11,7 +11,7 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from nlcontrol.json_document import Document
-from nlcontrol.text_format import known
+from nlcontrol.text_format import with_sd_text
 from objectmodels.identification.parameter_statistics import Statistics
 
 _METRES = {
@@ -53,7 +53,7 @@ class Change(BaseModel):
         if self.parameter in _METRES:
             before, after = (f"{1e3 * x + 0.0:.1f} ± {1e3 * sd:.1f}" for x, sd in figures)
             return f"{_METRES[self.parameter]} {before} → {after} mm"
-        before, after = (known(x, sd) for x, sd in figures)
+        before, after = (with_sd_text(x, sd) for x, sd in figures)
         unit = " kg" if self.parameter == "mass" else ""
         return f"{self.parameter.replace('_', ' ')} {before} → {after}{unit}"
 

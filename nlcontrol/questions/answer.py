@@ -102,14 +102,14 @@ class Answer(BaseModel):
     )
 
 
-def newtons(value: float, sd: float | None = None) -> str:
+def force_text(value: float, sd: float | None = None) -> str:
     """A force and its standard deviation, if there is one: "3.7 N ± 0.7 N"."""
     digits = 2 if value < 1.0 or (sd is not None and sd < 0.1) else 1
     text = f"{value:.{digits}f} N"
     return text if not sd else f"{text} ± {sd:.{digits}f} N"
 
 
-def chance(probability: float) -> str:
+def likelihood(probability: float) -> str:
     """A probability in as many digits as mean something."""
     if probability > 0.99:
         return "over 0.99"

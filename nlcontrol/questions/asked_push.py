@@ -102,7 +102,7 @@ class Inquiry:
         )
 
 
-def wanted(frame: g.Frame) -> g.Event:
+def wanted_event(frame: g.Frame) -> g.Event:
     """What a question wants to happen: the event that it names, or what its goal means."""
     return frame.event or EVENTS.get(frame.goal.kind, "moves")
 
@@ -134,8 +134,8 @@ def inquiry(frame: g.Frame, state: WorldState, defaults: Defaults) -> Inquiry:
     try:
         asked = interpret_frame(_as_command(frame), state, defaults)
         if target.lies_on == "nothing flat":
-            raise NoPlanError(refusals.lies(target))
-        face_name, face, heading = _touched(asked, target)
+            raise NoPlanError(refusals.object_lies(target))
+        face_name, face, heading = _touched_face(asked, target)
     except NoPlanError as refused:
         raise ControlError(refusal_error(refused.refusal)) from refused
     low, high = max(asked.contact.low, face.bottom), min(asked.contact.high, face.top)
@@ -182,7 +182,7 @@ def _as_command(frame: g.Frame) -> g.Frame:
     )
 
 
-def _touched(asked: PushProblem, target: SeenObject) -> tuple[FaceName, Face, float | None]:
+def _touched_face(asked: PushProblem, target: SeenObject) -> tuple[FaceName, Face, float | None]:
     """The face that is touched, its name, and the heading of the push if it is not straight in."""
     heading = asked.goal.heading
     if (

@@ -37,7 +37,7 @@ def deviations(model: ObjectModel, p: Array, u: Array) -> tuple[float | None, fl
     """
     d = np.zeros((2, len(UNCERTAIN)))
     for i in np.flatnonzero(model.deviations):
-        low, high = (_thresholds(_shifted(model, int(i), sign), p, u) for sign in (-1.0, 1.0))
+        low, high = (_thresholds(_shifted_pair(model, int(i), sign), p, u) for sign in (-1.0, 1.0))
         with np.errstate(invalid="ignore"):
             d[:, i] = (high - low) / 2.0
     slide, topple = (_root(row, model.correlation) for row in d)
@@ -56,7 +56,7 @@ def _thresholds(model: ObjectModel, p: Array, u: Array) -> Array:
     return np.array([t.slide[0], t.topple[0]])
 
 
-def _shifted(model: ObjectModel, i: int, sign: float) -> ObjectModel:
+def _shifted_pair(model: ObjectModel, i: int, sign: float) -> ObjectModel:
     """The model with its i-th uncertain parameter one standard deviation off."""
     value = float(model.means[i] + sign * model.deviations[i])
     name = UNCERTAIN[i]

@@ -23,7 +23,7 @@ from nlcontrol.plan_text import (
     predicted_outcomes,
     steps_text,
 )
-from nlcontrol.questions.answer import Answer, chance
+from nlcontrol.questions.answer import Answer, likelihood
 from nlcontrol.questions.asked_push import inquiry, target_of
 from nlcontrol.questions.where_to_push import most_favourable
 from nlcontrol.text_format import quantity
@@ -45,7 +45,7 @@ _NOTHING = 1e-6  # less than this is not spilled [m³]
 _ON_ITS_SIDE = math.pi / 2.0
 
 
-def can(made: Plan) -> Answer:
+def possible_answer(made: Plan) -> Answer:
     """That a hand can do it, how, and how surely."""
     why = "; ".join((*predicted_outcomes(made), *plan_reasons(made)))
     held = f", held {grasp_text(made.grasp)}" if made.grasp is not None else ""
@@ -63,7 +63,7 @@ def asks_for_hand(frame: g.Frame) -> bool:
     return is_handled(frame) and frame.goal.kind != "place"
 
 
-def predict_hand(frame: g.Frame, state: WorldState, reach: Robot, defaults: Defaults) -> Answer:
+def hand_answer(frame: g.Frame, state: WorldState, reach: Robot, defaults: Defaults) -> Answer:
     """What a hand would come to: its plan's prediction, or why there is no plan.
 
     Args:
@@ -109,7 +109,7 @@ def predict_hand(frame: g.Frame, state: WorldState, reach: Robot, defaults: Defa
 # -- what is spilled ----------------------------------------------------------------------------
 
 
-def spills(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
+def spill_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
     """How much a tilt or a push would spill.
 
     Args:
@@ -126,7 +126,7 @@ def spills(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
         angle = frame.goal.angle or tilt_goal(frame.goal, target.model, defaults)[0]
         heading = HEADINGS[frame.goal.direction or "away"]
         found = f"Tilted by {quantity(angle, 'rad')} {phrase(heading)}"
-        return _told(target, angle, heading, found, 1.0, defaults)
+        return _spill_text(target, angle, heading, found, 1.0, defaults)
     push = most_favourable(inquiry(frame, state, defaults), "tips", defaults)
     p = push.predicted().probability["topple"]
     heading = push.considered.heading or 0.0
@@ -134,7 +134,7 @@ def spills(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
     if p < 0.5:
         text = (
             f"{start}, the {target.name} would spill nothing: it stays upright (probability "
-            f"that it topples {chance(p)})."
+            f"that it topples {likelihood(p)})."
         )
         return Answer(
             query="predict",
@@ -144,8 +144,8 @@ def spills(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
             yes=False,
             push=push.considered,
         )
-    fallen = f"{start}, the {target.name} would topple (probability {chance(p)}); on its side"
-    told = _told(target, _ON_ITS_SIDE, heading, fallen, p, defaults)
+    fallen = f"{start}, the {target.name} would topple (probability {likelihood(p)}); on its side"
+    told = _spill_text(target, _ON_ITS_SIDE, heading, fallen, p, defaults)
     return told.model_copy(update={"push": push.considered})
 
 
@@ -162,7 +162,7 @@ def _require_container(target: SeenObject, frame: g.Frame) -> None:
         )
 
 
-def _told(
+def _spill_text(
     target: SeenObject, angle: float, heading: float, start: str, p: float, d: Defaults
 ) -> Answer:
     """What runs out of an object that leans, in words."""

@@ -11,10 +11,10 @@ from statistics import NormalDist
 from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
-from nlcontrol.questions.answer import DOES, Answer, chance, newtons
-from nlcontrol.questions.asked_push import Inquiry, inquiry, outcome_of, wanted
+from nlcontrol.questions.answer import DOES, Answer, force_text, likelihood
+from nlcontrol.questions.asked_push import Inquiry, inquiry, outcome_of, wanted_event
 from nlcontrol.questions.force_uncertainty import CERTAIN
-from nlcontrol.questions.push_prediction import PushPrediction, in_turn, needed, threshold
+from nlcontrol.questions.push_prediction import PushPrediction, in_turn, needed_force, threshold
 from nlcontrol.questions.where_to_push import most_favourable
 
 if TYPE_CHECKING:
@@ -41,30 +41,30 @@ def figures(found: PushPrediction) -> dict[str, float]:
 
 def how_hard(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
     """The force at which an event begins, or up to which the object stays as it is."""
-    event, kept = wanted(frame), {clause.kind for clause in frame.constraints}
+    event, kept = wanted_event(frame), {clause.kind for clause in frame.constraints}
     push = replace(inquiry(frame, state, defaults), force=None)
     if frame.event is None and "no_slide" in kept:
         return _up_to(push, ("slide", "topple"), defaults)
     if event == "stays_upright" or (frame.event is None and kept & {"no_topple", "no_tilt"}):
         return _without_toppling(push, defaults)
-    return _needed(most_favourable(push, event, defaults), event)
+    return _needed_force(most_favourable(push, event, defaults), event)
 
 
-def _needed(push: Inquiry, event: g.Event) -> Answer:
+def _needed_force(push: Inquiry, event: g.Event) -> Answer:
     """The least force that makes the event happen, or that something else comes first."""
     found = push.predicted()
     first, other = in_turn(found)
     outcome = first if event == "moves" else outcome_of(event)
     p, name = found.probability[outcome], push.target.name
-    likely = f"(probability that it {DOES[outcome if event == 'moves' else event]} {chance(p)})"
-    value, sd = needed(found, outcome)
+    likely = f"(probability that it {DOES[outcome if event == 'moves' else event]} {likelihood(p)})"
+    value, sd = needed_force(found, outcome)
     if outcome != first or value is None:
         never = "never" if value is None else "not"
-        before = "" if value is None else f", before the {newtons(value, sd)} that would do it"
+        before = "" if value is None else f", before the {force_text(value, sd)} that would do it"
         pushed = "Even pushed" if not push.placed else "Pushed"
         text = (
             f"{pushed} {push.where}, the {name} would {never} {_MAKE[event]}: it "
-            f"{threshold(found, first, newtons)}{before} {likely}."
+            f"{threshold(found, first, force_text)}{before} {likely}."
         )
         return Answer(
             query="how_hard",
@@ -75,9 +75,9 @@ def _needed(push: Inquiry, event: g.Event) -> Answer:
             push=push.considered,
         )
     text = (
-        f"It takes {newtons(value, sd)} to {_verb(event, name)}, pushed {push.where}: "
+        f"It takes {force_text(value, sd)} to {_verb(event, name)}, pushed {push.where}: "
         f"it then {DOES[first]}{' and turns' if event == 'turns' else ''} and "
-        f"{threshold(found, other, newtons, only=True)} {likely}."
+        f"{threshold(found, other, force_text, only=True)} {likely}."
     )
     numbers = figures(found) | _range(value, sd)
     return Answer(
@@ -108,11 +108,11 @@ def _without_toppling(push: Inquiry, defaults: Defaults) -> Answer:
     p = found.probability["topple"]
     if p > 1.0 - defaults.probability:
         return _up_to(push, ("topple",), defaults)
-    slides = threshold(found, "slide", newtons)
-    topples = threshold(found, "topple", newtons, only=True)
+    slides = threshold(found, "slide", force_text)
+    topples = threshold(found, "topple", force_text, only=True)
     text = (
         f"Pushed slowly {push.where}, the {push.target.name} does not topple however hard it is "
-        f"pushed: it {slides} and {topples} (probability that it topples {chance(p)})."
+        f"pushed: it {slides} and {topples} (probability that it topples {likelihood(p)})."
     )
     return Answer(
         query="how_hard",
@@ -126,7 +126,7 @@ def _without_toppling(push: Inquiry, defaults: Defaults) -> Answer:
 def _up_to(push: Inquiry, outcomes: tuple[str, ...], defaults: Defaults) -> Answer:
     """The force up to which outcomes are as improbable as a plan must have them."""
     found, sigmas = push.predicted(), NormalDist().inv_cdf(defaults.probability)
-    thresholds = [needed(found, outcome) for outcome in outcomes]
+    thresholds = [needed_force(found, outcome) for outcome in outcomes]
     sure = [force - sigmas * (sd or 0.0) for force, sd in thresholds if force is not None]
     most = max(min(sure, default=0.0), 0.0)
     at_most = replace(push, force=most).predicted().probability
@@ -134,9 +134,9 @@ def _up_to(push: Inquiry, outcomes: tuple[str, ...], defaults: Defaults) -> Answ
     stays = "stays upright" if outcomes == ("topple",) else "stays where it is"
     first, other = in_turn(found)
     text = (
-        f"With up to {newtons(most)} the {push.target.name}, pushed {push.where}, {stays} "
-        f"(probability {chance(p)}): it {threshold(found, first, newtons)} and "
-        f"{threshold(found, other, newtons, only=True)}."
+        f"With up to {force_text(most)} the {push.target.name}, pushed {push.where}, {stays} "
+        f"(probability {likelihood(p)}): it {threshold(found, first, force_text)} and "
+        f"{threshold(found, other, force_text, only=True)}."
     )
     numbers = figures(found) | {"force": most}
     return Answer(query="how_hard", text=text, numbers=numbers, probability=p, push=push.considered)

@@ -14,7 +14,7 @@ from grammar.frames import command as g
 from nlcontrol.errors import ControlError, ErrorInfo
 from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.asked_push import target_of
-from nlcontrol.text_format import enumeration, known, quantity
+from nlcontrol.text_format import enumeration, quantity, with_sd_text
 
 if TYPE_CHECKING:
     from planner.types.world_state import SeenObject, WorldState
@@ -81,12 +81,15 @@ def _source(target: SeenObject, which: tuple[str, ...]) -> str:
 
 def _mass(target: SeenObject) -> Told:
     m = target.model
-    return f"weighs {known(m.mass, m.mass_sd, ' kg')}", {"mass": m.mass, "mass_sd": m.mass_sd}
+    return f"weighs {with_sd_text(m.mass, m.mass_sd, ' kg')}", {
+        "mass": m.mass,
+        "mass_sd": m.mass_sd,
+    }
 
 
 def _friction(target: SeenObject) -> Told:
     m = target.model
-    text = f"has a friction coefficient of {known(m.friction, m.friction_sd)} on the table"
+    text = f"has a friction coefficient of {with_sd_text(m.friction, m.friction_sd)} on the table"
     return text, {"friction": m.friction, "friction_sd": m.friction_sd}
 
 

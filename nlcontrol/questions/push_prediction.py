@@ -129,7 +129,7 @@ def predict_push(
         force=force,
         yaw=yaw,
     )
-    found = _predicted(model, push, point[None], u[None], normal, friction)
+    found = _prediction_text(model, push, point[None], u[None], normal, friction)
     return found.model_copy(update={"text": "\n".join(_sentences(found))})
 
 
@@ -149,7 +149,7 @@ def _place(
     return face.points_at(lateral, height)
 
 
-def _predicted(
+def _prediction_text(
     model: ObjectModel,
     push: AskedPush,
     p: np.ndarray,
@@ -248,7 +248,7 @@ def in_turn(found: PushPrediction) -> tuple[str, str]:
     return ("slide", "topple") if slide <= topple else ("topple", "slide")
 
 
-def needed(found: PushPrediction, outcome: str) -> tuple[float | None, float | None]:
+def needed_force(found: PushPrediction, outcome: str) -> tuple[float | None, float | None]:
     """Force from which on an outcome would come, and its standard deviation; None if never [N]."""
     slides = outcome == "slide"
     return (found.slide, found.slide_sd) if slides else (found.topple, found.topple_sd)
@@ -273,7 +273,7 @@ def threshold(
         told: a force and its standard deviation in words.
         only: say "only from", as of what comes second.
     """
-    force, sd = needed(found, outcome)
+    force, sd = needed_force(found, outcome)
     if force is None:
         return f"never {VERBS[outcome]}"
     return f"{VERBS[outcome]} {'only ' if only else ''}from {told(force, sd)} on"

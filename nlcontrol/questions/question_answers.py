@@ -14,9 +14,21 @@ import numpy as np
 from grammar.frames import command as g
 from nlcontrol.checks.frame_checks import require_checkable
 from nlcontrol.errors import ControlError, error
-from nlcontrol.questions.answer import DOES, Answer, Considered, affordance_lines, chance, newtons
+from nlcontrol.questions.answer import (
+    DOES,
+    Answer,
+    Considered,
+    affordance_lines,
+    force_text,
+    likelihood,
+)
 from nlcontrol.questions.asked_push import EVENTS, Inquiry, inquiry, target_of
-from nlcontrol.questions.grasp_questions import asks_for_hand, can, predict_hand, spills
+from nlcontrol.questions.grasp_questions import (
+    asks_for_hand,
+    hand_answer,
+    possible_answer,
+    spill_answer,
+)
 from nlcontrol.questions.how_hard import figures, how_hard
 from nlcontrol.questions.property_values import value
 from nlcontrol.questions.push_prediction import (
@@ -26,7 +38,7 @@ from nlcontrol.questions.push_prediction import (
     particulars,
     threshold,
 )
-from nlcontrol.questions.where_to_push import most_favourable, where
+from nlcontrol.questions.where_to_push import most_favourable, where_answer
 from nlcontrol.text_format import enumeration, quantity
 from planner import plan
 from planner.affordances import TURNING_ARM, affordances
@@ -63,9 +75,9 @@ def answer(
     """
     match frame.query:
         case "predict" if asks_for_hand(frame):
-            return predict_hand(frame, state, reach(), defaults)
+            return hand_answer(frame, state, reach(), defaults)
         case "predict" if frame.event == "spills":
-            return spills(frame, state, defaults)
+            return spill_answer(frame, state, defaults)
         case "predict":
             return _predict(frame, state, defaults)
         case "possible":
@@ -73,7 +85,7 @@ def answer(
         case "how_hard":
             return how_hard(frame, state, defaults)
         case "where":
-            return where(frame, state, defaults)
+            return where_answer(frame, state, defaults)
         case "value":
             return value(frame, state, position_sd)
         case "affordances":
@@ -95,16 +107,16 @@ def _predict(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
     push = most_favourable(inquiry(frame, state, defaults), goal_event, defaults)
     found = push.predicted()
     turns = _turns(push, found)
-    with_force = "" if push.force is None else f" with {newtons(push.force)}"
+    with_force = "" if push.force is None else f" with {force_text(push.force)}"
     start = f"Pushed{with_force} {push.where}"
     if frame.event is None:
         outcome = in_turn(found)[0] if found.outcome == "slide+topple" else found.outcome
         p, does = found.probability[outcome], DOES.get(outcome, "stays where it is")
-        likely, yes = f"probability that it {does} {chance(p)}", None
+        likely, yes = f"probability that it {does} {likelihood(p)}", None
     else:
         p = _probability(frame.event, found, turns)
         yes = p >= 0.5
-        likely = f"probability that it {DOES[frame.event]} {chance(p)}"
+        likely = f"probability that it {DOES[frame.event]} {likelihood(p)}"
         start = f"{_yes_or_no(p)}, {start[0].lower()}{start[1:]}"
     text = (
         f"{start}, the {push.target.name} would {_state(found, frame.event, turns)}: "
@@ -165,8 +177,8 @@ def _reasons(found: PushPrediction) -> str:
     if found.onset is None:
         return "no force moves it there"
     first, other = in_turn(found)
-    second = threshold(found, other, newtons, only=True)
-    return f"it {threshold(found, first, newtons)} and {second}"
+    second = threshold(found, other, force_text, only=True)
+    return f"it {threshold(found, first, force_text)} and {second}"
 
 
 # -- what can be done -------------------------------------------------------------------------
@@ -180,14 +192,14 @@ def _possible(frame: g.Frame, state: WorldState, reach: Robot, defaults: Default
         try:
             require_checkable(command)
         except ControlError as raised:
-            return _no(raised.info.code, raised.info.message, raised.info.suggestions, {})
-        return _can(made) if made.pushes else can(made)
+            return _denial(raised.info.code, raised.info.message, raised.info.suggestions, {})
+        return _push_answer(made) if made.pushes else possible_answer(made)
     if isinstance(made, Reached):
         return Answer(query="possible", text="Yes: it is there already.", numbers={}, yes=True)
-    return _no(made.reason, made.message, made.suggestions, made.numbers)
+    return _denial(made.reason, made.message, made.suggestions, made.numbers)
 
 
-def _can(made: Plan) -> Answer:
+def _push_answer(made: Plan) -> Answer:
     push, predicted = made.push, made.push.prediction
     fingers = "two fingers" if push.fingers == 2 else "one finger"
     pushes = len(made.pushes)
@@ -197,8 +209,8 @@ def _can(made: Plan) -> Answer:
     return Answer(
         query="possible",
         text=f"Yes: {first}{fingers} on its {push.face} face, {quantity(push.p_BC[2], 'm')} above "
-        f"the table, with at most {newtons(push.force_limit)} (probability {what} "
-        f"{chance(made.probability)}).",
+        f"the table, with at most {force_text(push.force_limit)} (probability {what} "
+        f"{likelihood(made.probability)}).",
         numbers={
             "height": push.p_BC[2],
             "force": push.force_limit,
@@ -217,7 +229,7 @@ def _can(made: Plan) -> Answer:
     )
 
 
-def _no(
+def _denial(
     reason: str, message: str, suggestions: tuple[str, ...], numbers: dict[str, float]
 ) -> Answer:
     return Answer(
@@ -257,4 +269,4 @@ def _ways(outcome: str, can: list[Affordance]) -> str:
         return f"{outcome} it"
     least = min(a.least_force for a in ways if a.least_force is not None)
     directions = enumeration([phrase(HEADINGS[a.direction]) for a in ways])
-    return f"{outcome} it {directions} (from {newtons(least)} on)"
+    return f"{outcome} it {directions} (from {force_text(least)} on)"

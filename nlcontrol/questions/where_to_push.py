@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from grammar.frames import command as g
-from nlcontrol.questions.answer import DOES, Answer, Chart, chance
-from nlcontrol.questions.asked_push import Inquiry, inquiry, outcome_of, wanted
+from nlcontrol.questions.answer import DOES, Answer, Chart, likelihood
+from nlcontrol.questions.asked_push import Inquiry, inquiry, outcome_of, wanted_event
 from nlcontrol.text_format import quantity
 from objectmodels.mechanics.outcome_map import OutcomeMap, outcome_map
 from planner.affordances import SPACING, least, turning_map
@@ -42,17 +42,17 @@ class Places:
     likely: NDArray[np.float64]
 
 
-def where(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
+def where_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
     """The places of a face where an event is sure, with the map that shows them."""
-    event, push = wanted(frame), inquiry(frame, state, defaults)
-    found = places(push, event, defaults.probability)
+    event, push = wanted_event(frame), inquiry(frame, state, defaults)
+    found = event_places(push, event, defaults.probability)
     numbers = {"probability": defaults.probability} | _flip(push)
     if found.sure.any():
         heights = found.chart.height[found.sure]
         numbers |= {"lowest": float(heights.min()), "highest": float(heights.max())}
     return Answer(
         query="where",
-        text=_told(push, event, found, numbers),
+        text=_places_text(push, event, found, numbers),
         numbers=numbers,
         probability=float(found.likely.max(initial=0.0)),
         yes=bool(found.sure.any()),
@@ -62,7 +62,7 @@ def where(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
     )
 
 
-def places(push: Inquiry, event: g.Event, probability: float) -> Places:
+def event_places(push: Inquiry, event: g.Event, probability: float) -> Places:
     """Where on its face an event comes first, and where it does so with a probability or more."""
     if event == "turns":
         chart, turns = turning_map(push.target, push.face, push.sense)
@@ -90,7 +90,7 @@ def most_favourable(push: Inquiry, event: g.Event, defaults: Defaults) -> Inquir
     """
     if push.placed or event in ("moves", "stays_upright"):
         return push
-    found = places(push, event, defaults.probability)
+    found = event_places(push, event, defaults.probability)
     best = least(found.chart, found.sure)
     if best is None:
         best = least(found.chart, found.first)
@@ -108,8 +108,8 @@ def _flip(push: Inquiry) -> dict[str, float]:
     return {"critical_height": float(height)} if np.isfinite(height) else {}
 
 
-def _told(push: Inquiry, event: g.Event, found: Places, numbers: dict[str, float]) -> str:
-    name, level = push.target.name, chance(numbers["probability"])
+def _places_text(push: Inquiry, event: g.Event, found: Places, numbers: dict[str, float]) -> str:
+    name, level = push.target.name, likelihood(numbers["probability"])
     does = "slides and stays upright" if event == "moves" else DOES[event]
     flip = _flipping(event, numbers.get("critical_height"))
     if not found.sure.any():

@@ -92,14 +92,16 @@ def check_line(text: str, check: Check) -> str:
     """One clause: a mark, its words, what was measured and what was asked."""
     mark = "✓" if check.ok else "✗"
     said = f" “{words(text, check.spans)}”" if check.spans else ""
-    return f"  {mark}{said} {check.quantity}: {_value(check.measured, check)} ({_asked(check)})"
+    return (
+        f"  {mark}{said} {check.quantity}: {_value(check.measured, check)} ({_bound_text(check)})"
+    )
 
 
 def _value(value: float | str, check: Check) -> str:
     return value if isinstance(value, str) else quantity(value, check.unit)
 
 
-def _asked(check: Check) -> str:
+def _bound_text(check: Check) -> str:
     expected = _value(check.expected, check)
     if check.relation == "is" or check.tolerance is None:
         return f"asked: {expected}"

@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING, Any
 from pydantic import BaseModel
 
 from grammar.frames import command as g
-from nlcontrol.questions.answer import DOES, chance, newtons
+from nlcontrol.questions.answer import DOES, force_text, likelihood
 from nlcontrol.questions.force_uncertainty import CERTAIN
 from nlcontrol.text_format import quantity
 from planner.explanation.grasp_explanation import explain_hand
-from planner.explanation.push_explanation import believed, explain
-from planner.explanation.rows import Clause, Row, Value, clauses, quoted, row
+from planner.explanation.push_explanation import belief_values, explain_push
+from planner.explanation.rows import Clause, Row, Value, frame_clauses, quotation, row
 from planner.geometry.directions import phrase
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ NOT_PLANNED, NOT_ANSWERED = "not planned", "not answered"
 NO_MEANING = "no meaning of their own"
 
 
-def ways(result: Result) -> tuple[Row, ...]:
+def word_explanation(result: Result) -> tuple[Row, ...]:
     """The rows of a whole sentence, frame after frame.
 
     Args:
@@ -58,16 +58,16 @@ def _of_frame(frame: g.Frame, step: Step | None, result: Result) -> tuple[Row, .
     if step is not None and step.plan is not None and step.basis is not None:
         if not step.plan.pushes:
             return explain_hand(frame, step.plan, result.text, step.basis)
-        return explain(frame, step.plan, result.text, step.basis)
+        return explain_push(frame, step.plan, result.text, step.basis)
     answer = step.answer if step else None
     if answer is None and len(result.frames) == 1:
         answer = result.answer
     if answer is not None:
-        return tuple(_answered(frame, answer, step, result.text))
+        return tuple(_answer_rows(frame, answer, step, result.text))
     reason = step.error if step else None
     if not result.steps and result.error and _concerns(result.error, frame):
         reason = result.error
-    rows = tuple(_unplanned(frame, reason, result.text))
+    rows = tuple(_unplanned_rows(frame, reason, result.text))
     if step is not None and step.plan is not None:  # read from JSON, which holds no object models
         rows = tuple(each.model_copy(update={"value": ""}) for each in rows)
     return rows
@@ -76,10 +76,10 @@ def _of_frame(frame: g.Frame, step: Step | None, result: Result) -> tuple[Row, .
 # --- what was not planned ----------------------------------------------------------------
 
 
-def _unplanned(frame: g.Frame, reason: ErrorInfo | None, text: str) -> Iterator[Row]:
+def _unplanned_rows(frame: g.Frame, reason: ErrorInfo | None, text: str) -> Iterator[Row]:
     """The parts of a frame without parameters; those that cannot be satisfied with the reason."""
-    parts = list(clauses(frame, _head(frame)))
-    refused = _refused(parts, reason) if reason else []
+    parts = list(frame_clauses(frame, _head(frame)))
+    refused = _refusal_rows(parts, reason) if reason else []
     for clause in parts:
         stopped = NOT_PLANNED if clause.part == "controller" else NOT_ANSWERED
         value = Value("", stopped if clause is parts[0] else "")
@@ -99,7 +99,7 @@ def _head(frame: g.Frame) -> PartName:
     return "remark" if frame.dialogue is not None and frame.action is None else "controller"
 
 
-def _refused(parts: list[Clause], reason: ErrorInfo) -> list[Clause]:
+def _refusal_rows(parts: list[Clause], reason: ErrorInfo) -> list[Clause]:
     """The parts that an error is about: its span goes from the first word of them to the last."""
     if reason.span is None:
         return parts[:1]
@@ -118,17 +118,17 @@ def _concerns(error: ErrorInfo, frame: g.Frame) -> bool:
 # --- questions ---------------------------------------------------------------------------
 
 
-def _answered(frame: g.Frame, answer: Answer, step: Step | None, text: str) -> Iterator[Row]:
+def _answer_rows(frame: g.Frame, answer: Answer, step: Step | None, text: str) -> Iterator[Row]:
     """What a question became: the query with its answer, the object model, the push considered."""
     push = answer.push
     numbers = tuple(_numbers(answer))
     asked_of = isinstance(frame.goal, g.Parameters) and bool(frame.goal.spans)
-    open_ones = dict(_considered(push)) if push else {}
-    for clause in clauses(frame, _head(frame)):
+    open_ones = dict(_considered_values(push)) if push else {}
+    for clause in frame_clauses(frame, _head(frame)):
         if clause.said is frame.goal if asked_of else clause.part in ("question", "remark"):
             values: tuple[Value, ...] = numbers
         elif clause.part == "object model":
-            values = believed(step.basis.target) if step and step.basis else ()
+            values = belief_values(step.basis.target) if step and step.basis else ()
         else:
             decided = [name for name in _decides(clause.said) if name in open_ones]
             values = tuple(open_ones.pop(name) for name in decided)
@@ -156,7 +156,7 @@ def _decides(said: Any) -> tuple[str, ...]:
     return ()
 
 
-def _considered(push: Considered) -> Iterator[tuple[str, Value]]:
+def _considered_values(push: Considered) -> Iterator[tuple[str, Value]]:
     yield "face", Value("face", f"the {push.face} face")
     if push.height is not None:
         aside = ""
@@ -166,7 +166,7 @@ def _considered(push: Considered) -> Iterator[tuple[str, Value]]:
         yield "height", Value("contact height", f"{quantity(push.height, 'm')}{aside}")
     yield "direction", Value("direction", phrase(push.heading))
     if push.force is not None:
-        yield "force", Value("force", newtons(push.force))
+        yield "force", Value("force", force_text(push.force))
 
 
 _UNITS = {"mass": " kg", "friction": ""}
@@ -192,18 +192,18 @@ def _numbers(answer: Answer) -> Iterator[Value]:
         places = f"{' to '.join(ends)} above the table" if ends else "none that is sure"
         yield Value("places", places)
     elif "force" in told and answer.query == "how_hard":
-        yield Value("force", newtons(told["force"], told.get("force_sd")))
+        yield Value("force", force_text(told["force"], told.get("force_sd")))
         if sd := told.get("force_sd"):
             least, most = max(told["force"] - CERTAIN * sd, 0.0), told["force"] + CERTAIN * sd
-            yield Value("with 95 %", f"between {newtons(least)} and {newtons(most)}")
+            yield Value("with 95 %", f"between {force_text(least)} and {force_text(most)}")
     for name in ("slide", "topple"):
         if name in told and told[name] != told.get("force"):
-            force = newtons(told[name], told.get(f"{name}_sd"))
+            force = force_text(told[name], told.get(f"{name}_sd"))
             yield Value(f"{DOES[name]} from", f"{force} on")
     if "critical_height" in told:
         yield Value("topples if pushed above", quantity(told["critical_height"], "m"))
     if answer.probability is not None:
-        yield Value("probability", chance(answer.probability))
+        yield Value("probability", likelihood(answer.probability))
 
 
 def _comes(told: dict[str, float]) -> str:
@@ -219,13 +219,11 @@ def _properties(told: dict[str, float]) -> Iterator[Value]:
         if name.endswith("_sd"):
             continue
         sd = told.get("position_sd" if name in ("x", "y") else f"{name}_sd", 0.0)
-        known = (
-            f"{_measured(name, value)} ± {_measured(name, sd)}" if sd else _measured(name, value)
-        )
+        known = f"{_figure(name, value)} ± {_figure(name, sd)}" if sd else _figure(name, value)
         yield Value(name.replace("_", " "), known)
 
 
-def _measured(name: str, value: float) -> str:
+def _figure(name: str, value: float) -> str:
     if name in _UNITS:
         return f"{value:.3f}{_UNITS[name]}"
     return quantity(value, "rad" if name == "yaw" else "m")
@@ -254,7 +252,9 @@ def _filler(result: Result, rows: list[Row]) -> Iterator[Row]:
     found = [m.span() for m in re.finditer(r"[\w'’]+(?:-[\w'’]+)*", result.text)]
     spans = tuple((a, b) for a, b in found if covered.isdisjoint(range(a, b)))
     if spans:
-        told = ", ".join(dict.fromkeys(quoted(result.text, (span,)).casefold() for span in spans))
+        told = ", ".join(
+            dict.fromkeys(quotation(result.text, (span,)).casefold() for span in spans)
+        )
         yield Row(
             words=told, field=NO_MEANING, parameter="", value="", spans=spans,
             frame=len(result.frames) - 1, part="filler",

@@ -40,7 +40,7 @@ def schema() -> dict[str, Any]:
     parts["Failure"] = {"type": "object", "properties": error, "required": ["error"]}
     answers = (*(model.__name__ for model in _ANSWERS), "Failure")
     for name in answers:
-        parts[name] = _versioned(parts[name])
+        parts[name] = _versioned_schema(parts[name])
     return {
         "$schema": _SCHEMA,
         **definitions,
@@ -48,7 +48,7 @@ def schema() -> dict[str, Any]:
     }
 
 
-def _versioned(answer: dict[str, Any]) -> dict[str, Any]:
+def _versioned_schema(answer: dict[str, Any]) -> dict[str, Any]:
     """JSON schema of a document with what all of them bear."""
     major = SCHEMA_VERSION.partition(".")[0]
     every = {

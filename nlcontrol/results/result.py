@@ -177,9 +177,9 @@ class Result(Document):
 
     def explained(self) -> tuple[Row, ...]:
         """The way of each word to frame and parameter; empty if nothing was understood."""
-        from nlcontrol.reports.word_explanation import ways
+        from nlcontrol.reports.word_explanation import word_explanation
 
-        return ways(self) if self.explanation is None else self.explanation
+        return word_explanation(self) if self.explanation is None else self.explanation
 
     def report(self) -> str:
         """The result as a text to read."""

@@ -23,9 +23,9 @@ from nlcontrol.questions.answer import Answer
 from nlcontrol.references.reference_resolution import Context
 from nlcontrol.results.result import with_
 from nlcontrol.session.follow_up_frames import continued, corrected, latest, repeated, settled
-from nlcontrol.session.undo_frames import Pushed, done_to, in_words, way_back
-from nlcontrol.session.why_answers import reason
-from nlcontrol.text_format import encodable
+from nlcontrol.session.undo_frames import Pushed, record_push, undo_frames, undo_text
+from nlcontrol.session.why_answers import why_answer
+from nlcontrol.text_format import encodable_text
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result, Step
@@ -66,7 +66,7 @@ class Conversation:
         Returns:
             A result in every case, as from `Controller.say`.
         """
-        text = encodable(text)
+        text = encodable_text(text)
         command = None
         try:
             command = self.controller.parse(text)
@@ -112,7 +112,7 @@ class Conversation:
         self._speak_of(kept.frames)
         for step in kept.steps:
             if step.execution and step.plan and step.before:
-                self.past.append(done_to(kept, step.plan, step.before))
+                self.past.append(record_push(kept, step.plan, step.before))
 
     def _speak_of(self, frames: Sequence[g.Frame]) -> None:
         names = [name for frame in reversed(frames) for name in _names(frame)]
@@ -168,13 +168,13 @@ class Conversation:
     def _undo(self, command: g.Command, plan_only: bool, progress: Progress | None) -> Result:
         pushed = self._to_undo(command)
         text = pushed[-1].of.text
-        back = way_back(pushed, self.controller.look(), self.controller.defaults)
+        back = undo_frames(pushed, self.controller.look(), self.controller.defaults)
         if not back.frames:
             self._forget(pushed)
             what = "Everything is" if len(pushed) > 1 else f"The {pushed[0].object} is"
             told = Answer(text=f"{what} where it was before “{text}”.")
             return with_(self._told(command, told, "done"), notes=back.notes)
-        words = f"to undo “{text}”, {in_words(back.frames)}"
+        words = f"to undo “{text}”, {undo_text(back.frames)}"
         command = command.model_copy(update={"frames": back.frames, "paraphrase": words})
         result = self.controller.carry_out(command, plan_only=plan_only, progress=progress)
         self._last = with_(result, trace=None)
@@ -218,8 +218,8 @@ class Conversation:
                 asked = self.controller.resolve(asked, self.context)
             last = self._last.frames if self._last else ()
             if not any(_says(frame, asked.frames[0]) for frame in last):
-                return reason(self.controller.carry_out(asked, self.context, plan_only=True))
-        return reason(self._last or _nothing("nothing was said or done yet"))
+                return why_answer(self.controller.carry_out(asked, self.context, plan_only=True))
+        return why_answer(self._last or _nothing("nothing was said or done yet"))
 
 
 def _remark(command: g.Command) -> str | None:

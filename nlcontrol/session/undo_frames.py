@@ -43,7 +43,7 @@ class Pushed:
     task: PlanTask = "push"
 
 
-def done_to(of: Result, plan: Plan, before: PlanarPose) -> Pushed:
+def record_push(of: Result, plan: Plan, before: PlanarPose) -> Pushed:
     """What was done to an object by a plan.
 
     Args:
@@ -69,7 +69,7 @@ class WayBack:
     notes: tuple[str, ...]
 
 
-def way_back(pushed: Sequence[Pushed], state: WorldState, defaults: Defaults) -> WayBack:
+def undo_frames(pushed: Sequence[Pushed], state: WorldState, defaults: Defaults) -> WayBack:
     """What undoes some pushes, the last one first.
 
     Args:
@@ -136,7 +136,7 @@ def _back(now: SeenObject, there: PlanarPose, turns: bool, defaults: Defaults) -
         yield g.Frame(action="push", object=ref, goal=goal)
 
 
-def in_words(frames: Sequence[g.Frame]) -> str:
+def undo_text(frames: Sequence[g.Frame]) -> str:
     """The way back in plain words."""
     return ", then ".join(map(_step, frames))
 

@@ -12,7 +12,7 @@ from grammar.frames import command as g
 from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error
 from nlcontrol.learning.grasp_lessons import felt_weight, weight_from_grasp
 from nlcontrol.questions.answer import Answer
-from nlcontrol.text_format import known
+from nlcontrol.text_format import with_sd_text
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.types.actions import SetDown
 from planner.types.plan import Plan
@@ -51,8 +51,8 @@ def weigh_by_lifting(
         raise error("not_explorable", f"the {name} was not lifted: {trace.detail}")
     if found is not None:
         controller.models[name] = found[0]
-    measured = known(felt.mean / GRAVITY, felt.sd / GRAVITY, " kg")
-    before = known(model.mass, model.mass_sd, " kg")
+    measured = with_sd_text(felt.mean / GRAVITY, felt.sd / GRAVITY, " kg")
+    before = with_sd_text(model.mass, model.mass_sd, " kg")
     after = controller.models[name]
     return Answer(
         query="value",

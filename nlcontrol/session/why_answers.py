@@ -15,13 +15,13 @@ if TYPE_CHECKING:
     from nlcontrol.results.result import Result
 
 
-def reason(result: Result) -> Answer:
+def why_answer(result: Result) -> Answer:
     """Why a sentence was refused, or failed, or is done in this way and no other."""
     missed = [check for check in result.checks if not check.ok]
     if result.error and missed:
-        told = "; ".join(map(_missed, missed))
-        text = " ".join((f"It was executed, but {told}.", *_ended(result)))
-        return Answer(text=text, numbers=_measured(missed))
+        told = "; ".join(map(_missed_text, missed))
+        text = " ".join((f"It was executed, but {told}.", *_end_texts(result)))
+        return Answer(text=text, numbers=_measured_figures(missed))
     if result.error:
         understood = result.status != "not_understood" or result.error.code == "nothing_before"
         failed = "I cannot" if understood else "I did not understand it"
@@ -35,7 +35,7 @@ def reason(result: Result) -> Answer:
     return Answer(text="There was nothing to be done.")
 
 
-def _missed(check: Check) -> str:
+def _missed_text(check: Check) -> str:
     if isinstance(check.measured, str) or isinstance(check.expected, str):
         return f"{check.quantity} was {check.measured} instead of {check.expected}"
     bound = {"at_most": "at most ", "at_least": "at least "}.get(check.relation, "")
@@ -49,7 +49,7 @@ def _missed(check: Check) -> str:
     )
 
 
-def _ended(result: Result) -> Iterator[str]:
+def _end_texts(result: Result) -> Iterator[str]:
     """Why the pushes ended before it was there."""
     execution = result.execution
     if execution is not None and execution.end not in PLANNED_ENDS:
@@ -59,5 +59,5 @@ def _ended(result: Result) -> Iterator[str]:
         yield f"Nothing more was done: {result.steps[-1].stuck}."
 
 
-def _measured(missed: list[Check]) -> dict[str, float]:
+def _measured_figures(missed: list[Check]) -> dict[str, float]:
     return {check.clause: float(c) for check in missed if not isinstance(c := check.measured, str)}

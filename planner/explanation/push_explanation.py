@@ -15,7 +15,16 @@ from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
 from grammar.frames import command as g
-from planner.explanation.rows import Clause, Row, Value, clauses, named, read, row, shown
+from planner.explanation.rows import (
+    Clause,
+    Row,
+    Value,
+    clause_text,
+    frame_clauses,
+    object_name,
+    row,
+    si_text,
+)
 from planner.geometry.directions import phrase
 
 if TYPE_CHECKING:
@@ -44,7 +53,7 @@ class Basis:
         return cls(seen, defaults) if seen else None
 
 
-def explain(frame: g.Frame, plan: Plan, text: str, basis: Basis) -> tuple[Row, ...]:
+def explain_push(frame: g.Frame, plan: Plan, text: str, basis: Basis) -> tuple[Row, ...]:
     """The rows of a planned frame: its head, its object, its goal, its constraints, and the rest.
 
     Args:
@@ -54,22 +63,22 @@ def explain(frame: g.Frame, plan: Plan, text: str, basis: Basis) -> tuple[Row, .
         basis: what was known when it was planned.
     """
     rows: list[Row] = []
-    for clause in clauses(frame, "push controller"):
+    for clause in frame_clauses(frame, "push controller"):
         values: Iterable[Value]
         if clause.part == "push controller":
             values = _controller(plan)
         elif clause.part == "object model":
-            values = (*believed(basis.target), *_predicted(plan))
+            values = (*belief_values(basis.target), *_prediction_values(plan))
         elif clause.part == "wanted outcome":
             values = _goal(frame.goal, plan, basis)
         else:
-            values = _constraint(clause.said, plan, basis)
+            values = _constraint_values(clause.said, plan, basis)
         rows += [row(clause, text, value) for value in values]
     rest = Clause("left open", "controller", (), None)
-    return (*rows, *(row(rest, text, value) for value in _rest(frame, plan)))
+    return (*rows, *(row(rest, text, value) for value in _open_values(frame, plan)))
 
 
-def believed(target: SeenObject) -> tuple[Value, ...]:
+def belief_values(target: SeenObject) -> tuple[Value, ...]:
     """The numbers of an object model, with their standard deviations."""
     model = target.model
     sizes = " × ".join(f"{1e3 * side:.0f}" for side in model.extents)
@@ -103,9 +112,9 @@ def _until(push: Push) -> str:
     if push.until is not None:
         return _EVENTS[push.until].format(push.meets)
     return {
-        "stroke": f"it has gone {shown(push.stroke, 'm')}",
+        "stroke": f"it has gone {si_text(push.stroke, 'm')}",
         "turned": f"it has turned by {_turn(push.turn)}",
-        "tilted": f"it is tilted by {shown(push.tilt, 'rad')}, then let it back",
+        "tilted": f"it is tilted by {si_text(push.tilt, 'rad')}, then let it back",
         "toppled": "it falls by itself",
     }[push.ends_on]
 
@@ -114,20 +123,20 @@ _EVENTS = {"moves": "it moves", "touching": "it touches the {}"}
 
 
 def _turn(angle: float) -> str:
-    return f"{shown(abs(angle), 'rad')} to the {'left' if angle > 0.0 else 'right'}"
+    return f"{si_text(abs(angle), 'rad')} to the {'left' if angle > 0.0 else 'right'}"
 
 
 def _fingers(plan: Plan) -> str:
     push = plan.push
-    return "one finger" if push.fingers == 1 else f"two fingers {shown(push.spread, 'm')} apart"
+    return "one finger" if push.fingers == 1 else f"two fingers {si_text(push.spread, 'm')} apart"
 
 
-def _predicted(plan: Plan) -> Iterator[Value]:
+def _prediction_values(plan: Plan) -> Iterator[Value]:
     p = plan.push.prediction
     yield Value("moves from", f"{p.onset:.1f} N on")
     if p.critical_height is not None:
-        yield Value("tips if pushed above", shown(p.critical_height, "m"))
-    yield Value("falls by itself beyond", shown(p.stay_on_base_angle, "rad"))
+        yield Value("tips if pushed above", si_text(p.critical_height, "m"))
+    yield Value("falls by itself beyond", si_text(p.stay_on_base_angle, "rad"))
 
 
 def _goal(goal: g.Goal, plan: Plan, basis: Basis) -> Iterator[Value]:
@@ -139,7 +148,7 @@ def _goal(goal: g.Goal, plan: Plan, basis: Basis) -> Iterator[Value]:
     if plan.aim is None:
         yield _direction(goal, last.direction_W[:2], used)
         if last.ends_on == "tilted":
-            yield _amount("tilt", shown(last.tilt, "rad"), used.get("tilt"))
+            yield _amount_value("tilt", si_text(last.tilt, "rad"), used.get("tilt"))
         return
     aim, here = plan.aim, basis.target.pose
     if isinstance(goal, g.Rotate):
@@ -147,14 +156,14 @@ def _goal(goal: g.Goal, plan: Plan, basis: Basis) -> Iterator[Value]:
         angle = aim.yaw - here.yaw
         told = _turn(angle)
         if goal.angle is not None and not math.isclose(goal.angle, abs(angle)):
-            told += f", asked: {_bound(goal.bound)}{shown(goal.angle, 'rad')}"
-        yield _amount("turn", told, used.get("turn"))
+            told += f", asked: {_bound_text(goal.bound)}{si_text(goal.angle, 'rad')}"
+        yield _amount_value("turn", told, used.get("turn"))
     else:
         way = aim.x - here.x, aim.y - here.y
         yield _direction(goal, way, used)
-        yield _distance(goal, math.hypot(*way), used.get("distance"))
-    heading = "" if aim.yaw is None else f", heading {shown(aim.yaw, 'rad')}"
-    yield Value("aim", f"x {shown(aim.x, 'm')}, y {shown(aim.y, 'm')}{heading}")
+        yield _distance_value(goal, math.hypot(*way), used.get("distance"))
+    heading = "" if aim.yaw is None else f", heading {si_text(aim.yaw, 'rad')}"
+    yield Value("aim", f"x {si_text(aim.x, 'm')}, y {si_text(aim.y, 'm')}{heading}")
 
 
 def _direction(goal: g.Goal, way: tuple[float, float], used: dict[str, DefaultUsed]) -> Value:
@@ -166,7 +175,7 @@ def _direction(goal: g.Goal, way: tuple[float, float], used: dict[str, DefaultUs
     return Value("direction", told)
 
 
-def _amount(name: str, told: str, used: DefaultUsed | None) -> Value:
+def _amount_value(name: str, told: str, used: DefaultUsed | None) -> Value:
     """A number, and whether it comes from the table of defaults."""
     if used is None:
         return Value(name, told)
@@ -176,53 +185,53 @@ def _amount(name: str, told: str, used: DefaultUsed | None) -> Value:
     return Value(name, f"{told} ({why})", default=True, said=in_words)
 
 
-def _distance(goal: g.Goal, length: float, used: DefaultUsed | None) -> Value:
-    told = shown(length, "m")
+def _distance_value(goal: g.Goal, length: float, used: DefaultUsed | None) -> Value:
+    told = si_text(length, "m")
     if used is not None and math.isclose(used.value, length):
-        return _amount("distance", told, used)
+        return _amount_value("distance", told, used)
     asked = getattr(goal, "distance", None)
     # The distance of a place is a gap.
     if isinstance(goal, g.Displace) and asked is not None and not math.isclose(asked, length):
-        return Value("distance", f"{told}, asked: {_bound(goal.bound)}{shown(asked, 'm')}")
+        return Value("distance", f"{told}, asked: {_bound_text(goal.bound)}{si_text(asked, 'm')}")
     return Value("distance", told)
 
 
-def _bound(bound: g.Bound) -> str:
+def _bound_text(bound: g.Bound) -> str:
     return "" if bound == "exact" else f"{bound.replace('_', ' ')} "
 
 
-def _constraint(clause: Any, plan: Plan, basis: Basis) -> Iterator[Value]:
+def _constraint_values(clause: Any, plan: Plan, basis: Basis) -> Iterator[Value]:
     push, defaults = plan.push, basis.defaults
     match clause:
         case g.NoTopple() | g.NoTilt():
-            yield Value("contact height", shown(push.p_BC[2], "m"))
-            yield Value("margin", _margin(plan))
+            yield Value("contact height", si_text(push.p_BC[2], "m"))
+            yield Value("margin", _margin_text(plan))
             most, share = defaults.no_tilt, ""
             if clause.kind == "no_topple":
                 most = defaults.no_topple_share * push.prediction.stay_on_base_angle
                 share = f", {100 * defaults.no_topple_share:.0f} % of where it falls by itself"
-            yield Value("largest tilt", f"{shown(most, 'rad')}{share}")
+            yield Value("largest tilt", f"{si_text(most, 'rad')}{share}")
         case g.NoTurn():
             yield Value("contact", f"{_fingers(plan)}, around the middle of the {push.face} face")
-            yield Value("largest turn", shown(defaults.no_turn, "rad"))
+            yield Value("largest turn", si_text(defaults.no_turn, "rad"))
         case g.NoTouch():
-            other = named(clause.object) if clause.object else "everything"
-            yield Value("free way", f"{shown(defaults.clearance, 'm')} or more from the {other}")
+            other = object_name(clause.object) if clause.object else "everything"
+            yield Value("free way", f"{si_text(defaults.clearance, 'm')} or more from the {other}")
         case g.ContactRegion():
-            yield Value("contact", _contact(plan))
-            yield from _heights(clause, basis)
+            yield Value("contact", _contact_text(plan))
+            yield from _height_values(clause, basis)
         case g.Effector():
             yield Value("fingers", _fingers(plan))
         case g.Gentle():
-            yield _speed(plan, basis, "gentle")
+            yield _speed_value(plan, basis, "gentle")
             more = f"{100 * defaults.force_reserve_gentle:.0f} % above what is needed"
-            yield Value("force limit", f"{_force(plan)}, {more}")
+            yield Value("force limit", f"{_force_text(plan)}, {more}")
         case g.Slow():
-            yield _speed(plan, basis, "slow")
+            yield _speed_value(plan, basis, "slow")
         case _:
-            yield Value(*(_force_value(clause, plan, defaults) or _limit(clause, plan)))
+            yield Value(*(_force_value(clause, plan, defaults) or _limit_value(clause, plan)))
             if clause.kind in _TIMES and push.limits.duration is not None:
-                yield Value("stopped after", shown(push.limits.duration, "s"))
+                yield Value("stopped after", si_text(push.limits.duration, "s"))
 
 
 _SPEEDS = {"speed", "min_speed", "fast"}
@@ -240,37 +249,37 @@ def _force_value(clause: Any, plan: Plan, defaults: Defaults) -> tuple[str, str]
     if told is None:
         return None
     value = defaults.force_hard if clause.kind == "hard" else clause.value
-    return "force limit", _force(plan) + told.format(value)
+    return "force limit", _force_text(plan) + told.format(value)
 
 
-def _limit(clause: Any, plan: Plan) -> tuple[str, str]:
+def _limit_value(clause: Any, plan: Plan) -> tuple[str, str]:
     """What a clause about speed, time, way or end became."""
     push = plan.push
     match clause:
         case g.MaxSpeed():
-            asked = shown(clause.value, "m/s")
-            return "largest speed", f"{shown(push.speed, 'm/s')}, asked: at most {asked}"
+            asked = si_text(clause.value, "m/s")
+            return "largest speed", f"{si_text(push.speed, 'm/s')}, asked: at most {asked}"
         case _ if clause.kind in _SPEEDS | _TIMES:
-            return "largest speed", shown(push.speed, "m/s")
+            return "largest speed", si_text(push.speed, "m/s")
         case g.MaxDistance():
-            asked = shown(clause.value, "m")
-            return "distance", f"{shown(push.stroke, 'm')}, asked: at most {asked}"
+            asked = si_text(clause.value, "m")
+            return "distance", f"{si_text(push.stroke, 'm')}, asked: at most {asked}"
         case g.MaxTilt():
-            return "stopped at a tilt of", shown(clause.value, "rad")
+            return "stopped at a tilt of", si_text(clause.value, "rad")
         case g.MaxTurn():
-            return "stopped at a turn of", shown(clause.value, "rad")
+            return "stopped at a turn of", si_text(clause.value, "rad")
         case g.Until():
             return "ends", f"when {_until(plan.pushes[-1])}"
-    return "kept", read(clause)
+    return "kept", clause_text(clause)
 
 
-def _margin(plan: Plan) -> str:
+def _margin_text(plan: Plan) -> str:
     if plan.push.prediction.critical_height is None:
         return "no push on this face tips it"
-    return f"{shown(plan.push.margins.height, 'm')} below where it may tip"
+    return f"{si_text(plan.push.margins.height, 'm')} below where it may tip"
 
 
-def _heights(clause: g.ContactRegion, basis: Basis) -> Iterator[Value]:
+def _height_values(clause: g.ContactRegion, basis: Basis) -> Iterator[Value]:
     """The heights that a clause allows."""
     top, height = basis.target.model.top, clause.height
     if clause.region is not None:
@@ -281,34 +290,34 @@ def _heights(clause: g.ContactRegion, basis: Basis) -> Iterator[Value]:
         at = height.value if height.origin == "table" else top - height.value
         upwards = (height.bound == "at_least") == (height.origin == "table")
         bound = "" if height.bound == "exact" else f"at {'least' if upwards else 'most'} "
-        yield Value("heights allowed", f"{bound}{shown(at, 'm')}")
+        yield Value("heights allowed", f"{bound}{si_text(at, 'm')}")
 
 
-def _speed(plan: Plan, basis: Basis, degree: str) -> Value:
-    told = shown(plan.push.speed, "m/s")
+def _speed_value(plan: Plan, basis: Basis, degree: str) -> Value:
+    told = si_text(plan.push.speed, "m/s")
     if not math.isclose(plan.push.speed, basis.defaults.speed_gentle):
         return Value("largest speed", told)
     return Value("largest speed", f"{told} ({degree}, from the table of defaults)", default=True)
 
 
-def _rest(frame: g.Frame, plan: Plan) -> Iterator[Value]:
+def _open_values(frame: g.Frame, plan: Plan) -> Iterator[Value]:
     """What no clause of the sentence decided."""
     said = {clause.kind for clause in frame.constraints}
     push = plan.push
     if any(default.name == "speed" for default in plan.defaults):
-        speed = shown(push.speed, "m/s")
+        speed = si_text(push.speed, "m/s")
         yield Value("largest speed", f"{speed} (not said: by default)", default=True, said=False)
     if "contact" not in said:
-        yield Value("contact", _contact(plan), default=True)
+        yield Value("contact", _contact_text(plan), default=True)
     if not said & {"max_force", "gentle", "force", "min_force", "hard"}:
-        yield Value("force limit", _force(plan), default=True)
+        yield Value("force limit", _force_text(plan), default=True)
     if push.ends_on in {"toppled", "tilted"}:
-        yield Value("longest stroke", shown(push.stroke, "m"), default=True)
+        yield Value("longest stroke", si_text(push.stroke, "m"), default=True)
 
 
-def _contact(plan: Plan) -> str:
-    return f"{plan.push.face} face, {shown(plan.push.p_BC[2], 'm')} above the table"
+def _contact_text(plan: Plan) -> str:
+    return f"{plan.push.face} face, {si_text(plan.push.p_BC[2], 'm')} above the table"
 
 
-def _force(plan: Plan) -> str:
+def _force_text(plan: Plan) -> str:
     return f"{plan.push.force_limit:.1f} N"

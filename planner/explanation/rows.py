@@ -74,17 +74,21 @@ class Value(NamedTuple):
     said: bool = True
 
 
-def clauses(frame: g.Frame, controller: PartName = "controller") -> Iterator[Clause]:
+def frame_clauses(frame: g.Frame, controller: PartName = "controller") -> Iterator[Clause]:
     """The parts of a frame: its head, its object, its goal, its constraints."""
     named_so = {key: getattr(frame, key) for key in ("query", "dialogue", "action", "event")}
     head = [f"{key}: {said}" for key, said in named_so.items() if said is not None]
     yield Clause(controller, ", ".join(head), frame.spans, None)
     if frame.object is not None:
-        yield Clause("object model", f"object: {named(frame.object)}", frame.object.spans, None)
+        yield Clause(
+            "object model", f"object: {object_name(frame.object)}", frame.object.spans, None
+        )
     if frame.goal.kind != "none" or frame.goal.spans:
-        yield Clause("wanted outcome", f"goal: {read(frame.goal)}", frame.goal.spans, frame.goal)
+        yield Clause(
+            "wanted outcome", f"goal: {clause_text(frame.goal)}", frame.goal.spans, frame.goal
+        )
     for said in frame.constraints:
-        yield Clause("constraint", f"constraint: {read(said)}", said.spans, said)
+        yield Clause("constraint", f"constraint: {clause_text(said)}", said.spans, said)
 
 
 def row(clause: Clause, text: str, value: Value, **more: Any) -> Row:
@@ -98,12 +102,12 @@ def row(clause: Clause, text: str, value: Value, **more: Any) -> Row:
     """
     spans = clause.spans if value.said else ()
     return Row(
-        words=quoted(text, spans), field=clause.field, spans=spans, part=clause.part,
+        words=quotation(text, spans), field=clause.field, spans=spans, part=clause.part,
         parameter=value.parameter, value=value.value, default=value.default, **more,
     )  # fmt: skip
 
 
-def quoted(text: str, spans: g.Spans) -> str:
+def quotation(text: str, spans: g.Spans) -> str:
     """The words that spans cover, in their order; a dash stands for other words between them."""
     told, last = "", 0
     for start, end in sorted(spans):
@@ -121,7 +125,7 @@ _UNITS = {
 """Units of fields; the class of a constraint knows that of its `value`."""
 
 
-def read(part: Any) -> str:
+def clause_text(part: Any) -> str:
     """A goal or a constraint in words: its kind, and each field that was said."""
     told = part.kind
     for key, info in type(part).model_fields.items():
@@ -129,7 +133,7 @@ def read(part: Any) -> str:
         if key in ("kind", "spans") or value == info.get_default():
             continue
         if key == "value":
-            told += f", {shown(value, part.words.unit)}"
+            told += f", {si_text(value, part.words.unit)}"
         else:
             told += f", {key} {_field(value, key)}"
     return str(told)
@@ -140,29 +144,29 @@ def _field(value: Any, name: str) -> str:
         case None:
             return "anything"
         case g.ObjectRef():
-            return named(value)
+            return object_name(value)
         case g.RelativeLength():
-            whose = value.of.text if value.of.pronoun else f"{named(value.of)}'s"
+            whose = value.of.text if value.of.pronoun else f"{object_name(value.of)}'s"
             return f"{value.value:g} × {whose} {value.side or 'width'}"
         case g.ContactHeight():
             bound = "" if value.bound == "exact" else f"{value.bound.replace('_', ' ')} "
             where = "above the table" if value.origin == "table" else "below the top"
             return f"{bound}{_field(value.value, 'height')} {where}"
         case g.Point():
-            return f"x {shown(value.x, 'm')}, y {shown(value.y, 'm')}"
+            return f"x {si_text(value.x, 'm')}, y {si_text(value.y, 'm')}"
         case tuple():
             return " and ".join(_field(each, name) for each in value)
         case float():
-            return shown(value, _UNITS.get(name, ""))
+            return si_text(value, _UNITS.get(name, ""))
     return str(value).replace("_", " ")
 
 
-def named(ref: g.ObjectRef) -> str:
+def object_name(ref: g.ObjectRef) -> str:
     """An object by its name in the scene; as it was said, if that is not known."""
     return ref.id or ref.text
 
 
-def shown(value: float, unit: str) -> str:
+def si_text(value: float, unit: str) -> str:
     """An SI value as people read it, in whole millimetres, millilitres and degrees."""
     if unit in ("m", "m/s"):
         return f"{1e3 * value:.0f} m{unit}"

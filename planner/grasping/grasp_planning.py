@@ -74,10 +74,10 @@ def _target(frame: g.Frame, state: WorldState) -> SeenObject:
     # A hand that holds an object has none left for its lid.
     by_lid = isinstance(frame.goal, g.Open | g.Close)
     if held is not None and (held.name != name or by_lid):
-        raise NoPlanError(push_refusals.holds(held.name))
+        raise NoPlanError(push_refusals.hand_not_free(held.name))
     target = state.objects[name]
     if target.lies_on != "bottom":
-        raise NoPlanError(push_refusals.lies(target))
+        raise NoPlanError(push_refusals.object_lies(target))
     return target
 
 

@@ -21,7 +21,7 @@ from planner.problem.contact_heights import (
 )
 from planner.problem.planning_problem import GoalT, GraspProblem, PlanningProblem, PushProblem
 from planner.problem.tilt_goals import almost_tips, spill_tilt
-from planner.refusals.push_refusals import unsupported, unsupported_while
+from planner.refusals.push_refusals import not_capable, unsupported_while
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Aim
 from planner.types.dead_ends import NoPlanError
@@ -51,7 +51,7 @@ def apply_constraint(problem: PushProblem, clause: g.Constraint) -> PushProblem:
     rule = LIMITS[clause.kind]
     if rule.push is None:
         what = clause.kind.replace("_", " ")
-        raise unsupported(what, f"this version of the robot is not capable of {what}", clause.spans)
+        raise not_capable(what, f"this version of the robot is not capable of {what}", clause.spans)
     return rule.push(problem, clause)
 
 
@@ -141,7 +141,7 @@ def _push_until(problem: PushProblem, clause: g.Until) -> PushProblem:
     if clause.event not in ("tips", "about_to_tip"):
         if not problem.goal.aims:
             what = f"toppling until '{clause.event}'"
-            raise unsupported(what, f"this version is not capable of {what}", clause.spans)
+            raise not_capable(what, f"this version is not capable of {what}", clause.spans)
         return problem  # the aim is where it happens
     tilt = problem.goal.tilt
     if clause.event == "about_to_tip":
@@ -282,7 +282,7 @@ def _push_within(problem: PushProblem, clause: g.MaxDuration) -> PushProblem:
 
 def _push_exactly(problem: PushProblem, clause: g.Duration) -> PushProblem:
     what = "pushing for an exact time"
-    raise unsupported(what, f"this version of the robot is not capable of {what}", clause.spans)
+    raise not_capable(what, f"this version of the robot is not capable of {what}", clause.spans)
 
 
 # -- how far ----------------------------------------------------------------------------------
@@ -292,7 +292,7 @@ def _push_near(problem: PushProblem, clause: g.MaxDistance) -> PushProblem:
     """The limit is kept with the tolerance to spare, if that is still far enough."""
     goal, tolerance = problem.goal, problem.defaults.distance_tolerance
     if not goal.aims:
-        raise unsupported(
+        raise not_capable(
             "limiting how far a toppling object moves",
             "this version does not limit how far an object moves while it topples",
             clause.spans,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from grammar.frames import command as g
 from objectmodels.models.object_parts import FlipLid
 from planner.geometry.directions import FACE_OF_PUSH, HEADINGS
-from planner.refusals.push_refusals import unsupported, unsupported_while
+from planner.refusals.push_refusals import not_capable, unsupported_while
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -73,7 +73,7 @@ def limit_push_contact(problem: PushProblem, clause: g.ContactRegion) -> PushPro
         NoPlanError: the face is one that is not pushed.
     """
     if clause.face == "top":
-        raise unsupported(
+        raise not_capable(
             "pushing on the top face",
             "this robot pushes objects on their side faces; the top face is not one",
             clause.spans,
@@ -108,7 +108,7 @@ def limit_fingertips(problem: PushProblem, clause: g.Effector) -> PushProblem:
     """
     _require_right(clause)
     if clause.tool == "arm" or (clause.tool == "hand" and clause.side is None):
-        raise unsupported(
+        raise not_capable(
             f"pushing with the {clause.tool}",
             f"this robot pushes with its fingertips, not with the {clause.tool}",
             clause.spans,
@@ -117,7 +117,7 @@ def limit_fingertips(problem: PushProblem, clause: g.Effector) -> PushProblem:
     if clause.tool != "finger" or clause.count is None:
         return problem
     if clause.count > 2:
-        raise unsupported(
+        raise not_capable(
             f"pushing with {clause.count} fingers",
             "this robot pushes with one or two fingertips",
             clause.spans,
@@ -154,7 +154,7 @@ def _require_right(clause: g.Effector) -> None:
         NoPlanError: a left hand is asked for.
     """
     if clause.side == "left":
-        raise unsupported(
+        raise not_capable(
             "a second (left) hand",
             "this robot has one hand, a right one",
             clause.spans,

@@ -18,7 +18,7 @@ from planner.geometry.footprints import footprint, free_travel, travel_to_edge
 from planner.problem.displacement_goals import goal_distance, goal_heading
 from planner.problem.place_regions import Beside, Between, region, share_of_way
 from planner.problem.planning_problem import PushGoal
-from planner.refusals.push_refusals import unsupported
+from planner.refusals.push_refusals import not_capable
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Aim
 from planner.types.plan import DefaultUsed
@@ -148,7 +148,7 @@ def _event_poses(problem: PlanningProblem[GoalT], goal: g.Displace, until: g.Unt
         room = travel_to_edge(own, state.table, u[:2], defaults.edge_gap)
         return _pose_along(target, heading, max(room, 0.0), used)
     if other is None:
-        raise unsupported(
+        raise not_capable(
             f"stopping at the event '{until.event}'",
             "the event needs an object that the way leads to",
             until.spans,
@@ -175,7 +175,7 @@ def _place_poses(problem: PlanningProblem[GoalT], goal: g.Place) -> GoalPoses:
     target, defaults = problem.target, problem.defaults
     place = region(goal, problem.state, defaults)
     if place is None or (isinstance(goal.reference, tuple) and goal.relation == "on"):
-        raise unsupported(
+        raise not_capable(
             "putting objects on others",
             "this version of the robot moves objects over the table only",
             goal.spans,

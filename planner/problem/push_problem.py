@@ -23,7 +23,7 @@ from planner.problem.planning_problem import (
     PushProblem,
 )
 from planner.problem.tilt_goals import tilt_goal
-from planner.refusals.push_refusals import unsupported
+from planner.refusals.push_refusals import not_capable
 from planner.types.plan import DefaultUsed
 from planner.types.robot import NoRobot
 
@@ -69,7 +69,7 @@ def interpret_frame(
         NoPlanError: the frame asks for something that this version cannot do.
     """
     if frame.query or frame.dialogue or frame.object is None or frame.object.id is None:
-        raise unsupported(
+        raise not_capable(
             "planning what is no command", "only a command about an object is planned", frame.spans
         )
     target = state.objects[frame.object.id]
@@ -113,6 +113,6 @@ def _with_goal(problem: PushProblem) -> PushProblem:
         what = _NO_CONTROLLER.get(goal.kind, goal.kind)
         message = f"this version of the robot has no controller for {what}"
         spans = goal.spans or problem.frame.spans
-        raise unsupported(what, message, spans, "push, turn, tilt or topple it")
+        raise not_capable(what, message, spans, "push, turn, tilt or topple it")
     found = find_goal_poses(problem)
     return replace(problem, goal=found.goal, defaults_used=found.defaults_used + used)

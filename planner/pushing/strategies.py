@@ -292,7 +292,7 @@ def _joint_plan(problem: PushProblem, found: list[PushCandidate], aim: Aim | Non
     probability = max(1.0 - sum(doubts.values()), 0.0)
     if probability < problem.effort.probability:
         asked = problem.effort.probability
-        raise NoPlanError(refusals.unlikely(target, len(found), probability, asked))
+        raise NoPlanError(refusals.unlikely_pushes(target, len(found), probability, asked))
     first, *later = pushes = [each.push for each in found]
     # What must be done in time is pushed faster than by default.
     if any(push.speed != motion.speed for push in pushes):

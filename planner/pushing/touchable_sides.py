@@ -122,7 +122,7 @@ def _square_enough(problem: PushProblem, step: PushStep, sides: list[Side], head
         largest = 0.5 * problem.defaults.side_tolerance
     if abs(oblique) > largest:
         raise NoPlanError(
-            refusals.askew(
+            refusals.too_oblique(
                 target,
                 contact.face,
                 phrase(heading),

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _LEAST = 0.01  # a shorter way is not worth proposing [m]
 
 
-def unsupported(capability: str, message: str, spans: Spans, *instead: str) -> NoPlanError:
+def not_capable(capability: str, message: str, spans: Spans, *instead: str) -> NoPlanError:
     """Dead end because this robot, or this version, lacks a capability."""
     words: dict[str, Any] = {"capability": capability, "message": message}
     return NoPlanError(refusal("not_capable", spans=spans, instead=instead, **words))
@@ -33,14 +33,14 @@ def unclear_face(target: SeenObject, face: str | None, off: float, spans: Spans)
     return refusal("face_not_clear", {"turned": off}, spans=spans, object=target.name, face=face)
 
 
-def lies(target: SeenObject) -> Refusal:
+def object_lies(target: SeenObject) -> Refusal:
     """Refusal of an object that lies on another face than the one that it stands on."""
     face = target.lies_on
     side = face if face.startswith(("face", "nothing")) else f"its {face} side"
     return refusal("lies", object=target.name, side=side)
 
 
-def holds(name: str) -> Refusal:
+def hand_not_free(name: str) -> Refusal:
     """Refusal since the hand is not free."""
     return refusal("hand_not_free", object=name)
 
@@ -51,7 +51,7 @@ def no_side(target: SeenObject, face: str | None, spans: Spans) -> Refusal:
     return refusal("no_side", spans=spans, object=target.name, where=where)
 
 
-def askew(
+def too_oblique(
     target: SeenObject,
     face: str | None,
     direction: str,
@@ -100,7 +100,7 @@ def in_the_way(
     return refusal(code, numbers, object=target.name, other=other.name)
 
 
-def unlikely(target: SeenObject, pushes: int, probability: float, asked: float) -> Refusal:
+def unlikely_pushes(target: SeenObject, pushes: int, probability: float, asked: float) -> Refusal:
     """Refusal since each push is likely enough, but not all of them together."""
     numbers = {"probability": probability, "asked_probability": asked}
     return refusal("unlikely_pushes", numbers, object=target.name, pushes=pushes)

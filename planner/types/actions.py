@@ -204,7 +204,7 @@ class Grasp(Value):
     strongest: float
 
     @property
-    def way(self) -> str:
+    def approach_text(self) -> str:
         """How the fingers come to it, in words."""
         down = -self.approach_W[2]
         if down > _UPRIGHT:

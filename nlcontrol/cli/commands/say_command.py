@@ -89,9 +89,9 @@ def plan(
 def parse(sentence: str, as_json: bool) -> int:
     """Read SENTENCE: what was understood, as frames."""
     import grammar
-    from nlcontrol.text_format import encodable
+    from nlcontrol.text_format import encodable_text
 
-    text = encodable(sentence)
+    text = encodable_text(sentence)
     print_skipped_with_words()
     try:
         command = grammar.parse(text)

@@ -14,7 +14,7 @@ from grammar.frames import command as g
 from nlcontrol import Controller, Conversation
 from nlcontrol.results.result import Result
 from nlcontrol.session.follow_up_frames import continued, corrected, overlaid, repeated
-from nlcontrol.session.undo_frames import Pushed, way_back
+from nlcontrol.session.undo_frames import Pushed, undo_frames
 from objectmodels import Registry
 from planner.geometry.directions import angle_between
 from planner.types.defaults import DEFAULTS
@@ -493,7 +493,7 @@ def test_a_way_back_ends_where_it_began() -> None:
     of = Result(ok=True, status="done", text="", scene="kitchen", seed=0)
     start, middle = PlanarPose(0.3, 0.0), PlanarPose(0.5, 0.0)
     pushed = [Pushed(of, "ice tea box", start), Pushed(of, "ice tea box", middle)]
-    back = way_back(pushed, WorldState(seen), DEFAULTS)
+    back = undo_frames(pushed, WorldState(seen), DEFAULTS)
     assert back.undoes == (pushed[1], pushed[0])
     x, y = 0.5, 0.2
     for step in back.frames:
@@ -515,7 +515,7 @@ def test_what_is_round_is_turned_back_only_if_it_was_to_turn(asked: bool) -> Non
     )  # fmt: skip
     model = Registry.built_in().get("mug")
     seen = {"mug": SeenObject("mug", PlanarPose(0.5, 0.0, 0.7), model)}
-    back = way_back([Pushed(of, "mug", PlanarPose(0.5, 0.0))], WorldState(seen), DEFAULTS)
+    back = undo_frames([Pushed(of, "mug", PlanarPose(0.5, 0.0))], WorldState(seen), DEFAULTS)
     if asked:
         (frame,) = back.frames
         assert frame.goal == g.Rotate(angle=0.7, sense="cw")

@@ -8,7 +8,7 @@ import pytest
 from nlcontrol import Controller, Conversation
 from nlcontrol.learning.grasp_lessons import beliefs_after_grasp, change_contents, weight_from_grasp
 from nlcontrol.plan_text import plan_reasons
-from nlcontrol.session.undo_frames import Pushed, in_words, way_back
+from nlcontrol.session.undo_frames import Pushed, undo_frames, undo_text
 from objectmodels import ObjectModel
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.types.actions import (
@@ -133,20 +133,20 @@ def _state(kitchen: Controller, x: float, held: bool) -> WorldState:
 
 def test_undoing_a_lift_sets_it_down(kitchen: Controller) -> None:
     done = Pushed(kitchen.empty_result("lift it"), "ice tea", PlanarPose(0.5, 0.0), "lift")
-    here = way_back([done], _state(kitchen, 0.5, held=True), DEFAULTS)
+    here = undo_frames([done], _state(kitchen, 0.5, held=True), DEFAULTS)
     assert [frame.goal.kind for frame in here.frames] == ["set_down"]
-    assert in_words(here.frames) == "set the ice tea down"
-    elsewhere = way_back([done], _state(kitchen, 0.7, held=True), DEFAULTS)
+    assert undo_text(here.frames) == "set the ice tea down"
+    elsewhere = undo_frames([done], _state(kitchen, 0.7, held=True), DEFAULTS)
     assert [frame.goal.kind for frame in elsewhere.frames] == ["place"]
-    assert not way_back([done], _state(kitchen, 0.5, held=False), DEFAULTS).frames
+    assert not undo_frames([done], _state(kitchen, 0.5, held=False), DEFAULTS).frames
 
 
 def test_what_was_opened_is_closed_and_what_was_poured_stays(kitchen: Controller) -> None:
     pose, said = PlanarPose(0.5, 0.0), kitchen.empty_result("")
     state = _state(kitchen, 0.5, held=False)
-    opened = way_back([Pushed(said, "ice tea", pose, "open")], state, DEFAULTS)
+    opened = undo_frames([Pushed(said, "ice tea", pose, "open")], state, DEFAULTS)
     assert [frame.goal.kind for frame in opened.frames] == ["close"]
-    poured = way_back([Pushed(said, "ice tea", pose, "pour")], state, DEFAULTS)
+    poured = undo_frames([Pushed(said, "ice tea", pose, "pour")], state, DEFAULTS)
     assert not poured.frames
     assert poured.notes == ("what was poured from the ice tea is not poured back",)
 

@@ -11,7 +11,7 @@ import yaml
 import grammar
 from nlcontrol import Controller
 from nlcontrol.reports.explanation_table import filler, groups, steps, table
-from nlcontrol.reports.word_explanation import ways
+from nlcontrol.reports.word_explanation import word_explanation
 from nlcontrol.results.result import Result
 from nlcontrol.session.conversation import Conversation
 from planner.explanation.rows import Row
@@ -53,7 +53,7 @@ def test_only_words_without_meaning_are_left_over() -> None:
                 ok=False, status="failed", text=command.text, frames=command.frames,
                 scene="", seed=0,
             )  # fmt: skip
-            row = ways(parsed)[-1]
+            row = word_explanation(parsed)[-1]
             words = set(row.words.split(", ")) if row.part == "filler" else set()
             if words := words.difference(WITHOUT_MEANING.split()):
                 left[command.text] = words

@@ -7,8 +7,8 @@ import re
 import pytest
 
 from planner import Plan, plan
-from planner.explanation.push_explanation import Basis, explain
-from planner.explanation.rows import Row, quoted
+from planner.explanation.push_explanation import Basis, explain_push
+from planner.explanation.rows import Row, quotation
 from planner.types.defaults import DEFAULTS
 from planner.types.world_state import PlanarPose
 from tests.unit.planner.conftest import RuledReach, frame_of, world
@@ -22,7 +22,7 @@ def _rows(text: str) -> tuple[Row, ...]:
     assert isinstance(made, Plan), made
     basis = Basis.of(frame, STATE, DEFAULTS)
     assert basis is not None
-    return explain(frame, made, text, basis)
+    return explain_push(frame, made, text, basis)
 
 
 def _of(rows: tuple[Row, ...], parameter: str, part: str | None = None) -> Row:
@@ -176,6 +176,6 @@ def test_what_was_not_said_is_named_as_such() -> None:
 
 def test_quoted_words_touch_overlap_or_stand_apart() -> None:
     text = "push the box 10 cm gently away"
-    assert quoted(text, ((13, 18), (26, 30))) == "10 cm … away"
-    assert quoted(text, ((19, 25), (13, 18))) == "10 cm gently"
-    assert quoted(text, ((5, 12), (9, 12))) == "the box"
+    assert quotation(text, ((13, 18), (26, 30))) == "10 cm … away"
+    assert quotation(text, ((19, 25), (13, 18))) == "10 cm gently"
+    assert quotation(text, ((5, 12), (9, 12))) == "the box"
