@@ -28,8 +28,8 @@ from sim.collision.collision_spheres import (
     place_spheres,
 )
 from sim.hands.four_finger.hand_kinematics import FINGER_LIMITS
+from sim.hands.four_finger.hand_posture import bent_posture
 from sim.hands.four_finger.pushing_postures import pushing_quality, two_finger_postures
-from sim.hands.four_finger.resting_posture import bent_posture
 from sim.hands.hand_model import Posture
 from sim.hands.mount import Mount
 from sim.rotations import rot_x, rot_y, rot_z

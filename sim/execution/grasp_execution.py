@@ -21,8 +21,7 @@ from sim.control.grasping.held_object_sensing import HandSense, Holding, Weight,
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.trace_recorder import TraceRecorder
 from sim.motion.grasp_motion_search import GraspMotion
-from sim.paths.held_object import HeldObject
-from sim.paths.held_object_path import HeldSegment, upright_again
+from sim.paths.held_object_path import HeldObject, HeldSegment, upright_again
 from sim.rotations import Array
 
 CONTACT = 0.4

@@ -19,8 +19,7 @@ from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.trace_recorder import TraceRecorder
 from sim.execution.grasp_execution import GraspExecution
 from sim.motion.grasp_motion_search import GraspMotion
-from sim.paths.held_object import THREAD, HeldObject
-from sim.paths.held_object_path import HeldSegment
+from sim.paths.held_object_path import THREAD, HeldObject, HeldSegment
 
 _FOLLOWS = 0.5  # share of a lift that a lid which comes along is seen lifted
 _LOOKS = 0.4  # time after which the camera shows what came of it [s]

@@ -29,7 +29,7 @@ from sim.execution.grasp_execution import GraspExecution
 from sim.execution.lid_execution import LidExecution
 from sim.execution.push_execution import PushExecution
 from sim.motion.arm_configuration import UnreachableError
-from sim.paths.held_object import HeldObject
+from sim.paths.held_object_path import HeldObject
 from sim.traces.trace import EndReason, Trace
 
 if TYPE_CHECKING:

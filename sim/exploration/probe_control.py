@@ -30,7 +30,7 @@ from sim.control.pushing.guarded_touch import EarlyEndError, TouchControl
 from sim.execution.push_execution import PushExecution
 from sim.exploration.touch_recording import Recording
 from sim.motion.arm_configuration import UnreachableError
-from sim.paths.tilt_arc import TiltArc
+from sim.paths.fingertip_path import TiltArc
 from sim.perception.state_estimation import mean_poses
 from sim.rotations import Array
 from sim.traces.trace import EndReason

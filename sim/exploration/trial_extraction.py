@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from objectmodels.identification import Onset, Trial, detect_onset
 from objectmodels.identification.onset_detection import LEAST_SAMPLES
 from sim.exploration.touch_recording import Recording
-from sim.paths.tilt_arc import TiltArc
+from sim.paths.fingertip_path import TiltArc
 from sim.rotations import Array, rot_z, wrap
 
 UNDER_WAY = 0.0015

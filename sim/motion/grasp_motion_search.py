@@ -33,8 +33,13 @@ from sim.hands.mount import Mount
 from sim.motion.arm_configuration import unreachable_answer
 from sim.motion.ik_search import best_solutions
 from sim.motion.roadmap import LIMIT_MARGIN, free_path, sample_configurations
-from sim.paths.held_object import HeldObject
-from sim.paths.held_object_path import HeldSegment, grasp_frame, held_segments, withdrawal_vectors
+from sim.paths.held_object_path import (
+    HeldObject,
+    HeldSegment,
+    grasp_frame,
+    held_segments,
+    withdrawal_vectors,
+)
 from sim.rotations import Array
 
 HELD_CLEARANCE = 0.004

@@ -21,7 +21,7 @@ from sim.control.grasping.held_object_sensing import HandSense
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.trace_recorder import TraceRecorder
 from sim.motion.grasp_motion_search import GraspMotion
-from sim.paths.held_object import HeldObject
+from sim.paths.held_object_path import HeldObject
 from sim.rotations import Array, wrap, yaw_of
 from sim.worlds.ports import Frame
 

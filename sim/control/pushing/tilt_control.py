@@ -1,7 +1,7 @@
 """A tilt and back: leans an object on the far edge of its base, holds it, lets it back.
 
-After the touch the fingertips go along the arc on which the contact turns about that edge
-(`sim.paths.tilt_arc`), sticking to the face, no faster than the force limit allows (the law of
+After the touch the fingertips go along the arc on which the contact turns about that edge, a
+`TiltArc`, sticking to the face, no faster than the force limit allows (the law of
 `sim.control.pushing.force_control`), and slower as the asked tilt comes near, so that they stop on
 it. They hold still for a moment, then go back the same way and carry the object down until its base
 stands and presses on them no more. Where they cannot go on (it slides, it leans too far, the force
@@ -18,7 +18,7 @@ from objectmodels.mechanics.tilt_limits import length_along
 from sim.control.pushing.force_control import ExecutionContext, ForceController
 from sim.control.pushing.push_guards import MOVED, TiltGuards
 from sim.control.pushing.tilt_estimator import TiltEstimator
-from sim.paths.tilt_arc import TiltArc
+from sim.paths.fingertip_path import TiltArc
 from sim.traces.trace import EndReason
 
 HOLD = 0.5

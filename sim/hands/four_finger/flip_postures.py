@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 from sim.collision.collision_scene import TABLE_CLEARANCE
 from sim.collision.collision_spheres import distance_to_cylinder, place_spheres
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS, force_noise_gain, max_tip_force
-from sim.hands.four_finger.hand_spheres import hand_spheres, whole_spheres
-from sim.hands.four_finger.resting_posture import finger_posture
+from sim.hands.four_finger.hand_posture import finger_posture, hand_spheres, whole_spheres
 from sim.hands.hand_model import FlipPostureSet, Posture
 from sim.paths.lid_arc_path import LidPath, LidShape
 from sim.rotations import Array, rot_y, rot_z

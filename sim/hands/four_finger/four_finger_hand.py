@@ -18,14 +18,14 @@ from sim.hands.four_finger.grasp_postures import (
     closing_direction,
     grasp_posture,
 )
-from sim.hands.four_finger.hand_spheres import (
+from sim.hands.four_finger.hand_posture import (
     FLANGE_TO_PALM,
+    RESTING,
     hand_spheres,
     thin_spheres,
     whole_spheres,
 )
 from sim.hands.four_finger.pushing_postures import FINGER_SPREADS, LARGEST_SKEW, pushing_postures
-from sim.hands.four_finger.resting_posture import RESTING
 from sim.hands.hand_model import Angles, FlipPostureSet, Posture, PostureSet
 from sim.paths.lid_arc_path import LidShape
 from sim.rotations import Array

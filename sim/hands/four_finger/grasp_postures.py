@@ -29,8 +29,7 @@ from sim.hands.four_finger.hand_kinematics import (
     finger_jacobian,
     finger_points,
 )
-from sim.hands.four_finger.hand_spheres import hand_spheres
-from sim.hands.four_finger.resting_posture import CURLED, touching_posture
+from sim.hands.four_finger.hand_posture import CURLED, hand_spheres, touching_posture
 from sim.hands.hand_model import Angles, Posture
 from sim.rotations import Array
 

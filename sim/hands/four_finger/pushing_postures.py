@@ -27,8 +27,7 @@ from sim.hands.four_finger.hand_kinematics import (
     max_tip_force,
     tip_stiffness,
 )
-from sim.hands.four_finger.hand_spheres import whole_spheres
-from sim.hands.four_finger.resting_posture import bent_posture
+from sim.hands.four_finger.hand_posture import bent_posture, whole_spheres
 from sim.hands.hand_model import Posture, PostureSet
 from sim.rotations import Array, rot_x, rot_y, rot_z
 

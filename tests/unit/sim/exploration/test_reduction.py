@@ -16,7 +16,7 @@ from sim.exploration.touch_recording import Recording
 from sim.exploration.trial_extraction import extract_trials, force_curve
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.motion.robot_reach import ArmHandReach
-from sim.paths.tilt_arc import TiltArc
+from sim.paths.fingertip_path import TiltArc
 from sim.standard_robot import ARM, HAND
 
 Array = NDArray[np.float64]

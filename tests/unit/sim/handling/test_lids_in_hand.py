@@ -14,8 +14,7 @@ from planner.types.plan import Plan
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.hands.four_finger.hand_kinematics import finger_points
 from sim.motion.robot_reach import ArmHandReach
-from sim.paths.held_object import HeldObject
-from sim.paths.held_object_path import held_segments
+from sim.paths.held_object_path import HeldObject, held_segments
 from sim.standard_robot import ARM, HAND
 from sim.truth.scene_file import load_scene
 from tests.plans import EASY_TURN, hand_plan

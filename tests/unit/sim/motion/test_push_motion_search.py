@@ -29,12 +29,11 @@ from sim.hands.four_finger.hand_kinematics import (
     TIP_RADIUS,
     finger_jacobian,
 )
-from sim.hands.four_finger.hand_spheres import hand_spheres
+from sim.hands.four_finger.hand_posture import hand_spheres
 from sim.hands.four_finger.pushing_postures import pushing_postures
 from sim.motion.arm_configuration import ArmConfiguration
-from sim.motion.reachability_map import reachability_map
 from sim.motion.roadmap import interpolate_joints
-from sim.motion.robot_reach import ArmHandReach
+from sim.motion.robot_reach import ArmHandReach, reachability_map
 from sim.paths.fingertip_path import FingertipPath
 from sim.standard_robot import ARM, HAND
 

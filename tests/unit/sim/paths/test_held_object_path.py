@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from planner.types.actions import Aim, Carry, LiftUp, PourOut, SetDown
-from sim.paths.held_object import HeldObject
 from sim.paths.held_object_path import (
+    HeldObject,
     HeldSegment,
     grasp_frame,
     held_segments,

@@ -1,4 +1,4 @@
-"""Spheres that cover the hand in a posture.
+"""The hand in a posture: resting or with some fingers bent, and the spheres that cover it.
 
 Every link is covered a little beyond its collision shape in `four_finger_hand.urdf`; a test holds
 the two together. Frame: P is the palm.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -18,8 +19,18 @@ from sim.hands.four_finger.hand_kinematics import (
     TIP_RADIUS,
     finger_points,
 )
-from sim.hands.hand_model import Posture
+from sim.hands.hand_model import Angles, Posture
 from sim.rotations import Array
+
+CURLED: Angles = (0.0, 1.40, 1.60)
+"""A finger that is out of the way [rad]."""
+
+_THUMB_AWAY: Angles = (0.0, -0.65, 0.0)
+
+RESTING = Posture(
+    "resting", dict.fromkeys(FINGERS, CURLED) | {"thumb": _THUMB_AWAY}, (), np.zeros((0, 3))
+)
+"""The hand while it waits."""
 
 FLANGE_TO_PALM = 0.03
 """Distance from the flange to the palm's origin, along z [m]."""
@@ -32,6 +43,29 @@ _SPACING = 0.010
 # up to a largest allowance, keeps a finger nearly parallel to the face from touching it twice.
 _OPENING, _OPENING_FROM, _OPENING_MOST = 0.2, 0.012, 0.012
 _TIP_ZONE = 0.006
+
+
+def touching_posture(name: str, angles: Mapping[str, Angles], pushing: tuple[str, ...]) -> Posture:
+    """The posture with some angles of all fingers, of which some touch."""
+    tips = np.array([finger_points(finger, angles[finger])[3] for finger in pushing])
+    return Posture(name, angles, pushing, tips)
+
+
+def bent_posture(name: str, pushing: Mapping[str, Angles]) -> Posture:
+    """The resting hand with some fingers bent to push."""
+    return touching_posture(name, {**RESTING.angles, **pushing}, tuple(pushing))
+
+
+@functools.cache
+def finger_posture(finger: str, flexion: tuple[float, float]) -> Posture:
+    """A posture with one finger bent and the others out of the way.
+
+    Args:
+        finger: one of `FINGERS`.
+        flexion: of its proximal and middle joint [rad].
+    """
+    name = f"{finger} bent by {flexion[0]:.2f} and {flexion[1]:.2f}"
+    return bent_posture(name, {finger: (0.0, *flexion)})
 
 
 @functools.lru_cache(maxsize=64)
