@@ -29,13 +29,10 @@ class Tree(NamedTuple):
             else:
                 yield child
 
-    def transform(self, builders: object) -> Any:
-        """Build the value of the tree, leaves first; at `length` by the method `length_part`."""
-        children = [
-            child.transform(builders) if isinstance(child, Tree) else child
-            for child in self.children
-        ]
-        return getattr(builders, f"{self.name}_part")(children)
+    def transform(self, build: Callable[[str, list[Any]], Any]) -> Any:
+        """Build the value of the tree, leaves first, from the names and children of its nodes."""
+        children = [c.transform(build) if isinstance(c, Tree) else c for c in self.children]
+        return build(self.name, children)
 
 
 class UnexpectedTokenError(Exception):

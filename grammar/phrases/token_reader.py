@@ -33,10 +33,26 @@ MAX_TIME_S = 3600.0
 """Longest time that is taken seriously [s]."""
 
 Children = list[Any]
+"""Children of a node of the parse tree: tokens, parts, and lists of parts."""
+
+
+def tokens_in(children: Children, *terminals: str) -> list[Token]:
+    """The tokens of some terminals among the children of a node."""
+    return [c for c in children if isinstance(c, Token) and c.type in terminals]
+
+
+def parts_in(children: Children) -> list[ph.Part]:
+    """The parts among the children of a node."""
+    return [child for child in children if isinstance(child, ph.Part)]
+
+
+def things_in(children: Children) -> list[ph.Thing]:
+    """The named objects among the children of a node."""
+    return [child for child in children if isinstance(child, ph.Thing)]
 
 
 class TokenReader:
-    """The tokens of a sentence, with their places in it and their values."""
+    """The children of the nodes of a sentence, with their places in it and their values."""
 
     def __init__(self, lexicon: Lexicon, sentence: Normalised) -> None:
         self.lexicon = lexicon
@@ -44,20 +60,25 @@ class TokenReader:
 
     def span_of(self, children: Children) -> Span:
         """From the first to the last of tokens and parts."""
-        ends = [self._span_of_child(child) for child in children]
+        ends = [
+            child.span
+            if isinstance(child, ph.Part)
+            else self.sentence.original_span(child.start_pos, child.end_pos)
+            for child in children
+        ]
         return min(start for start, _ in ends), max(end for _, end in ends)
 
-    def _span_of_child(self, child: Token | ph.Part) -> Span:
-        if isinstance(child, ph.Part):
-            return child.span
-        return self.sentence.original_span(child.start_pos, child.end_pos)
+    def does_not_apply_error(
+        self, children: Children, message: str, *suggestions: str
+    ) -> ParseError:
+        """The error for words that do not apply where they stand."""
+        span = self.span_of(children)
+        return self.sentence.error_at(span, "does_not_apply", message, *suggestions)
 
     def value_of(self, children: Children, terminal: str, default: str = "") -> str:
         """Value of the token of a terminal; `default` if there is none."""
-        for child in children:
-            if isinstance(child, Token) and child.type == terminal:
-                return self.lexicon.value_of(terminal, str(child))
-        return default
+        tokens = tokens_in(children, terminal)
+        return self.lexicon.value_of(terminal, str(tokens[0])) if tokens else default
 
     def bound_of(self, children: Children) -> Bound:
         """Exactly, at least, at most; "or more" is said behind the quantity."""
@@ -67,43 +88,37 @@ class TokenReader:
     def numbers_in(self, children: Children) -> list[Decimal]:
         """The numbers among the children; an article is a one."""
         found: list[Decimal] = []
-        for child in children:
-            if not isinstance(child, Token):
-                continue
-            if child.type == "NUMBER":
-                found.append(exact_decimal(str(child)))
-            elif child.type == "NUMBER_WORD":
-                found.append(self.lexicon.numbers.decimal_of(str(child)))
-            elif child.type == "TWICE":
-                found.append(Decimal(self.lexicon.value_of("TWICE", str(child))))
-            elif child.type == "A":
-                found.append(Decimal(1))
-            elif child.type == "AND_FRACTION":
-                fraction = Decimal(self.lexicon.value_of("AND_FRACTION", str(child)))
-                found[-1] = LENIENT.add(found[-1], fraction)
+        terminals = ("NUMBER", "NUMBER_WORD", "TWICE", "A", "AND_FRACTION")
+        for token in tokens_in(children, *terminals):
+            match token.type:
+                case "NUMBER":
+                    found.append(exact_decimal(str(token)))
+                case "NUMBER_WORD":
+                    found.append(self.lexicon.numbers.decimal_of(str(token)))
+                case "A":
+                    found.append(Decimal(1))
+                case "TWICE":
+                    found.append(Decimal(self.lexicon.value_of("TWICE", str(token))))
+                case _:
+                    fraction = Decimal(self.lexicon.value_of("AND_FRACTION", str(token)))
+                    found[-1] = LENIENT.add(found[-1], fraction)
         return found
 
     def in_unit(self, children: Children, terminal: str) -> list[float]:
         """The numbers times their unit [SI]."""
-        factor = Decimal(self.value_of(children, terminal))
-        return [float(LENIENT.multiply(number, factor)) for number in self.numbers_in(children)]
+        units = [self.lexicon.value_of(terminal, str(u)) for u in tokens_in(children, terminal)]
+        numbers = self.numbers_in(children)
+        units = units * len(numbers) if len(units) == 1 else units
+        return [
+            float(LENIENT.multiply(number, Decimal(unit)))
+            for number, unit in zip(numbers, units, strict=True)
+        ]
 
     def lengths_in(self, children: Children) -> list[float]:
         """The distances [m]."""
-        factors = [
-            Decimal(self.lexicon.value_of("LENGTH_UNIT", str(child)))
-            for child in children
-            if isinstance(child, Token) and child.type == "LENGTH_UNIT"
-        ]
-        numbers = self.numbers_in(children)
-        factors = factors * len(numbers) if len(factors) == 1 else factors
-        return [
-            self.require_possible(
-                children, float(LENIENT.multiply(number, factor)), MAX_LENGTH_M,
-                f"a distance is more than 0 and at most {MAX_LENGTH_M:g} m",
-            )
-            for number, factor in zip(numbers, factors, strict=True)
-        ]  # fmt: skip
+        range_ = f"a distance is more than 0 and at most {MAX_LENGTH_M:g} m"
+        lengths = self.in_unit(children, "LENGTH_UNIT")
+        return [self.require_possible(children, x, MAX_LENGTH_M, range_) for x in lengths]
 
     def angle_in(self, children: Children, *, signed: bool = False) -> float:
         """The angle [rad]; a heading may also be zero or negative."""
@@ -119,11 +134,6 @@ class TokenReader:
     def require_possible(self, children: Children, value: float, most: float, range_: str) -> float:
         """The value, if it lies in (0, most]; `range_` says so in words."""
         if not 0.0 < value <= most:
-            span = self.span_of(children)
-            raise ParseError(
-                "impossible_quantity",
-                f'"{self.sentence.words_as_written(span)}" is out of range: {range_}',
-                span,
-                (range_,),
-            )
+            span, message = self.span_of(children), f"is out of range: {range_}"
+            raise self.sentence.error_at(span, "impossible_quantity", message, range_)
         return value

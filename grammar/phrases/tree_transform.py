@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, cast
 
 from grammar.errors import ParseError
 from grammar.frames import command as g
 from grammar.phrases import phrase_parts as ph
-from grammar.phrases import token_reader as q
-from grammar.phrases.container_phrases import Contents
 from grammar.phrases.lalr_parser import Tree
 from grammar.phrases.manner_phrases import Manners
-from grammar.phrases.outcome_phrases import Outcomes, Questions
+from grammar.phrases.outcome_phrases import QUESTIONS, Outcomes, Questions
+from grammar.phrases.token_reader import (
+    MAX_LENGTH_M,
+    MAX_VOLUME,
+    Children,
+    parts_in,
+    things_in,
+    tokens_in,
+)
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 from grammar.words.phrase_lexer import Token
@@ -19,257 +26,261 @@ from grammar.words.phrase_lexer import Token
 _CAUSED = {"moves": "move", "slides": "slide", "tips": "topple", "tilts": "tilt", "turns": "turn"}
 """Verbs for what is made to happen."""
 
-Children = list[Any]
+_PLAIN: dict[str, tuple[Callable[..., ph.Part], str]] = {
+    "next": (ph.Next, "NEXT"),  # then
+    "me": (ph.Me, ""),  # to me
+    "there": (ph.There, ""),
+    "diagonally": (ph.Diagonal, ""),
+    "that_is": (ph.ThatIs, ""),  # that is, which stands
+    "side": (ph.Side, "SIDE_QUALITY"),  # on the left
+    "toward_region": (ph.Toward, "TOWARD_REGION"),  # towards the edge
+    "away_from_region": (ph.AwayFrom, "AWAY_FROM_REGION"),  # away from the edge
+    "sense": (ph.Sense, "SENSE"),  # clockwise
+    "amount": (ph.Amount, "AMOUNT"),  # a little
+    "on_table": (ph.Table, ""),  # on the table
+    "method": (ph.Method, "METHOD"),  # by lifting it
+    "if": (ph.If, ""),  # if, when
+    **{dialogue: (ph.Remark, dialogue) for dialogue in ("stop", "repeat", "more", "correct")},
+}
+"""Node → its part, and the terminal whose value the part has; a remark has its own name."""
 
 
-class Parts(Manners, Contents, Outcomes, Questions):
-    """Turns the tree of one sentence into its parts: a method for each name of a node."""
+class Parts(Manners, Outcomes, Questions):
+    """Turns the tree of one sentence into its parts: a row or a method for each name of a node."""
 
-    def __init__(self, lexicon: Lexicon, sentence: Normalised) -> None:
-        self._w = q.TokenReader(lexicon, sentence)
+    def build_part(self, name: str, children: Children) -> Any:
+        """The part, or the parts, of a node of the tree."""
+        if name in QUESTIONS:
+            return self.question_part(children, **QUESTIONS[name])
+        if name not in _PLAIN:
+            return getattr(self, f"{name}_part")(children)
+        kind, terminal = _PLAIN[name]
+        said = terminal if terminal.islower() else self.value_of(children, terminal)
+        return kind(self.span_of(children), *([said] if terminal else []))
+
+    def start_part(self, children: Children) -> list[ph.Part]:
+        """The parts of the sentence."""
+        return [p for c in children for p in (c if isinstance(c, list) else [c])]
 
     # --- what holds the sentence together -----------------------------------------------------
 
     def separator_part(self, children: Children) -> ph.Separator:
         """And."""
-        word = self._w.value_of(children, "SEPARATOR") or self._w.value_of(children, "OR")
-        return ph.Separator(self._w.span_of(children), word)
-
-    def next_part(self, children: Children) -> ph.Next:
-        """Then."""
-        return ph.Next(self._w.span_of(children), self._w.value_of(children, "NEXT"))
+        word = self.value_of(children, "SEPARATOR") or self.value_of(children, "OR")
+        return ph.Separator(self.span_of(children), word)
 
     def filler_part(self, children: Children) -> ph.Filler:
         """Please."""
-        polite = self._w.value_of(children, "FILLER") == "please"
-        return ph.Filler(self._w.span_of(children), anywhere=polite)
-
-    def me_part(self, children: Children) -> ph.Me:
-        """To me."""
-        return ph.Me(self._w.span_of(children))
-
-    def there_part(self, children: Children) -> ph.There:
-        """There."""
-        return ph.There(self._w.span_of(children))
-
-    def diagonally_part(self, children: Children) -> ph.Diagonal:
-        """Diagonally."""
-        return ph.Diagonal(self._w.span_of(children))
+        polite = self.value_of(children, "FILLER") == "please"
+        return ph.Filler(self.span_of(children), anywhere=polite)
 
     # --- the verb and things ------------------------------------------------------------------
 
     def verb_part(self, children: Children) -> list[ph.Part]:
         """Push; you push; would you mind pushing."""
         token = next(c for c in children if isinstance(c, Token) and c.type.startswith("VERB"))
-        word = self._w.lexicon.verb_words[token.type][str(token)]
-        rest = [c for c in children if isinstance(c, ph.Part)]
-        return [ph.Verb(self._w.span_of([token]), word), *rest]
+        word = self.lexicon.verb_words[token.type][str(token)]
+        return [ph.Verb(self.span_of([token]), word), *parts_in(children)]
 
     def causes_part(self, children: Children) -> list[ph.Part]:
         """Make the box slide: slide the box."""
-        event = self._w.value_of(children, "EVENT_INFINITIVE")
+        event = self.value_of(children, "EVENT_INFINITIVE")
         if event not in _CAUSED:
-            raise self._does_not_apply_error(children, "asks for nothing to be done", "push it …")
-        thing = next(c for c in children if isinstance(c, ph.Thing))
+            raise self.does_not_apply_error(children, "asks for nothing to be done", "push it …")
         ends = [c for c in children if isinstance(c, Token)]
-        first, last = self._w.span_of(ends[:1]), self._w.span_of(ends[-1:])
-        return [ph.Verb(first, _CAUSED[event], completed=last), thing]
+        first, last = self.span_of(ends[:1]), self.span_of(ends[-1:])
+        return [ph.Verb(first, _CAUSED[event], completed=last), *things_in(children)]
 
     def particle_part(self, children: Children) -> list[ph.Part]:
         """Over, up, down."""
-        rest = [c for c in children if isinstance(c, ph.Part)]
-        word = self._w.value_of(children, "PARTICLE")
-        return [ph.Particle(self._w.span_of(children[:1]), word), *rest]
+        word = self.value_of(children, "PARTICLE")
+        return [ph.Particle(self.span_of(children[:1]), word), *parts_in(children)]
 
     def name_part(self, children: Children) -> ph.Thing:
         """A name, without its article; quotation marks are no part of it."""
-        words = [c for c in children if c.type in ("WORD", "QUOTED", "IT")]
-        contents = any(c.type == "CONTENTS" for c in children)
-        if not words:
-            words = [c for c in children if c.type == "THAT"]
-        first, last = self._w.span_of(words[:1])[0], self._w.span_of(words[-1:])[1]
-        span = first, last
+        words = tokens_in(children, "WORD", "QUOTED", "IT") or tokens_in(children, "THAT")
+        start, end = self.span_of([words[0], words[-1]])
         if words[0].type == "QUOTED":
-            span = span[0] + 1, span[1] - 1
-            inner = self._w.sentence.original[span[0] : span[1]]
-            span = span[0] + len(inner) - len(inner.lstrip()), span[0] + len(inner.rstrip())
-        text = self._w.sentence.words_as_written(span)
+            inner = self.sentence.original[start + 1 : end - 1]
+            start, end = end - 1 - len(inner.lstrip()), start + 1 + len(inner.rstrip())
+        text = self.sentence.words_as_written((start, end))
         if words[0].type in ("IT", "THAT"):
-            ref = g.ObjectRef(text=text, spans=(span,), pronoun=True)
+            ref = g.ObjectRef(text=text, spans=((start, end),), pronoun=True)
         else:
-            ref = self._named_object(text, span, [w for w in words if w.type == "WORD"])
-        return ph.Thing(span, ref, contents)
+            ref = self._named_object(text, (start, end), tokens_in(words, "WORD"))
+        return ph.Thing((start, end), ref, bool(tokens_in(children, "CONTENTS")))
 
     def _named_object(self, text: str, span: g.Span, words: list[Token]) -> g.ObjectRef:
         """A name with what its adjectives say; a quoted name has none."""
-        lexicon = self._w.lexicon
-        qualities = tuple(lexicon.adjectives[w] for w in words if w in lexicon.adjectives)
+        adjectives = self.lexicon.adjectives
+        qualities = tuple(adjectives[w] for w in words if w in adjectives)
         if not qualities and not set(words) <= {"one", "ones"}:
             return g.ObjectRef(text=text, spans=(span,))
-        nouns = [w for w in words if w not in lexicon.adjectives and w not in lexicon.nobodies]
-        noun = " ".join(self._w.sentence.words_as_written(self._w.span_of([w])) for w in nouns)
+        nouns = [w for w in words if w not in adjectives and w not in self.lexicon.nobodies]
+        noun = " ".join(self.sentence.words_as_written(self.span_of([w])) for w in nouns)
         return g.ObjectRef(text=text, spans=(span,), qualities=qualities, noun=noun)
-
-    def that_is_part(self, children: Children) -> ph.ThatIs:
-        """Words such as "that is"."""
-        return ph.ThatIs(self._w.span_of(children))
-
-    def side_part(self, children: Children) -> ph.Side:
-        """On the left."""
-        quality = cast(g.Quality, self._w.value_of(children, "SIDE_QUALITY"))
-        return ph.Side(self._w.span_of(children), quality)
 
     # --- where to -----------------------------------------------------------------------------
 
     def direction_part(self, children: Children) -> list[ph.Part]:
         """Away, over to the left."""
-        span = self._w.span_of(children)
-        direction = ph.Direction(span, cast(g.Direction, self._w.value_of(children, "DIRECTION")))
+        span = self.span_of(children)
+        direction = ph.Direction(span, cast(g.Direction, self.value_of(children, "DIRECTION")))
         if str(children[0]).startswith("over "):
             return [ph.Particle((span[0], span[0] + 4), "over", optional=True), direction]
         return [direction]
 
     def off_straight_part(self, children: Children) -> ph.Heading:
         """30 degrees left of straight ahead."""
-        sign = 1.0 if self._w.value_of(children, "OFF_STRAIGHT") == "left" else -1.0
-        return ph.Heading(self._w.span_of(children), sign * self._w.angle_in(children))
+        sign = 1.0 if self.value_of(children, "OFF_STRAIGHT") == "left" else -1.0
+        return ph.Heading(self.span_of(children), sign * self.angle_in(children))
 
     def heading_part(self, children: Children) -> ph.Heading:
         """At a heading of 30 degrees."""
-        return ph.Heading(self._w.span_of(children), self._w.angle_in(children, signed=True))
+        return ph.Heading(self.span_of(children), self.angle_in(children, signed=True))
 
     def toward_part(self, children: Children) -> ph.Toward:
         """Towards the mug."""
-        return ph.Toward(self._w.span_of(children), children[1].ref)
-
-    def toward_region_part(self, children: Children) -> ph.Toward:
-        """Towards the edge."""
-        region = cast(g.TableRegion, self._w.value_of(children, "TOWARD_REGION"))
-        return ph.Toward(self._w.span_of(children), region)
-
-    def away_from_region_part(self, children: Children) -> ph.AwayFrom:
-        """Away from the edge."""
-        region = cast(g.TableRegion, self._w.value_of(children, "AWAY_FROM_REGION"))
-        return ph.AwayFrom(self._w.span_of(children), region)
+        return ph.Toward(self.span_of(children), children[1].ref)
 
     def into_part(self, children: Children) -> ph.Into:
         """Into the mug."""
-        return ph.Into(self._w.span_of(children), children[1].ref)
+        return ph.Into(self.span_of(children), children[1].ref)
 
     def place_part(self, children: Children) -> ph.Place:
         """Next to the mug; between the mug and the box."""
-        things = tuple(c.ref for c in children if isinstance(c, ph.Thing))
+        things = tuple(thing.ref for thing in things_in(children))
+        relation = self.value_of(children, "RELATION")
         if children[0].type == "BETWEEN":
-            joined = children[2]
-            if self._w.value_of([joined], "SEPARATOR") != "and":
+            relation, joined = "between", children[2]
+            if self.value_of([joined], "SEPARATOR") != "and":
                 raise ParseError(
                     "unexpected_words",
                     'two things are joined by "and"',
-                    self._w.span_of([joined]),
+                    self.span_of([joined]),
                     ('say "between the one and the other"',),
                 )
-            return ph.Place(self._w.span_of(children), "between", things)
-        return ph.Place(self._w.span_of(children), self._w.value_of(children, "RELATION"), things)
+        return ph.Place(self.span_of(children), relation, things)
 
     def region_of_table_part(self, children: Children) -> ph.Place:
         """To the middle of the table."""
-        region = cast(g.TableRegion, self._w.value_of(children, "REGION_OF_TABLE"))
-        return ph.Place(self._w.span_of(children), "at", region)
+        region = cast(g.TableRegion, self.value_of(children, "REGION_OF_TABLE"))
+        return ph.Place(self.span_of(children), "at", region)
 
     def point_part(self, children: Children) -> ph.Place:
         """To x 0.6 y −0.1."""
-        numbers = [float(number) for number in self._w.numbers_in(children)]
-        units = [
-            float(self._w.lexicon.value_of("LENGTH_UNIT", str(c)))
-            for c in children
-            if isinstance(c, Token) and c.type == "LENGTH_UNIT"
-        ]
-        scale = units[-1] if units else 1.0
-        x, y = (value * scale for value in numbers)
+        units = tokens_in(children, "LENGTH_UNIT")
+        scale = float(self.lexicon.value_of("LENGTH_UNIT", str(units[-1]))) if units else 1.0
+        x, y = (float(number) * scale for number in self.numbers_in(children))
         for value in (x, y):
             # A place may lie on either side of the middle, so only its size is of interest.
-            range_ = f"a place is at most {q.MAX_LENGTH_M:g} m away"
-            self._w.require_possible(children, max(abs(value), 1e-9), q.MAX_LENGTH_M, range_)
-        return ph.Place(self._w.span_of(children), "at", g.Point(x=x, y=y))
+            range_ = f"a place is at most {MAX_LENGTH_M:g} m away"
+            self.require_possible(children, max(abs(value), 1e-9), MAX_LENGTH_M, range_)
+        return ph.Place(self.span_of(children), "at", g.Point(x=x, y=y))
 
     # --- how far ------------------------------------------------------------------------------
 
     def length_part(self, children: Children) -> ph.Length:
         """By at least 10 cm."""
-        value, span = self._w.lengths_in(children)[0], self._w.span_of(children)
-        return ph.Length(span, value, self._w.bound_of(children))
+        value, span = self.lengths_in(children)[0], self.span_of(children)
+        return ph.Length(span, value, self.bound_of(children))
 
     def length_range_part(self, children: Children) -> ph.Length:
         """5 to 10 cm."""
-        low, high = self._w.lengths_in(children)
-        span = self._w.span_of(children)
-        if low >= high or self._w.bound_of(children) != "exact":
-            raise ParseError(
-                "impossible_quantity",
-                f'"{self._w.sentence.words_as_written(span)}" is no range',
-                span,
-                ('say it like "5 to 10 cm"',),
+        low, high = self.lengths_in(children)
+        span = self.span_of(children)
+        if low >= high or self.bound_of(children) != "exact":
+            raise self.sentence.error_at(
+                span, "impossible_quantity", "is no range", 'say it like "5 to 10 cm"'
             )
         return ph.Length(span, low, "at_least", high)
 
     def relative_part(self, children: Children) -> ph.Length:
         """Twice its width; the width of the mug."""
-        things = [c for c in children if isinstance(c, ph.Thing)]
-        its = [c for c in children if isinstance(c, Token) and c.type == "ITS"]
-        terminal = "THE_SIDE_OF" if things else "SIDE_OF_OBJECT"
-        if things:
-            of = things[0].ref
-        elif its:
-            start, _ = self._w.span_of(its)
-            of = g.ObjectRef(text="its", spans=((start, start + 3),), pronoun=True)
-        else:
-            of = g.ObjectRef(text="its", pronoun=True)
-        return self._relative_length_part(children, of, self._w.value_of(children, terminal))
+        if things := things_in(children):
+            side = self.value_of(children, "THE_SIDE_OF")
+            return self._relative_length_part(children, things[0].ref, side)
+        its = tokens_in(children, "ITS")
+        start = self.span_of(its)[0] if its else 0
+        spans = ((start, start + len("its")),) if its else ()
+        of = g.ObjectRef(text="its", spans=spans, pronoun=True)
+        return self._relative_length_part(children, of, self.value_of(children, "SIDE_OF_OBJECT"))
 
     def relative_to_word_part(self, children: Children) -> ph.Length:
         """Two box widths."""
-        words = [c for c in children if isinstance(c, Token) and c.type == "WORD"]
-        span = self._w.span_of(words)
-        of = g.ObjectRef(text=self._w.sentence.words_as_written(span), spans=(span,))
-        return self._relative_length_part(
-            children, of, self._w.value_of(children, "SIDE_OF_OBJECT")
-        )
+        span = self.span_of(tokens_in(children, "WORD"))
+        of = g.ObjectRef(text=self.sentence.words_as_written(span), spans=(span,))
+        return self._relative_length_part(children, of, self.value_of(children, "SIDE_OF_OBJECT"))
 
     def _relative_length_part(self, children: Children, of: g.ObjectRef, side: str) -> ph.Length:
-        span = self._w.span_of(children)
-        times = float(next(iter(self._w.numbers_in(children)), 1))
-        times = self._w.require_possible(
-            children, times, 100.0, "a length is at most 100 objects long"
-        )
+        times = float(next(iter(self.numbers_in(children)), 1))
+        range_ = "a length is at most 100 objects long"
+        times = self.require_possible(children, times, 100.0, range_)
         length = g.RelativeLength(value=times, of=of, side=cast(g.Side, side))
-        return ph.Length(span, length, self._w.bound_of(children))
+        return ph.Length(self.span_of(children), length, self.bound_of(children))
 
     def angle_part(self, children: Children) -> ph.Angle:
         """By 30 degrees."""
-        value = self._w.angle_in(children)
-        return ph.Angle(self._w.span_of(children), value, self._w.bound_of(children))
-
-    def sense_part(self, children: Children) -> ph.Sense:
-        """Clockwise."""
-        return ph.Sense(self._w.span_of(children), self._w.value_of(children, "SENSE"))
-
-    def amount_part(self, children: Children) -> ph.Amount:
-        """A little."""
-        return ph.Amount(self._w.span_of(children), self._w.value_of(children, "AMOUNT"))
+        return ph.Angle(self.span_of(children), self.angle_in(children), self.bound_of(children))
 
     def way_part(self, children: Children) -> ph.Share:
         """Halfway."""
-        value = self.fraction_value(self._w.value_of(children, "WAY"))
-        return ph.Share(self._w.span_of(children), value, of_way=True)
+        value = _fraction_value(self.value_of(children, "WAY"))
+        return ph.Share(self.span_of(children), value, of_way=True)
 
-    # --- the whole ----------------------------------------------------------------------------
+    # --- how much of a liquid, and until it is how full ----------------------------------------
 
-    def start_part(self, children: Children) -> list[ph.Part]:
-        """The parts of the sentence."""
-        parts: list[ph.Part] = []
-        for child in children:
-            parts += child if isinstance(child, list) else [child]
-        return parts
+    def volume_part(self, children: Children) -> list[ph.Part]:
+        """100 ml; 100 ml of ice tea."""
+        said = [child for child in children if isinstance(child, Token)]
+        span = self.span_of(said)
+        if self.bound_of(children) != "exact":
+            raise self.sentence.error_at(
+                span, "does_not_apply", "leaves open how much to pour", "100 ml", "half of it"
+            )
+        range_ = f"a volume is more than 0 and at most {1e3 * MAX_VOLUME:g} l"
+        value = self.in_unit(children, "CUPS" if tokens_in(said, "CUPS") else "VOLUME_UNIT")[0]
+        value = self.require_possible(said, value, MAX_VOLUME, range_)
+        return [ph.Volume(span, value), *parts_in(children)]
+
+    def some_of_part(self, children: Children) -> list[ph.Part]:
+        """A little of the ice tea."""
+        amount = ph.Amount(self.span_of(children[:1]), self.value_of(children, "SOME_OF"))
+        return [amount, *parts_in(children)]
+
+    def portion_part(self, children: Children) -> list[ph.Part]:
+        """Half of the ice tea."""
+        value = _fraction_value(self.value_of(children, "PORTION"))
+        return [ph.Share(self.span_of(children[:1]), value, of_way=False), *parts_in(children)]
+
+    def until_full_part(self, children: Children) -> ph.Full:
+        """Until it is half full; so that it is 80 percent full."""
+        level = self._fill_level(children, "IS_FULL")
+        return ph.Full(self.span_of(children), level, things_in(children)[0])
+
+    def full_part(self, children: Children) -> ph.Full:
+        """To the brim; half full; to 80 percent."""
+        return ph.Full(self.span_of(children), self._fill_level(children, "FILLED"))
+
+    def _fill_level(self, children: Children, terminal: str) -> float:
+        if said := self.value_of(children, terminal):
+            return _fraction_value(said)
+        share = float(self.numbers_in(children)[0] / 100)
+        range_ = "what is filled is filled up to at most 100 percent"
+        return self.require_possible(children, share, 1.0, range_)
+
+    def filled_with_part(self, children: Children) -> list[ph.Part]:
+        """With ice tea; with half of the ice tea."""
+        parts = parts_in(self.start_part(children))
+        thing = things_in(parts)[0]
+        others = [part for part in parts if part is not thing]
+        return [ph.FilledWith(self.span_of(children[:1]), thing), *others]
+
+
+def _fraction_value(text: str) -> float:
+    """The number that "2/3" stands for."""
+    over, _, under = text.partition("/")
+    return float(over) / float(under or 1)
 
 
 def parts_of(tree: Tree, lexicon: Lexicon, sentence: Normalised) -> list[ph.Part]:
@@ -278,5 +289,5 @@ def parts_of(tree: Tree, lexicon: Lexicon, sentence: Normalised) -> list[ph.Part
     Raises:
         ParseError: `impossible_quantity`, `does_not_apply` or `unexpected_words`.
     """
-    parts: list[ph.Part] = tree.transform(Parts(lexicon, sentence))
+    parts: list[ph.Part] = tree.transform(Parts(lexicon, sentence).build_part)
     return parts
