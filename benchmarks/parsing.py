@@ -30,8 +30,7 @@ from lark.lexer import Lexer
 
 from benchmarks.sentences import understood
 from grammar.parser import Parser
-from grammar.phrases.lalr_parser import LalrParser, Tree
-from grammar.phrases.parse_table import RULES, parse_table
+from grammar.phrases.lalr_parser import RULES, LalrParser, Tree, parse_table
 from grammar.words.lexicon import NAME_TERMINALS, Lexicon, default_lexicon
 from grammar.words.normalisation import normalise
 from grammar.words.numerals import DIGITS

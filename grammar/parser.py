@@ -12,8 +12,7 @@ from grammar.clauses.frame_builder import frames_of
 from grammar.frames.command import Command
 from grammar.paraphrasing.clause_wording import Phrasing
 from grammar.paraphrasing.command_wording import paraphrase
-from grammar.phrases.lalr_parser import LalrParser, Tree, UnexpectedTokenError
-from grammar.phrases.parse_table import parse_table
+from grammar.phrases.lalr_parser import LalrParser, Tree, UnexpectedTokenError, parse_table
 from grammar.phrases.tree_transform import parts_of
 from grammar.syntax_diagnosis import diagnose
 from grammar.words.lexicon import Lexicon

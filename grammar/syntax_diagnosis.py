@@ -7,8 +7,7 @@ from collections.abc import Iterable, Set
 
 from grammar.errors import ParseError
 from grammar.frames.command import Span
-from grammar.phrases.lalr_parser import UnexpectedTokenError
-from grammar.phrases.parse_table import END
+from grammar.phrases.lalr_parser import END, UnexpectedTokenError
 from grammar.words.lexicon import Lexicon
 from grammar.words.normalisation import Normalised
 

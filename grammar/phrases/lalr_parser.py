@@ -1,13 +1,62 @@
-"""An LALR(1) parser that its lexer may ask with what it could go on."""
+"""An LALR(1) parser that its lexer may ask with what it could go on, and its table.
+
+Lark makes the table once; it is kept as JSON beside the rules. `python -m
+grammar.phrases.lalr_parser` writes the file anew after a change of `nlcontrol.lark` or of the
+terminals in the lexicon. A file of other rules or terminals is not used: the table is then made at
+the start of the program, which takes some tenths of a second.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+import json
+from collections.abc import Callable, Iterator
 from functools import cache
+from hashlib import sha256
+from itertools import chain
+from pathlib import Path
 from typing import Any, NamedTuple
 
-from grammar.phrases.parse_table import END, ParseTable
-from grammar.words.phrase_lexer import PhraseLexer, Token
+from grammar.words.lexicon import Lexicon, default_lexicon
+from grammar.words.phrase_lexer import Accepts, PhraseLexer, Token
+
+RULES = Path(__file__).with_name("nlcontrol.lark")
+STORED = Path(__file__).with_name("parse_table.json")
+
+END = "$END"
+"""Terminal behind the last token."""
+
+
+class Rule(NamedTuple):
+    """A rule of the grammar, as it is reduced.
+
+    Attributes:
+        origin: symbol on its left side.
+        size: number of symbols on its right side.
+        name: name of its node in the tree.
+        is_expanded: whether a single child takes the place of the node.
+        inlined: places of the children whose own children take their place.
+    """
+
+    origin: str
+    size: int
+    name: str
+    is_expanded: bool
+    inlined: list[int]
+
+
+class ParseTable(NamedTuple):
+    """An LALR(1) table.
+
+    Attributes:
+        rules: the rules of the grammar.
+        states: for each state the symbols that may follow: the next state, or below zero the
+            complement of the rule that is reduced.
+        end: the state of a complete sentence; the first state is 0.
+    """
+
+    rules: list[Rule]
+    states: list[dict[str, int]]
+    end: int
 
 
 class Tree(NamedTuple):
@@ -24,10 +73,7 @@ class Tree(NamedTuple):
     def leaves(self) -> Iterator[Token]:
         """Yield the tokens of the tree."""
         for child in self.children:
-            if isinstance(child, Tree):
-                yield from child.leaves()
-            else:
-                yield child
+            yield from child.leaves() if isinstance(child, Tree) else [child]
 
     def transform(self, build: Callable[[str, list[Any]], Any]) -> Any:
         """Build the value of the tree, leaves first, from the names and children of its nodes."""
@@ -70,81 +116,121 @@ class LalrParser:
         Raises:
             UnexpectedTokenError: the grammar does not allow it.
         """
-        stack = _Stack(self._table)
-        for token in self._lexer.tokens(text, stack.acceptance):
-            stack.feed(token)
-        stack.feed(Token(END, "", len(text), len(text)))
-        return stack.tree()
+        states, values = [0], list[Any]()
 
+        def acceptance() -> Accepts:
+            before = states
+            return cache(lambda terminal: self._take_terminal(before, terminal)[0])
 
-class _Stack:
-    """The stack of states of a parse, and the values that belong to them."""
-
-    def __init__(self, table: ParseTable) -> None:
-        self._table = table
-        self._states = [0]
-        self._values: list[Any] = []
-
-    def acceptance(self) -> Callable[[str], bool]:
-        """A function that checks whether a terminal may come next; it is asked again and again."""
-        return cache(self._can_shift)
-
-    def feed(self, token: Token) -> None:
-        """Take one more token.
-
-        Raises:
-            UnexpectedTokenError: it cannot stand here.
-        """
-        states = self._table.states
-        while True:
-            action = states[self._states[-1]].get(token.type)
-            if action is None:
-                raise UnexpectedTokenError(
-                    token, self._acceptable_terminals(states[self._states[-1]])
-                )
-            if action >= 0:
-                self._states.append(action)
-                self._values.append(token)
-                return
-            self._reduce(~action)
-            if token.type == END and self._states[-1] == self._table.end:
-                return
-
-    def tree(self) -> Tree:
-        """The tree of all tokens, behind the end of the text."""
-        tree: Tree = self._values[-1]
+        end = Token(END, "", len(text), len(text))
+        for token in chain(self._lexer.tokens(text, acceptance), [end]):
+            taken, states, rules = self._take_terminal(states, token.type)
+            if not taken:
+                raise UnexpectedTokenError(token, self._acceptable_terminals(states))
+            for rule in rules:
+                _reduce(values, rule)
+            values.append(token)
+        tree: Tree = values[0]
         return tree
 
-    def _reduce(self, number: int) -> None:
-        rule = self._table.rules[number]
-        children: list[Any] = []
-        first = len(self._values) - rule.size
-        for i, value in enumerate(self._values[first:]):
-            children += value.children if i in rule.inlined else [value]
-        del self._values[first:], self._states[first + 1 :]
-        single = rule.is_expanded and len(children) == 1
-        self._values.append(children[0] if single else Tree(rule.name, children))
-        self._states.append(self._table.states[self._states[-1]][rule.origin])
-
-    def _acceptable_terminals(self, symbols: Iterable[str]) -> frozenset[str]:
-        """The terminals among symbols that may come next; rules have names in lower case."""
-        return frozenset(s for s in symbols if s.isupper() and self._can_shift(s))
-
-    def _can_shift(self, terminal: str) -> bool:
-        """Check whether a terminal may come next.
+    def _take_terminal(
+        self, states: list[int], terminal: str
+    ) -> tuple[bool, list[int], list[Rule]]:
+        """Check whether a terminal may come next; the states then, and the rules reduced before it.
 
         A state may reduce on a terminal that cannot stand there after all, so the reductions are
         followed to the end.
         """
-        table, stack = self._table, self._states
-        while True:
-            action = table.states[stack[-1]].get(terminal)
-            if action is None:
-                return False
+        table, states, rules = self._table, [*states], list[Rule]()
+        while (action := table.states[states[-1]].get(terminal)) is not None:
             if action >= 0:
-                return True
+                return True, [*states, action], rules
             rule = table.rules[~action]
-            stack = stack[: len(stack) - rule.size]
-            stack = [*stack, table.states[stack[-1]][rule.origin]]
-            if terminal == END and stack[-1] == table.end:
-                return True
+            rules.append(rule)
+            del states[len(states) - rule.size :]
+            states.append(table.states[states[-1]][rule.origin])
+            if terminal == END and states[-1] == table.end:
+                return True, states, rules
+        return False, states, rules
+
+    def _acceptable_terminals(self, states: list[int]) -> frozenset[str]:
+        """The terminals that may come next; rules have names in lower case."""
+        known = (symbol for symbol in self._table.states[states[-1]] if symbol.isupper())
+        return frozenset(t for t in known if self._take_terminal(states, t)[0])
+
+
+def _reduce(values: list[Any], rule: Rule) -> None:
+    """Put the node of a rule in the place of its children."""
+    first, children = len(values) - rule.size, list[Any]()
+    for i, value in enumerate(values[first:]):
+        children += value.children if i in rule.inlined else [value]
+    single = rule.is_expanded and len(children) == 1
+    values[first:] = [children[0] if single else Tree(rule.name, children)]
+
+
+# --- the table --------------------------------------------------------------------------------
+
+
+def grammar_source(lexicon: Lexicon) -> str:
+    """The grammar in lark's language: the rules, and the terminals of a lexicon as declarations."""
+    return f"{RULES.read_text(encoding='utf-8')}\n{lexicon.declarations()}"
+
+
+@cache
+def parse_table() -> ParseTable:
+    """The table of the language: the stored one, if it is that of its rules and terminals."""
+    source = grammar_source(default_lexicon())
+    try:
+        stored = json.loads(STORED.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        stored = {}
+    if stored.get("digest") != sha256(source.encode()).hexdigest():
+        stored = table_data(source)
+    sets = [symbols.split() for symbols in stored["sets"]]
+    states = [{s: action for action, i in state for s in sets[i]} for state in stored["states"]]
+    return ParseTable([Rule(*rule) for rule in stored["rules"]], states, stored["end"])
+
+
+def table_data(source: str) -> dict[str, Any]:
+    """The table of a grammar as the JSON that is stored.
+
+    A state is a list of actions, each with the place of its symbols among the `sets`.
+    """
+    from lark import Lark
+    from lark.parsers.lalr_analysis import Shift
+
+    lark = Lark(source, parser="lalr", lexer="basic", maybe_placeholders=False)
+    table = lark.parser.parser._parse_table
+    places = {rule: i for i, rule in enumerate(lark.rules)}
+    sets: dict[str, int] = {}
+    states = []
+    # Lark numbers the states anew each time; here they stand in the order of a breadth-first walk.
+    order = {table.start_states["start"]: 0}
+    for state in (walk := list(order)):
+        actions: dict[int, list[str]] = {}
+        for symbol, (action, argument) in sorted(table.states[state].items()):
+            if action is Shift and argument not in order:
+                order[argument] = len(order)
+                walk.append(argument)
+            number = order[argument] if action is Shift else ~places[argument]
+            actions.setdefault(number, []).append(symbol)
+        states.append([[a, sets.setdefault(" ".join(s), len(sets))] for a, s in actions.items()])
+    return {
+        "digest": sha256(source.encode()).hexdigest(),
+        "rules": [_reduced_rule(rule) for rule in lark.rules],
+        "sets": list(sets),
+        "states": states,
+        "end": order[table.end_states["start"]],
+    }
+
+
+def _reduced_rule(rule: Any) -> Rule:
+    symbols, alias = rule.expansion, rule.alias
+    inlined = [i for i, s in enumerate(symbols) if not s.is_term and s.name.startswith("_")]
+    is_expanded = bool(rule.options.expand1 and not alias)
+    return Rule(rule.origin.name, len(symbols), alias or rule.origin.name, is_expanded, inlined)
+
+
+if __name__ == "__main__":
+    data = table_data(grammar_source(default_lexicon()))
+    STORED.write_text(json.dumps(data, separators=(",", ":")) + "\n", encoding="utf-8")

@@ -13,8 +13,7 @@ import grammar
 from grammar import ParseError, parse
 from grammar.frames.command import Action, Goal, Quality
 from grammar.parser import Parser
-from grammar.phrases.lalr_parser import LalrParser
-from grammar.phrases.parse_table import RULES, parse_table
+from grammar.phrases.lalr_parser import RULES, LalrParser, parse_table
 from grammar.words.lexicon import NAME_TERMINALS, Lexicon, default_lexicon, expand_template
 from grammar.words.normalisation import normalise
 from grammar.words.phrase_lexer import PhraseLexer, Token

@@ -11,9 +11,16 @@ import lark
 import pytest
 from lark.lexer import Lexer
 
-from grammar.phrases import parse_table as module
-from grammar.phrases.lalr_parser import LalrParser, Tree, UnexpectedTokenError
-from grammar.phrases.parse_table import STORED, grammar_source, parse_table, table_data
+from grammar.phrases import lalr_parser as module
+from grammar.phrases.lalr_parser import (
+    STORED,
+    LalrParser,
+    Tree,
+    UnexpectedTokenError,
+    grammar_source,
+    parse_table,
+    table_data,
+)
 from grammar.words.lexicon import default_lexicon
 from grammar.words.normalisation import normalise
 from grammar.words.phrase_lexer import Accepts, PhraseLexer, Token
@@ -61,7 +68,7 @@ def nested(node: Any) -> Any:
 def test_stored_table_is_that_of_the_rules() -> None:
     stored = json.loads(STORED.read_text(encoding="utf-8"))
     made = json.loads(json.dumps(table_data(SOURCE)))
-    assert stored == made, "run python -m grammar.phrases.parse_table"
+    assert stored == made, "run python -m grammar.phrases.lalr_parser"
 
 
 @pytest.mark.parametrize("text", SENTENCES)
