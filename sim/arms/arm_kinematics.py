@@ -36,10 +36,8 @@ class ArmKinematics(Protocol):
     link_radius: float
     """Radius of the last links about their axis [m]."""
 
-    @property
-    def model_file(self) -> Traversable:
-        """URDF model, for a simulator."""
-        ...
+    model_file: Traversable
+    """URDF model, for a simulator."""
 
     base_link: str
     """Name of the model's link whose frame is A."""
@@ -51,7 +49,6 @@ class ArmKinematics(Protocol):
 
     def forward(self, q: Array) -> tuple[Array, Array]:
         """R_AF, shape (..., 3, 3), and p_AF, shape (..., 3) [m], of joint angles (..., n)."""
-        ...
 
     def inverse(
         self,
@@ -72,7 +69,6 @@ class ArmKinematics(Protocol):
             Joint angles, shape (k, b, n) [rad], and which of them reach the pose within the joint
             limits and away from singularities, shape (k, b).
         """
-        ...
 
     def torques(self, q: Array, p_AC: Array, f_A: Array) -> Array:
         """Torques with which the joints exert a force at a point, Jᵀf, shape (..., n) [N·m].
@@ -82,15 +78,12 @@ class ArmKinematics(Protocol):
             p_AC: the point in A, shape (..., 3) [m].
             f_A: the force on what is touched, in A, shape (..., 3) [N].
         """
-        ...
 
     def joint_room(self, q: Array) -> Array:
         """Least distance of any joint from its limits; negative beyond them, shape (...) [rad]."""
-        ...
 
     def is_regular(self, q: Array) -> NDArray[np.bool_]:
         """Joint angles (..., n) that are well away from singularities, shape (...)."""
-        ...
 
     def is_in_range(self, p_AW: Array, margin: float) -> NDArray[np.bool_]:
         """Wrist centres (..., 3) that are neither too far from the arm nor too near to it.
@@ -101,8 +94,6 @@ class ArmKinematics(Protocol):
             p_AW: in A [m].
             margin: room that the joints are to keep to their limits [rad].
         """
-        ...
 
     def spheres(self, q: Array) -> Array:
         """Spheres that cover what moves of the arm, in A, shape (..., k, 4): centre, radius [m]."""
-        ...

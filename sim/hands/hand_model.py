@@ -10,6 +10,7 @@ in this room.
 from __future__ import annotations
 
 import functools
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources.abc import Traversable
@@ -194,43 +195,37 @@ def padded_spheres(spheres: tuple[Array, ...]) -> list[Array]:
     return [np.vstack([np.tile(some[:1], (most - len(some), 1)), some]) for some in spheres]
 
 
-class GraspPosture(Protocol):
-    """A posture of a hand that closes about something of a width."""
+@dataclass(frozen=True, eq=False)
+class GraspPosture(ABC):
+    """A posture of a hand with n finger joints that closes about something of a width.
+
+    Attributes:
+        width: distance between the touched sides [m].
+        middle: of the grasp in P, shape (3,) [m].
+        opening: distance of the fingertips from each side before they close [m].
+        grip: as the planner knows it.
+    """
+
+    width: float
+    middle: Array
+    opening: float
+    grip: Grip
 
     @property
-    def width(self) -> float:
-        """Distance between the touched sides [m]."""
-        ...
-
-    @property
-    def middle(self) -> Array:
-        """Middle of the grasp in P, shape (3,) [m]."""
-        ...
-
-    @property
-    def opening(self) -> float:
-        """Distance of the fingertips from each side before they close [m]."""
-        ...
-
-    @property
-    def grip(self) -> Grip:
-        """The grip as the planner knows it."""
-        ...
-
-    @property
+    @abstractmethod
     def touching_fingers(self) -> tuple[str, ...]:
         """Names of the fingers that touch."""
-        ...
 
     @property
+    @abstractmethod
     def squeeze_offsets(self) -> Array:
         """Change of the commanded finger angles per squeeze, shape (n,) [rad/N]."""
-        ...
 
+    @abstractmethod
     def posture_at(self, opening: float = 0.0) -> Posture:
         """The hand with its fingertips so far off each side [m]; negative: beyond it."""
-        ...
 
+    @abstractmethod
     def force_offsets(self, force_P: Array) -> Array:
         """Change of the commanded finger angles with which both sides exert a force.
 
@@ -240,7 +235,6 @@ class GraspPosture(Protocol):
         Returns:
             Shape (n,) [rad].
         """
-        ...
 
 
 class Hand(Protocol):
@@ -273,30 +267,24 @@ class Hand(Protocol):
     palm_link: str
     """Name of the model's link whose frame is P."""
 
-    def __hash__(self) -> int: ...
+    model_file: Traversable
+    """URDF model, for a simulator."""
 
-    @property
-    def model_file(self) -> Traversable:
-        """URDF model, for a simulator."""
-        ...
+    def __hash__(self) -> int: ...
 
     @property
     def resting(self) -> Posture:
         """The hand while it waits."""
-        ...
 
     @property
     def joint_names(self) -> tuple[str, ...]:
         """Names of the independent joints in the order of `Posture.joint_angles`."""
-        ...
 
     def model_joints(self, finger: str) -> tuple[str, ...]:
         """Names of all joints of a finger in the model: the independent ones, then the others."""
-        ...
 
     def model_angles(self, angles: Angles) -> Angles:
         """Angles of all joints of a finger in the model, in their order [rad]."""
-        ...
 
     def pushing_postures(self, fingers: int, spread: float, *, fine: bool = False) -> PostureSet:
         """Postures in which so many fingers push, the best first.
@@ -306,23 +294,18 @@ class Hand(Protocol):
             spread: distance between two fingertips [m].
             fine: the palm may lean by small angles and large ones.
         """
-        ...
 
     def grasp_posture(self, width: float, *, pinch: bool = False) -> GraspPosture | None:
         """The grasp about a width [m], or about a knob of it; None if there is none."""
-        ...
 
     def flip_postures(self, lid: LidShape) -> FlipPostureSet:
         """Postures in which one finger flips a lid."""
-        ...
 
     def closing_direction(self, finger: str) -> Array:
         """Direction in which a finger presses on what is held, in P, shape (3,)."""
-        ...
 
     def tip_centre(self, finger: str, angles: Angles) -> Array:
         """Centre of a fingertip in P, shape (3,) [m]."""
-        ...
 
     def tip_force(self, finger: str, angles: Angles, p_PC: Array, torques: Array) -> Array:
         """Force at a point of a fingertip that balances its joints' torques, in P, shape (3,) [N].
@@ -333,11 +316,9 @@ class Hand(Protocol):
             p_PC: the point in P, shape (3,) [m].
             torques: of its independent joints [N·m].
         """
-        ...
 
     def tip_stiffness(self, finger: str, angles: Angles, p_PC: Array) -> Array:
         """Force at points of a fingertip per displacement, in P, shape (..., 3, 3) [N/m]."""
-        ...
 
     def force_noise_gain(self, finger: str, angles: Angles, p_PC: Array, along_P: Array) -> Array:
         """Noise of the force felt along unit directions per noise of a torque sensor [1/m].
@@ -348,23 +329,18 @@ class Hand(Protocol):
             p_PC: where the finger touches, in P, shape (..., 3) [m].
             along_P: the directions in P, shape (..., 3).
         """
-        ...
 
     def is_at_stop(self, angles: Angles) -> bool:
         """True if a joint of a finger is at its stop, which bears what no torque sensor shows."""
-        ...
 
     def spheres(self, posture: Posture) -> Array:
         """Spheres of the hand in P with room about its fingers, without the pushing tips, (n, 4).
 
         They reach back to the wrist of the arm.
         """
-        ...
 
     def whole_spheres(self, posture: Posture) -> Array:
         """The same with the pushing fingertips, which come last."""
-        ...
 
     def thin_spheres(self, posture: Posture) -> Array:
         """Spheres of the whole hand in P, its fingers as thin as they are, shape (n, 4)."""
-        ...

@@ -11,10 +11,9 @@ Frames: A is the arm's base, z along joint 1; F the flange. The figures are thos
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib import resources
-from importlib.resources.abc import Traversable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,9 +29,6 @@ JOINT_OFFSETS = (0.11, 0.20, 0.20, 0.20, 0.20, 0.19, 0.078)
 LIMITS = np.radians([170.0, 120.0, 170.0, 120.0, 170.0, 120.0, 170.0])
 """Largest magnitude of each joint angle [rad]."""
 
-EFFORTS = np.array([176.0, 176.0, 100.0, 100.0, 100.0, 38.0, 38.0])
-"""Largest torque of each joint [N·m]."""
-
 LINK_RADIUS = 0.065
 """Radius of the links, a little more than that of their capsules [m]."""
 
@@ -41,24 +37,9 @@ _SHOULDER_SINGULARITY, _WRIST_SINGULARITY = 0.01, 0.05
 _WRIST_BEND = 0.15  # |q6| stays above this where the arm is to move on [rad]
 _ELBOW_STEP = 15.0  # between elbow angles worth trying [degrees]
 
-
-def _elbow_turn(angle: Array) -> Array:
-    """Joint 4 turns about −y."""
-    return rot_y(-angle)
-
-
-_AXES = np.array([[0, 0, 1], [0, 1, 0], [0, 0, 1], [0, -1, 0], [0, 0, 1], [0, 1, 0], [0, 0, 1.0]])
-
-_JOINT_TURNS: tuple[Callable[[Array], Array], ...] = (
-    rot_z,
-    rot_y,
-    rot_z,
-    _elbow_turn,
-    rot_z,
-    rot_y,
-    rot_z,
-)
-
+_TURNS = (rot_z, rot_y, rot_z, rot_y, rot_z, rot_y, rot_z)
+_SIGNS = np.array([1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0])  # joint 4 turns about −y
+_AXES = _SIGNS[:, None] * np.eye(3)[[2, 1, 2, 1, 2, 1, 2]]
 
 BRANCHES = tuple(itertools.product((1.0, -1.0), repeat=3))
 """Signs of joints 4, 2 and 6 of the eight solutions."""
@@ -69,61 +50,32 @@ class LwrKinematics:
     """The seven-joint arm; see `sim.arms.arm_kinematics.ArmKinematics`."""
 
     joint_names = tuple(f"arm_joint_{i}" for i in range(1, 8))
-    efforts = EFFORTS
+    efforts = np.array([176.0, 176.0, 100.0, 100.0, 100.0, 38.0, 38.0])
     branches = len(BRANCHES)
     redundancy_samples = np.radians(np.arange(-180.0, 180.0, _ELBOW_STEP))
     p_FW = np.array([0.0, 0.0, -FLANGE])
     link_radius = LINK_RADIUS
     base_link, flange_link = "arm_base", "arm_link_7"
-
-    @property
-    def model_file(self) -> Traversable:
-        """URDF model of the arm."""
-        return resources.files("sim") / "arms" / "lwr" / "lwr_arm.urdf"
+    model_file = resources.files("sim") / "arms" / "lwr" / "lwr_arm.urdf"
 
     def forward(self, q: Array) -> tuple[Array, Array]:
-        """Flange pose R_AF, shape (..., 3, 3), and p_AF, shape (..., 3) [m]."""
-        R_AF, p_AF, _ = self.joint_origins(q)
+        """Flange pose R_AF and p_AF [m]."""
+        *_, (R_AF, p_AF) = _link_frames(q)
         return R_AF, p_AF
 
-    def joint_origins(self, q: Array) -> tuple[Array, Array, Array]:
-        """Flange pose and the joints' positions.
-
-        Args:
-            q: joint angles, shape (..., 7) [rad].
-
-        Returns:
-            R_AF shape (..., 3, 3), p_AF shape (..., 3) [m], and the origins of the seven joint
-            frames in A, shape (..., 7, 3) [m].
-        """
-        R = np.broadcast_to(np.eye(3), (*q.shape[:-1], 3, 3))
-        p = np.zeros((*q.shape[:-1], 3))
-        origins = []
-        for joint, (turn, offset) in enumerate(zip(_JOINT_TURNS, JOINT_OFFSETS, strict=True)):
-            p = p + R[..., :, 2] * offset
-            origins.append(p)
-            R = R @ turn(q[..., joint])
-        return R, p, np.stack(origins, axis=-2)
+    def joint_origins(self, q: Array) -> Array:
+        """Origins of the joints' frames in A, shape (..., 7, 3) [m]."""
+        *joints, _ = _link_frames(q)
+        return np.stack([p for _, p in joints], axis=-2)
 
     def torques(self, q: Array, p_AC: Array, f_A: Array) -> Array:
-        """Torques with which the joints exert a force at a point, Jᵀf.
-
-        Args:
-            q: joint angles, shape (..., 7) [rad].
-            p_AC: the point in A, shape (..., 3) [m].
-            f_A: the force on what is touched, in A, shape (..., 3) [N].
-
-        Returns:
-            Shape (..., 7) [N·m].
-        """
-        R = np.broadcast_to(np.eye(3), (*q.shape[:-1], 3, 3))
-        p = np.zeros((*q.shape[:-1], 3))
-        torques = []
-        for joint, (turn, offset) in enumerate(zip(_JOINT_TURNS, JOINT_OFFSETS, strict=True)):
-            p = p + R[..., :, 2] * offset
-            torques.append(np.sum(R @ _AXES[joint] * cross(p_AC - p, f_A), axis=-1))
-            R = R @ turn(q[..., joint])
-        return np.stack(torques, axis=-1)
+        """Torques with which the joints exert a force at a point, Jᵀf [N·m]."""
+        *joints, _ = _link_frames(q)
+        each = [
+            np.sum(R @ axis * cross(p_AC - p, f_A), axis=-1)
+            for (R, p), axis in zip(joints, _AXES, strict=True)
+        ]
+        return np.stack(each, axis=-1)
 
     def inverse(
         self,
@@ -132,18 +84,7 @@ class LwrKinematics:
         redundancy: Array,
         branches: Sequence[int] | None = None,
     ) -> tuple[Array, NDArray[np.bool_]]:
-        """All joint angles that bring the flange to a pose with a given elbow angle.
-
-        Args:
-            R_AF: flange orientations, shape (n, 3, 3).
-            p_AF: flange positions, shape (n, 3) [m].
-            redundancy: angle of the elbow about the line from shoulder to wrist, shape (n,) [rad].
-            branches: which of the solutions, k of them; all eight if not given.
-
-        Returns:
-            Joint angles, shape (n, k, 7) [rad], and which of them reach the pose within the joint
-            limits and away from the singularities, shape (n, k).
-        """
+        """Joint angles for flange poses; the redundancy angle is that of the elbow."""
         p_SW = p_AF - FLANGE * R_AF[:, :, 2] - np.array([0.0, 0.0, SHOULDER])
         squared = np.sum(p_SW * p_SW, axis=1)
         cos_q4 = (squared - UPPER_ARM**2 - FOREARM**2) / (2.0 * UPPER_ARM * FOREARM)
@@ -174,39 +115,42 @@ class LwrKinematics:
         return q, valid
 
     def joint_room(self, q: Array) -> Array:
-        """Least distance of any joint from its limits, shape (...) [rad]."""
+        """Least distance of any joint from its limits [rad]."""
         return np.asarray((LIMITS - np.abs(q)).min(axis=-1))
 
     def is_regular(self, q: Array) -> NDArray[np.bool_]:
-        """Joint angles (..., 7) with the wrist bent enough to move on, shape (...)."""
+        """Joint angles with the wrist bent enough to move on."""
         return np.asarray(np.abs(q[..., 5]) > _WRIST_BEND)
 
     def is_in_range(self, p_AW: Array, margin: float) -> NDArray[np.bool_]:
-        """Wrist centres (..., 3) [m] within the reach of the elbow, shape (...).
-
-        Args:
-            p_AW: in A.
-            margin: room that joint 4 is to keep to its limits [rad].
-        """
+        """Wrist centres within the reach of the elbow; the room is that of joint 4."""
         distance = np.linalg.norm(p_AW - np.array([0.0, 0.0, SHOULDER]), axis=-1)
         nearest = shoulder_to_wrist(LIMITS[3] - margin)
         return np.asarray((distance > nearest) & (distance < shoulder_to_wrist(0.0)))
 
     def spheres(self, q: Array) -> Array:
-        """Spheres from the elbow to the wrist in A, shape (..., n, 4).
+        """Spheres from the elbow to the wrist.
 
         The links above the shoulder stay within the mount's reach and far from the table.
-
-        Args:
-            q: joint angles, shape (..., 7) [rad].
         """
-        _, _, joints = self.joint_origins(q)
+        joints = self.joint_origins(q)
         shoulder, elbow, wrist = joints[..., 1, :], joints[..., 3, :], joints[..., 5, :]
         t = np.linspace(0.0, 1.0, 8)[:, None]
         upper = shoulder[..., None, :] + (elbow - shoulder)[..., None, :] * t[4:]
         lower = elbow[..., None, :] + (wrist - elbow)[..., None, :] * t[1:]
         centres = np.concatenate([upper, lower], axis=-2)
         return np.concatenate([centres, np.full((*centres.shape[:-1], 1), LINK_RADIUS)], axis=-1)
+
+
+def _link_frames(q: Array) -> Iterator[tuple[Array, Array]]:
+    """R and p [m] in A of each joint's frame before it turns, and of the flange at last."""
+    R = np.broadcast_to(np.eye(3), (*q.shape[:-1], 3, 3))
+    p = np.zeros((*q.shape[:-1], 3))
+    for joint, (turn, offset) in enumerate(zip(_TURNS, JOINT_OFFSETS, strict=True)):
+        p = p + R[..., :, 2] * offset
+        yield R, p
+        R = R @ turn(_SIGNS[joint] * q[..., joint])
+    yield R, p
 
 
 def shoulder_to_wrist(q4: float) -> float:

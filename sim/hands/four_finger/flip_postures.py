@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from sim.collision.collision_scene import TABLE_CLEARANCE
 from sim.collision.collision_spheres import distance_to_cylinder, place_spheres
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS, force_noise_gain, max_tip_force
-from sim.hands.four_finger.hand_posture import finger_posture, hand_spheres, whole_spheres
+from sim.hands.four_finger.hand_posture import bent_posture, hand_spheres, whole_spheres
 from sim.hands.hand_model import FlipPostureSet, Posture
 from sim.paths.lid_arc_path import LidPath, LidShape
 from sim.rotations import Array, rot_y, rot_z
@@ -52,7 +52,8 @@ def flip_postures(lid: LidShape, wrist: float) -> FlipPostureSet:
     R_EP = _palm_orientations(lid, way)
     postures, spheres, orientations, tips, coarse = [], [], [], [], []
     for finger, flexion in itertools.product(("index", "middle", "ring"), _FLEXIONS):
-        posture = finger_posture(finger, flexion)
+        name = f"{finger} bent by {flexion[0]:.2f} and {flexion[1]:.2f}"
+        posture = bent_posture(name, {finger: (0.0, *flexion)})
         good, felt = _felt_pushes(posture, lid, way, R_EP)
         good[good] = _is_clear(hand_spheres(posture, wrist), posture.tips[0], lid, way, R_EP[good])
         postures += [posture] * int(good.sum())

@@ -30,7 +30,7 @@ from sim.hands.four_finger.hand_kinematics import (
     finger_points,
 )
 from sim.hands.four_finger.hand_posture import CURLED, hand_spheres, touching_posture
-from sim.hands.hand_model import Angles, Posture
+from sim.hands.hand_model import Angles, GraspPosture, Posture
 from sim.rotations import Array
 
 HOLDING: tuple[str, ...] = ("thumb", "index", "middle", "ring")
@@ -60,21 +60,13 @@ _UNKNOWN = Grip(np.zeros((4, 2)), SHARES, 0.0, (0.0, 0.0))
 
 
 @dataclass(frozen=True, eq=False)
-class FourFingerGrasp:
-    """A grip of this hand.
+class FourFingerGrasp(GraspPosture):
+    """A grasp of this hand.
 
     Attributes:
-        width: between the touched sides [m].
-        middle: of the grasp in P, shape (3,) [m].
-        opening: how far the fingertips stand off each side before they close [m].
-        grip: as the planner knows it.
         shares: of the squeeze that each of `HOLDING` bears, shape (4,).
     """
 
-    width: float
-    middle: Array
-    opening: float
-    grip: Grip
     shares: Array = field(default_factory=lambda: SHARES)
 
     @property
@@ -83,7 +75,7 @@ class FourFingerGrasp:
         return _touching_fingers(self.shares)
 
     def posture_at(self, opening: float = 0.0) -> Posture:
-        """The hand with its fingertips so far off each side [m]; negative: beyond it."""
+        """The hand with its fingertips off each side; the others are curled up."""
         name = f"grip of {1e3 * self.width:.0f} mm"
         x, _, z = self.middle.tolist()
         return _closed_posture(name, self.width + 2.0 * opening, x, z, self.touching_fingers)
@@ -95,19 +87,12 @@ class FourFingerGrasp:
 
     @functools.cached_property
     def squeeze_offsets(self) -> Array:
-        """Change of the commanded angles per squeeze, in the order of `JOINT_NAMES` [rad/N]."""
+        """Change of the commanded angles per squeeze [rad/N]."""
         torques = [self._finger_torques(finger, 0.0, 0.0) for finger in FINGERS]
         return np.concatenate(torques) / JOINT_STIFFNESS
 
     def force_offsets(self, force_P: Array) -> Array:
-        """Change of the commanded angles with which both sides together exert a force.
-
-        Args:
-            force_P: on what is held, in P, shape (3,) [N].
-
-        Returns:
-            Shape (12,), in the order of `JOINT_NAMES` [rad].
-        """
+        """Change of the commanded angles with which both sides together exert a force [rad]."""
         forces = {f: 0.5 * share * force_P for f, share in zip(HOLDING, self.shares, strict=True)}
         torques = [self._finger_jacobians[f].T @ forces[f] for f in FINGERS]
         return np.concatenate(torques) / JOINT_STIFFNESS
@@ -136,7 +121,8 @@ def closing_direction(finger: str) -> Array:
     return np.array([-1.0 if finger == "thumb" else 1.0, 0.0, 0.0])
 
 
-def grasp_posture(width: float, *, pinch: bool = False, wrist: float) -> FourFingerGrasp | None:
+@functools.lru_cache(maxsize=256)
+def best_grasp(width: float, *, pinch: bool, wrist: float) -> FourFingerGrasp | None:
     """The grasp about a width; None if the hand does not close about it.
 
     Args:
@@ -144,13 +130,6 @@ def grasp_posture(width: float, *, pinch: bool = False, wrist: float) -> FourFin
         pinch: it is such a knob.
         wrist: distance from the arm's wrist to its flange [m].
     """
-    if not NARROWEST <= width <= WIDEST:
-        return None
-    return _best_grasp(round(width, 4), pinch, wrist)
-
-
-@functools.lru_cache(maxsize=256)
-def _best_grasp(width: float, pinch: bool, wrist: float) -> FourFingerGrasp | None:
     shares = PINCH if pinch else SHARES
     found = [_grasp_at(width, x, z, shares) for x, z in itertools.product(_ACROSS, _ALONG)]
     worth = _pinch_worth if pinch else _grasp_worth
@@ -214,13 +193,17 @@ def _finger_angles(
     angles = {}
     low, high = FINGER_LIMITS.T
     for finger in holding:
-        bent = angles_reaching(
-            finger, np.array([x, 0.0, z]) - (width / 2.0 + TIP_RADIUS) * closing_direction(finger)
-        )
+        bent = _bent_finger(finger, width, x, z)
         if bent is None or not ((bent > low + STOP_ROOM) & (bent < high - STOP_ROOM))[1:].all():
             return None
         angles[finger] = bent
     return angles
+
+
+def _bent_finger(finger: str, width: float, x: float, z: float) -> Angles | None:
+    """Angles with which a fingertip touches its side of a width, whatever its stops."""
+    side = np.array([x, 0.0, z]) - (width / 2.0 + TIP_RADIUS) * closing_direction(finger)
+    return angles_reaching(finger, side)
 
 
 @functools.lru_cache(maxsize=64)
@@ -230,9 +213,7 @@ def _closed_posture(
     """The hand about a width, wherever its fingers get; those that do not hold are curled up."""
     angles = dict.fromkeys(FINGERS, CURLED)
     for finger in holding:
-        bent = angles_reaching(
-            finger, np.array([x, 0.0, z]) - (width / 2.0 + TIP_RADIUS) * closing_direction(finger)
-        )
+        bent = _bent_finger(finger, width, x, z)
         assert bent is not None, "a grip is about a width that the fingers reach"
         angles[finger] = bent
     return touching_posture(name, angles, holding)

@@ -134,33 +134,24 @@ def finger_jacobian(finger: str, angles: Angles, p_PC: Array) -> Array:
     return np.swapaxes(cross(R[:, [0, 1, 1]].T, arms), -1, -2)
 
 
+def tip_centre(finger: str, angles: Angles) -> Array:
+    """Centre of a fingertip in P [m]."""
+    return np.asarray(finger_points(finger, angles)[3])
+
+
+def tip_force(finger: str, angles: Angles, p_PC: Array, torques: Array) -> Array:
+    """Force at a point of a fingertip from its joints' torques, J⁻ᵀτ, in P [N]."""
+    return np.asarray(np.linalg.solve(finger_jacobian(finger, angles, p_PC).T, torques))
+
+
 def tip_stiffness(finger: str, angles: Angles, p_PC: Array) -> Array:
-    """Force at points of the distal link per displacement, (J k⁻¹ Jᵀ)⁻¹, in P [N/m].
-
-    Args:
-        finger: one of `FINGERS`.
-        angles: abduction, proximal and middle flexion [rad].
-        p_PC: the points in P, shape (..., 3) [m].
-
-    Returns:
-        Shape (..., 3, 3).
-    """
+    """Force at points of the distal link per displacement, (J k⁻¹ Jᵀ)⁻¹, in P [N/m]."""
     J = finger_jacobian(finger, angles, p_PC)
     return np.asarray(np.linalg.inv(J @ np.swapaxes(J, -1, -2) / JOINT_STIFFNESS))
 
 
 def force_noise_gain(finger: str, angles: Angles, p_PC: Array, along_P: Array) -> Array:
-    """Noise of the force felt along unit directions per noise of a torque sensor [1/m].
-
-    Args:
-        finger: one of `FINGERS`.
-        angles: abduction, proximal and middle flexion [rad].
-        p_PC: where the finger touches, in P, shape (..., 3) [m].
-        along_P: the directions in P, shape (..., 3).
-
-    Returns:
-        Shape (...).
-    """
+    """Noise of the force felt along unit directions per noise of a torque sensor [1/m]."""
     J = finger_jacobian(finger, angles, p_PC)
     return np.asarray(np.linalg.norm(np.linalg.solve(J, along_P[..., None])[..., 0], axis=-1))
 

@@ -56,18 +56,6 @@ def bent_posture(name: str, pushing: Mapping[str, Angles]) -> Posture:
     return touching_posture(name, {**RESTING.angles, **pushing}, tuple(pushing))
 
 
-@functools.cache
-def finger_posture(finger: str, flexion: tuple[float, float]) -> Posture:
-    """A posture with one finger bent and the others out of the way.
-
-    Args:
-        finger: one of `FINGERS`.
-        flexion: of its proximal and middle joint [rad].
-    """
-    name = f"{finger} bent by {flexion[0]:.2f} and {flexion[1]:.2f}"
-    return bent_posture(name, {finger: (0.0, *flexion)})
-
-
 @functools.lru_cache(maxsize=64)
 def hand_spheres(posture: Posture, wrist: float) -> Array:
     """Spheres of palm, thumb block, wrist and fingers in P, shape (n, 4).

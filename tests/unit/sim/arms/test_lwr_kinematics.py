@@ -128,7 +128,7 @@ def test_largest_torques_are_those_of_the_urdf() -> None:
 
 def test_the_wrist_stays_within_the_arms_stretch() -> None:
     q = _random_arms(200)
-    _, _, joints = arm.joint_origins(q)
+    joints = arm.joint_origins(q)
     distance = np.linalg.norm(joints[:, 5] - joints[:, 1], axis=1)
     expected = [shoulder_to_wrist(angle) for angle in q[:, 3]]
     np.testing.assert_allclose(distance, expected, rtol=0, atol=ROUNDING)

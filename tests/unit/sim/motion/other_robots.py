@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib.resources.abc import Traversable
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from planner.types.robot import Grip
 from sim.arms.lwr.lwr_kinematics import LwrKinematics
 from sim.collision.collision_spheres import sphere_row
-from sim.hands.hand_model import Angles, FlipPostureSet, Posture, PostureSet
+from sim.hands.hand_model import Angles, FlipPostureSet, GraspPosture, Posture, PostureSet
 from sim.paths.lid_arc_path import LidPath, LidShape
 from sim.rotations import Array, rot_x, rot_y, rot_z
 
@@ -23,14 +23,10 @@ _STIFFNESS = 2000.0  # [N/m]
 
 
 @dataclass(frozen=True, eq=False)
-class GripperGrasp:
-    """The gripper about a width; see `sim.hands.hand_model.GraspPosture`."""
+class GripperGrasp(GraspPosture):
+    """The gripper about a width."""
 
-    width: float
-    opening: float
-    grip: Grip
-    middle: Array = field(default_factory=lambda: np.array([0.0, _ASIDE, _LENGTH]))
-    touching_fingers: tuple[str, ...] = ("right", "left")
+    touching_fingers = ("right", "left")
 
     @property
     def squeeze_offsets(self) -> Array:
@@ -55,15 +51,11 @@ class TwoFingerGripper:
     finger_spreads: tuple[float, ...] = (0.05,)
     grasp_widths = (0.01, 0.07)
     palm_link = "gripper"
+    model_file: Traversable = Path("gripper.urdf")
     tip_radius = 0.006
     force_skew = 0.1
     R_FP = np.diag([-1.0, 1.0, -1.0]) @ np.diag([1.0, -1.0, -1.0])
     p_FP = np.array([0.0, 0.0, 0.05])
-
-    @property
-    def model_file(self) -> Traversable:
-        """It has none."""
-        return Path("gripper.urdf")
 
     @property
     def resting(self) -> Posture:
@@ -106,7 +98,7 @@ class TwoFingerGripper:
         if not self.grasp_widths[0] <= width <= self.grasp_widths[1]:
             return None
         grip = Grip(np.zeros((2, 2)), np.ones(2), 15.0, (0.02, 0.02), ahead=self.tip_radius)
-        return GripperGrasp(width, 0.01, grip)
+        return GripperGrasp(width, np.array([0.0, _ASIDE, _LENGTH]), 0.01, grip)
 
     def flip_postures(self, lid: LidShape) -> FlipPostureSet:
         """It flips no lids."""
