@@ -33,7 +33,6 @@ _LEFT, _LEFT_FASTER = (float(np.sqrt(s / (2.0 - s))) for s in (_SHARE, _FASTER))
 _SIGMAS = 2.0  # standard deviations of the estimate that are kept from a limit
 _OF_SMALL = 0.3  # but at most this share of a limit that is an angle
 _STOPPING = 0.001  # way until the object stands [m]
-_KEPT = 0.5  # time over which the fingertips' way is remembered, longer than a camera's delay [s]
 
 _HELD = float(np.radians(10.0))  # turn by which two fingers show that they do not hold the heading
 
@@ -69,15 +68,18 @@ class Follower:
     def moved(self, time: float, tip: Array) -> None:
         """Takes the midpoint of the fingertips in W, shape (3,) [m], at a time [s]."""
         self._tips.append((time, tip[:2]))
-        while self._tips[0][0] < time - _KEPT:
-            self._tips.popleft()
 
     def seen(self, time: float, pose: SeenPose) -> None:
-        """Takes what a frame showed at a time [s]; those from before the touch tell nothing."""
-        then = [tip for at, tip in self._tips if at <= time + 1e-9]
-        if not then:
+        """Takes what a frame showed at a time [s]; those from before the touch tell nothing.
+
+        Frames come in the order of their times.
+        """
+        while len(self._tips) > 1 and self._tips[1][0] <= time + 1e-9:
+            self._tips.popleft()
+        at, tip = self._tips[0]
+        if at > time + 1e-9:
             return
-        slipped = pose.p_WB[:2] - self._seen.pose.p_WB[:2] - (then[-1] - self._first)
+        slipped = pose.p_WB[:2] - self._seen.pose.p_WB[:2] - (tip - self._first)
         self.slipped = self.slipped + _SHARE * (slipped - self.slipped)
         turned = wrap(yaw_of(pose.R_WB) - self._seen.pose.yaw)
         self.turned += _FASTER * (float(turned) - self.turned)

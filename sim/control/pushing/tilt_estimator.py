@@ -14,7 +14,6 @@ import numpy as np
 
 _LEAST_WEIGHT = 0.1  # of a new frame: a third of a second at 30 Hz counts
 _TRUSTED = 4.0  # frames that the fingertip's own tilt is worth at the touch
-_KEPT = 1.0  # time for which the fingertip's tilts are kept; frames are not later [s]
 
 
 class TiltEstimator:
@@ -50,11 +49,11 @@ class TiltEstimator:
         """The fingertip tells a tilt [rad] at a time [s]."""
         self.own = own
         self._past.append((time, own))
-        while self._past[0][0] < time - _KEPT:
-            self._past.popleft()
 
     def update_from_camera(self, time: float, tilt: float) -> None:
-        """A frame of a time [s] shows a tilt [rad]."""
+        """A frame of a time [s], later than those before it, shows a tilt [rad]."""
+        while len(self._past) > 1 and self._past[1][0] <= time:
+            self._past.popleft()
         _, own = min(self._past, key=lambda past: abs(past[0] - time))
         self._frames += 1.0
         weight = max(1.0 / (_TRUSTED + self._frames), _LEAST_WEIGHT)

@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from planner import plan
+from planner.grasping.lift_planner import require_room
+from planner.problem.planning_problem import (
+    ContactLimits,
+    Effort,
+    ForceLimits,
+    GraspGoal,
+    MotionLimits,
+    PlanningProblem,
+)
 from planner.types.actions import Carry, Grasp, LiftUp, SetDown
+from planner.types.dead_ends import NoPlanError
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
@@ -195,6 +206,25 @@ def test_a_place_that_is_taken(table: WorldState, hand: RuledHand) -> None:
     made = refused("put the ice tea to the left of the ice tea cup", taken, hand)
     assert made.reason == "blocked"
     assert "the mug stands there" in made.message
+
+
+@pytest.mark.parametrize(("share", "stands"), [(0.6, True), (0.4, False)])
+def test_half_of_a_wanted_gap_is_left_at_least(
+    share: float, stands: bool, table: WorldState, hand: RuledHand
+) -> None:
+    carton, box, gap = table.objects["ice tea"], table.objects["ice tea box"], 0.01
+    d = DEFAULTS
+    problem = PlanningProblem(
+        frame_of("lift the ice tea"), carton, table, hand, d, GraspGoal("placing"),
+        ContactLimits(), ForceLimits(d.grasp_reserve), MotionLimits(d.carry_speed),
+        Effort.from_defaults(d),
+    )  # fmt: skip
+    # Its ±x sides are 60 mm apart, the box's 90 mm.
+    beside = replace(carton, pose=PlanarPose(0.60 - 0.03 - 0.045 - share * gap, 0.0))
+    with nullcontext() if stands else pytest.raises(NoPlanError):
+        require_room(problem, beside, {box.name: gap})
+    with pytest.raises(NoPlanError):
+        require_room(problem, beside, {})
 
 
 @pytest.mark.slow

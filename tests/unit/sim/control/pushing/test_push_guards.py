@@ -68,6 +68,19 @@ def test_a_millimetre_a_second_is_standing(straight: Plan, mm_per_s: float, stan
     assert (end is not None) == stands
 
 
+@pytest.mark.parametrize(
+    ("limit", "felt", "stands"),
+    [(6.0, 0.85 * 6.0, True), (6.0, 0.70 * 6.0, False), (0.2, 0.12, True), (0.2, 0.08, False)],
+)
+def test_the_whole_force_is_felt_a_fifth_or_a_tenth_of_a_newton_below_the_limit(
+    straight: Plan, limit: float, felt: float, stands: bool
+) -> None:
+    push = straight.push.model_copy(update={"force_limit": limit})
+    made = straight.model_copy(update={"actions": (push,)})
+    end = _ends(made, speed=0.0, felt=felt, seconds=4.0)
+    assert (end is not None and end[0] == "force") == stands
+
+
 @pytest.mark.parametrize(("mm_per_s", "gets_on"), [(0.5, False), (0.8, True)])
 def test_what_creeps_is_given_up_after_eight_seconds(
     straight: Plan, mm_per_s: float, gets_on: bool
@@ -137,5 +150,18 @@ def test_a_tilt_is_let_back_before_the_angle_of_no_return(
     plan = made.model_copy(update={"actions": (push,)})
     view = TiltEstimator(np.radians(1.0))
     view.update_from_tip(0.0, share * plan.push.prediction.stay_on_base_angle)
+    found = TiltGuards(plan, PERIOD).tilt_end(1.0, 1e-4, plan.push.prediction.onset, view)
+    assert (found and found[0]) == end
+
+
+@pytest.mark.parametrize(
+    ("own", "deviations", "end"),
+    [(0.001, 3.0, None), (0.001, 5.0, "slid"), (0.04, 5.0, None)],
+)
+def test_a_tilt_that_the_camera_surely_does_not_show_slides(
+    own: float, deviations: float, end: EndReason | None
+) -> None:
+    plan, view = _plan("tilt the ice tea box by 10 degrees"), TiltEstimator(np.radians(0.3))
+    view.own, view.correction = own, -deviations * view.unsure
     found = TiltGuards(plan, PERIOD).tilt_end(1.0, 1e-4, plan.push.prediction.onset, view)
     assert (found and found[0]) == end

@@ -156,6 +156,37 @@ def test_angles_stop_before_their_limit(
     assert limit - np.radians(2.5) < reached < limit + np.radians(0.3)
 
 
+@pytest.mark.parametrize(("degrees", "ends"), [(0.6, False), (0.8, True)])
+def test_most_of_a_small_angle_may_be_used(degrees: float, ends: bool) -> None:
+    # The camera's doubt is 0.76°, which would leave a quarter of one degree.
+    push = _push(limits=Limits(turn=np.radians(1.0)))
+    guards, end = LimitGuards(push, _state(), NOISY, TIP, PERIOD), None
+    for step in range(60):
+        seen = SeenPose(rot_z(np.radians(degrees)), np.array([0.45, 0.0, 0.0]))
+        frame = Frame(step * PERIOD, step * PERIOD, {"near": seen})
+        end = guards.end(step * PERIOD, step * PERIOD, TIP, 3.6, [frame])
+    assert (end is not None) == ends
+
+
+def test_a_millimetre_is_left_to_stop_in() -> None:
+    scripted = _Scripted(_push(limits=Limits(clear_of=(("far", 0.02),))), CLEAN)
+    assert scripted.run(3.0) is not None
+    # It goes 0.3 mm in a control step.
+    assert 0.0206 < 0.06 - scripted.come < 0.0211
+
+
+def test_frames_may_be_most_of_a_second_late() -> None:
+    limits = Limits(turn=np.radians(10.0))
+    scripted = _Scripted(_push(limits=limits), CLEAN.model_copy(update={"delay_s": 0.8}),
+                         turning=0.1)  # fmt: skip
+    end = scripted.run(4.0)
+    assert end is not None
+    assert end[0] == "turned_off"
+    # 10° are reached after 1.7 s and seen 0.8 s later.
+    assert scripted.time == pytest.approx(2.6, abs=0.15)
+    assert np.linalg.norm(scripted.guards.follower.slipped) < 1e-9
+
+
 def test_two_fingers_that_do_not_hold_the_heading_end() -> None:
     end = _Scripted(_push(), NOISY, turning=0.06).run(4.0)  # 14° in all
     assert end is not None

@@ -49,3 +49,23 @@ def test_without_frames_the_fingertip_is_believed() -> None:
     # The frames that it is trusted like: a single one moves it by a fifth at most.
     view.update_from_camera(0.0, 0.02)
     assert view.tilt == pytest.approx(0.012)
+
+
+def test_a_base_that_slides_late_is_noticed_within_a_third_of_a_second() -> None:
+    view = TiltEstimator(NOISE)
+    slid = np.radians(2.0)
+    for frame in range(110):
+        view.update_from_tip(frame * FRAME, 0.1)
+        view.update_from_camera(frame * FRAME, 0.1 - (slid if frame >= 100 else 0.0))
+    # Two thirds of it after ten frames: sooner would be noise, later too late.
+    assert -view.correction / slid == pytest.approx(0.65, abs=0.1)
+
+
+def test_frames_may_be_late() -> None:
+    view, rate, late = TiltEstimator(NOISE), 0.05, 80
+    for step in range(300):
+        view.update_from_tip(step * PERIOD, rate * step * PERIOD)
+        if step >= late and step % 3 == 0:
+            then = (step - late) * PERIOD
+            view.update_from_camera(then, rate * then)
+    assert view.correction == pytest.approx(0.0, abs=1e-12)

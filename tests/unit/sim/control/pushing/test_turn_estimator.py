@@ -135,3 +135,48 @@ def test_a_finger_that_slips_slowly_is_followed_and_noise_is_not() -> None:
     # It lags by the way on which a slip is believed, and single frames of 2 mm hardly move it.
     assert -0.65e-3 < np.mean(errors) < 0.0
     assert np.std(errors) < 0.65e-3
+
+
+# -- how fast it learns, from frames without noise ------------------------------------------------
+
+WAY = 2e-4
+"""Of the contact in a control step [m]."""
+
+
+def _follow(keeper: TurnEstimator, rates: Array) -> float:
+    """Feeds a push whose rate may change from step to step; how far it turned in truth [rad]."""
+    contact, turn = CONTACT, 0.0
+    for k, rate in enumerate(rates):
+        contact = contact + WAY * _rotation(turn + 0.5 * rate * WAY) @ DIRECTION
+        turn += rate * WAY
+        keeper.update_from_tip(k * PERIOD, contact - _rotation(turn) @ (RADIUS * INWARD))
+        if k % 4 == 0:
+            place = contact + _rotation(turn) @ (MIDDLE - CONTACT)
+            keeper.update_from_camera(k * PERIOD, SeenPose(rot_z(turn), np.append(place, 0.0)))
+    return turn
+
+
+def test_the_rate_of_a_model_is_soon_believed_less_than_frames() -> None:
+    believed, rate = -5.7, -8.0
+    keeper = _keeper(believed)
+    _follow(keeper, np.full(25, rate))
+    # Nearly half of the difference on half a centimetre.
+    assert 0.3 < (keeper.rate - believed) / (rate - believed) < 0.55
+
+
+def test_a_rate_that_changes_on_the_way_is_followed() -> None:
+    rate, changed = -8.0, -11.0
+    keeper = _keeper(rate)
+    _follow(keeper, np.repeat([rate, changed], [300, 100]))
+    # Most of the change on two centimetres, not all: frames may be wrong.
+    assert 0.48 < (keeper.rate - rate) / (changed - rate) < 0.75
+
+
+def test_a_jerk_that_does_not_change_the_rate_is_followed() -> None:
+    jerk = np.radians(-2.0)
+    rates = np.full(350, -0.5)  # so slow that what is not known of the rate does not count
+    rates[300] += jerk / WAY
+    keeper = _keeper(-0.5)
+    left = _follow(keeper, rates) - keeper.turn_angle
+    # Two thirds of it on one centimetre.
+    assert 0.22 < left / jerk < 0.40
