@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, cast
 
-from grammar.clauses.clause_errors import unexpected_part
-from grammar.clauses.clause_parts import Clause
+from grammar.clauses.clause_parts import Clause, Parts, unexpected_part
 from grammar.clauses.consistency import is_still, require_consistent
 from grammar.clauses.constraint_builder import constraints_of, require_same
 from grammar.clauses.goal_builder import goal_builder_for
@@ -23,20 +22,13 @@ _UP_AND_DOWN: dict[str, g.Direction] = {"up": "away", "down": "toward"}
 _PUSHED = frozenset({"displace", "contact", "topple", "tilt"})
 """Goals of which "from the left" says that they go to the right, unless by pulling."""
 
-_EVENTS: dict[str, g.Event] = {
-    "moves": "moves",
-    "slides": "slides",
-    "tips": "tips",
-    "tilts": "tilts",
-    "turns": "turns",
-}
+_EVENTS = frozenset({"moves", "slides", "tips", "tilts", "turns", "stays_upright"})
+"""Events that a question may be about."""
 
 _STOPS: dict[str, g.Event] = {"moves": "moves", "tips": "tips", "about_to_tip": "tips"}
 
 _ASK_FOR_EVENTS = ("how_hard", "where")
 """Questions that may ask about an event."""
-
-Parts = list[ph.Part]
 
 
 class ActionReader:
@@ -140,10 +132,8 @@ class ActionReader:
         mention = part.subject if isinstance(part, ph.Result) else part.thing
         require_same(mention, thing, part, self._sentence)
         before = isinstance(part, ph.Purpose) and part.before
-        if query in ("how_hard", "where") and part.event in _EVENTS:
-            return None, rest, _EVENTS[part.event]
-        if query in ("how_hard", "where") and part.event == "stays_upright":
-            return None, rest, "stays_upright"
+        if query in _ASK_FOR_EVENTS and part.event in _EVENTS:
+            return None, rest, cast(g.Event, part.event)
         if query or before or part.event == "stays_upright":
             raise unexpected_part(part, self._sentence)
         if isinstance(part, ph.Purpose):

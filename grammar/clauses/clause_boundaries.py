@@ -10,9 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from grammar.clauses.clause_errors import unexpected_part
+from grammar.clauses.clause_parts import Parts, unexpected_part
 from grammar.errors import ParseError
-from grammar.frames.command import Span
 from grammar.phrases import phrase_parts as ph
 from grammar.words.normalisation import Normalised
 
@@ -20,8 +19,6 @@ _JOINTS = (ph.Separator, ph.Next)
 _HEADS = (ph.Verb, ph.Explore)
 _OPENINGS = (ph.Filler, ph.Amount, ph.Constraint, ph.Avoid, ph.Remark)
 """What may stand before a verb."""
-
-Parts = list[ph.Part]
 
 
 def clauses_of(parts: Sequence[ph.Part], sentence: Normalised) -> list[Parts]:
@@ -53,12 +50,9 @@ def _take_opening(clause: Parts, verb: ph.Part, sentence: Normalised) -> Parts:
     """Takes from a clause what opens the next one, back to the joint between them."""
     last = max((i for i, part in enumerate(clause) if isinstance(part, _JOINTS)), default=None)
     if last is None or not all(isinstance(part, _OPENINGS) for part in clause[last + 1 :]):
-        written = sentence.words_as_written(verb.span)
-        raise ParseError(
-            "several_commands",
-            f'"{written}" begins a second command',
-            verb.span,
-            (f'put "then" before it: "…, then {written} …"',),
+        suggestion = f'put "then" before it: "…, then {sentence.words_as_written(verb.span)} …"'
+        raise sentence.error_at(
+            verb.span, "several_commands", "begins a second command", suggestion
         )
     opening = clause[last + 1 :]
     del clause[last:]
@@ -74,42 +68,38 @@ def _require_joints_join(parts: Sequence[ph.Part], sentence: Normalised) -> Part
         if not isinstance(part, ph.Separator):
             continue
         if after is None:
+            last = f'"{sentence.words_as_written(part.span)}"'
+            suggestion = f"leave out {last}, or say what comes then"
             raise ParseError(
-                "incomplete",
-                f'the sentence ends after "{sentence.words_as_written(part.span)}"',
-                part.span,
-                (f'leave out "{sentence.words_as_written(part.span)}", or say what comes then',),
+                "incomplete", f"the sentence ends after {last}", part.span, (suggestion,)
             )
         if before is None and part.word != ",":
             raise _joint_error(part, sentence)
         doubled = isinstance(after, ph.Separator)
-        if doubled or (part.word == "or" and not _is_avoidance(after)):
+        avoids = isinstance(after, ph.Avoid | ph.FurtherNoTouch)
+        if doubled or (part.word == "or" and not avoids):
             raise _joint_error(after if doubled else part, sentence)
     return list(parts)
-
-
-def _is_avoidance(part: ph.Part) -> bool:
-    return isinstance(part, ph.Avoid | ph.FurtherNoTouch)
 
 
 def _joint_error(part: ph.Part, sentence: Normalised) -> ParseError:
     """A joint that joins nothing, or that leaves a choice."""
     if not isinstance(part, ph.Separator) or part.word != "or":
         return unexpected_part(part, sentence)
-    message = f'"{sentence.words_as_written(part.span)}" leaves a choice'
-    return ParseError("unexpected_words", message, part.span, ("say the one that is meant",))
+    suggestion = "say the one that is meant"
+    return sentence.error_at(part.span, "unexpected_words", "leaves a choice", suggestion)
 
 
 def _without_requests(parts: Sequence[ph.Part], sentence: Normalised) -> Parts:
     """Takes "can you" for a polite request, unless a question mark ends the sentence."""
-    out: Parts = []
-    for part in parts:
-        if isinstance(part, ph.Ask) and part.query is None:
-            asks = sentence.question
-            out.append(replace(part, query="possible") if asks else ph.Filler(part.span, False))
-        else:
-            out.append(part)
-    return out
+    return [
+        part
+        if not isinstance(part, ph.Ask) or part.query is not None
+        else replace(part, query="possible")
+        if sentence.question
+        else ph.Filler(part.span, False)
+        for part in parts
+    ]
 
 
 def _is_request(sentence: Normalised) -> bool:
@@ -120,14 +110,12 @@ def _is_request(sentence: Normalised) -> bool:
 
 def _unclear_question_error(sentence: Normalised) -> ParseError:
     span = len(sentence.original.rstrip()) - 1, len(sentence.original.rstrip())
+    written = sentence.words_as_written((0, span[0]))
     return ParseError(
         "unsupported_question",
         "with a question mark it is not clear whether this is to be done or to be answered",
         span,
-        (
-            f'to have it done: "{sentence.words_as_written((0, span[0]))}"',
-            f'to ask: "can you {sentence.words_as_written((0, span[0]))}?"',
-        ),
+        (f'to have it done: "{written}"', f'to ask: "can you {written}?"'),
     )
 
 
@@ -139,20 +127,15 @@ def _question_parts(parts: Parts, sentence: Normalised) -> Parts:
     others = [ask for ask in asks[1:] if not _is_same_question(asks[0], ask)]
     extra: Parts = [*verbs[actions:], *others]
     if extra:
-        raise _second_question_error(extra[0].span, sentence)
+        raise sentence.error_at(
+            extra[0].span,
+            "unsupported_question",
+            "asks about a second action; one at a time is answered",
+            "ask one question for each action",
+        )
     return _without_joints(parts)
 
 
 def _is_same_question(first: ph.Ask, second: ph.Ask) -> bool:
     """Check for two parts of one question: "if you push it, what happens, will it topple"."""
     return first.query == second.query == "predict" and None in (first.event, second.event)
-
-
-def _second_question_error(span: Span, sentence: Normalised) -> ParseError:
-    written = sentence.words_as_written(span)
-    return ParseError(
-        "unsupported_question",
-        f'"{written}" asks about a second action; one at a time is answered',
-        span,
-        ("ask one question for each action",),
-    )

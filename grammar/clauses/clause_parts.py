@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeVar, cast
 
+from grammar.clauses.consistency import contradiction_error
 from grammar.errors import ParseError
 from grammar.frames import command as g
 from grammar.frames.command import Span
@@ -13,21 +14,38 @@ from grammar.words.lexicon import Verb
 from grammar.words.normalisation import Normalised
 
 P = TypeVar("P", bound=ph.Part)
+Parts = list[ph.Part]
 
 _OPPOSITES: tuple[set[g.Direction], ...] = ({"away", "toward"}, {"left", "right"})
 _MEASURES = (ph.Length, ph.Angle)
 _HOW_MUCH = (ph.Amount, ph.Share, ph.Volume)
 
 
+def unexpected_part(part: ph.Part, sentence: Normalised) -> ParseError:
+    """Words that have no place where they stand."""
+    suggestion = f'leave out "{sentence.words_as_written(part.span)}"'
+    return sentence.error_at(part.span, "unexpected_words", "is not understood here", suggestion)
+
+
+def several_objects(thing: ph.Thing, sentence: Normalised) -> ParseError:
+    """A second object."""
+    suggestion = "say one command for each object"
+    return sentence.error_at(thing.span, "several_objects", "is a second object", suggestion)
+
+
+def no_verb(sentence: Normalised, parts: Sequence[ph.Part] = ()) -> ParseError:
+    """Nothing says what to do."""
+    said = [part for part in parts if not isinstance(part, ph.Filler)] or parts
+    span = said[0].span if said else sentence.original_span(0, len(sentence.text))
+    message = "the sentence does not say what to do"
+    return ParseError("no_verb", message, span, ('say, for example, "push the box away"',))
+
+
 class Clause:
     """The parts of one clause; each is taken once."""
 
     def __init__(
-        self,
-        parts: Sequence[ph.Part],
-        verb: Verb,
-        sentence: Normalised,
-        verb_span: Span | None = None,
+        self, parts: Parts, verb: Verb, sentence: Normalised, verb_span: Span | None = None
     ) -> None:
         self._left = [part for part in parts if not isinstance(part, ph.Filler)]
         self._sentence = sentence
@@ -50,7 +68,7 @@ class Clause:
         """Takes a part for another one."""
         self._left = [part if each is instead_of else each for each in self._left]
 
-    def how_much(self) -> list[ph.Part]:
+    def how_much(self) -> Parts:
         """Everything that says how much of a liquid, in the order of the sentence; not taken."""
         return [part for part in self._left if isinstance(part, _HOW_MUCH)]
 
@@ -70,30 +88,18 @@ class Clause:
 
     def said_twice_error(self, first: ph.Part, second: ph.Part) -> ParseError:
         """Two parts say the same thing."""
-        quotes = self.quote(first), self.quote(second)
-        return ParseError(
-            "said_twice",
-            f"{quotes[0]} and {quotes[1]} say the same thing twice",
-            second.span,
-            (f"leave out one of {quotes[0]} and {quotes[1]}",),
-            spans=(first.span, second.span),
-        )
+        both = f"{self.quote(first)} and {self.quote(second)}"
+        message, spans = f"{both} say the same thing twice", (first.span, second.span)
+        suggestion = f"leave out one of {both}"
+        return ParseError("said_twice", message, second.span, (suggestion,), spans=spans)
 
     def contradiction_error(self, first: ph.Part, second: ph.Part) -> ParseError:
         """Two parts contradict each other."""
-        quotes = self.quote(first), self.quote(second)
-        return ParseError(
-            "contradiction",
-            f"{quotes[0]} and {quotes[1]} contradict each other",
-            second.span,
-            tuple(f"say only {quote}" for quote in quotes),
-            spans=(first.span, second.span),
-        )
+        return contradiction_error((first.span,), (second.span,), self._sentence)
 
     def does_not_apply_error(self, part: ph.Part, message: str, *suggestions: str) -> ParseError:
         """A part that does not apply."""
-        text = f"{self.quote(part)} {message}"
-        return ParseError("does_not_apply", text, part.span, suggestions)
+        return self._sentence.error_at(part.span, "does_not_apply", message, *suggestions)
 
     def quote(self, part: ph.Part) -> str:
         """The words of a part, in quotation marks."""

@@ -10,9 +10,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
-from grammar.clauses.clause_errors import no_object, several_objects, unexpected_part
+from grammar.clauses.clause_parts import Parts, several_objects, unexpected_part
 from grammar.clauses.constraint_builder import require_same
 from grammar.clauses.object_descriptions import part_and_owner
+from grammar.errors import ParseError
 from grammar.frames import command as g
 from grammar.phrases import phrase_parts as ph
 from grammar.words.lexicon import Lexicon, Verb
@@ -23,8 +24,6 @@ NOBODY = ph.Thing((0, 0), g.ObjectRef(text="it", pronoun=True))
 
 _MOVED_BY = {"from": "off", "on": "on"}
 """Particle that a lid's verb has where the sentence names what it goes off or on."""
-
-Parts = list[ph.Part]
 
 
 # --- which object ------------------------------------------------------------------------------
@@ -57,7 +56,10 @@ def clause_objects(
         return [NOBODY]
     verb = next(part for part in parts if isinstance(part, ph.Verb))
     if not things:
-        raise no_object(verb, parts)
+        after = [part.span for part in parts if part.span[0] >= verb.span[1]]
+        message = "the name of an object is missing"
+        suggestion = f'say what to {verb.word}: "{verb.word} the box"'
+        raise ParseError("no_object", message, after[0] if after else verb.span, (suggestion,))
     if not (verb.passive or remarks or ask) and things[0].span < verb.span:
         raise unexpected_part(things[0], sentence)
     if any(thing.ref.text.casefold() == "them" for thing in things):

@@ -20,26 +20,30 @@ def require_consistent(frame: g.Frame, sentence: Normalised) -> None:
     Raises:
         ParseError: `contradiction`, with the spans of both places.
     """
-    places = first_contradiction(frame)
-    if places is None:
-        return
-    quotes = [f'"{_quote_spans(spans, sentence)}"' for spans in places]
-    raise ParseError(
+    if places := first_contradiction(frame):
+        raise contradiction_error(*places, sentence)
+
+
+def contradiction_error(
+    first: g.Spans,
+    second: g.Spans,
+    sentence: Normalised,
+    message: str = "contradict each other",
+) -> ParseError:
+    """The error about the words in two places, of which only one can be meant."""
+    quotes = [f'"{" … ".join(map(sentence.words_as_written, spans))}"' for spans in (first, second)]
+    return ParseError(
         "contradiction",
-        f"{quotes[0]} and {quotes[1]} contradict each other",
-        places[1][0] if places[1] else None,
+        f"{' and '.join(quotes)} {message}",
+        second[0] if second else None,
         tuple(f"say only {quote}" for quote in quotes),
-        spans=tuple(span for spans in places for span in spans[:1]),
+        spans=(*first[:1], *second[:1]),
     )
 
 
 def first_contradiction(frame: g.Frame) -> Places | None:
     """The words of the first two things that contradict each other; None if none do."""
     return next(_find_contradictions(frame), None)
-
-
-def _quote_spans(spans: g.Spans, sentence: Normalised) -> str:
-    return " … ".join(sentence.words_as_written(span) for span in spans)
 
 
 def _find_contradictions(frame: g.Frame) -> Iterator[Places]:

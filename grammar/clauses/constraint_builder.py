@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from grammar.clauses.consistency import join_equal
+from grammar.clauses.consistency import contradiction_error, join_equal
 from grammar.errors import ParseError
 from grammar.frames.command import Constraint, ContactRegion, MaxDistance, NoTouch
 from grammar.frames.constraints import CONSTRAINTS, STILL, new_constraint
@@ -75,9 +75,8 @@ def _require_opened(
     )
     if not getattr(part, "further", True) or listed:
         return
-    written = sentence.words_as_written(part.span)
-    message = f'"{written}" needs "without" before it'
-    raise ParseError("unexpected_words", message, part.span, (f"without {written}",))
+    suggestion = f"without {sentence.words_as_written(part.span)}"
+    raise sentence.error_at(part.span, "unexpected_words", 'needs "without" before it', suggestion)
 
 
 def _may_be_continued(constraint: Constraint) -> bool:
@@ -154,12 +153,8 @@ def _avoidance_constraints(
     part: ph.Avoid, thing: ph.Thing, sentence: Normalised
 ) -> list[Constraint]:
     if not part.kind:
-        raise ParseError(
-            "unexpected_words",
-            f'"{part.word}" alone says nothing to avoid',
-            part.span,
-            (f"{part.word} it over",),
-        )
+        message = f'"{part.word}" alone says nothing to avoid'
+        raise ParseError("unexpected_words", message, part.span, (f"{part.word} it over",))
     if part.word.startswith("knock") and part.thing and not can_be_same(part.thing, thing):
         # What is not touched is not knocked over.
         return [NoTouch(object=part.thing.ref, spans=(part.span,))]
@@ -179,14 +174,8 @@ def _one_contact(constraints: Sequence[Constraint], sentence: Normalised) -> lis
         said = known.model_dump(exclude_none=True, exclude={"kind", "spans"})
         more = new.model_dump(exclude_none=True, exclude={"kind", "spans"})
         if any(said.get(key, value) != value for key, value in more.items()):
-            quoted = [f'"{sentence.words_as_written(c.spans[-1])}"' for c in (known, new)]
-            raise ParseError(
-                "contradiction",
-                f"{quoted[0]} and {quoted[1]} name different places to touch",
-                new.spans[-1],
-                tuple(f"say only {quote}" for quote in quoted),
-                spans=(known.spans[-1], new.spans[-1]),
-            )
+            message = "name different places to touch"
+            raise contradiction_error(known.spans[-1:], new.spans[-1:], sentence, message)
         update = {key: getattr(new, key) for key in more}
         spans = known.spans + new.spans
         out[out.index(known)] = known.model_copy(update={**update, "spans": spans})

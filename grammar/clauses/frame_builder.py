@@ -7,8 +7,13 @@ from typing import Any
 
 from grammar.clauses.action_reader import ActionReader
 from grammar.clauses.clause_boundaries import clauses_of
-from grammar.clauses.clause_errors import no_verb, several_objects, unexpected_part
-from grammar.clauses.clause_parts import Clause
+from grammar.clauses.clause_parts import (
+    Clause,
+    Parts,
+    no_verb,
+    several_objects,
+    unexpected_part,
+)
 from grammar.clauses.clause_subjects import NOBODY, attach_objects, clause_objects
 from grammar.clauses.consistency import require_consistent
 from grammar.clauses.constraint_builder import constraints_of
@@ -23,9 +28,6 @@ from grammar.words.normalisation import Normalised
 _GOES_ON = (ph.Direction, ph.Heading, ph.Toward, ph.AwayFrom, ph.Place, ph.Length, ph.Angle,
             ph.Sense, ph.Amount, ph.Share)  # fmt: skip
 """Parts that say what should become of the object, also without a verb."""
-
-
-Parts = list[ph.Part]
 
 
 def frames_of(
@@ -120,13 +122,10 @@ class _ClauseReader:
     def _require_there_is_clear(self, ask: Sequence[ph.Ask]) -> None:
         for part in self._take_parts(ph.There):
             if not any(each.query == "why" for each in ask):
-                written = self._sentence.words_as_written(part.span)
-                raise ParseError(
-                    "unexpected_words",
-                    f'"{written}" does not say where',
-                    part.span,
-                    ("next to the mug", "to the middle of the table", "10 cm to the left"),
-                )
+                raise self._sentence.error_at(
+                    part.span, "unexpected_words", "does not say where",
+                    "next to the mug", "to the middle of the table", "10 cm to the left",
+                )  # fmt: skip
 
     def _require_no_condition(self) -> None:
         """Lets "when you push it" follow a restriction; else a condition belongs to a question."""

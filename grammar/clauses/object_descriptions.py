@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import cast
 
-from grammar.clauses.clause_errors import unexpected_part
+from grammar.clauses.clause_parts import Parts, unexpected_part
 from grammar.frames import command as g
 from grammar.phrases import phrase_parts as ph
 from grammar.words.lexicon import Lexicon
@@ -28,8 +28,6 @@ _OF = re.compile(
     r"(?P<part>.+?)\s+(?P<of>of)\s+(?:(?:the|an?|my|your|our)\s+)?(?P<whole>.+)",
     re.IGNORECASE | re.DOTALL,
 )
-
-Parts = list[ph.Part]
 
 
 def attach_descriptions(parts: Sequence[ph.Part], lexicon: Lexicon, sentence: Normalised) -> Parts:
