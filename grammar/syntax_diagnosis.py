@@ -35,22 +35,17 @@ def diagnose(error: UnexpectedTokenError, sentence: Normalised, lexicon: Lexicon
     """
     at_end, accepts = error.token.type == END, error.accepts
     start, word = _word_at(sentence, len(sentence.text) if at_end else error.token.start_pos)
-    said, last = _word_at(sentence, sentence.text.rfind(" ") + 1)
-    span = (
-        sentence.original_span(said, said + len(last))
-        if at_end
-        else sentence.original_span(start, start + len(word))
-    )
+    said, last = _word_at(sentence, sentence.text.rfind(" ") + 1) if at_end else (start, word)
+    span = sentence.original_span(said, said + len(last))
     if word.startswith('"'):
         return _no_object_error(span)
     if not at_end and word in lexicon.vague:
-        return _vague_word_error(word, span, lexicon)
-    if (
-        not at_end
-        and "VERB" in accepts
-        and (missing := _missing_verb_error(start, word, span, sentence, lexicon))
-    ):
-        return missing
+        instead = tuple(f'say "{known}"' for known in lexicon.vague[word])
+        return ParseError("unexpected_words", f'"{word}" may mean several things', span, instead)
+    if "VERB" in accepts and not at_end:
+        missing = _missing_verb_error(start, word, span, sentence, lexicon)
+        if missing is not None:
+            return missing
     taken = [m for m in _TAKEN_BY.finditer(sentence.text) if m.start() <= start < m.end()]
     if taken and "VERB" not in accepts:
         return _taken_by_error(sentence.original_span(*taken[0].span()), sentence)
@@ -63,38 +58,20 @@ def diagnose(error: UnexpectedTokenError, sentence: Normalised, lexicon: Lexicon
     if units := [_UNITS[name] for name in _UNITS if name in accepts and "VERB" not in accepts]:
         number = last if at_end else sentence.text[:start].split()[-1]
         wanted = _nearest_words(word, _words_of_terminals(accepts, lexicon))
-        return ParseError(
-            "missing_unit",
-            f'"{number}" lacks its unit',
-            span,
-            (*wanted, *(f"{number} {unit}" for unit in units)),
-        )
+        suggestions = (*wanted, *(f"{number} {unit}" for unit in units))
+        return ParseError("missing_unit", f'"{number}" lacks its unit', span, suggestions)
     if at_end:
         return _incomplete_error(accepts, span, lexicon)
-    written = sentence.words_as_written(span)
-    anything = "VERB" in accepts
-    instead = (f'leave out "{written}"',) if anything else _could_stand_here(accepts, lexicon)
-    return ParseError(
-        "unexpected_words",
-        f'"{written}" is not understood here',
-        span,
-        (*_nearest_words(word, _words_of_terminals(accepts, lexicon)), *instead),
-    )
+    out = (f'leave out "{sentence.words_as_written(span)}"',)
+    instead = out if "VERB" in accepts else _could_stand_here(accepts, lexicon)
+    close = _nearest_words(word, _words_of_terminals(accepts, lexicon))
+    return sentence.error_at(span, "unexpected_words", "is not understood here", *close, *instead)
 
 
 def _word_at(sentence: Normalised, position: int) -> tuple[int, str]:
     """The word at a position of the plain form, and where it starts."""
     match = _WORD.search(sentence.text, position)
     return (match.start(), match.group()) if match else (len(sentence.text), "")
-
-
-def _vague_word_error(word: str, span: Span, lexicon: Lexicon) -> ParseError:
-    return ParseError(
-        "unexpected_words",
-        f'"{word}" may mean several things',
-        span,
-        tuple(f'say "{instead}"' for instead in lexicon.vague[word]),
-    )
 
 
 def _missing_verb_error(
@@ -120,12 +97,8 @@ def _missing_verb_error(
 def _taken_by_error(span: Span, sentence: Normalised) -> ParseError:
     """The error for a part by which something is to be held: "by its handle"."""
     written = sentence.words_as_written(span)
-    return ParseError(
-        "unexpected_words",
-        f'where to take hold is up to the robot: "{written}" is not understood',
-        span,
-        (f'leave out "{written}"',),
-    )
+    message = f'where to take hold is up to the robot: "{written}" is not understood'
+    return ParseError("unexpected_words", message, span, (f'leave out "{written}"',))
 
 
 def _no_unit_error(end: int, sentence: Normalised, lexicon: Lexicon) -> ParseError:
@@ -134,8 +107,8 @@ def _no_unit_error(end: int, sentence: Normalised, lexicon: Lexicon) -> ParseErr
     span = sentence.original_span(start, len(sentence.text[:end].rstrip()))
     written = sentence.words_as_written(span)
     close = _nearest_words(written.casefold(), _words_of_terminals(_UNITS, lexicon))
-    message = f'"{written}" is no unit'
-    return ParseError("missing_unit", message, span, close or ("cm", "degrees", "N"))
+    suggestions = close or ("cm", "degrees", "N")
+    return sentence.error_at(span, "missing_unit", "is no unit", *suggestions)
 
 
 def _no_object_error(span: Span) -> ParseError:
@@ -145,12 +118,8 @@ def _no_object_error(span: Span) -> ParseError:
 def _incomplete_error(expected: Set[str], span: Span, lexicon: Lexicon) -> ParseError:
     if "THE" in expected and not expected & {"AVOIDING", "TOOL", "VERB"}:
         return _no_object_error(span)
-    return ParseError(
-        "incomplete",
-        "the sentence ends too early",
-        span,
-        _could_stand_here(expected, lexicon) or (EXAMPLE,),
-    )
+    suggestions = _could_stand_here(expected, lexicon)
+    return ParseError("incomplete", "the sentence ends too early", span, suggestions)
 
 
 def _could_stand_here(expected: Set[str], lexicon: Lexicon) -> tuple[str, ...]:
