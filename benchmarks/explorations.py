@@ -34,7 +34,7 @@ from benchmarks.record import Kept, carried_out
 from nlcontrol import Controller
 from nlcontrol.learning.exploration_session import CENTRE_OF_MASS, explore
 from nlcontrol.learning.learning_reports import ExplorationReport
-from nlcontrol.learning.push_lessons import apply_lesson
+from nlcontrol.learning.lessons import apply_lesson
 from nlcontrol.reports.exploration_report import with_truth
 from objectmodels import ObjectModel
 from objectmodels.geometry.mechanical import UNCERTAIN

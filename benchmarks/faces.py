@@ -14,7 +14,7 @@ from time import perf_counter
 
 from nlcontrol.outcome_maps.experiment_runner import FaceExperiment
 from nlcontrol.outcome_maps.map_comparison import Comparison, contacts_of
-from nlcontrol.references.face_names import face_of
+from nlcontrol.references.object_names import face_of
 from nlcontrol.session.controller import Controller
 from objectmodels import ObjectModel
 from objectmodels.mechanics.outcome_map import outcome_map

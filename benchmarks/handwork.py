@@ -32,7 +32,7 @@ from benchmarks.record import Kept, carried_out
 from nlcontrol import Controller, Registry
 from nlcontrol.checks.trace_measures import tilt_at_end
 from nlcontrol.checks.verdicts import PLANNED_ENDS, Check
-from nlcontrol.learning.grasp_lessons import change_contents
+from nlcontrol.learning.lessons import change_contents
 from objectmodels import ObjectModel
 from objectmodels.models.object_parts import Lid, LiftOffLid
 from sim.truth.object_truth import Truth

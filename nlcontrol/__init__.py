@@ -14,8 +14,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
-from nlcontrol._shadowing import refuse_shadowed
-from nlcontrol.former_names import serve_former_names
+from nlcontrol.package_imports import refuse_shadowed, serve_former_names
 
 refuse_shadowed()
 serve_former_names()

@@ -34,7 +34,7 @@ _EXIT_CODES = (
 
 _COMMANDS = {
     "affordances": "predict_command:affordances",
-    "defaults": "defaults_command:command",
+    "defaults": "schema_commands:defaults",
     "doctor": "doctor_command:command",
     "explore": "explore_command:command",
     "fit": "fit_command:command",
@@ -45,7 +45,7 @@ _COMMANDS = {
     "predict": "predict_command:predict",
     "sample": "say_command:sample",
     "say": "say_command:say",
-    "schema": "schema_command:command",
+    "schema": "schema_commands:schema",
     "shell": "shell_command:command",
 }
 """Where each command stands in `nlcontrol.cli.commands`."""

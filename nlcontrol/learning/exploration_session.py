@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING
 
 from nlcontrol.errors import ControlError, ErrorInfo, error
 from nlcontrol.learning.learning_reports import ExplorationReport, TouchMade
+from nlcontrol.learning.lessons import SPREAD, apply_lesson
 from nlcontrol.learning.log_fitting import correlations, fitted_parameter
-from nlcontrol.learning.push_lessons import SPREAD, apply_lesson
 from objectmodels.errors import ModelError
 from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification.belief_update import initial_belief as guessed

@@ -7,7 +7,7 @@ from typing import get_args
 
 from grammar.frames.command import ObjectRef, Quality, Relation, Span
 from nlcontrol.errors import ControlError, error
-from nlcontrol.references.colour_names import SHADES
+from nlcontrol.references.object_attributes import SHADES
 from nlcontrol.references.object_names import Candidate, distinguishing_words, name_words
 from nlcontrol.text_format import enumeration
 

@@ -1,16 +1,25 @@
-"""Names of objects: whole names, synonyms, words of a name, and misspellings.
+"""Names of objects and of their side faces.
 
-A name is taken in three steps, the first that fits decides: the whole name, a synonym (of the
-scene or of the registry's model), or some of the words of a name ("the box", "the coffee"). A
-misspelled name is never guessed; it only yields a suggestion.
+An object's name is taken in three steps, the first that fits decides: the whole name, a synonym (of
+the scene or of the registry's model), or some of the words of a name ("the box", "the coffee"). A
+misspelled name is never guessed; it only yields a suggestion. Faces are named as if B's axes were
+the robot's, since no scene says how the object is turned.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
+import numpy as np
+
+from nlcontrol.errors import error
 from objectmodels import suggest
+from planner.geometry.directions import face_name
+
+if TYPE_CHECKING:
+    from objectmodels import Face, ObjectModel
 
 
 @dataclass(frozen=True)
@@ -64,3 +73,43 @@ def likely_name(text: str, candidates: Iterable[Candidate]) -> str | None:
     near = suggest(" ".join(name_words(text)), [name for name, _ in owners])
     found = {owner for name, owner in owners if name in near}
     return found.pop() if len(found) == 1 else None
+
+
+_STRAIGHT = np.radians(5.0)
+
+
+def face_names(model: ObjectModel) -> dict[str, Face]:
+    """The side faces by name, in the model's order.
+
+    A face that looks aside is called after the nearest of `front`, `back`, `left` and `right` and
+    its angle from that, counter-clockwise: `front+60`.
+    """
+    named: dict[str, Face] = {}
+    for face in model.faces():
+        nearest, off = face_name(np.array(face.normal))
+        name = f"{nearest}{np.degrees(off):+.0f}" if abs(off) > _STRAIGHT else str(nearest)
+        while name in named:
+            name += "'"
+        named[name] = face
+    return named
+
+
+def face_of(model: ObjectModel, name: str) -> Face:
+    """The side face of that name.
+
+    Raises:
+        ControlError: `unknown_face`, with the names that there are.
+    """
+    named = face_names(model)
+    if name in named:
+        return named[name]
+    if not named:
+        raise error(
+            "unknown_face", f"the {model.name} has no side that is wide enough for a fingertip"
+        )
+    near = [known for known in named if known.startswith(name)]
+    raise error(
+        "unknown_face",
+        f"the {model.name} has no face {name!r}",
+        suggestions=(f"its faces: {', '.join(near or named)}",),
+    )

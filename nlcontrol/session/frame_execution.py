@@ -10,7 +10,7 @@ happened for the frame.
 
 What a whole hand does is one plan: all its steps are made. Where that fails, the hand has put back
 what it held, and another plan is made, up to `Defaults.most_tries` of them
-(`nlcontrol.learning.grasp_lessons`).
+(`nlcontrol.learning.lessons`).
 """
 
 from __future__ import annotations
@@ -237,7 +237,7 @@ class FrameRun:
 
     def _learn(self, made: Plan, state: WorldState, trace: Trace) -> None:
         """What a push taught; the controller believes it from now on."""
-        from nlcontrol.learning.push_lessons import (
+        from nlcontrol.learning.lessons import (
             lesson_from_push,  # planning alone teaches nothing
         )
 
@@ -253,7 +253,7 @@ class FrameRun:
 
     def _learn_by_hand(self, made: Plan, trace: Trace) -> bool:
         """What lifting taught of a weight, and where the contents are; whether all was done."""
-        from nlcontrol.learning.grasp_lessons import (
+        from nlcontrol.learning.lessons import (
             TRIED_AGAIN,
             beliefs_after_grasp,
             weight_from_grasp,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
 from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error
-from nlcontrol.learning.grasp_lessons import felt_weight, weight_from_grasp
+from nlcontrol.learning.lessons import felt_weight, weight_from_grasp
 from nlcontrol.questions.answer import Answer
 from nlcontrol.text_format import with_sd_text
 from objectmodels.mechanics.push_thresholds import GRAVITY

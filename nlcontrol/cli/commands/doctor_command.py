@@ -12,9 +12,9 @@ from pathlib import Path
 
 import click
 
-from nlcontrol._shadowing import misplaced
 from nlcontrol.cli.console.console_output import json_option, print_json
 from nlcontrol.errors import INTERNAL, OK
+from nlcontrol.package_imports import misplaced
 
 _EGL_VENDORS = (Path("/usr/share/glvnd/egl_vendor.d"), Path("/etc/glvnd/egl_vendor.d"))
 

@@ -8,6 +8,13 @@ from typing import TYPE_CHECKING
 
 import click
 
+from nlcontrol.cli.console.command_options import (
+    ParameterNames,
+    Settings,
+    keep_options,
+    open_controller,
+    world_options,
+)
 from nlcontrol.cli.console.console_output import (
     FILE,
     Narrator,
@@ -16,8 +23,6 @@ from nlcontrol.cli.console.console_output import (
     replace_file,
     require_writable,
 )
-from nlcontrol.cli.console.model_options import ParameterNames, keep_options
-from nlcontrol.cli.console.world_options import Settings, open_controller, world_options
 from nlcontrol.errors import OK
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from nlcontrol.cli.console.command_options import ParameterNames, keep_options, open_registry
 from nlcontrol.cli.console.console_output import FILE, json_option, print_json, require_writable
-from nlcontrol.cli.console.model_options import ParameterNames, keep_options, open_registry
 from nlcontrol.errors import OK
 from nlcontrol.learning.model_store import rename_model, store_model
 

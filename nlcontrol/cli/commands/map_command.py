@@ -8,6 +8,15 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
+from nlcontrol.cli.console.command_options import (
+    Numbers,
+    face_option,
+    find_model_and_face,
+    lying_option,
+    open_registry,
+    scene_option,
+    seed_option,
+)
 from nlcontrol.cli.console.console_output import (
     FILE,
     Progress,
@@ -16,14 +25,6 @@ from nlcontrol.cli.console.console_output import (
     replace_file,
     require_writable,
 )
-from nlcontrol.cli.console.model_options import (
-    Numbers,
-    face_option,
-    find_model_and_face,
-    lying_option,
-    open_registry,
-)
-from nlcontrol.cli.console.world_options import scene_option, seed_option
 from nlcontrol.errors import OK
 from nlcontrol.json_document import document_text
 
@@ -242,7 +243,7 @@ def _run_experiments(
     from nlcontrol.outcome_maps.experiment_record import Record
     from nlcontrol.outcome_maps.experiment_runner import FaceExperiment, object_on_table
     from nlcontrol.outcome_maps.map_comparison import Comparison, contacts_of
-    from nlcontrol.references.face_names import face_of
+    from nlcontrol.references.object_names import face_of
     from nlcontrol.session.controller import Controller
     from objectmodels.mechanics.outcome_map import outcome_map
     from objectmodels.registry.model_files import load_model

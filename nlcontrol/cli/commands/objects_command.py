@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from nlcontrol.cli.console.command_options import open_registry
 from nlcontrol.cli.console.console_output import FILE, json_option, print_json
-from nlcontrol.cli.console.model_options import open_registry
 from nlcontrol.errors import CODES, OK, error
 
 if TYPE_CHECKING:
@@ -256,7 +256,7 @@ def _base_text(model: ObjectModel) -> str:
 
 def _critical_heights(model: ObjectModel) -> list[tuple[str, str]]:
     """Above which height a level push in the middle of each face topples it."""
-    from nlcontrol.references.face_names import face_names
+    from nlcontrol.references.object_names import face_names
 
     rows = []
     for name, face in face_names(model).items():

@@ -6,14 +6,16 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from nlcontrol.cli.console.console_output import json_option, print_json
-from nlcontrol.cli.console.model_options import (
+from nlcontrol.cli.console.command_options import (
     Numbers,
+    Settings,
     face_option,
     find_model_and_face,
     lying_option,
+    open_controller,
+    world_options,
 )
-from nlcontrol.cli.console.world_options import Settings, open_controller, world_options
+from nlcontrol.cli.console.console_output import json_option, print_json
 from nlcontrol.errors import OK
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from nlcontrol.cli.console.command_options import Settings, open_controller, world_options
 from nlcontrol.cli.console.console_output import (
     FILE,
     Narrator,
@@ -18,7 +19,6 @@ from nlcontrol.cli.console.console_output import (
     replace_file,
     require_writable,
 )
-from nlcontrol.cli.console.world_options import Settings, open_controller, world_options
 from nlcontrol.errors import OK, known_error
 
 if TYPE_CHECKING:

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from nlcontrol.cli.console.command_options import Settings, open_controller, world_options
 from nlcontrol.cli.console.console_output import Narrator, print_skipped_with_words
 from nlcontrol.cli.console.prompt_lines import prompt_lines
-from nlcontrol.cli.console.world_options import Settings, open_controller, world_options
 from nlcontrol.errors import OK, described
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from nlcontrol import former_names
+from nlcontrol import package_imports
 
 ROOT = Path(__file__).parents[3]
 
@@ -130,9 +130,9 @@ def test_every_import_that_was_shown_still_works() -> None:
     run("-W", "ignore", "-c", "\n".join(["import nlcontrol", *lines]))
 
 
-@pytest.mark.parametrize("old", former_names.FORMER)
+@pytest.mark.parametrize("old", package_imports.FORMER)
 def test_a_former_name_warns_and_gives_the_same_things(old: str) -> None:
-    home, renamed = former_names.FORMER[old]
+    home, renamed = package_imports.FORMER[old]
     sys.modules.pop(old, None)
     with pytest.warns(DeprecationWarning, match=rf"{old} is now {home}") as caught:
         module = importlib.import_module(old)

@@ -9,7 +9,7 @@ import pytest
 from grammar.frames import command as g
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
-from nlcontrol.learning.grasp_lessons import change_contents
+from nlcontrol.learning.lessons import change_contents
 
 
 @pytest.fixture(scope="module")

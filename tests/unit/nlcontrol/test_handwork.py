@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller, Conversation
-from nlcontrol.learning.grasp_lessons import beliefs_after_grasp, change_contents, weight_from_grasp
+from nlcontrol.learning.lessons import beliefs_after_grasp, change_contents, weight_from_grasp
 from nlcontrol.plan_text import plan_reasons
 from nlcontrol.session.undo_frames import Pushed, undo_frames, undo_text
 from objectmodels import ObjectModel

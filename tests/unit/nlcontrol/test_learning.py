@@ -9,7 +9,7 @@ import pytest
 
 from nlcontrol import Controller
 from nlcontrol.learning.learning_reports import Change, Lesson
-from nlcontrol.learning.push_lessons import (
+from nlcontrol.learning.lessons import (
     CONTRADICTIONS,
     RADIUS_SD,
     apply_lesson,

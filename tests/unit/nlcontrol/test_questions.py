@@ -23,7 +23,7 @@ from nlcontrol.errors import ControlError
 from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.force_uncertainty import deviations
 from nlcontrol.questions.push_prediction import predict_push
-from nlcontrol.references.face_names import face_of
+from nlcontrol.references.object_names import face_of
 from nlcontrol.results.result import Result
 from objectmodels import BoxModel
 from planner.types.plan import Plan

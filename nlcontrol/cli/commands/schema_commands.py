@@ -1,11 +1,11 @@
-"""`defaults`: what a clause means when a sentence says no more."""
+"""`defaults` and `schema`: the settings that commands take, and the form of their answers."""
 
 from __future__ import annotations
 
 import click
 
+from nlcontrol.cli.console.command_options import Settings, scene_option, set_option
 from nlcontrol.cli.console.console_output import json_option, print_json
-from nlcontrol.cli.console.world_options import Settings, scene_option, set_option
 from nlcontrol.errors import OK
 
 
@@ -13,7 +13,7 @@ from nlcontrol.errors import OK
 @scene_option
 @set_option
 @json_option
-def command(scene: str, settings: Settings, as_json: bool) -> int:
+def defaults(scene: str, settings: Settings, as_json: bool) -> int:
     """List every default with its value: what --set takes, and `defaults` in a scene file."""
     from dataclasses import asdict
 
@@ -29,4 +29,13 @@ def command(scene: str, settings: Settings, as_json: bool) -> int:
         return OK
     for line in table(found):
         click.echo(line)
+    return OK
+
+
+@click.command("schema")
+def schema() -> int:
+    """Print the JSON schema of what the commands answer with --json."""
+    from nlcontrol.results import json_schema
+
+    print_json(json_schema.schema())
     return OK

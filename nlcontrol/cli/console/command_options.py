@@ -1,4 +1,4 @@
-"""Options of the commands about object models, and the registry with what it had to skip."""
+"""Options that commands share: of the world and its defaults, of object models and faces."""
 
 from __future__ import annotations
 
@@ -11,7 +11,75 @@ import click
 from nlcontrol.cli.console.console_output import FILE, print_skipped
 
 if TYPE_CHECKING:
+    from nlcontrol.session.controller import Controller
     from objectmodels import Face, ObjectModel, Registry
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+Settings = tuple[tuple[str, float], ...]
+
+
+class Assignment(click.ParamType[tuple[str, float]]):
+    """A name and a number with an equals sign between them."""
+
+    name = "name=value"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, float]:
+        """Read the name and the number."""
+        if isinstance(value, tuple):
+            return value
+        name, _, number = str(value).partition("=")
+        try:
+            return name.strip(), float(number)
+        except ValueError:
+            self.fail(f"{value!r} is not a name and a number, like distance_m=0.15", param, ctx)
+
+
+scene_option = click.option(
+    "--scene", default="kitchen", show_default=True, help="A built-in scene, or a scene file."
+)
+seed_option = click.option(
+    "--seed", default=0, show_default=True, type=click.IntRange(0), help="Of everything random."
+)
+set_option = click.option(
+    "--set",
+    "settings",
+    type=Assignment(),
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Set a default, e.g. distance_m=0.15; may be repeated. `nlcontrol defaults` lists them.",
+)
+
+
+def world_options(command: Command) -> Command:
+    """Add --scene, --seed and --set, as `scene`, `seed` and `settings`."""
+    for option in (set_option, seed_option, scene_option):
+        command = option(command)
+    return command
+
+
+def open_controller(scene: str, seed: int, settings: Settings) -> Controller:
+    """The controller that the options ask for.
+
+    Args:
+        scene: name or file.
+        seed: of everything random.
+        settings: defaults to be set, on top of the scene's.
+
+    Raises:
+        ControlError: the scene cannot be read, or a default is none.
+    """
+    from nlcontrol.errors import translated
+    from nlcontrol.session.controller import Controller
+    from planner.types.default_settings import changed
+    from sim.truth.scene_file import load_scene
+
+    with translated():
+        loaded = load_scene(scene)
+        defaults = changed(loaded.defaults, dict(settings))
+    return Controller(loaded, seed=seed, defaults=defaults)
+
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -112,7 +180,7 @@ def find_model_and_face(
         lying_on: how the other is called.
         file: with a model to take instead of the registry's.
     """
-    from nlcontrol.references.face_names import face_of
+    from nlcontrol.references.object_names import face_of
     from objectmodels.registry.model_files import load_model
 
     registry = open_registry()
