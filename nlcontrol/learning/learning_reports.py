@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from nlcontrol.json_document import Document
 from nlcontrol.text_format import with_sd_text
-from objectmodels.identification.parameter_statistics import Statistics
+from objectmodels.identification.trial import Statistics
 
 _METRES = {
     "friction_radius": "friction radius",

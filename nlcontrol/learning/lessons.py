@@ -17,9 +17,12 @@ import numpy as np
 
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.learning.learning_reports import Change, Lesson
-from objectmodels.containers.contents_update import container_with_mass, container_with_volume
 from objectmodels.errors import ModelError
 from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.identification.parameter_coordinates import (
+    container_with_mass,
+    container_with_volume,
+)
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.mechanics.turning_push import learned_radius
 from planner.types.actions import LiftUp, PourOut
@@ -109,8 +112,11 @@ def _from_turn(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectMode
 
 def apply_lesson(model: ObjectModel, trial: Trial) -> Update:
     """What is believed after a trial; a belief that it contradicts was too sure, and is widened."""
-    from objectmodels.identification.belief_update import update_belief
-    from objectmodels.identification.no_motion_update import update_without_motion, widen_belief
+    from objectmodels.identification.belief_update import (
+        update_belief,
+        update_without_motion,
+        widen_belief,
+    )
 
     if trial.moved == "none":
         return update_without_motion(model, trial)

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from objectmodels.geometry.base_shapes import Array, Base, Disc, Polygon
-from objectmodels.models.cylinder import CylinderModel
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap
+from objectmodels.models.upright_solids import CylinderModel
 
 THICKNESS = 0.003
 """Of a flip lid and its tab [m]."""

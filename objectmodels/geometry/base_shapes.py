@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from objectmodels.errors import ModelError
-from objectmodels.geometry.planar_vectors import cross, dot
+from objectmodels.geometry.vector_arrays import cross, dot
 
 Array = NDArray[np.float64]
 

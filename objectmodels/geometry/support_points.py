@@ -15,8 +15,8 @@ import numpy as np
 from pydantic import BeforeValidator, Field
 
 from objectmodels.errors import ModelError
-from objectmodels.geometry.array_checks import as_tuples
 from objectmodels.geometry.base_shapes import Array, Base, Polygon
+from objectmodels.geometry.vector_arrays import as_tuples
 
 Weight = Annotated[float, Field(gt=0.0)]
 SupportPoint = tuple[float, float] | tuple[float, float, Weight]

@@ -28,8 +28,7 @@ if TYPE_CHECKING:
     )
     from objectmodels.identification.joint_fit import Fit, fit
     from objectmodels.identification.onset_detection import Onset, detect_onset
-    from objectmodels.identification.parameter_statistics import Statistics
-    from objectmodels.identification.trial import Moved, Trial
+    from objectmodels.identification.trial import Moved, Statistics, Trial
 
 __all__ = [
     "Candidate",
@@ -60,7 +59,7 @@ _HOMES = {
     "Fit": "objectmodels.identification.joint_fit",
     "Moved": "objectmodels.identification.trial",
     "Onset": "objectmodels.identification.onset_detection",
-    "Statistics": "objectmodels.identification.parameter_statistics",
+    "Statistics": "objectmodels.identification.trial",
     "Trial": "objectmodels.identification.trial",
     "Update": "objectmodels.identification.belief_update",
     "Worth": "objectmodels.identification.experiment_design",

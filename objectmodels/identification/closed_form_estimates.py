@@ -29,8 +29,7 @@ from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification.measurement_model import Balance, tilt_arms
 from objectmodels.identification.parameter_coordinates import COM_X, MASS
-from objectmodels.identification.parameter_statistics import Statistics
-from objectmodels.identification.trial import Trial
+from objectmodels.identification.trial import Statistics, Trial
 from objectmodels.mechanics.push_thresholds import GRAVITY, yaw_arm
 from objectmodels.models.object_model import ObjectModel
 

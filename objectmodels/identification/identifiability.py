@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from objectmodels.errors import ModelError
+from objectmodels.errors import ModelError, suggest
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification.measurement_model import Balance, Linear
@@ -29,7 +29,6 @@ from objectmodels.identification.parameter_coordinates import (
     RADIUS,
     Mask,
 )
-from objectmodels.name_suggestions import suggest
 
 UNKNOWN = 0.5
 """Standard deviation of a logarithm from which on a parameter counts as not found. Of the

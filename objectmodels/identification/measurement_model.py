@@ -20,6 +20,12 @@ Model, with F = s u the force on the object in the level axes of B, G its weight
 All depends on the seven `UNCERTAIN` parameters; arrays of them broadcast. To fit them they are
 seen in coordinates in which steps make sense: logarithms of the positive ones, metres for the
 horizontal centre of mass.
+
+The force that slides an object by the exact tier is G r / (1 + r u_z), where the load ratio r is
+the root of μ S(q, c̄) − r |u_xy| = 0, S the friction limit and q(r, c) the centre of pressure; see
+`objectmodels.mechanics.exact.exact_thresholds`. At a root the derivatives of r follow from those of
+this one equation: all of them, and those of the turn rate, come from one evaluation of the friction
+limit on slightly changed copies of the pushes.
 """
 
 from __future__ import annotations
@@ -30,10 +36,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array, Base, Disc
-from objectmodels.geometry.planar_vectors import dot
-from objectmodels.identification.exact_slides import exact_slides
+from objectmodels.geometry.support_points import hull_polygon
+from objectmodels.geometry.vector_arrays import dot
 from objectmodels.identification.parameter_coordinates import (
     COM_X,
     FINGER,
@@ -45,107 +50,23 @@ from objectmodels.identification.parameter_coordinates import (
     values_at,
     with_values,
 )
-from objectmodels.identification.trial import Trial
-from objectmodels.mechanics.push_thresholds import GRAVITY, push_moment, slide_threshold, yaw_arm
+from objectmodels.identification.trial import Touches, Trial
+from objectmodels.mechanics.exact.exact_thresholds import ExactThresholds
+from objectmodels.mechanics.exact.support_springs import Springs
+from objectmodels.mechanics.friction_limit import friction_limit
+from objectmodels.mechanics.push_thresholds import (
+    GRAVITY,
+    push_axes,
+    push_moment,
+    ratio_at,
+    slide_threshold,
+    yaw_arm,
+)
 from objectmodels.models.object_model import ObjectModel
-
-TURN_RATE_SD = 0.5
-"""Standard deviation of a turn rate that comes without one [rad/m]."""
 
 _STEP = 1e-6  # of a logarithm, and of the base's size, in differences
 
-
-@dataclass(frozen=True)
-class Touches:
-    """Trials as arrays.
-
-    Attributes:
-        kind: what gave way, shape (n,).
-        p: contact points in B, shape (n, 3) [m].
-        u: directions of the forces in B, shape (n, 3).
-        size: sizes of the forces, shape (n,) [N].
-        size_sd: their standard deviations [N].
-        tilt: tilts, shape (n,) [rad].
-        tilt_sd: their standard deviations [rad].
-        turn: turn rates of slides, nan if not measured, shape (n,) [rad/m].
-        turn_sd: their standard deviations [rad/m].
-        ratio: tangential over normal force of slips, nan of others, shape (n,).
-        ratio_sd: their standard deviations.
-        sources: what the trials are called.
-    """
-
-    kind: NDArray[np.str_]
-    p: Array
-    u: Array
-    size: Array
-    size_sd: Array
-    tilt: Array
-    tilt_sd: Array
-    turn: Array
-    turn_sd: Array
-    ratio: Array
-    ratio_sd: Array
-    sources: tuple[str, ...]
-
-    @classmethod
-    def from_trials(cls, trials: Sequence[Trial]) -> Touches:
-        """Arrays of some trials.
-
-        Raises:
-            ModelError: `no_trials`; `bad_trial` if one makes no sense.
-        """
-        if not trials:
-            raise ModelError("no_trials", "there is no trial to learn from")
-        for trial in trials:
-            _require_sense(trial)
-        force = np.array([trial.force for trial in trials])
-        size = np.linalg.norm(force, axis=1)
-        ratios = np.array([_slip_ratio(trial) for trial in trials])
-        rates = [(trial.turn_rate, trial.turn_rate_sd) for trial in trials]
-        return cls(
-            kind=np.array([trial.moved for trial in trials]),
-            p=np.array([trial.point for trial in trials]),
-            u=force / size[:, None],
-            size=size,
-            size_sd=np.array([trial.force_sd for trial in trials]),
-            tilt=np.array([trial.tilt for trial in trials]),
-            tilt_sd=np.array([trial.tilt_sd for trial in trials]),
-            turn=np.array([np.nan if rate is None else rate for rate, _ in rates]),
-            turn_sd=np.array([TURN_RATE_SD if sd is None else sd for _, sd in rates]),
-            ratio=ratios[:, 0],
-            ratio_sd=ratios[:, 1],
-            sources=tuple(trial.source for trial in trials),
-        )
-
-
-def _require_sense(trial: Trial) -> None:
-    figures = (*trial.point, *trial.force, trial.force_sd, trial.tilt, trial.tilt_sd,
-               trial.turn_rate or 0.0, trial.turn_rate_sd or 0.0)  # fmt: skip
-    wrong = None
-    if not np.isfinite(figures).all():
-        wrong = "has a figure that is no number"
-    elif not any(trial.force):
-        wrong = "has no force"
-    elif trial.force_sd <= 0.0 or trial.tilt_sd < 0.0 or trial.turn_rate_sd == 0.0:
-        wrong = "needs positive standard deviations"
-    elif trial.moved == "slip" and (trial.normal is None or _slip_ratio(trial)[0] <= 0.0):
-        wrong = "is a slip, which needs the face's normal and a force that presses on it aslant"
-    elif trial.moved != "slip" and not any(trial.force[:2]):
-        wrong = "has a vertical force, which neither slides nor tilts anything"
-    if wrong:
-        raise ModelError("bad_trial", f"{trial.source} {wrong}")
-
-
-def _slip_ratio(trial: Trial) -> tuple[float, float]:
-    """Tangential over normal force of a slip, and its standard deviation."""
-    if trial.moved != "slip" or trial.normal is None:
-        return np.nan, np.nan
-    force, normal = np.array(trial.force), np.array(trial.normal)
-    pressing = float(-force @ normal)
-    if pressing <= 0.0:
-        return 0.0, np.nan
-    ratio = float(np.linalg.norm(force + pressing * normal)) / pressing
-    return ratio, trial.force_sd / pressing * float(np.hypot(1.0, ratio))
+_EXACT_STEP = 1e-5  # relative, in differences; the limits are precise to 1e-10
 
 
 @dataclass(frozen=True)
@@ -335,3 +256,98 @@ def _tipping_normals(model: ObjectModel, t: Touches) -> Array:
     normals = model.thresholds(t.p, t.u).tipping_normal
     facing = [model.base.facing_normal(u[:2] / max(np.hypot(*u[:2]), 1e-300)) for u in t.u]
     return np.where(np.isfinite(normals), normals, facing)
+
+
+@dataclass(frozen=True)
+class ExactSlides:
+    """Slides of n pushes.
+
+    Attributes:
+        force: force that slides, shape (n,) [N].
+        turn: turn rate, shape (n,) [rad/m].
+        force_change: derivatives along the `coordinates`, shape (n, 7).
+        turn_change: the same of the turn rate, shape (n, 7).
+        sure: where the tier has an answer: the object slides before it topples, shape (n,).
+    """
+
+    force: Array
+    turn: Array
+    force_change: Array
+    turn_change: Array
+    sure: NDArray[np.bool_]
+
+
+def exact_slides(model: ObjectModel, p: Array, u: Array) -> ExactSlides:
+    """Slides of the exact tier, with their derivatives.
+
+    Args:
+        model: the object.
+        p: contact points in B, shape (n, 3) [m].
+        u: directions of the forces, shape (n, 3).
+    """
+    t = model.thresholds(p, u, exact=True)
+    assert isinstance(t, ExactThresholds)
+    sure = (t.slide < t.topple) & np.isfinite(t.motion).all(axis=0)
+    n = len(p)
+    found = ExactSlides(t.slide, np.zeros(n), np.zeros((n, 7)), np.zeros((n, 7)), sure)
+    (i,) = np.nonzero(sure)
+    if i.size:
+        _fill_derivatives(model, t, i, found)
+    return found
+
+
+def _fill_derivatives(
+    model: ObjectModel, t: ExactThresholds, i: NDArray[np.intp], found: ExactSlides
+) -> None:
+    """Fills in turn rates and derivatives of the slides i."""
+    (p, u), mu = (v[i] for v in t.push), model.friction
+    r, h, w = ratio_at(t.slide[i], u[:, 2], model.weight), np.hypot(u[:, 0], u[:, 1]), u[:, 2]
+    # Unknowns: r, c_x, c_y, log c̄.
+    length = model.base.size
+    steps = np.array([0.0, length, length, 1.0]) * _EXACT_STEP
+    limits, turns = _limits_around(model, t, p, u, r, steps)
+    step_r = _EXACT_STEP * r
+    ahead, behind = limits[1:5], limits[5:]
+    sizes = np.vstack((step_r, np.tile(steps[1:, None], (1, len(i)))))
+    dS = (ahead - behind) / (2.0 * sizes)
+    d_turn = (turns[1:5] - turns[5:]) / (2.0 * sizes)
+    slope = mu * dS[0] - h
+    # dr along log μ, log c̄, c_x, c_y; the root moves against the slope of the equation.
+    dr = -np.stack((mu * limits[0], mu * dS[3], mu * dS[1], mu * dS[2])) / slope
+    places = np.array([1, 3, 4, 5])  # of those in the order of `UNCERTAIN`
+    per_r = model.weight / (1.0 + r * w) ** 2
+    found.turn[i] = turns[0]
+    found.force_change[np.ix_(i, places)] = (per_r * dr).T
+    found.force_change[i, 0] = t.slide[i]  # all forces are proportional to the mass
+    direct = np.stack((np.zeros(len(i)), d_turn[3], d_turn[1], d_turn[2]))
+    found.turn_change[np.ix_(i, places)] = (direct + d_turn[0] * dr).T
+
+
+def _limits_around(
+    model: ObjectModel, t: ExactThresholds, p: Array, u: Array, r: Array, steps: Array
+) -> tuple[Array, Array]:
+    """Friction limits S and turn rates, there and one step of each unknown ahead and behind."""
+    points, weights, scale = t.support
+    h, along, across = push_axes(u)
+    change = np.zeros((9, 4, 1)) + np.zeros((1, 1, len(p)))
+    for k in range(4):
+        step = _EXACT_STEP * r if k == 0 else steps[k]
+        change[1 + k, k], change[5 + k, k] = step, -step
+    com = np.array(model.com[:2])[:, None] + change[:, 1:3]  # (9, 2, n)
+    ratio, scales = r + change[:, 0], scale * np.exp(change[:, 3])  # (9, n)
+    q = (1.0 + ratio * u[:, 2])[:, None] * com + ratio[:, None] * push_moment(p, u).T
+    q = q.transpose(1, 0, 2).reshape(2, -1)
+    if isinstance(model.base, Disc):
+        inside = hull_polygon(points)
+        q = q / np.maximum((inside.normals @ q / inside.offsets[:, None]).max(axis=0), 1.0)
+    springs = Springs(points, weights)
+    loads, _ = springs.loads(q, np.zeros_like(q), np.ones((len(points), q.shape[1]), dtype=bool))
+    factor = scales.reshape(-1)
+    a, b = np.tile(along.T, 9), np.tile(across.T, 9)
+    line = np.tile(np.sum(p[:, :2] * across, axis=1), 9)
+    ahead, aside = (a * q).sum(axis=0), (b * q).sum(axis=0)
+    xi = ahead + factor * (points @ a - ahead)
+    eta = aside - line + factor * (points @ b - aside)
+    limit = friction_limit(loads, xi, eta)
+    shape = (9, len(p))
+    return limit.ratio.reshape(shape), limit.turn.reshape(shape) / h

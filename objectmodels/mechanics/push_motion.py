@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.planar_vectors import cross, left_of, rotate
+from objectmodels.geometry.vector_arrays import cross, left_of, rotate
 
 if TYPE_CHECKING:
     from objectmodels.geometry.mechanical import Mechanical

@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array, Base
-from objectmodels.geometry.planar_vectors import cross
+from objectmodels.geometry.vector_arrays import cross
 
 GRAVITY = 9.81
 """Standard acceleration of free fall used throughout [m/s²]."""
@@ -34,6 +34,14 @@ _MAX_ITERATIONS = 100
 def push_moment(p: Array, u: Array) -> Array:
     """Moment p_z u_xy − u_z p_xy that a unit push adds to load times place, shape (..., 2) [m]."""
     return np.asarray(p[..., 2:] * u[..., :2] - u[..., 2:] * p[..., :2])
+
+
+def push_axes(u: Array) -> tuple[Array, Array, Array]:
+    """Horizontal part of directions, shape (n,), and unit vectors along and to the left, (n, 2)."""
+    h = np.hypot(u[:, 0], u[:, 1])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        along = np.where(h[:, None] > 0.0, u[:, :2] / h[:, None], [1.0, 0.0])
+    return h, along, np.column_stack((-along[:, 1], along[:, 0]))
 
 
 def topple_threshold(

@@ -24,10 +24,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from objectmodels.errors import ModelError
-from objectmodels.geometry.array_checks import checked_pairs, require_normals
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.planar_vectors import cross, left_of, rotate
 from objectmodels.geometry.support_points import friction_radius
+from objectmodels.geometry.vector_arrays import (
+    checked_pairs,
+    cross,
+    left_of,
+    require_normals,
+    rotate,
+)
 
 if TYPE_CHECKING:
     from objectmodels.geometry.mechanical import Mechanical

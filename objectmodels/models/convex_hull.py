@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike
 from pydantic import BeforeValidator, Field, model_validator
 
 from objectmodels.errors import ModelError
-from objectmodels.geometry.array_checks import as_tuples
 from objectmodels.geometry.base_shapes import Array, Polygon
 from objectmodels.geometry.side_faces import AXES, Face
 from objectmodels.geometry.support_points import hull_polygon
+from objectmodels.geometry.vector_arrays import as_tuples
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.resting_faces import Resting
 

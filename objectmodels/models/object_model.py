@@ -20,11 +20,11 @@ from numpy.typing import ArrayLike
 from pydantic import model_validator
 
 from objectmodels.errors import ModelError
-from objectmodels.geometry.array_checks import checked_pairs, require_normals, require_units
 from objectmodels.geometry.base_shapes import Array, Base, Polygon
 from objectmodels.geometry.mechanical import Friction
 from objectmodels.geometry.side_faces import Face
 from objectmodels.geometry.support_points import carrying_base, friction_radius, is_within
+from objectmodels.geometry.vector_arrays import checked_pairs, require_normals, require_units
 from objectmodels.mechanics import tilt_limits
 from objectmodels.mechanics.friction_cone import ConeThresholds, cone_thresholds
 from objectmodels.mechanics.push_outcomes import (
@@ -39,9 +39,9 @@ from objectmodels.models.resting_faces import Resting, rest_on_face
 from objectmodels.models.vessel import Vessel
 
 if TYPE_CHECKING:
-    from objectmodels.mechanics.exact.step_force import SuddenPush
     from objectmodels.mechanics.outcome_probability import Likelihood
     from objectmodels.mechanics.push_motion import Stroke
+    from objectmodels.mechanics.push_outcomes import SuddenPush
 
 _OF_ITS_BASE = (
     "friction_radius", "friction_radius_sd", "correlations", "container", "lid", "grasp",
@@ -337,7 +337,7 @@ class ObjectModel(Parameters, ABC):
         Raises:
             ModelError: `bad_array` if a shape or a value is wrong.
         """
-        from objectmodels.mechanics.exact.step_force import sudden_push
+        from objectmodels.mechanics.push_outcomes import sudden_push
 
         return sudden_push(self, *checked_pairs(points, forces))
 

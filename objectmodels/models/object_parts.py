@@ -15,7 +15,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, NonNegativeFloat, PositiveFloat
 
-from objectmodels.geometry.array_checks import as_tuple
+from objectmodels.geometry.vector_arrays import as_tuple
 
 WATER = 1000.0
 """Density of what is not said to be anything else [kg/m³]."""

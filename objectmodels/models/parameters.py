@@ -21,10 +21,10 @@ from pydantic import (
 )
 
 from objectmodels.errors import ModelError
-from objectmodels.geometry.array_checks import as_tuple, as_tuples
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.mechanical import UNCERTAIN, Friction
 from objectmodels.geometry.support_points import Support
+from objectmodels.geometry.vector_arrays import as_tuple, as_tuples
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_parts import Container, Graspable, Lid
 

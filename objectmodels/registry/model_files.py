@@ -17,14 +17,11 @@ from typing import Any
 import yaml
 from pydantic import ValidationError
 
-from objectmodels.errors import ModelError
-from objectmodels.models.box import BoxModel
+from objectmodels.errors import ModelError, suggest
 from objectmodels.models.convex_hull import HullModel
-from objectmodels.models.cylinder import CylinderModel
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.parameters import Provenance
-from objectmodels.models.prism import PrismModel
-from objectmodels.name_suggestions import suggest
+from objectmodels.models.upright_solids import BoxModel, CylinderModel, PrismModel
 from objectmodels.yaml_reader import read_yaml
 
 Kinds = Mapping[str, type[ObjectModel]]

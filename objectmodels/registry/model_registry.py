@@ -2,7 +2,7 @@
 
 A registry is a plain value that is filled explicitly; nothing registers itself by being imported.
 The default one is filled from these sources, in this order: the built-in models, plug-ins (entry
-points, `objectmodels.registry.model_plugins`), the user's folder. A scene and the program may add
+points of other packages), the user's folder. A scene and the program may add
 more. A name belongs to the source that was there first; what comes later is reported and skipped.
 One exception: a model in the user's folder takes the place of a built-in or plug-in model of the
 very same name. So what was fitted to the user's own object is what the robot goes by, and the other
@@ -13,19 +13,25 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from importlib.metadata import EntryPoint, entry_points
 from importlib.resources import as_file, files
+from os import PathLike
 from pathlib import Path
 from types import MappingProxyType
 
-from objectmodels.errors import ModelError
+from objectmodels.errors import ModelError, fold_text, suggest
 from objectmodels.models.object_model import ObjectModel
-from objectmodels.name_suggestions import fold_text, suggest
 from objectmodels.registry.model_files import BUILT_IN_KINDS, kind_of, load_model
-from objectmodels.registry.model_plugins import plugin_offers
 
 FOLDER_VARIABLE = "NLCONTROL_OBJECTS"
 """Environment variable that names the user's folder of models."""
+
+GROUP = "nlcontrol.objectmodels"
+"""Entry points of other packages that bring object models."""
+
+Offer = type[ObjectModel] | ObjectModel | Path
+"""What a plug-in brings, one at a time."""
 
 
 def user_folder() -> Path:
@@ -273,3 +279,58 @@ class Registry:
 
     def __contains__(self, name: str) -> bool:
         return fold_text(name) in self._models
+
+
+def plugin_offers() -> Iterator[tuple[str, Offer | ModelError]]:
+    """Offers of the installed plug-ins, each with its place; errors of the broken ones.
+
+    An entry point names a class of models (a new *kind*, whose name then stands in the `format` of
+    model files), a model, a path of a model file or of a folder of them, an iterable of these, or a
+    function without arguments that returns one of them. A plug-in that fails takes no other one
+    down. Kinds come first, so that model files of one plug-in may be of a kind of another one.
+    """
+    found: list[tuple[str, Offer | ModelError]] = []
+    for point in sorted(entry_points(group=GROUP), key=lambda p: (_package_name(p), p.name)):
+        place = f"plug-in {point.name!r} of {_package_name(point)}"
+        try:
+            found += [(place, offer) for offer in _offers_from(point.load())]
+        except Exception as error:  # a plug-in may fail in any way
+            found.append((place, _plugin_error(place, error)))
+    yield from sorted(found, key=lambda offer: not isinstance(offer[1], type))
+
+
+def _package_name(point: EntryPoint) -> str:
+    return point.dist.name if point.dist else point.value.partition(":")[0]
+
+
+def _offers_from(thing: object) -> Iterator[Offer]:
+    """The offers in what an entry point names."""
+    if isinstance(thing, type):
+        if not issubclass(thing, ObjectModel):
+            raise TypeError(f"{thing.__name__} is not a subclass of ObjectModel")
+        yield thing
+    elif isinstance(thing, ObjectModel):
+        yield thing
+    elif isinstance(thing, str | PathLike):
+        yield Path(thing)
+    elif callable(thing):
+        yield from _offers_from(thing())
+    elif isinstance(thing, Iterable):
+        for each in thing:
+            yield from _offers_from(each)
+    else:
+        raise TypeError(
+            f"expected a class, a model, a path or a function, found {type(thing).__name__}"
+        )
+
+
+def _plugin_error(place: str, error: Exception) -> ModelError:
+    if isinstance(error, ModelError):
+        return ModelError(
+            error.code, f"{place}: {error.message}", path=error.path, suggestions=error.suggestions
+        )
+    return ModelError(
+        "broken_plugin",
+        f"{place} failed: {type(error).__name__}: {error}",
+        suggestions=("mend or uninstall the package",),
+    )

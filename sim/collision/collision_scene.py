@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from objectmodels.models.cylinder import CylinderModel
+from objectmodels.models.upright_solids import CylinderModel
 from planner.types.world_state import SeenObject, WorldState
 from sim.collision.collision_spheres import (
     distance_to_cylinder,

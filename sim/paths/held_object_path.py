@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from objectmodels.containers import lid_geometry as lids
+from objectmodels.containers import lid_geometry
 from objectmodels.models.object_parts import ScrewCap
 from planner.types.actions import (
     Action,
@@ -130,7 +130,7 @@ class HeldObject:
 
 def _lid_as_object(target: SeenObject, pitch: float) -> tuple[SeenObject, float]:
     """A lid as an object of its own, and the height of its base [m]."""
-    model = lids.detached_lid(target.model, target.name)
+    model = lid_geometry.detached_lid(target.model, target.name)
     assert model is not None, "a lid that is held comes off"
     pose, height = target.pose, target.model.top + pitch * (target.lid or 0.0) / THREAD
     if target.lid_at is not None:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
-from objectmodels.containers import lid_geometry as lids
+from objectmodels.containers import lid_geometry
 from objectmodels.geometry.base_shapes import Base, Disc, Polygon
 from objectmodels.models.object_parts import Container, Lid
 from objectmodels.models.vessel import Vessel
@@ -156,7 +156,7 @@ class Truth(Part):
         if self.lid is None:
             return self
         left = self.mass_kg - self.lid.mass
-        p_BL = lids.lid_centre(self.lid, self.rim, self.height)
+        p_BL = lid_geometry.lid_centre(self.lid, self.rim, self.height)
         com = (self.mass_kg * np.array(self.centre_of_mass) - self.lid.mass * p_BL) / left
         return self.model_copy(
             update={"mass_kg": left, "centre_of_mass_m": tuple(com.tolist()), "lid": None}

@@ -14,8 +14,7 @@ from nlcontrol.cli import run
 from nlcontrol.learning.log_fitting import EXPERIMENTS
 from objectmodels import Registry
 from objectmodels.geometry.mechanical import UNCERTAIN
-from objectmodels.identification.logs import force_recordings as recordings
-from objectmodels.identification.logs import touch_log as datafile
+from objectmodels.identification.logs import force_recordings, touch_log
 
 ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "fitting.md").read_text(encoding="utf-8")
@@ -41,7 +40,7 @@ def test_the_commands_of_the_guide(
 def test_the_table_of_the_guide(tmp_path: Path) -> None:
     path = tmp_path / "table.csv"
     path.write_text(_block("csv"), encoding="utf-8")
-    trials = datafile.read_data([path], Registry.built_in().get("ice tea box")).trials
+    trials = touch_log.read_data([path], Registry.built_in().get("ice tea box")).trials
     assert [trial.moved for trial in trials] == ["slide", "slide", "topple", "topple", "topple"]
     assert [trial.turn_rate is None for trial in trials] == [True, False, True, True, True]
 
@@ -56,14 +55,14 @@ def test_the_python_of_the_guide(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_every_column_is_explained() -> None:
     rows, samples = GUIDE.split("## Recordings")
-    assert {name for name in datafile.COLUMNS if f"`{name}`" not in rows} == set()
-    assert {name for name in recordings.COLUMNS if f"`{name}`" not in samples} == set()
+    assert {name for name in touch_log.COLUMNS if f"`{name}`" not in rows} == set()
+    assert {name for name in force_recordings.COLUMNS if f"`{name}`" not in samples} == set()
 
 
 def test_the_stated_defaults_are_those_of_the_code() -> None:
-    assert f"{datafile.FORCE_SHARE:.0%}".replace("%", " %") in GUIDE
+    assert f"{touch_log.FORCE_SHARE:.0%}".replace("%", " %") in GUIDE
     assert GUIDE.count("Deviation 0.5° if left out") == 2
-    assert pytest.approx(0.5 * 3.14159 / 180, rel=1e-5) == datafile.ANGLE_SD
+    assert pytest.approx(0.5 * 3.14159 / 180, rel=1e-5) == touch_log.ANGLE_SD
 
 
 def test_every_parameter_has_an_experiment() -> None:

@@ -126,8 +126,8 @@ class ParameterNames(click.ParamType[tuple[str, ...]]):
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[str, ...]:
         """Read the names; `centre_of_mass` stands for its three coordinates."""
+        from objectmodels.errors import suggest
         from objectmodels.geometry.mechanical import UNCERTAIN
-        from objectmodels.name_suggestions import suggest
 
         if isinstance(value, tuple):
             return value

@@ -14,8 +14,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from objectmodels.errors import ModelError
-from objectmodels.name_suggestions import suggest
+from objectmodels.errors import ModelError, suggest
 
 MAX_BYTES = 50_000_000
 """Larger files are not logs of touches."""

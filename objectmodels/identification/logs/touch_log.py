@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from objectmodels.errors import suggest
 from objectmodels.identification.logs.csv_tables import Row, Table, read_table, short_quote
 from objectmodels.identification.logs.force_recordings import (
     CONTACT,
@@ -24,7 +25,6 @@ from objectmodels.identification.logs.force_recordings import (
 from objectmodels.identification.plausibility_checks import contact_objection, force_objection
 from objectmodels.identification.trial import Moved, Trial, Vector
 from objectmodels.models.object_model import ObjectModel
-from objectmodels.name_suggestions import suggest
 
 FORCE_SHARE = 0.02
 """Standard deviation of a force as a share of it, if none is stated; residuals may enlarge it."""

@@ -29,11 +29,12 @@ from objectmodels.geometry.support_points import (
     mean_distance,
     support_points,
 )
-from objectmodels.mechanics.exact.support_springs import Springs, push_axes
+from objectmodels.mechanics.exact.support_springs import Springs
 from objectmodels.mechanics.friction_limit import Limit, friction_limit
 from objectmodels.mechanics.push_outcomes import Thresholds, closed_form_thresholds
 from objectmodels.mechanics.push_thresholds import (
     force_at,
+    push_axes,
     push_moment,
     ratio_at,
     slide_threshold,

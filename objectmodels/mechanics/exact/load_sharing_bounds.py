@@ -24,10 +24,9 @@ from numpy.typing import NDArray
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array, Disc
-from objectmodels.geometry.planar_vectors import cross
-from objectmodels.mechanics.exact.support_springs import push_axes
+from objectmodels.geometry.vector_arrays import cross
 from objectmodels.mechanics.friction_limit import friction_limit
-from objectmodels.mechanics.push_thresholds import force_at, push_moment, ratio_at
+from objectmodels.mechanics.push_thresholds import force_at, push_axes, push_moment, ratio_at
 
 if TYPE_CHECKING:
     from objectmodels.mechanics.exact.exact_thresholds import ExactThresholds

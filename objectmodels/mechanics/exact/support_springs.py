@@ -221,11 +221,3 @@ class Springs:
 def _is_pressing(depth: Array) -> NDArray[np.bool_]:
     """Return True for loaded points; those that just touch count, so that there are three."""
     return np.asarray(depth > -_TOUCHING * np.minimum(np.abs(depth).max(axis=0), _DEEP))
-
-
-def push_axes(u: Array) -> tuple[Array, Array, Array]:
-    """Horizontal part of directions, shape (n,), and unit vectors along and to the left, (n, 2)."""
-    h = np.hypot(u[:, 0], u[:, 1])
-    with np.errstate(invalid="ignore", divide="ignore"):
-        along = np.where(h[:, None] > 0.0, u[:, :2] / h[:, None], [1.0, 0.0])
-    return h, along, np.column_stack((-along[:, 1], along[:, 0]))

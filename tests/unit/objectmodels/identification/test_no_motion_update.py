@@ -10,8 +10,12 @@ from hypothesis import strategies as st
 from objectmodels import BoxModel, ObjectModel
 from objectmodels.geometry.mechanical import UNCERTAIN
 from objectmodels.identification import Trial
-from objectmodels.identification.belief_update import SURPRISING, belief_of
-from objectmodels.identification.no_motion_update import update_without_motion, widen_belief
+from objectmodels.identification.belief_update import (
+    SURPRISING,
+    belief_of,
+    update_without_motion,
+    widen_belief,
+)
 
 BELIEF = BoxModel(
     name="b", size=(0.09, 0.09, 0.23), mass=1.0, mass_sd=0.04, friction=0.35, friction_sd=0.06,

@@ -14,7 +14,7 @@ from objectmodels.mechanics.grasp_stability import (
     slip_multiplier,
     squeeze_needed,
 )
-from objectmodels.models.box import BoxModel
+from objectmodels.models.upright_solids import BoxModel
 
 HALF = 0.027
 CONTACTS = Contacts.from_arrays(

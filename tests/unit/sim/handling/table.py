@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from objectmodels.models.box import BoxModel
-from objectmodels.models.cylinder import CylinderModel
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.object_parts import Container, Opening
+from objectmodels.models.upright_solids import BoxModel, CylinderModel
 from planner.types.actions import Action, Grasp
 from planner.types.plan import Plan
 from planner.types.world_state import Held, PlanarPose, SeenObject, WorldState

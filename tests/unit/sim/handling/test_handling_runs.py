@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from objectmodels.models.cylinder import CylinderModel
+from objectmodels.models.upright_solids import CylinderModel
 from planner.types.actions import Aim, Carry, LiftUp, SetDown
 from planner.types.plan import Plan
 from sim.simulated_executor import SimulatedExecutor

@@ -1,14 +1,39 @@
-"""Arrays that callers hand in, checked at the boundary; arrays as tuples of a strict model."""
+"""Arrays of vectors: products in the table plane, checks of what callers hand in, tuples.
+
+Vectors in the table plane hold x and y in their last axis.
+"""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from objectmodels.errors import ModelError
-from objectmodels.geometry.base_shapes import Array
+
+Array = NDArray[np.float64]
+
+
+def dot(a: Array, b: Array) -> Array:
+    """Scalar product a·b, shape (...); faster than a product with a stride."""
+    return np.asarray(a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1])
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Vertical part of a × b, shape (...)."""
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
+def left_of(v: Array) -> Array:
+    """ẑ × v, shape (..., 2)."""
+    return np.stack((-v[..., 1], v[..., 0]), axis=-1)
+
+
+def rotate(v: Array, angle: Array) -> Array:
+    """Vectors (n, 2) turned counter-clockwise by angles (n,) [rad]."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.column_stack((c * v[:, 0] - s * v[:, 1], s * v[:, 0] + c * v[:, 1]))
 
 
 def checked_pairs(points: ArrayLike, vectors: ArrayLike) -> tuple[Array, Array]:

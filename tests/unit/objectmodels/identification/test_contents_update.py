@@ -7,7 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from objectmodels import BoxModel
-from objectmodels.containers.contents_update import container_with_mass, container_with_volume
+from objectmodels.identification.parameter_coordinates import (
+    container_with_mass,
+    container_with_volume,
+)
 from objectmodels.models.object_parts import Container, Opening
 
 LITRE = 1e-3
