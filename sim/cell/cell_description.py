@@ -58,12 +58,12 @@ class RobotMount(Part):
     Attributes:
         base_m: position of the arm's base in W.
         base_rpy_deg: roll, pitch, yaw of the base in W; roll 180 hangs it upside down.
-        home_deg: joint angles of the arm while it waits.
+        home_deg: joint angles of the arm while it waits, one of each joint.
     """
 
     base_m: Point3 = (0.55, 0.0, 1.1)
     base_rpy_deg: Point3 = (180.0, 0.0, 0.0)
-    home_deg: tuple[float, float, float, float, float, float, float]
+    home_deg: tuple[float, ...]
 
 
 class Vision(Part):

@@ -83,7 +83,7 @@ class FlipExecution:
 
     @property
     def _above(self) -> Array:
-        return np.asarray(self._start + np.array([0.0, 0.0, self._stance.lift]))
+        return np.asarray(self._start + np.array([0.0, 0.0, self._stance.stance.lift]))
 
     def _straight(self, start: Array, goal: Array) -> None:
         recorder, posture = self._recorder, self._stance.stance.posture

@@ -129,7 +129,7 @@ def _execute_by_hand(
         make = GraspExecution if handled.owner is None else LidExecution
         execution = make(handled, recorder, way, tell, setup.holding)
         try:
-            execution.carry_out(setup.reach.home)
+            execution.carry_out(setup.reach.mount.home)
         except EarlyEndError as early:
             end, detail = early.end, early.detail
             tell("retreat", setup.port.time, detail)

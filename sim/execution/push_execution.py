@@ -72,7 +72,7 @@ class PushExecution:
         Raises:
             EarlyEndError: the hand does not get there.
         """
-        for reach in (self._setup.reach, self._setup.reach.thorough_reach()):
+        for reach in (self._setup.reach, self._setup.reach.thorough_reach):
             # It was reached from where things were seen before.
             for spare in (0.0, SPARE):
                 answer = reach.push_configuration(self._push, state, spare)

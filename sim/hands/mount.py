@@ -1,4 +1,4 @@
-"""The mounted robot: an arm on its base with a hand on its flange.
+"""The mounted robot: an arm on its base with a hand on its flange, and where it waits.
 
 Frames: W is the world, A the arm's base, F its flange, P the palm.
 """
@@ -14,31 +14,43 @@ from numpy.typing import NDArray
 from sim.arms.arm_kinematics import ArmKinematics
 from sim.cell.cell_description import RobotMount
 from sim.collision.collision_spheres import place_spheres
+from sim.errors import SceneError
 from sim.hands.hand_model import Hand
 from sim.rotations import Array, rot_x, rot_y, rot_z
 
 
 @dataclass(frozen=True, eq=False)
 class Mount:
-    """An arm with a hand, and where its base stands.
+    """An arm with n joints and a hand, and where its base stands.
 
     Attributes:
         arm: on the base.
         hand: on the arm's flange.
         R_WA: orientation of the base, shape (3, 3).
         p_WA: its place, shape (3,) [m].
+        home: joint angles of the arm while it waits, shape (n,) [rad].
     """
 
     arm: ArmKinematics
     hand: Hand
     R_WA: Array
     p_WA: Array
+    home: Array
 
     @classmethod
     def from_cell(cls, cell: RobotMount, arm: ArmKinematics, hand: Hand) -> Mount:
-        """The mount that a cell's description names."""
+        """The mount that a cell's description names.
+
+        Raises:
+            SceneError: the cell's joint angles are not as many as the arm's joints.
+        """
+        given, joints = len(cell.home_deg), len(arm.joint_names)
+        if given != joints:
+            message = f"robot.home_deg: {given} joint angles, and the arm has {joints} joints"
+            raise SceneError("bad_scene", message)
         roll, pitch, yaw = np.radians(cell.base_rpy_deg)
-        return cls(arm, hand, rot_z(yaw) @ rot_y(pitch) @ rot_x(roll), np.array(cell.base_m))
+        R_WA = rot_z(yaw) @ rot_y(pitch) @ rot_x(roll)
+        return cls(arm, hand, R_WA, np.array(cell.base_m), np.radians(cell.home_deg))
 
     @functools.cached_property
     def p_PW(self) -> Array:

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.types.robot import ReachAnswer
 from sim.hands.hand_model import Angles, Posture
 from sim.hands.mount import Mount
 from sim.rotations import Array, rot_z
@@ -65,6 +64,10 @@ class ArmConfiguration:
             raise UnreachableError(f"the arm does not bring the fingertips to ({at}) mm")
         return np.asarray(q[0, 0])
 
+    def robot_spheres(self, q: Array) -> Array:
+        """Spheres of hand and arm in W for arm angles (n, joints), shape (n, k, 4)."""
+        return self.mount.robot_spheres(self.mount.hand.whole_spheres(self.posture), q)
+
     def push_stiffness(self, direction_W: Array) -> float:
         """Force per displacement of the pushing fingers along a unit direction in W [N/m]."""
         along, hand = self.R_WP.T @ direction_W, self.mount.hand
@@ -84,8 +87,3 @@ class ArmConfiguration:
             (finger, self.posture.angles[finger], tip + radius * along_P)
             for finger, tip in zip(self.posture.pushing, self.posture.tips, strict=True)
         ]
-
-
-def unreachable_answer(reason: str, message: str, blocker: str | None = None) -> ReachAnswer:
-    """The answer that a search has found nothing, and what stopped it."""
-    return ReachAnswer(ok=False, reason=reason, message=message, blocker=blocker)

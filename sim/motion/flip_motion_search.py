@@ -24,7 +24,7 @@ from sim.collision.collision_scene import TABLE_CLEARANCE, CollisionScene
 from sim.collision.collision_spheres import height_above_table, place_spheres
 from sim.hands.hand_model import FlipPostureSet
 from sim.hands.mount import Mount
-from sim.motion.arm_configuration import ArmConfiguration, unreachable_answer
+from sim.motion.arm_configuration import ArmConfiguration
 from sim.motion.ik_search import best_solutions
 from sim.motion.roadmap import (
     LIMIT_MARGIN,
@@ -53,14 +53,12 @@ class FlipConfiguration:
         stance: at the start.
         hands: the one hand, with its path.
         lid: that is flipped.
-        lift: how far over the start of the way the hand comes down [m].
         R_WE, p_WE: of the hinge, as it was seen.
     """
 
     stance: ArmConfiguration
     hands: FlipPostureSet
     lid: LidShape
-    lift: float
     R_WE: Array
     p_WE: Array
 
@@ -81,33 +79,18 @@ class FlipConfiguration:
         return float(np.arctan2(whole[0, 2], whole[0, 0]))
 
 
-@dataclass(frozen=True, eq=False)
-class _Solved:
-    """Arm poses along the way, best first: hand, elbow, branch, angles, above the start, room."""
-
-    hand: NDArray[np.intp]
-    elbow: Array
-    branch: NDArray[np.intp]
-    q: Array
-    room: Array
-
-
 class FlipMotionSearch:
     """The search for one flip.
 
     Args:
         mount: of the arm.
-        home: arm angles from which it comes, shape (joints,) [rad].
         step: what is to be done.
         name: of the object with the lid.
         state: what is believed.
     """
 
-    def __init__(
-        self, mount: Mount, home: Array, step: FlipOver, name: str, state: WorldState
-    ) -> None:
+    def __init__(self, mount: Mount, step: FlipOver, name: str, state: WorldState) -> None:
         self._mount = mount
-        self._home = home
         self._name = name
         target = state.objects[name]
         self._lid = lid_shape(step, target, mount.hand.tip_radius)
@@ -123,14 +106,14 @@ class FlipMotionSearch:
     def best_configuration(self) -> tuple[FlipConfiguration, ReachAnswer] | ReachAnswer:
         """The best stance, or why there is none."""
         if not len(self._hands):
-            return unreachable_answer(
-                "object", f"the hand would hit the {self._name} with more than a fingertip"
+            return ReachAnswer(
+                False, "object", f"the hand would hit the {self._name} with more than a fingertip"
             )
         hands = self._clear_hands()
         if not len(hands):
             other = min(self._stopped)
-            return unreachable_answer(
-                "obstacle", f"the hand would hit the {other} beside the lid", other
+            return ReachAnswer(
+                False, "obstacle", f"the hand would hit the {other} beside the lid", other
             )
         met: list[Array] = []
         for tried, found in enumerate(self._configurations(hands)):
@@ -139,16 +122,16 @@ class FlipMotionSearch:
             if via is not None:
                 whole = replace(stance, stance=replace(stance.stance, via=via))
                 return whole, ReachAnswer(ok=True, margin=room)
-            met.append(self._robot_spheres(stance, interpolate_joints(self._home, above)))
+            met.append(stance.stance.robot_spheres(interpolate_joints(self._mount.home, above)))
             if tried == _WAYS - 1:
                 break
         if met:
             hit = self._scenery.hit_by(met[0])
             what = hit or f"{self._name} or the table"
             message = f"the arm has no free way to the lid: it would hit the {what}"
-            return unreachable_answer("obstacle" if hit else "approach", message, hit)
-        return unreachable_answer(
-            "kinematics", f"the arm does not reach along the lid of the {self._name}"
+            return ReachAnswer(False, "obstacle" if hit else "approach", message, hit)
+        return ReachAnswer(
+            False, "kinematics", f"the arm does not reach along the lid of the {self._name}"
         )
 
     def _clear_hands(self) -> FlipPostureSet:
@@ -176,21 +159,22 @@ class FlipMotionSearch:
         hand, elbow, branch = self._at_a_glance(hands)
         for first in range(0, len(hand), _FOLLOWED):
             few = slice(first, first + _FOLLOWED)
-            solved = self._follow_path(hands, hand[few], elbow[few], branch[few])
-            for k in range(len(solved.hand)):
-                one = hands[solved.hand[k : k + 1]]
+            at, q, room = self._follow_path(hands, hand[few], elbow[few], branch[few])
+            for k, q_above, most in zip(first + at, q[:, 0], room.tolist(), strict=True):
+                one = hands[hand[k : k + 1]]
                 stance = ArmConfiguration(
                     mount=self._mount,
                     posture=one.postures[0],
                     R_WP=self._R_WE @ one.R_EP[0, 0],
-                    elbow=float(solved.elbow[k]),
-                    branch=int(solved.branch[k]),
+                    elbow=float(elbow[k]),
+                    branch=int(branch[k]),
                     lift=self._lift,
                 )
-                found = FlipConfiguration(
-                    stance, one, self._lid, self._lift, self._R_WE, self._p_WE
+                yield (
+                    FlipConfiguration(stance, one, self._lid, self._R_WE, self._p_WE),
+                    q_above,
+                    most,
                 )
-                yield found, solved.q[k, 0], float(solved.room[k])
 
     def _solve_poses(
         self, hands: FlipPostureSet, at: list[int], lift: Array, elbow: Array
@@ -213,28 +197,29 @@ class FlipMotionSearch:
         at = [0, (arc.start + arc.stop) // 2, arc.stop - 1]
         q, usable = self._solve_poses(hands[hand], at, np.zeros(3), elbow)
         room = self._mount.arm.joint_room(q).min(axis=1)
-        off = q[:, 0] - self._home
+        off = q[:, 0] - self._mount.home
         row, branch = best_solutions(np.asarray(usable.all(axis=1)), room, off, _HOMESICK, _SOLVED)
         return hand[row], elbow[row], branch
 
     def _follow_path(
         self, hands: FlipPostureSet, hand: NDArray[np.intp], elbow: Array, branch: NDArray[np.intp]
-    ) -> _Solved:
-        """Solutions that are continuous and free all along the path, from above the start on."""
-        some = hands[hand]
-        w, d = len(some.path.points), len(_DESCENT)
-        at, lift = (
-            [0] * (d - 1) + list(range(w)),
-            np.append(self._lift * _DESCENT[:-1], np.zeros(w)),
-        )
+    ) -> tuple[NDArray[np.intp], Array, Array]:
+        """Solutions that are continuous and free all along the path, from above the start on.
+
+        Returns:
+            Which of them, shape (k,), their arm angles, the first above the start, shape
+            (k, w, joints) [rad], and their room to the joint limits, shape (k,) [rad].
+        """
+        some, d = hands[hand], len(_DESCENT) - 1
+        at = [0] * d + list(range(len(some.path.points)))
+        lift = np.append(self._lift * _DESCENT[:-1], np.zeros(len(at) - d))
         q, usable = self._solve_poses(some, at, lift, elbow)
         rows = np.arange(len(hand))
         q, usable = q[rows, :, branch], usable[rows, :, branch]
         steady = np.abs(np.diff(q, axis=1)).max(axis=(1, 2)) < _LARGEST_STEP
-        good = usable.all(axis=1) & steady
-        good[good] = self._are_free(some[np.flatnonzero(good)], q[good])
-        room = self._mount.arm.joint_room(q).min(axis=1)
-        return _Solved(hand[good], elbow[good], branch[good], q[good], room[good])
+        good = np.flatnonzero(usable.all(axis=1) & steady)
+        good = good[self._are_free(some[good], q[good])]
+        return good, q[good], self._mount.arm.joint_room(q[good]).min(axis=1)
 
     # -- what is in the way ---------------------------------------------------------------------
 
@@ -264,7 +249,7 @@ class FlipMotionSearch:
         """Arm poses between home and above the start; None if no free way was found."""
 
         def is_free(q: Array) -> NDArray[np.bool_]:
-            robot = self._robot_spheres(found, q)
+            robot = found.stance.robot_spheres(q)
             off = np.asarray(self._scenery.pushed.is_clear(robot, _BODY_CLEARANCE))
             off &= self._is_off_lid(robot, self._lid.start)
             off &= self._is_off_lid(robot, self._lid.end)
@@ -273,15 +258,10 @@ class FlipMotionSearch:
             height = height_above_table(robot).min(axis=-1)
             return np.asarray(off & (height >= TABLE_CLEARANCE))
 
-        middle = 0.5 * (self._home + above)
+        middle = 0.5 * (self._mount.home + above)
         places = (
-            np.vstack([middle, sample_configurations(self._home, above)])
+            np.vstack([middle, sample_configurations(self._mount.home, above)])
             if thorough
             else middle[None]
         )
-        return free_path(self._mount.arm, self._home, above, places, is_free)
-
-    def _robot_spheres(self, found: FlipConfiguration, q: Array) -> Array:
-        """Spheres of hand and arm in W, shape (n, k, 4)."""
-        hand = self._mount.hand.whole_spheres(found.stance.posture)
-        return self._mount.robot_spheres(hand, q)
+        return free_path(self._mount.arm, self._mount.home, above, places, is_free)

@@ -30,7 +30,6 @@ from sim.collision.collision_scene import (
 from sim.collision.collision_spheres import height_above_table, place_spheres, surface_spheres
 from sim.hands.hand_model import GraspPosture
 from sim.hands.mount import Mount
-from sim.motion.arm_configuration import unreachable_answer
 from sim.motion.ik_search import best_solutions
 from sim.motion.roadmap import LIMIT_MARGIN, free_path, sample_configurations
 from sim.paths.held_object_path import (
@@ -97,7 +96,6 @@ class GraspMotionSearch:
 
     Args:
         mount: of the arm.
-        home: arm angles from which it comes, shape (joints,) [rad].
         handled: what is held, and the plan.
         grip: of the hand.
         off: the way of the open hand off the object, in W, shape (3,) [m].
@@ -107,14 +105,12 @@ class GraspMotionSearch:
     def __init__(
         self,
         mount: Mount,
-        home: Array,
         handled: HeldObject,
         grip: GraspPosture,
         off: Array,
         spare: float = 0.0,
     ) -> None:
         self._mount = mount
-        self._home = home
         self._grip = grip
         plan, state = handled.plan, handled.state
         self._plan = plan
@@ -168,8 +164,8 @@ class GraspMotionSearch:
             return blocked
         q, elbow, branch, room = self._arm_solutions()
         if not len(q):
-            return unreachable_answer(
-                "kinematics", "the arm does not reach along the whole way of the hand"
+            return ReachAnswer(
+                False, "kinematics", "the arm does not reach along the whole way of the hand"
             )
         hindered: str | None = None
         tried = 0
@@ -190,7 +186,8 @@ class GraspMotionSearch:
             if tried >= _MOST_TRANSITS:
                 break
         own = hindered in {self._plan.object, "table"}
-        return unreachable_answer(
+        return ReachAnswer(
+            False,
             "approach" if own else "obstacle",
             f"the arm has no free way to the hand's places: it would hit the {hindered}",
             None if own else hindered,
@@ -208,8 +205,8 @@ class GraspMotionSearch:
             low = height_above_table(hand).min(initial=np.inf)
             if low < (TABLE_CLEARANCE if self._owner is None else _LID_CLEARANCE):
                 up = 1e3 * float(low)
-                return unreachable_answer(
-                    "table", f"the hand would come to {up:.0f} mm over the table"
+                return ReachAnswer(
+                    False, "table", f"the hand would come to {up:.0f} mm over the table"
                 )
             for each in self._scenery.others:
                 if not each.is_clear(hand).all():
@@ -219,12 +216,12 @@ class GraspMotionSearch:
         for k, one in zip(free, hand, strict=True):
             stands = self._stood if self._last[k] else self._about
             if (stands.distance_to(one) < _FACE_CLEARANCE).any():
-                return unreachable_answer("object", f"the open hand does not get around {what}")
+                return ReachAnswer(False, "object", f"the open hand does not get around {what}")
         inside = self._mount.hand.spheres(self._closed)
         own = place_spheres(inside, self._R_BP, self._p_BP)
         if (_in_itself(self._about).distance_to(own) < 0.0).any():
-            return unreachable_answer(
-                "object", f"the hand would hit {what} with more than its fingertips"
+            return ReachAnswer(
+                False, "object", f"the hand would hit {what} with more than its fingertips"
             )
         return self._held_blocked()
 
@@ -246,7 +243,7 @@ class GraspMotionSearch:
         tilted = self._R_WB[holding][:, 2, 2] < 1.0 - 1e-9
         low = height_above_table(body[tilted]).min(initial=np.inf)
         if low < _OFF_TABLE:
-            return unreachable_answer("table", f"{what} would hit the table while it is tilted")
+            return ReachAnswer(False, "table", f"{what} would hit the table while it is tilted")
         into = {step.into for step in self._plan.steps if isinstance(step, PourOut)}
         for each in self._scenery.others:
             if each.name == self._owner:
@@ -270,7 +267,7 @@ class GraspMotionSearch:
         _, good, _ = self._follow_path(R_WP[some], p_WP[some], elbows, np.inf)
         elbows = elbows[good.any(axis=1)]
         q, good, room = self._follow_path(R_WP, p_WP, elbows, _LARGEST_STEP)
-        off = q[:, 0] - (self._home if self._at is None else self._at)
+        off = q[:, 0] - (self._mount.home if self._at is None else self._at)
         row, branch = best_solutions(good, room, off, _HOMESICK, good.size)
         return q[row, :, branch], elbows[row], branch, room[row, branch]
 
@@ -359,31 +356,24 @@ class GraspMotionSearch:
         def is_free(q: Array) -> NDArray[np.bool_]:
             return self._scenery.is_free(self._mount.robot_spheres(open_hand, q), stands)
 
+        arm, home = self._mount.arm, self._mount.home
         up = np.array([[0.0, 0.0, height] for height in _RAISED])
-        R = np.broadcast_to(R_WB, (len(up), 3, 3))
-        raised, valid = way.joint_angles(R, p_WB + up)
-        places = np.vstack([raised[valid], 0.5 * (self._home + q), *(
-            [0.5 * (self._home + one)] for one in raised[valid]
-        )])  # fmt: skip
-        found = free_path(self._mount.arm, self._home, q, places, is_free)
-        return found if found is not None else free_path(
-            self._mount.arm, self._home, q, sample_configurations(self._home, q), is_free
-        )  # fmt: skip
+        raised, valid = way.joint_angles(np.broadcast_to(R_WB, (len(up), 3, 3)), p_WB + up)
+        raised = raised[valid]
+        places = np.vstack([raised, 0.5 * (home + q), 0.5 * (home + raised)])
+        found = free_path(arm, home, q, places, is_free)
+        if found is None:
+            found = free_path(arm, home, q, sample_configurations(home, q), is_free)
+        return found
 
 
 def best_grasp_motion(
-    mount: Mount,
-    home: Array,
-    plan: Plan,
-    grip: GraspPosture,
-    state: WorldState,
-    spare: float = 0.0,
+    mount: Mount, plan: Plan, grip: GraspPosture, state: WorldState, spare: float = 0.0
 ) -> GraspMotion | ReachAnswer:
     """The best way through a plan, or why there is none.
 
     Args:
         mount: of the arm.
-        home: arm angles from which it comes, shape (joints,) [rad].
         plan: with a grasp.
         grip: of the hand.
         state: what is believed.
@@ -392,7 +382,7 @@ def best_grasp_motion(
     first: ReachAnswer | None = None
     handled = HeldObject.from_plan(plan, state)
     for off in withdrawal_vectors(handled.grasp, handled.held):
-        found = GraspMotionSearch(mount, home, handled, grip, off, spare).best_motion()
+        found = GraspMotionSearch(mount, handled, grip, off, spare).best_motion()
         if isinstance(found, GraspMotion):
             return found
         first = first or found
@@ -406,4 +396,4 @@ def _in_itself(held: Obstacle) -> Obstacle:
 
 
 def _blocked_answer(name: str, what: str) -> ReachAnswer:
-    return unreachable_answer("obstacle", f"{what} would hit the {name}", name)
+    return ReachAnswer(False, "obstacle", f"{what} would hit the {name}", name)

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from planner.types.actions import Push
 from sim.hands.hand_model import PostureSet
 from sim.hands.mount import Mount
-from sim.motion.arm_configuration import ArmConfiguration
 from sim.motion.roadmap import LIMIT_MARGIN
 from sim.rotations import Array
 
@@ -63,27 +62,12 @@ class IkSolutions:
     def __getitem__(self, k: NDArray[np.bool_]) -> IkSolutions:
         return IkSolutions(*(getattr(self, field.name)[k] for field in fields(self)))
 
-    def configuration_of(
-        self, k: int, mount: Mount, hands: PostureSet, R_WD: Array
-    ) -> ArmConfiguration:
-        """One of them."""
-        hand = self.hand[k]
-        return ArmConfiguration(
-            mount=mount,
-            posture=hands.posture_at(hand),
-            R_WP=R_WD @ hands.R_DP[hand],
-            elbow=float(self.elbow[k]),
-            branch=int(self.branch[k]),
-            lift=float(self.lift[k]),
-        )
-
 
 class PushIkSearch:
     """The arm poses of one push.
 
     Args:
         mount: of the arm.
-        home: arm angles from which it comes, shape (joints,) [rad].
         push: what is to be done.
         points: of T: the start, the touch, and on to the end of the stroke, shape (w, 3) [m].
         R_WD: frame of the push at each of them, shape (w, 3, 3).
@@ -92,9 +76,8 @@ class PushIkSearch:
         too_weak: whether an arm did not bear the force of the push.
     """
 
-    def __init__(self, mount: Mount, home: Array, push: Push, points: Array, R_WD: Array) -> None:
+    def __init__(self, mount: Mount, push: Push, points: Array, R_WD: Array) -> None:
         self._mount = mount
-        self._home = home
         self._push = push
         self._points = points
         self._R_WD = R_WD
@@ -130,7 +113,7 @@ class PushIkSearch:
         )
         room = self._mount.arm.joint_room(q).min(axis=1)
         good = valid.all(axis=1) & (room > least)
-        row, branch = best_solutions(good, room, q[:, 0] - self._home, _HOMESICK, _SOLVED)
+        row, branch = best_solutions(good, room, q[:, 0] - self._mount.home, _HOMESICK, _SOLVED)
         return hand[row], elbow[row], branch
 
     def _follow_path(

@@ -31,7 +31,7 @@ from sim.collision.collision_scene import (
 )
 from sim.hands.hand_model import PostureSet
 from sim.hands.mount import Mount
-from sim.motion.arm_configuration import ArmConfiguration, UnreachableError, unreachable_answer
+from sim.motion.arm_configuration import ArmConfiguration, UnreachableError
 from sim.motion.ik_search import ENOUGH_MARGIN, IkSolutions, PushIkSearch, descent_points, in_range
 from sim.motion.roadmap import (
     LIMIT_MARGIN,
@@ -87,19 +87,12 @@ class _Found:
         """The same with a way."""
         return replace(self, stance=replace(self.stance, via=via))
 
-    @property
-    def reach_answer(self) -> tuple[ArmConfiguration, ReachAnswer]:
-        """The configuration and the answer to the planner."""
-        numbers = {"strength": self.strength}
-        return self.stance, ReachAnswer(ok=True, margin=self.room, numbers=numbers)
-
 
 class PushMotionSearch:
     """The search for one push.
 
     Args:
         mount: of the arm.
-        home: arm angles from which it comes, shape (joints,) [rad].
         push: what is to be done.
         way: of the fingertips.
         state: what is believed.
@@ -110,7 +103,6 @@ class PushMotionSearch:
     def __init__(
         self,
         mount: Mount,
-        home: Array,
         push: Push,
         way: FingertipPath,
         state: WorldState,
@@ -119,12 +111,11 @@ class PushMotionSearch:
     ) -> None:
         self._effort = effort
         self._mount = mount
-        self._home = home
         self._push = push
         self._way = way
         self._points = way.points_at()
         self._R_WD = rot_z(way.turns_at()) @ way.R_WD
-        self._arms = PushIkSearch(mount, home, push, self._points, self._R_WD)
+        self._arms = PushIkSearch(mount, push, self._points, self._R_WD)
         table = state.table
         self._centre = 0.5 * np.array([table.x_min + table.x_max, table.y_min + table.y_max])
         self._scenery = CollisionScene.from_state(state, push.object, spare, effort.clearance)
@@ -144,7 +135,7 @@ class PushMotionSearch:
         self._arms.too_weak = False
         high = self._points[:, 2].min() + hands.lowest_points > TABLE_CLEARANCE
         if not high.any():
-            return unreachable_answer("table", "the hand would hit the table")
+            return ReachAnswer(False, "table", "the hand would hit the table")
         hands = hands[high]
         best: _Found | None = None
         blocked: list[_Found] = []
@@ -168,18 +159,21 @@ class PushMotionSearch:
             if asked >= self._effort.most_hands:
                 break
         for found in blocked[: self._effort.last_resorts] if best is None else ():
-            via = self._way_there(found, sample_configurations(self._home, found.above))
+            via = self._way_there(found, sample_configurations(self._mount.home, found.above))
             if via is not None:
                 best = found.with_path(via)
                 break
-        return self._failure_answer(asked, blocked) if best is None else best.reach_answer
+        if best is None:
+            return self._failure_answer(asked, blocked)
+        numbers = {"strength": best.strength}
+        return best.stance, ReachAnswer(ok=True, margin=best.room, numbers=numbers)
 
     def _failure_answer(self, asked: int, blocked: list[_Found]) -> ReachAnswer:
         """Why no stance was found."""
         if not asked and self._stopped:
             return _blocked_answer(self._push, self._stopped)
         hindered = [
-            self._robot_spheres(f.stance, interpolate_joints(self._home, f.above))
+            f.stance.robot_spheres(interpolate_joints(self._mount.home, f.above))
             for f in blocked[:1]
         ]
         hindered = hindered or self._hindered[:1]
@@ -187,13 +181,13 @@ class PushMotionSearch:
             name = self._scenery.hit_by(hindered[0])
             what = name or f"{self._push.object} or the table"
             message = f"the arm has no free way to the contact: it would hit the {what}"
-            return unreachable_answer("obstacle" if name else "approach", message, name)
+            return ReachAnswer(False, "obstacle" if name else "approach", message, name)
         if self._arms.too_weak:
             force = self._push.force_limit
             message = f"the arm's joints do not bear {force:.0f} N there"
             return ReachAnswer(False, "torque", message, numbers={"force": force})
-        return unreachable_answer(
-            "kinematics", "the arm does not reach along the whole way of the push"
+        return ReachAnswer(
+            False, "kinematics", "the arm does not reach along the whole way of the push"
         )
 
     # -- hands ----------------------------------------------------------------------------------
@@ -244,8 +238,16 @@ class PushMotionSearch:
         """
         for solved in self._arms.solutions_along(hands, least):
             for k in np.flatnonzero(self._are_unhindered(hands, solved)).tolist():
-                stance = solved.configuration_of(k, self._mount, hands, self._R_WD[0])
-                strength = self._push.fingers * float(hands.strength[solved.hand[k]])
+                hand = solved.hand[k]
+                stance = ArmConfiguration(
+                    mount=self._mount,
+                    posture=hands.posture_at(hand),
+                    R_WP=self._R_WD[0] @ hands.R_DP[hand],
+                    elbow=float(solved.elbow[k]),
+                    branch=int(solved.branch[k]),
+                    lift=float(solved.lift[k]),
+                )
+                strength = self._push.fingers * float(hands.strength[hand])
                 yield _Found(stance, solved.descent[k, 0], float(solved.room[k]), strength)
 
     # -- whole arms -----------------------------------------------------------------------------
@@ -269,11 +271,11 @@ class PushMotionSearch:
 
         def is_free(q: Array) -> NDArray[np.bool_]:
             # The hand comes back the same way, when the object is where it was pushed.
-            robot = self._robot_spheres(found.stance, q)
+            robot = found.stance.robot_spheres(q)
             back = self._scenery.is_free(robot, self._pushed[-1])
             return np.asarray(self._scenery.is_free(robot) & back)
 
-        return free_path(self._mount.arm, self._home, found.above, places, is_free)
+        return free_path(self._mount.arm, self._mount.home, found.above, places, is_free)
 
     def _comes_off(self, found: _Found) -> bool:
         """True if the hand also gets off a face that it has turned, and back to the start."""
@@ -290,7 +292,7 @@ class PushMotionSearch:
             ]
         except UnreachableError:
             return False
-        robot = self._robot_spheres(found.stance, np.array(q))
+        robot = found.stance.robot_spheres(np.array(q))
         # Its fingertips still touch at the first of them.
         clear = self._pushed[-1].is_clear(robot[1:], _FACE_CLEARANCE)
         others = [each.is_clear(robot[1:]) for each in self._scenery.others]
@@ -298,7 +300,7 @@ class PushMotionSearch:
 
     def _transit_places(self, found: _Found) -> Array:
         """Arm poses over which a way may lead: swung up halfway, and high over the table."""
-        middle, nudge = 0.5 * (self._home + found.above), 1e-4
+        middle, nudge = 0.5 * (self._mount.home + found.above), 1e-4
         _, p_WP = self._mount.palm_poses(np.vstack([middle, middle + nudge * np.eye(len(middle))]))
         uphill = (p_WP[1:, 2] - p_WP[0, 2]) / nudge
         swings = middle + np.outer(_RAISED, uphill / np.linalg.norm(uphill))
@@ -313,15 +315,11 @@ class PushMotionSearch:
         )
         return np.vstack([swings, q[valid]])
 
-    def _robot_spheres(self, stance: ArmConfiguration, q: Array) -> Array:
-        """Spheres of hand and arm in W, shape (n, k, 4)."""
-        return self._mount.robot_spheres(self._mount.hand.whole_spheres(stance.posture), q)
-
 
 def _blocked_answer(push: Push, stopped: set[str]) -> ReachAnswer:
     others = sorted(stopped - {push.object})
     if others:
-        return unreachable_answer("obstacle", f"the hand would hit the {others[0]}", others[0])
-    return unreachable_answer(
-        "object", f"the hand would hit the {push.object} with more than its fingertips"
+        return ReachAnswer(False, "obstacle", f"the hand would hit the {others[0]}", others[0])
+    return ReachAnswer(
+        False, "object", f"the hand would hit the {push.object} with more than its fingertips"
     )

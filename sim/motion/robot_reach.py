@@ -117,7 +117,6 @@ class ArmHandReach:
     Attributes:
         limits: figures of arm and hand.
         mount: where they stand.
-        home: angles of the arm at rest [rad].
     """
 
     def __init__(
@@ -125,7 +124,6 @@ class ArmHandReach:
     ) -> None:
         self._cell, self._effort = cell, effort
         self.mount = Mount.from_cell(cell.robot, arm, hand)
-        self.home = np.radians(cell.robot.home_deg)
         self.limits = RobotLimits(
             fingertip_radius=hand.tip_radius,
             finger_spreads=hand.finger_spreads,
@@ -139,7 +137,7 @@ class ArmHandReach:
 
     def reach(self, push: Push, state: WorldState, effort: ReachEffort = "usual") -> ReachAnswer:
         """Answer whether the whole way of a push is reachable and free."""
-        robot = self._kept_thorough if effort == "thorough" else self
+        robot = self.thorough_reach if effort == "thorough" else self
         answer = robot.push_configuration(push, state)
         return answer if isinstance(answer, ReachAnswer) else answer[1]
 
@@ -160,9 +158,6 @@ class ArmHandReach:
         )
 
     @functools.cached_property
-    def _kept_thorough(self) -> ArmHandReach:
-        return self.thorough_reach()
-
     def thorough_reach(self) -> ArmHandReach:
         """The same, which looks at more hands and lets them pass nearer."""
         return ArmHandReach(self._cell, self.mount.arm, self.mount.hand, THOROUGH)
@@ -175,25 +170,21 @@ class ArmHandReach:
     def reach_plan(self, plan: Plan, state: WorldState) -> ReachAnswer:
         """Answer whether arm and hand can carry out a plan, all of its way free."""
         if plan.grasp is None:
-            return self._flip_answer(plan, state)
+            (step,) = plan.steps
+            assert isinstance(step, FlipOver), "an empty hand only flips lids"
+            flip = self.flip_configuration(step, plan.object, state)
+            return flip if isinstance(flip, ReachAnswer) else flip[1]
         found = self.grasp_motion(plan, state)
         if isinstance(found, ReachAnswer):
             return found
         numbers = {"strength": found.grip.grip.strongest}
         return ReachAnswer(ok=True, margin=found.room, numbers=numbers)
 
-    def _flip_answer(self, plan: Plan, state: WorldState) -> ReachAnswer:
-        """The answer for a plan that a fingertip carries out, with nothing held."""
-        (step,) = plan.steps
-        assert isinstance(step, FlipOver), "an empty hand only flips lids"
-        found = self.flip_configuration(step, plan.object, state)
-        return found if isinstance(found, ReachAnswer) else found[1]
-
     def flip_configuration(
         self, step: FlipOver, name: str, state: WorldState
     ) -> tuple[FlipConfiguration, ReachAnswer] | ReachAnswer:
         """The best stance that flips the lid of an object, or why there is none."""
-        return FlipMotionSearch(self.mount, self.home, step, name, state).best_configuration()
+        return FlipMotionSearch(self.mount, step, name, state).best_configuration()
 
     def grasp_motion(
         self, plan: Plan, state: WorldState, spare: float = 0.0
@@ -210,26 +201,22 @@ class ArmHandReach:
         hand, grasp = self.mount.hand, plan.grasp
         grip = hand.grasp_posture(grasp.width, pinch=grasp.part != "body")
         if grip is None:
-            least, most = (1e3 * width for width in hand.grasp_widths)
+            least, most = hand.grasp_widths
             return ReachAnswer(
                 False,
                 "width",
-                f"the hand holds what is {least:.0f} to {most:.0f} mm wide",
-                numbers={
-                    "width": plan.grasp.width,
-                    "narrowest": hand.grasp_widths[0],
-                    "widest": hand.grasp_widths[1],
-                },
+                f"the hand holds what is {1e3 * least:.0f} to {1e3 * most:.0f} mm wide",
+                numbers={"width": grasp.width, "narrowest": least, "widest": most},
             )
-        if plan.grasp.squeeze > grip.grip.strongest:
+        if grasp.squeeze > grip.grip.strongest:
             return ReachAnswer(
                 False,
                 "torque",
                 f"the hand squeezes with {grip.grip.strongest:.1f} N there, and "
-                f"{plan.grasp.squeeze:.1f} N are needed",
-                numbers={"strength": grip.grip.strongest, "force": plan.grasp.squeeze},
+                f"{grasp.squeeze:.1f} N are needed",
+                numbers={"strength": grip.grip.strongest, "force": grasp.squeeze},
             )
-        return best_grasp_motion(self.mount, self.home, plan, grip, state, spare)
+        return best_grasp_motion(self.mount, plan, grip, state, spare)
 
     def push_configuration(
         self, push: Push, state: WorldState, spare: float = 0.0
@@ -247,7 +234,7 @@ class ArmHandReach:
                 False, "table", f"the finger would touch the table {height:.0f} mm up"
             )
         way = self.fingertip_path(push, state)
-        search = PushMotionSearch(self.mount, self.home, push, way, state, self._effort, spare)
+        search = PushMotionSearch(self.mount, push, way, state, self._effort, spare)
         every = self.mount.hand.pushing_postures(push.fingers, push.spread, fine=self._effort.fine)
         strong = every.strength * push.fingers >= push.force_limit
         found = search.best_configuration(every[strong])
@@ -258,15 +245,12 @@ class ArmHandReach:
             every[weak[np.argsort(-every.strength[weak], kind="stable")]]
         )
         if not isinstance(weaker, ReachAnswer):
-            return _too_weak(push, weaker[1].numbers["strength"])
+            strength = weaker[1].numbers["strength"]
+            return ReachAnswer(
+                False,
+                "torque",
+                f"the hands that get there bear {strength:.1f} N, and the push may need "
+                f"{push.force_limit:.1f} N",
+                numbers={"strength": strength, "force": push.force_limit},
+            )
         return found if strong.any() else weaker
-
-
-def _too_weak(push: Push, strength: float) -> ReachAnswer:
-    return ReachAnswer(
-        ok=False,
-        reason="torque",
-        message=f"the hands that get there bear {strength:.1f} N, and the push may need "
-        f"{push.force_limit:.1f} N",
-        numbers={"strength": strength, "force": push.force_limit},
-    )

@@ -10,7 +10,9 @@ from planner.types.robot import ReachAnswer
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim.arms.arm_kinematics import ArmKinematics
 from sim.cell.cell_description import CellDescription
+from sim.errors import SceneError
 from sim.hands.hand_model import Hand
+from sim.hands.mount import Mount
 from sim.motion.grasp_motion_search import GraspMotion
 from sim.motion.robot_reach import ArmHandReach
 from sim.standard_robot import ARM, HAND
@@ -44,6 +46,13 @@ def _push(fingers: int) -> Push:
         spread=0.05 if fingers == 2 else 0.0,
         ends_on="stroke",
     )
+
+
+def test_an_arm_waits_with_as_many_angles_as_it_has_joints() -> None:
+    robot = load_scene("kitchen").robot.model_copy(update={"home_deg": HOME[6]})
+    with pytest.raises(SceneError, match="home_deg") as raised:
+        Mount.from_cell(robot, ARM, HAND)
+    assert raised.value.code == "bad_scene"
 
 
 @pytest.fixture(params=ROBOTS)

@@ -91,7 +91,7 @@ def _robot(stance: ArmConfiguration, q: np.ndarray, *, tips: bool) -> np.ndarray
 
 def _transit(stance: ArmConfiguration, way: FingertipPath) -> np.ndarray:
     above = np.array([*way.start[:2], stance.lift])
-    legs = [REACH.home, *stance.via, stance.joint_angles(above)]
+    legs = [REACH.mount.home, *stance.via, stance.joint_angles(above)]
     down = [stance.joint_angles(above + t * (way.start - above)) for t in np.linspace(0.0, 1.0, 20)]
     return np.vstack([*(interpolate_joints(a, b) for a, b in itertools.pairwise(legs)), down])
 
@@ -180,7 +180,7 @@ def test_what_was_just_reached_is_reached_from_the_next_look() -> None:
 
 @pytest.mark.parametrize("fragile", [False, True])
 def test_what_looks_thoroughly_keeps_clear_too(fragile: bool) -> None:
-    thorough = REACH.thorough_reach()
+    thorough = REACH.thorough_reach
     least = FRAGILE_CLEARANCE if fragile else LEAST_CLEARANCE
     for seed in SEEDS[:6]:
         push, state = _crowd(seed, fragile=fragile)
@@ -221,7 +221,7 @@ def test_what_looks_thoroughly_gets_past_what_is_nearer() -> None:
         return float(max(got))
 
     # As much as it may pass nearer, but for the millimetre between two walls.
-    nearer = nearest(REACH.thorough_reach()) - nearest(REACH)
+    nearer = nearest(REACH.thorough_reach) - nearest(REACH)
     assert nearer > OBJECT_CLEARANCE - LEAST_CLEARANCE - 0.0015
 
 

@@ -130,7 +130,7 @@ def _poses(
     reach: ArmHandReach, stance: ArmConfiguration, way: FingertipPath
 ) -> Iterator[np.ndarray]:
     above = np.array([*way.start[:2], stance.lift])
-    legs = [reach.home, *stance.via, stance.joint_angles(above)]
+    legs = [reach.mount.home, *stance.via, stance.joint_angles(above)]
     for start, end in itertools.pairwise(legs):
         for t in np.linspace(0.0, 1.0, 60):
             yield start + t * (end - start)
