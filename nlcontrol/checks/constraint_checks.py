@@ -1,25 +1,155 @@
-"""Did what was to hold on the way hold? One function per kind of constraint."""
+"""Checks of what was to hold on the way, and of when it was to stop; nothing else may be touched.
+
+One function for each kind of constraint, and one for each event that a push lasts until. Every
+command implies that nothing else is touched, unless the sentence asks for that.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from grammar.frames import command as g
 from nlcontrol.checks import trace_measures as measures
-from nlcontrol.checks.bystander_checks import touched_others
-from nlcontrol.checks.event_checks import until
-from nlcontrol.checks.goal_checks import stands_on_base
+from nlcontrol.checks.goal_checks import has_fallen, stands_on_base
 from nlcontrol.checks.grasp_checks import by_hand
-from nlcontrol.checks.verdicts import Check, Relation, compare, object_name
-from planner.geometry.directions import face_name
-from planner.geometry.footprints import gap
+from nlcontrol.checks.verdicts import Check, Relation, compare, object_name, place_check
+from planner.geometry.directions import face_name, heading_of, unit
+from planner.geometry.footprints import footprint, gap
+from planner.problem.displacement_goals import goal_heading
+from planner.problem.place_regions import region, table_region
 
 if TYPE_CHECKING:
     from nlcontrol.checks.evidence import Evidence
     from nlcontrol.checks.trace_measures import Array
+    from sim.traces.trace import Trace
+
+
+@dataclass(frozen=True)
+class _Implied:
+    """What no words say."""
+
+    kind: str = "others"
+    spans: g.Spans = ()
+
+
+def touched_others(trace: Trace, one: str, other: str) -> bool:
+    """Whether two bodies began to touch."""
+    return any({c.body_a, c.body_b} == {one, other} for c in trace.contacts)
+
+
+def others(e: Evidence) -> Iterator[Check]:
+    """Neither the object nor the robot touched anything else, nor did anything fall on it."""
+    names = set(e.trace.poses)
+    if len(names) < 2:
+        return
+    allowed = {frozenset((e.name, name)) for name in _to_be_touched(e)}
+    begun = _new_contacts(e.trace)
+    touched: set[str] = set()
+    for contact in e.trace.contacts:
+        pair = frozenset((contact.body_a, contact.body_b))
+        objects = names & pair
+        # Things that stand against each other begin to touch when the world does.
+        together = len(objects) == 2 and contact.time < begun
+        if pair not in allowed and not together:
+            touched |= objects - {e.name}
+    found = ", ".join(sorted(touched)) or "none"
+    yield object_name(_Implied(), "touched on the way", "none", found)
+
+
+def _to_be_touched(e: Evidence) -> Iterator[str]:
+    """Objects that the sentence wants the object to touch, or to be poured into."""
+    goal = e.frame.goal
+    if isinstance(goal, g.Pour) and goal.into is not None:
+        yield goal.into.id or goal.into.text
+    if isinstance(goal, g.Place) and goal.relation == "touching":
+        assert isinstance(goal.reference, tuple)
+        yield from (ref.id for ref in goal.reference if ref.id)
+    for clause in e.frame.constraints:
+        if isinstance(clause, g.Until) and clause.event == "touching" and clause.object:
+            yield clause.object.id or clause.object.text
+
+
+def _new_contacts(trace: Trace) -> float:
+    """When the robot began to touch anything [s]."""
+    touching = np.flatnonzero(measures.during(trace, ("touch", "push", "grasp", "lid")))
+    return float(trace.time[touching[0]]) if len(touching) else float("inf")
+
+
+def until(clause: g.Until, e: Evidence) -> Iterator[Check]:
+    """The checks of one event."""
+    yield from _EVENTS[clause.event](clause, e)
+
+
+def _touching(clause: g.Until, e: Evidence) -> Iterator[Check]:
+    other = _other(clause)
+    own, there = (footprint(e.end.objects[name]) for name in (e.name, other))
+    touches = touched_others(e.trace, e.name, other) or gap(own, there) <= e.defaults.touching_gap
+    yield object_name(clause, f"contact with {other}", "touched", "touched" if touches else "none")
+    shoved = float(np.linalg.norm(e.trace.displacement(other)[:2]))
+    limit = e.defaults.overrun
+    yield compare(clause, "at_most", f"{other} was moved along by", 0.0, shoved, limit, "m")
+
+
+def _next_to(clause: g.Until, e: Evidence) -> Iterator[Check]:
+    assert clause.object is not None
+    place = region(g.Place(relation="next_to", reference=(clause.object,)), e.end, e.defaults)
+    assert place is not None
+    yield from (place_check(clause, measure) for measure in place.measures(e.end.objects[e.name]))
+
+
+def _in_line(clause: g.Until, e: Evidence) -> Iterator[Check]:
+    other = _other(clause)
+    goal, d = e.frame.goal, e.defaults
+    heading = None
+    if isinstance(goal, g.Displace):
+        heading = goal_heading(goal, e.start.objects[e.name], e.start, d)
+    if heading is None:
+        heading = heading_of(e.trace.displacement(e.name))
+    apart = e.end.objects[other].pose.p_WB - e.end.objects[e.name].pose.p_WB
+    off = abs(float(apart @ unit(heading)))
+    yield compare(clause, "at_most", f"off line with {other}", 0.0, off, d.in_line_tolerance, "m")
+
+
+def _edge(clause: g.Until, e: Evidence) -> Iterator[Check]:
+    place = table_region("edge", e.end.table, e.defaults)
+    yield from (place_check(clause, measure) for measure in place.measures(e.end.objects[e.name]))
+
+
+def _about_to_tip(clause: g.Until, e: Evidence) -> Iterator[Check]:
+    tips = e.defaults.tips
+    yield compare(clause, "at_least", "largest tilt", tips, e.largest_tilt, 0.0, "rad")
+    yield stands_on_base(clause, e)
+
+
+def _tips(clause: g.Until, e: Evidence) -> Iterator[Check]:
+    yield has_fallen(clause, e)
+
+
+def _moves(clause: g.Until, e: Evidence) -> Iterator[Check]:
+    moved, d = float(np.linalg.norm(e.trace.displacement(e.name)[:2])), e.defaults
+    yield compare(clause, "at_least", "moved in all", d.moves, moved, 0.0, "m")
+    yield compare(clause, "at_most", "moved in all", d.moves, moved, d.overrun, "m")
+
+
+def _other(clause: g.Until) -> str:
+    assert clause.object is not None, "the language names an object with these events"
+    return clause.object.id or clause.object.text
+
+
+_EVENTS: dict[str, Callable[[g.Until, Evidence], Iterator[Check]]] = {
+    "touching": _touching,
+    "next_to": _next_to,
+    "in_line": _in_line,
+    "edge": _edge,
+    "about_to_tip": _about_to_tip,
+    "tips": _tips,
+    "moves": _moves,
+}
+
 
 HAND_SIDE = "right"
 """The one hand of this robot is a right hand."""

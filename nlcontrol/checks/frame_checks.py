@@ -16,8 +16,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
-from nlcontrol.checks.bystander_checks import others
-from nlcontrol.checks.constraint_checks import CONSTRAINTS
+from nlcontrol.checks.constraint_checks import CONSTRAINTS, others
 from nlcontrol.checks.evidence import Evidence
 from nlcontrol.checks.goal_checks import GOALS
 from nlcontrol.checks.verdicts import HAND_ENDS, PLANNED_ENDS, Check, object_name

@@ -25,7 +25,7 @@ from nlcontrol.plan_text import (
 )
 from nlcontrol.questions.answer import Answer, likelihood
 from nlcontrol.questions.asked_push import inquiry, target_of
-from nlcontrol.questions.where_to_push import most_favourable
+from nlcontrol.questions.push_questions import most_favourable
 from nlcontrol.text_format import quantity
 from planner import plan
 from planner.geometry.directions import HEADINGS, phrase

@@ -29,7 +29,6 @@ from nlcontrol.questions.grasp_questions import (
     possible_answer,
     spill_answer,
 )
-from nlcontrol.questions.how_hard import figures, how_hard
 from nlcontrol.questions.property_values import value
 from nlcontrol.questions.push_prediction import (
     SURE,
@@ -38,7 +37,7 @@ from nlcontrol.questions.push_prediction import (
     particulars,
     threshold,
 )
-from nlcontrol.questions.where_to_push import most_favourable, where_answer
+from nlcontrol.questions.push_questions import figures, how_hard, most_favourable, where_answer
 from nlcontrol.text_format import enumeration, quantity
 from planner import plan
 from planner.affordances import TURNING_ARM, affordances

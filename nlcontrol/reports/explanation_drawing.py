@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from nlcontrol.reports.drawing_canvas import Sheet, line_height
-from nlcontrol.reports.explanation_table import NOT_SAID, Group, filler, groups, steps
+from nlcontrol.reports.word_explanation import NOT_SAID, Group, filler, groups, steps
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

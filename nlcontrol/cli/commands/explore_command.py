@@ -19,11 +19,10 @@ from nlcontrol.cli.console.console_output import (
     FILE,
     Narrator,
     json_option,
-    print_json,
+    print_answer,
     replace_file,
     require_writable,
 )
-from nlcontrol.errors import OK
 
 if TYPE_CHECKING:
     from nlcontrol.learning.exploration_session import Told
@@ -120,12 +119,7 @@ def command(
     if saved_as is not None:
         path, instead = store_model(controller.registry, model)
         report = report.model_copy(update={"saved": str(path), "instead_of": instead})
-    if as_json:
-        print_json(report.model_dump(mode="json"))
-        return OK
-    for line in report_lines(report):
-        click.echo(line)
-    return OK
+    return print_answer(report.model_dump(mode="json"), report_lines(report), as_json=as_json)
 
 
 def _require_file_ending(path: Path | None, *endings: str) -> None:

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from nlcontrol.cli.console.command_options import ParameterNames, keep_options, open_registry
-from nlcontrol.cli.console.console_output import FILE, json_option, print_json, require_writable
-from nlcontrol.errors import OK
+from nlcontrol.cli.console.console_output import FILE, json_option, print_answer, require_writable
 from nlcontrol.learning.model_store import rename_model, store_model
 
 if TYPE_CHECKING:
@@ -54,12 +53,7 @@ def command(
         save_model(model, output)
     written = {"saved": _path_text(path), "output": _path_text(output), "instead_of": instead}
     report = found.report.model_copy(update=written)
-    if as_json:
-        print_json(report.model_dump(mode="json"))
-        return OK
-    for line in report_lines(report):
-        click.echo(line)
-    return OK
+    return print_answer(report.model_dump(mode="json"), report_lines(report), as_json=as_json)
 
 
 def _require_sensible(files: tuple[Path, ...], saved_as: str | None, output: Path | None) -> None:

@@ -21,11 +21,10 @@ from nlcontrol.cli.console.console_output import (
     FILE,
     Progress,
     json_option,
-    print_json,
+    print_answer,
     replace_file,
     require_writable,
 )
-from nlcontrol.errors import OK
 from nlcontrol.json_document import document_text
 
 if TYPE_CHECKING:
@@ -220,12 +219,8 @@ def _write_and_print(
             else:
                 text = document_text(document, indent=1)
                 path.write_text(text + "\n", encoding="utf-8")
-    if as_json:
-        print_json(document)
-        return OK
-    for line in (*lines, *(f"Map: {output}" for output in outputs)):
-        click.echo(line)
-    return OK
+    lines += [f"Map: {output}" for output in outputs]
+    return print_answer(document, lines, as_json=as_json)
 
 
 def _run_experiments(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from nlcontrol.cli.console.command_options import open_registry
-from nlcontrol.cli.console.console_output import FILE, json_option, print_json
+from nlcontrol.cli.console.console_output import FILE, json_option, print_answer, print_json
 from nlcontrol.errors import CODES, OK, error
 
 if TYPE_CHECKING:
@@ -26,16 +26,13 @@ def group() -> None:
 def list_models(as_json: bool) -> int:
     """List the models of the registry and where they come from."""
     registry = open_registry()
-    if as_json:
-        print_json({"objects": [_document(registry, model) for model in registry]})
-        return OK
-    for model in registry:
-        size = " × ".join(f"{1e3 * side:.0f}" for side in model.extents)
-        click.echo(
-            f"{model.name:16} {size + ' mm':20} {model.mass:.3f} kg  μ {model.friction:.3f}  "
-            f"{_origin_text(registry, model.name)}"
-        )
-    return OK
+    document = {"objects": [_document(registry, model) for model in registry]}
+    lines = (
+        f"{model.name:16} {_size_text(model):20} {model.mass:.3f} kg  μ {model.friction:.3f}  "
+        f"{_origin_text(registry, model.name)}"
+        for model in registry
+    )
+    return print_answer(document, lines, as_json=as_json)
 
 
 @group.command("show")
@@ -45,12 +42,8 @@ def show_model(name: str, as_json: bool) -> int:
     """Show what is believed about the object NAME, and where the figures come from."""
     registry = open_registry()
     model = registry.find_one(name)
-    if as_json:
-        print_json(_document(registry, model))
-        return OK
-    for line in _model_lines(model, _origin_text(registry, model.name)):
-        click.echo(line)
-    return OK
+    lines = _model_lines(model, _origin_text(registry, model.name))
+    return print_answer(_document(registry, model), lines, as_json=as_json)
 
 
 @group.command("validate")
@@ -169,11 +162,8 @@ def remove_model(name: str, as_json: bool) -> int:
         message = f"the {model.name} is not one of your own models: it comes from {place}"
         raise error("not_yours", message, suggestions=(f"your own are in {user_folder()}",))
     place.unlink()
-    if as_json:
-        print_json({"ok": True, "removed": model.name, "file": str(place)})
-    else:
-        click.echo(f"removed {model.name}: {place}")
-    return OK
+    document = {"ok": True, "removed": model.name, "file": str(place)}
+    return print_answer(document, [f"removed {model.name}: {place}"], as_json=as_json)
 
 
 def _keep_model(registry: Registry, model: ObjectModel, as_json: bool) -> int:
@@ -202,13 +192,9 @@ def _origin_text(registry: Registry, name: str) -> str:
 
 
 def _print_written(model: ObjectModel, path: Path, as_json: bool) -> int:
-    if as_json:
-        print_json({"ok": True, "name": model.name, "file": str(path)})
-        return OK
-    click.echo(f"wrote {path}")
-    for line in _model_lines(model, str(path)):
-        click.echo(line)
-    return OK
+    document = {"ok": True, "name": model.name, "file": str(path)}
+    lines = [f"wrote {path}", *_model_lines(model, str(path))]
+    return print_answer(document, lines, as_json=as_json)
 
 
 def _model_lines(model: ObjectModel, place: str) -> list[str]:
@@ -216,7 +202,7 @@ def _model_lines(model: ObjectModel, place: str) -> list[str]:
 
     rows = [
         ("kind", f"{kind_of(model)}, stands on {_base_text(model)}"),
-        ("size", " × ".join(f"{1e3 * side:.0f}" for side in model.extents) + " mm"),
+        ("size", _size_text(model)),
         ("mass", f"{model.mass:.4f} ± {model.mass_sd:.4f} kg"),
         ("friction, table", f"{model.friction:.4f} ± {model.friction_sd:.4f}"),
         ("friction, finger", f"{model.finger_friction:.3f} ± {model.finger_friction_sd:.3f}"),
@@ -241,6 +227,10 @@ def _model_lines(model: ObjectModel, place: str) -> list[str]:
         rows.insert(4, ("friction, sliding", f"{model.friction_kinetic:.4f}"))
     rows += _critical_heights(model)
     return [model.name, *(f"  {key:24} {value}" for key, value in rows)]
+
+
+def _size_text(model: ObjectModel) -> str:
+    return " × ".join(f"{1e3 * side:.0f}" for side in model.extents) + " mm"
 
 
 def _base_text(model: ObjectModel) -> str:

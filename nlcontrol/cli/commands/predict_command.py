@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import click
 
@@ -15,11 +15,7 @@ from nlcontrol.cli.console.command_options import (
     open_controller,
     world_options,
 )
-from nlcontrol.cli.console.console_output import json_option, print_json
-from nlcontrol.errors import OK
-
-if TYPE_CHECKING:
-    pass
+from nlcontrol.cli.console.console_output import json_option, print_answer
 
 
 @click.command()
@@ -72,11 +68,7 @@ def predict(
         force=force,
         friction=friction,
     )
-    if as_json:
-        print_json(found.model_dump(mode="json"))
-    else:
-        click.echo(found.text)
-    return OK
+    return print_answer(found.model_dump(mode="json"), [found.text], as_json=as_json)
 
 
 @click.command()
@@ -93,10 +85,6 @@ def affordances(name: str, scene: str, seed: int, settings: Settings, as_json: b
     from nlcontrol.questions.answer import affordance_lines
 
     found = open_controller(scene, seed, settings).affordances(name)
-    if as_json:
-        print_json({"object": name, "scene": scene, "affordances": [asdict(a) for a in found]})
-        return OK
-    for each in found:
-        for line in affordance_lines(each):
-            click.echo(line)
-    return OK
+    document = {"object": name, "scene": scene, "affordances": [asdict(a) for a in found]}
+    lines = (line for each in found for line in affordance_lines(each))
+    return print_answer(document, lines, as_json=as_json)

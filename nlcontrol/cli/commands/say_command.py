@@ -13,13 +13,14 @@ from nlcontrol.cli.console.console_output import (
     FILE,
     Narrator,
     json_option,
+    print_answer,
     print_error,
     print_json,
     print_skipped_with_words,
     replace_file,
     require_writable,
 )
-from nlcontrol.errors import OK, known_error
+from nlcontrol.errors import known_error
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
@@ -89,7 +90,7 @@ def plan(
 def parse(sentence: str, as_json: bool) -> int:
     """Read SENTENCE: what was understood, as frames."""
     import grammar
-    from nlcontrol.text_format import encodable_text
+    from nlcontrol.text_format import encodable_text, frame_lines
 
     text = encodable_text(sentence)
     print_skipped_with_words()
@@ -100,18 +101,11 @@ def parse(sentence: str, as_json: bool) -> int:
         assert known is not None
         print_error(known.info, as_json=as_json, text=text)
         return known.info.status.exit
-    if as_json:
-        print_json(command.model_dump(mode="json"))
-        return OK
-    from nlcontrol.text_format import frame_lines
-
-    click.echo(f"I understood: {command.paraphrase}")
+    lines = [f"I understood: {command.paraphrase}"]
     for number, frame in enumerate(command.frames, start=1):
-        if len(command.frames) > 1:
-            click.echo(f"{number}.")
-        for line in frame_lines(frame, text):
-            click.echo(line)
-    return OK
+        lines += [f"{number}."] if len(command.frames) > 1 else []
+        lines += frame_lines(frame, text)
+    return print_answer(command.model_dump(mode="json"), lines, as_json=as_json)
 
 
 @click.command()
@@ -131,14 +125,11 @@ def sample(count: int, seed: int, nouns: tuple[str, ...], as_json: bool) -> int:
     lexicon, _ = installed_lexicon()
     print_skipped_with_words()
     made = list(islice(random_sentences(seed, lexicon=lexicon, nouns=nouns or NOUNS), count))
-    if as_json:
-        said = [[frame.model_dump(mode="json") for frame in one.frames] for one in made]
-        rows = [{"text": one.text, "frames": f} for one, f in zip(made, said, strict=True)]
-        print_json({"sentences": rows})
-        return OK
-    for one in made:
-        click.echo(one.text)
-    return OK
+    rows = [
+        {"text": one.text, "frames": [frame.model_dump(mode="json") for frame in one.frames]}
+        for one in made
+    ]
+    return print_answer({"sentences": rows}, [one.text for one in made], as_json=as_json)
 
 
 def _answer_sentence(
@@ -174,7 +165,7 @@ def _print_result(result: Result, files: dict[str, str], *, explain: bool) -> No
         for line in error_lines(result.error, result.text):
             click.echo(line, err=True)
     if explain and (rows := result.explained()):
-        from nlcontrol.reports.explanation_table import table
+        from nlcontrol.reports.word_explanation import table
 
         click.echo()
         click.echo(table(rows))

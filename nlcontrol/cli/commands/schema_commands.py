@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from nlcontrol.cli.console.command_options import Settings, scene_option, set_option
-from nlcontrol.cli.console.console_output import json_option, print_json
+from nlcontrol.cli.console.console_output import json_option, print_answer, print_json
 from nlcontrol.errors import OK
 
 
@@ -24,12 +24,8 @@ def defaults(scene: str, settings: Settings, as_json: bool) -> int:
 
     with translated():
         found = changed(load_scene(scene).defaults, dict(settings))
-    if as_json:
-        print_json({"defaults": [asdict(setting) for setting in listed(found)]})
-        return OK
-    for line in table(found):
-        click.echo(line)
-    return OK
+    document = {"defaults": [asdict(setting) for setting in listed(found)]}
+    return print_answer(document, table(found), as_json=as_json)
 
 
 @click.command("schema")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from nlcontrol.errors import ErrorInfo, error
+from nlcontrol.errors import OK, ErrorInfo, error
 from nlcontrol.json_document import document_text
 
 if TYPE_CHECKING:
@@ -27,6 +27,16 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Answer with 
 def print_json(content: Mapping[str, Any]) -> None:
     """Print the one JSON document of a command."""
     click.echo(document_text(content))
+
+
+def print_answer(document: Mapping[str, Any], lines: Iterable[str], *, as_json: bool) -> int:
+    """Print a command's answer as its document or as lines; the exit code says that all is well."""
+    if as_json:
+        print_json(document)
+        return OK
+    for line in lines:
+        click.echo(line)
+    return OK
 
 
 def print_skipped(problems: Iterable[object]) -> None:

@@ -21,8 +21,7 @@ from nlcontrol import Controller
 from nlcontrol.cli import run
 from nlcontrol.errors import ControlError
 from nlcontrol.questions.answer import Answer
-from nlcontrol.questions.force_uncertainty import deviations
-from nlcontrol.questions.push_prediction import predict_push
+from nlcontrol.questions.push_prediction import deviations, predict_push
 from nlcontrol.references.object_names import face_of
 from nlcontrol.results.result import Result
 from objectmodels import BoxModel

@@ -10,8 +10,7 @@ import yaml
 
 import grammar
 from nlcontrol import Controller
-from nlcontrol.reports.explanation_table import filler, groups, steps, table
-from nlcontrol.reports.word_explanation import word_explanation
+from nlcontrol.reports.word_explanation import filler, groups, steps, table, word_explanation
 from nlcontrol.results.result import Result
 from nlcontrol.session.conversation import Conversation
 from planner.explanation.rows import Row

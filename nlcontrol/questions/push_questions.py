@@ -1,0 +1,274 @@
+"""How hard and where to push: the force of an event, the places of a face at which it comes first.
+
+Model: slow pushes, so what comes first at the onset decides. A force is told with its standard
+deviation; `force_low` and `force_high` hold 95 % of it. Places are those of the outcome map of the
+face, pushed straight in by a finger that does not turn the object or, for turning it, by one that
+may. Heights are above the table.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from statistics import NormalDist
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from grammar.frames import command as g
+from nlcontrol.questions.answer import DOES, Answer, Chart, force_text, likelihood
+from nlcontrol.questions.asked_push import Inquiry, inquiry, outcome_of, wanted_event
+from nlcontrol.questions.push_prediction import (
+    CERTAIN,
+    PushPrediction,
+    in_turn,
+    needed_force,
+    threshold,
+)
+from nlcontrol.text_format import quantity
+from objectmodels.mechanics.outcome_map import OutcomeMap, outcome_map
+from planner.affordances import SPACING, least, turning_map
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from planner.types.defaults import Defaults
+    from planner.types.world_state import WorldState
+
+
+_MAKE = {"moves": "move", "slides": "slide", "tips": "topple", "tilts": "tilt", "turns": "turn"}
+
+
+def figures(found: PushPrediction) -> dict[str, float]:
+    """The numbers of a prediction that exist."""
+    told = {
+        "height": found.push.height,
+        "lateral": found.push.lateral,
+        "given_force": found.push.force,
+        "onset": found.onset,
+        "slide": found.slide,
+        "slide_sd": found.slide_sd,
+        "topple": found.topple,
+        "topple_sd": found.topple_sd,
+    }
+    return {name: value for name, value in told.items() if value is not None}
+
+
+def how_hard(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
+    """The force at which an event begins, or up to which the object stays as it is."""
+    event, kept = wanted_event(frame), {clause.kind for clause in frame.constraints}
+    push = replace(inquiry(frame, state, defaults), force=None)
+    if frame.event is None and "no_slide" in kept:
+        return _up_to(push, ("slide", "topple"), defaults)
+    if event == "stays_upright" or (frame.event is None and kept & {"no_topple", "no_tilt"}):
+        return _without_toppling(push, defaults)
+    return _needed_force(most_favourable(push, event, defaults), event)
+
+
+def _needed_force(push: Inquiry, event: g.Event) -> Answer:
+    """The least force that makes the event happen, or that something else comes first."""
+    found = push.predicted()
+    first, other = in_turn(found)
+    outcome = first if event == "moves" else outcome_of(event)
+    p, name = found.probability[outcome], push.target.name
+    likely = f"(probability that it {DOES[outcome if event == 'moves' else event]} {likelihood(p)})"
+    value, sd = needed_force(found, outcome)
+    if outcome != first or value is None:
+        never = "never" if value is None else "not"
+        before = "" if value is None else f", before the {force_text(value, sd)} that would do it"
+        pushed = "Even pushed" if not push.placed else "Pushed"
+        text = (
+            f"{pushed} {push.where}, the {name} would {never} {_MAKE[event]}: it "
+            f"{threshold(found, first, force_text)}{before} {likely}."
+        )
+        return Answer(
+            query="how_hard",
+            text=text,
+            numbers=figures(found),
+            probability=p,
+            yes=False,
+            push=push.considered,
+        )
+    text = (
+        f"It takes {force_text(value, sd)} to {_verb(event, name)}, pushed {push.where}: "
+        f"it then {DOES[first]}{' and turns' if event == 'turns' else ''} and "
+        f"{threshold(found, other, force_text, only=True)} {likely}."
+    )
+    numbers = figures(found) | _range(value, sd)
+    return Answer(
+        query="how_hard",
+        text=text,
+        numbers=numbers,
+        probability=p,
+        yes=True,
+        push=push.considered,
+    )
+
+
+def _verb(event: g.Event, name: str) -> str:
+    verb = _MAKE[event]
+    return f"make the {name} slide" if verb == "slide" else f"{verb} the {name}"
+
+
+def _range(value: float, sd: float | None) -> dict[str, float]:
+    if sd is None:
+        return {"force": value}
+    low, high = max(value - CERTAIN * sd, 0.0), value + CERTAIN * sd
+    return {"force": value, "force_sd": sd, "force_low": low, "force_high": high}
+
+
+def _without_toppling(push: Inquiry, defaults: Defaults) -> Answer:
+    """Up to which force it stays upright; however hard it is pushed, if it is sure to slide."""
+    found = push.predicted()
+    p = found.probability["topple"]
+    if p > 1.0 - defaults.probability:
+        return _up_to(push, ("topple",), defaults)
+    slides = threshold(found, "slide", force_text)
+    topples = threshold(found, "topple", force_text, only=True)
+    text = (
+        f"Pushed slowly {push.where}, the {push.target.name} does not topple however hard it is "
+        f"pushed: it {slides} and {topples} (probability that it topples {likelihood(p)})."
+    )
+    return Answer(
+        query="how_hard",
+        text=text,
+        numbers=figures(found),
+        probability=1.0 - p,
+        push=push.considered,
+    )
+
+
+def _up_to(push: Inquiry, outcomes: tuple[str, ...], defaults: Defaults) -> Answer:
+    """The force up to which outcomes are as improbable as a plan must have them."""
+    found, sigmas = push.predicted(), NormalDist().inv_cdf(defaults.probability)
+    thresholds = [needed_force(found, outcome) for outcome in outcomes]
+    sure = [force - sigmas * (sd or 0.0) for force, sd in thresholds if force is not None]
+    most = max(min(sure, default=0.0), 0.0)
+    at_most = replace(push, force=most).predicted().probability
+    p = 1.0 - sum(at_most[outcome] for outcome in outcomes)
+    stays = "stays upright" if outcomes == ("topple",) else "stays where it is"
+    first, other = in_turn(found)
+    text = (
+        f"With up to {force_text(most)} the {push.target.name}, pushed {push.where}, {stays} "
+        f"(probability {likelihood(p)}): it {threshold(found, first, force_text)} and "
+        f"{threshold(found, other, force_text, only=True)}."
+    )
+    numbers = figures(found) | {"force": most}
+    return Answer(query="how_hard", text=text, numbers=numbers, probability=p, push=push.considered)
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where on a face an event comes; arrays over the contacts of an outcome map.
+
+    Attributes:
+        chart: the map; undecided are places where no outcome is sure.
+        first: whether the event comes first.
+        sure: whether it does so with the probability that was asked for.
+        likely: its probability.
+    """
+
+    chart: OutcomeMap
+    first: NDArray[np.bool_]
+    sure: NDArray[np.bool_]
+    likely: NDArray[np.float64]
+
+
+def where_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
+    """The places of a face where an event is sure, with the map that shows them."""
+    event, push = wanted_event(frame), inquiry(frame, state, defaults)
+    found = event_places(push, event, defaults.probability)
+    numbers = {"probability": defaults.probability} | _flip(push)
+    if found.sure.any():
+        heights = found.chart.height[found.sure]
+        numbers |= {"lowest": float(heights.min()), "highest": float(heights.max())}
+    return Answer(
+        query="where",
+        text=_places_text(push, event, found, numbers),
+        numbers=numbers,
+        probability=float(found.likely.max(initial=0.0)),
+        yes=bool(found.sure.any()),
+        push=push.considered.model_copy(update={"height": None}),
+        chart=Chart(object=push.target.name, face=push.face_name),
+        map=found.chart,
+    )
+
+
+def event_places(push: Inquiry, event: g.Event, probability: float) -> Places:
+    """Where on its face an event comes first, and where it does so with a probability or more."""
+    if event == "turns":
+        chart, turns = turning_map(push.target, push.face, push.sense)
+    else:
+        chart = outcome_map(
+            push.target.model, push.face, spacing=SPACING, level=probability, turning=False
+        )
+        turns = np.ones(len(chart.height), dtype=bool)
+    allowed = (chart.height >= push.low - 1e-9) & (chart.height <= push.high + 1e-9)
+    outcome = outcome_of(event)
+    first = chart.topple < chart.slide if outcome == "topple" else chart.slide < chart.topple
+    return Places(
+        chart=chart,
+        first=first & turns & allowed,
+        sure=chart.is_safe(outcome, probability) & first & turns & allowed,
+        likely=np.where(turns & allowed, getattr(chart.likelihood, outcome), 0.0),
+    )
+
+
+def most_favourable(push: Inquiry, event: g.Event, defaults: Defaults) -> Inquiry:
+    """The same push where the event takes the least force, if the question leaves the place open.
+
+    A question that says what is to happen, and not where, means a place that lets it happen: one
+    where it is sure, else where it comes first, else where it is most probable.
+    """
+    if push.placed or event in ("moves", "stays_upright"):
+        return push
+    found = event_places(push, event, defaults.probability)
+    best = least(found.chart, found.sure)
+    if best is None:
+        best = least(found.chart, found.first)
+    if best is None:
+        aside = np.abs(found.chart.lateral).round(6)
+        best = int(np.lexsort((aside, -found.likely.round(4)))[0])
+    chart = found.chart
+    return replace(push, lateral=float(chart.lateral[best]), height=float(chart.height[best]))
+
+
+def _flip(push: Inquiry) -> dict[str, float]:
+    """The height that separates sliding from toppling, if the object topples at all."""
+    middle, normals = push.face.points_at([0.0], [push.height])
+    height = push.target.model.cone_thresholds(middle, normals, yaw=False).critical_height[0]
+    return {"critical_height": float(height)} if np.isfinite(height) else {}
+
+
+def _places_text(push: Inquiry, event: g.Event, found: Places, numbers: dict[str, float]) -> str:
+    name, level = push.target.name, likelihood(numbers["probability"])
+    does = "slides and stays upright" if event == "moves" else DOES[event]
+    flip = _flipping(event, numbers.get("critical_height"))
+    if not found.sure.any():
+        return (
+            f"Nowhere on its {push.face_name} face is it sure that the {name} {does} (no place "
+            f"has probability {level}): {flip}."
+        )
+    low, high = quantity(numbers["lowest"], "m"), quantity(numbers["highest"], "m")
+    return (
+        f"On its {push.face_name} face, {low} to {high} above the table{_aside(event, found)}: "
+        f"pushed there the {name} {does} with probability {level} or more; {flip}."
+    )
+
+
+def _flipping(event: g.Event, height: float | None) -> str:
+    if height is None:
+        return "it slides before it topples all over that face"
+    if outcome_of(event) == "topple":
+        return f"below {quantity(height, 'm')} it slides before it topples"
+    return f"above {quantity(height, 'm')} it topples before it slides"
+
+
+def _aside(event: g.Event, found: Places) -> str:
+    """How far off the middle a push must be to turn the object."""
+    if event != "turns":
+        return ""
+    lateral = found.chart.lateral[found.sure]
+    side = "the right" if lateral[0] > 0.0 else "the left"
+    if np.ptp(np.sign(lateral)) > 0.0:
+        side = "either side"
+    return f", at least {quantity(float(np.abs(lateral).min()), 'm')} to {side} of its middle"
