@@ -48,7 +48,7 @@ _LEAST_PRESS = 1e-6  # share of the squeeze with which each contact must press
 
 @dataclass(frozen=True)
 class Contacts:
-    """Contacts of thumb and fingers; see `planner.types.hand_reach.Grip`.
+    """Contacts of thumb and fingers; see `planner.types.robot.Grip`.
 
     Attributes:
         places: along the approach, and along approach × closing, shape (k, 2) [m].

@@ -40,7 +40,7 @@ class Hand:
         self.fails = fails or {}
         self.tried: list[Experiment] = []
         self.learned: list[Touched] = []
-        monkeypatch.setattr("sim.exploration.exploration_run.trials", self.trials)
+        monkeypatch.setattr("sim.exploration.exploration_run.extract_trials", self.trials)
         self.explorer = Explorer(BOX, self, lambda: STATE, learn=self.learned.append)
 
     def look(self, models: Mapping[str, ObjectModel]) -> WorldState:
