@@ -370,15 +370,7 @@ class GraspMotionSearch:
 def best_grasp_motion(
     mount: Mount, plan: Plan, grip: GraspPosture, state: WorldState, spare: float = 0.0
 ) -> GraspMotion | ReachAnswer:
-    """The best way through a plan, or why there is none.
-
-    Args:
-        mount: of the arm.
-        plan: with a grasp.
-        grip: of the hand.
-        state: what is believed.
-        spare: by how much less than its clearance each of the others may be away [m].
-    """
+    """The best way through a plan with a grasp, or why there is none; see `GraspMotionSearch`."""
     first: ReachAnswer | None = None
     handled = HeldObject.from_plan(plan, state)
     for off in withdrawal_vectors(handled.grasp, handled.held):

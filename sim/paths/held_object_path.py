@@ -310,16 +310,12 @@ def _pour_segments(
     places = [over, over, there, there]
     first = HeldSegment("pour", R_WB, p_BC, here, over, axis, 0.0, CARRY_SPEED, step.rate)
     tilting = [
-        HeldSegment(
-            "pour",
-            axis_rotation(axis, tilts[k]) @ R_WB,
-            p_BC,
-            places[k],
-            places[k + 1],
-            axis,
-            float(tilts[k + 1] - tilts[k]),
-            CARRY_SPEED,
-            step.rate,
+        replace(
+            first,
+            R_WB=axis_rotation(axis, tilts[k]) @ R_WB,
+            start=places[k],
+            end=places[k + 1],
+            turn=float(tilts[k + 1] - tilts[k]),
         )
         for k in range(3)
     ]

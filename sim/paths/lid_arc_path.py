@@ -131,16 +131,12 @@ class LidPath:
         """The way on which a lid is opened or closed."""
         arc = np.linspace(lid.start, lid.end, _POINTS)
         first, last = arc[:1], arc[-1:]
-        if lid.is_opening:
-            before = lid.tip_centres(first, _GAP) + np.array([STANDOFF, 0.0, 0.0])
-            points = [before, lid.tip_centres(first, _GAP), lid.tip_centres(arc)]
-        else:
-            before = lid.tip_centres(first, STANDOFF)
-            points = [before, lid.tip_centres(first, _GAP), lid.tip_centres(arc)]
+        near, ahead = lid.tip_centres(first, _GAP), np.array([STANDOFF, 0.0, 0.0])
+        before = near + ahead if lid.is_opening else lid.tip_centres(first, STANDOFF)
         off = lid.tip_centres(last, _OFF)
         back = np.array([0.5, 1.0])[:, None] * (before - off) + off
         return cls(
-            np.vstack([*points, off, back]),
+            np.vstack([before, near, lid.tip_centres(arc), off, back]),
             np.concatenate([[0.0, 0.0], np.linspace(0.0, 1.0, _POINTS), [1.0, 0.5, 0.0]]),
             np.concatenate([[lid.start] * 2, arc, [lid.end] * 3]),
             slice(2, 2 + _POINTS),

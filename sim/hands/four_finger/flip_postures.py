@@ -42,12 +42,7 @@ _BEARS = 3.0  # force that the finger bears, more than any lid needs [N]
 
 @functools.lru_cache(maxsize=16)
 def flip_postures(lid: LidShape, wrist: float) -> FlipPostureSet:
-    """All postures that flip a lid.
-
-    Args:
-        lid: that is flipped.
-        wrist: distance from the arm's wrist to its flange [m].
-    """
+    """All postures that flip a lid; `wrist` as of `FourFingerHand`."""
     way = LidPath.from_lid(lid)
     R_EP = _palm_orientations(lid, way)
     postures, spheres, orientations, tips, coarse = [], [], [], [], []

@@ -123,13 +123,7 @@ def closing_direction(finger: str) -> Array:
 
 @functools.lru_cache(maxsize=256)
 def best_grasp(width: float, *, pinch: bool, wrist: float) -> FourFingerGrasp | None:
-    """The grasp about a width; None if the hand does not close about it.
-
-    Args:
-        width: of an object, or of a knob or cap that thumb and middle finger pinch [m].
-        pinch: it is such a knob.
-        wrist: distance from the arm's wrist to its flange [m].
-    """
+    """See `Hand.grasp_posture`; thumb and middle finger pinch a knob or a cap."""
     shares = PINCH if pinch else SHARES
     found = [_grasp_at(width, x, z, shares) for x, z in itertools.product(_ACROSS, _ALONG)]
     worth = _pinch_worth if pinch else _grasp_worth

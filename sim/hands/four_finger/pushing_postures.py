@@ -98,14 +98,7 @@ def two_finger_postures(spread: float) -> tuple[Posture, ...]:
 def pushing_postures(
     fingers: int, spread: float, *, fine: bool = False, wrist: float
 ) -> PostureSet:
-    """Postures and orientations of the palm in which so many fingers push, the best first.
-
-    Args:
-        fingers: one, which lets the palm lean to its sides, or two, which do not.
-        spread: distance between two fingertips [m].
-        fine: whether it may lean by small angles and large ones.
-        wrist: distance from the arm's wrist to its flange [m].
-    """
+    """See `Hand.pushing_postures`; one finger lets the palm lean to its sides, two do not."""
     sides = np.zeros(1) if fingers == 2 else _FINE_SIDES if fine else _SIDES
     tilt, side, roll = (
         a.ravel() for a in np.meshgrid(_TILTS, sides, np.array([0.0, np.pi]), indexing="ij")
@@ -119,16 +112,12 @@ def pushing_postures(
     coarse, skew, bears = np.hstack([pushing_quality(posture, turned) for posture in postures])
     good = np.flatnonzero((coarse < _COARSEST_FEELING) & (skew < LARGEST_SKEW))
     # A finger that is closed gives way across as it presses, which blurs what it feels.
-    blurred = np.repeat([_is_closed(posture) for posture in postures], len(turned))
+    closed = [any(each.angles[f][2] >= _CLOSED for f in each.pushing) for each in postures]
+    blurred = np.repeat(closed, len(turned))
     order = good[np.argsort((skew + coarse / 200.0 + _BLURRED * blurred)[good], kind="stable")]
     which, R_DP = which[order], R_DP[order]
     spheres = tuple(whole_spheres(posture, wrist) for posture in postures)
     return PostureSet.from_postures(postures, spheres, which, R_DP, bears[order])
-
-
-def _is_closed(posture: Posture) -> bool:
-    """True if a pushing finger is bent as far as one that holds something."""
-    return any(posture.angles[finger][2] >= _CLOSED for finger in posture.pushing)
 
 
 def pushing_quality(posture: Posture, R_DP: Array) -> tuple[Array, Array, Array]:
