@@ -18,14 +18,15 @@ from pydantic import BaseModel
 
 import grammar
 from grammar.frames import command as g
+from nlcontrol.checks.verdicts import HAND_ENDS, PLANNED_ENDS, Check
 from nlcontrol.errors import ControlError, error
+from nlcontrol.plan_text import deciding_figures, plan_reason
 from nlcontrol.questions.answer import Answer
 from nlcontrol.references.reference_resolution import Context
 from nlcontrol.results.result import with_
-from nlcontrol.session.follow_up_frames import continued, corrected, latest, repeated, settled
-from nlcontrol.session.undo_frames import Pushed, record_push, undo_frames, undo_text
-from nlcontrol.session.why_answers import why_answer
-from nlcontrol.text_format import encodable_text
+from nlcontrol.session import follow_up_frames as follow_up
+from nlcontrol.session.undo_frames import PastPush, undo_frames, undo_text
+from nlcontrol.text_format import encodable_text, quantity
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result, Step
@@ -48,7 +49,7 @@ class Conversation:
     def __init__(self, controller: Controller) -> None:
         self.controller = controller
         self.context = Context()
-        self.past: list[Pushed] = []
+        self.past: list[PastPush] = []
         self._last: Result | None = None  # what "why" is about
         self._said: Result | None = None  # what "no, …" is about; None if it was not understood
         self._done: Result | None = None  # the last command, what "a bit more" is about
@@ -79,16 +80,16 @@ class Conversation:
             return self._last
 
     def _answer(self, command: g.Command, plan_only: bool, progress: Progress | None) -> Result:
-        remark = _remark(command)
+        remark = _sole_remark(command)
         if remark == "stop":
             # Sentences are carried out before the next one is read, so there is nothing to stop.
-            return self._told(command, Answer(text="Nothing is being done."), "done")
+            return self._plain_result(command, Answer(text="Nothing is being done."), "done")
         if remark == "why":
-            return self._told(command, self._why(command), "answered")
+            return self._plain_result(command, self._explain_last(command), "answered")
         if remark == "undo":
             return self._undo(command, plan_only, progress)
         notes = self._notes(command)
-        command = self._rewritten(command)
+        command = self._rewrite_remarks(command)
         result = self.controller.carry_out(
             command, self.context, plan_only=plan_only, progress=progress
         )
@@ -96,7 +97,7 @@ class Conversation:
         self._remember(result)
         return result
 
-    def _told(
+    def _plain_result(
         self, command: g.Command, answer: Answer, status: Literal["done", "answered"]
     ) -> Result:
         result = self.controller.empty_result(command.text, command)
@@ -112,7 +113,8 @@ class Conversation:
         self._speak_of(kept.frames)
         for step in kept.steps:
             if step.execution and step.plan and step.before:
-                self.past.append(record_push(kept, step.plan, step.before))
+                done, before = step.plan, step.before
+                self.past.append(PastPush(kept, done.object, before, done.task))
 
     def _speak_of(self, frames: Sequence[g.Frame]) -> None:
         names = [name for frame in reversed(frames) for name in _names(frame)]
@@ -120,17 +122,19 @@ class Conversation:
 
     # --- repeat, more, correct -----------------------------------------------------------------
 
-    def _rewritten(self, command: g.Command) -> g.Command:
+    def _rewrite_remarks(self, command: g.Command) -> g.Command:
         """The command with each remark replaced by the frames that it means."""
         frames: list[g.Frame] = []
         for frame in command.frames:
             if frame.dialogue == "correct":
-                frames += self._corrected(frame)
+                frames += self._correct_frame(frame)
             elif frame.dialogue == "repeat":
                 before = frames or _frames(self._done if frame.action else self._said or self._done)
-                frames += repeated(before or _nothing("there is nothing to repeat"), frame)
+                frames += follow_up.repeat_frames(
+                    before or _nothing("there is nothing to repeat"), frame
+                )
             elif frame.dialogue == "more":
-                frames.append(self._continued(frames, frame))
+                frames.append(self._continue_frame(frames, frame))
             else:
                 frames.append(frame)
         if tuple(frames) == command.frames:
@@ -139,22 +143,22 @@ class Conversation:
             update={"frames": tuple(frames), "paraphrase": _in_words(frames, command)}
         )
 
-    def _continued(self, frames: Sequence[g.Frame], said: g.Frame) -> g.Frame:
+    def _continue_frame(self, frames: Sequence[g.Frame], said: g.Frame) -> g.Frame:
         before = frames or _frames(self._done) or _nothing("nothing was done that could go on")
-        last, heading = latest(before, said), None
+        last, heading = follow_up.latest_matching(before, said), None
         if not frames and self._done and self._done.plan:
-            heading = _heading(self._done.steps[-1])
+            heading = _goal_heading(self._done.steps[-1])
         if isinstance(last.goal, g.Place) and heading is None:
             _nothing("nothing was pushed there yet, so there is no direction to go on in")
-        return continued(last, said, heading)
+        return follow_up.continue_frame(last, said, heading)
 
-    def _corrected(self, said: g.Frame) -> tuple[g.Frame, ...]:
+    def _correct_frame(self, said: g.Frame) -> tuple[g.Frame, ...]:
         last = self._said
         if last is None or not last.frames:
             _nothing("there is no sentence before that could be corrected")
         unresolved = last.error is not None and last.status == "not_understood"
         wrong = last.error.span if last.error and unresolved else None
-        return corrected(last.frames[_reached(last) :], said, wrong)
+        return follow_up.correct_frame(last.frames[_stop_index(last) :], said, wrong)
 
     def _notes(self, command: g.Command) -> tuple[str, ...]:
         last = self._said
@@ -173,7 +177,7 @@ class Conversation:
             self._forget(pushed)
             what = "Everything is" if len(pushed) > 1 else f"The {pushed[0].object} is"
             told = Answer(text=f"{what} where it was before “{text}”.")
-            return with_(self._told(command, told, "done"), notes=back.notes)
+            return with_(self._plain_result(command, told, "done"), notes=back.notes)
         words = f"to undo “{text}”, {undo_text(back.frames)}"
         command = command.model_copy(update={"frames": back.frames, "paraphrase": words})
         result = self.controller.carry_out(command, plan_only=plan_only, progress=progress)
@@ -187,7 +191,7 @@ class Conversation:
         self._forget(pushed)
         return with_(result, notes=(f"undone: “{text}”", *back.notes, *result.notes))
 
-    def _to_undo(self, command: g.Command) -> list[Pushed]:
+    def _to_undo(self, command: g.Command) -> list[PastPush]:
         """The pushes of the last sentence, or the last push of the object that is named."""
         (frame,) = command.frames
         if frame.object is not None and not frame.object.pronoun:
@@ -202,12 +206,12 @@ class Conversation:
         )
         return [push for push in self.past if push.of is last]
 
-    def _forget(self, undone: Sequence[Pushed]) -> None:
+    def _forget(self, undone: Sequence[PastPush]) -> None:
         self.past = [push for push in self.past if push not in undone]
 
     # --- why ---------------------------------------------------------------------------------
 
-    def _why(self, command: g.Command) -> Answer:
+    def _explain_last(self, command: g.Command) -> Answer:
         """Why the last result is as it is; or another push would be, if that is asked about."""
         (frame,) = command.frames
         if frame.action is not None:
@@ -217,13 +221,13 @@ class Conversation:
             with suppress(ControlError):
                 asked = self.controller.resolve(asked, self.context)
             last = self._last.frames if self._last else ()
-            if not any(_says(frame, asked.frames[0]) for frame in last):
+            if not any(_says_all_of(frame, asked.frames[0]) for frame in last):
                 return why_answer(self.controller.carry_out(asked, self.context, plan_only=True))
         return why_answer(self._last or _nothing("nothing was said or done yet"))
 
 
-def _remark(command: g.Command) -> str | None:
-    """What a whole sentence is as a remark; None if it is to be carried out as frames.
+def _sole_remark(command: g.Command) -> str | None:
+    """The remark that a whole sentence is; None if it is to be carried out as frames.
 
     Raises:
         ControlError: `not_alone`.
@@ -248,7 +252,7 @@ def _nothing(message: str) -> NoReturn:
     )
 
 
-def _heading(step: Step) -> float | None:
+def _goal_heading(step: Step) -> float | None:
     """In which direction a step was to bring its object; None if it was to bring it nowhere."""
     if step.plan is None or step.plan.aim is None or step.before is None:
         return None
@@ -260,7 +264,7 @@ def _frames(result: Result | None) -> list[g.Frame]:
     return list(result.frames) if result else []
 
 
-def _reached(result: Result) -> int:
+def _stop_index(result: Result) -> int:
     """The frame at which a result stopped."""
     return result.steps[-1].frame if result.steps else 0
 
@@ -277,9 +281,9 @@ def _names(part: Any) -> Iterator[str]:
             yield from _names(value)
 
 
-def _says(frame: g.Frame, asked: g.Frame) -> bool:
-    """Whether a frame says all that is asked about."""
-    frame, asked = settled(frame), settled(asked)
+def _says_all_of(frame: g.Frame, asked: g.Frame) -> bool:
+    """Check for a frame that says all that is asked about."""
+    frame, asked = follow_up.without_spans(frame), follow_up.without_spans(asked)
     wanted = asked.goal.model_dump(exclude_defaults=True)
     return (
         frame.action == asked.action
@@ -295,3 +299,54 @@ def _in_words(frames: Sequence[g.Frame], command: g.Command) -> str:
         return ", then ".join(grammar.paraphrase(frame) for frame in frames)
     except ValueError:
         return command.paraphrase  # not everything that a frame can say has words
+
+
+# --- why -------------------------------------------------------------------------------------
+
+
+def why_answer(result: Result) -> Answer:
+    """Why a sentence was refused, or failed, or is done in this way and no other."""
+    missed = [check for check in result.checks if not check.ok]
+    if result.error and missed:
+        told = "; ".join(map(_missed_text, missed))
+        text = " ".join((f"It was executed, but {told}.", *_end_texts(result)))
+        return Answer(text=text, numbers=_measured_figures(missed))
+    if result.error:
+        understood = result.status != "not_understood" or result.error.code == "nothing_before"
+        failed = "I cannot" if understood else "I did not understand it"
+        instead = "".join(f" What would do: {s}." for s in result.error.suggestions[:1])
+        text = f"{failed}: {result.error.message}.{instead}"
+        return Answer(text=text, numbers=result.error.numbers)
+    if result.plan:
+        return Answer(text=plan_reason(result.plan), numbers=deciding_figures(result.plan))
+    if result.answer:
+        return result.answer
+    return Answer(text="There was nothing to be done.")
+
+
+def _missed_text(check: Check) -> str:
+    if isinstance(check.measured, str) or isinstance(check.expected, str):
+        return f"{check.quantity} was {check.measured} instead of {check.expected}"
+    bound = {"at_most": "at most ", "at_least": "at least "}.get(check.relation, "")
+    spare = f" ± {quantity(check.tolerance, check.unit)}" if check.tolerance and not bound else ""
+    limit = check.expected
+    if bound and check.tolerance and check.expected == 0.0:
+        limit = check.tolerance
+    return (
+        f"{check.quantity} was {quantity(check.measured, check.unit)}, "
+        f"where {bound}{quantity(limit, check.unit)}{spare} was asked"
+    )
+
+
+def _end_texts(result: Result) -> Iterator[str]:
+    """Why the pushes ended before it was there."""
+    execution = result.execution
+    if execution is not None and execution.end not in PLANNED_ENDS:
+        what = "The hand stopped" if execution.end in HAND_ENDS else "The push ended early"
+        yield f"{what}: {execution.detail}."
+    if result.steps and result.steps[-1].stuck:
+        yield f"Nothing more was done: {result.steps[-1].stuck}."
+
+
+def _measured_figures(missed: list[Check]) -> dict[str, float]:
+    return {check.clause: float(c) for check in missed if not isinstance(c := check.measured, str)}

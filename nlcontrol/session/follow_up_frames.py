@@ -1,4 +1,4 @@
-"""What a remark makes of the frames before it: again, a bit more, no, I meant the other one.
+"""Frames that a remark makes of those before it: again, a bit more, no, I meant the other one.
 
 Nothing but frames goes in and out; what was done with them is `nlcontrol.session.conversation`'s
 matter. What is kept of an earlier sentence loses its spans, which point into that sentence, and
@@ -23,22 +23,22 @@ _FAR = ("distance", "angle", "height", "bound", "fraction", "amount")
 _TURNS = {"left": "ccw", "right": "cw"}
 
 
-def repeated(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ...]:
+def repeat_frames(before: Sequence[g.Frame], said: g.Frame) -> tuple[g.Frame, ...]:
     """The frames before once more, or one of them with what is said besides ("push it again")."""
     besides = said.object or said.constraints or said.action or said.goal.kind != "none"
     if not besides:
-        return tuple(map(settled, before))
-    last = latest(before, said)
-    return (overlaid(settled(last, _meaning(last, said)), said),)
+        return tuple(map(without_spans, before))
+    last = latest_matching(before, said)
+    return (merge_frames(without_spans(last, _names_for_kept(last, said)), said),)
 
 
-def latest(before: Sequence[g.Frame], said: g.Frame) -> g.Frame:
+def latest_matching(before: Sequence[g.Frame], said: g.Frame) -> g.Frame:
     """The frame that a remark is about: the last with its action, if it names one that fits."""
     same = [frame for frame in before if frame.action == said.action]
     return (same or list(before))[-1]
 
 
-def continued(before: g.Frame, said: g.Frame, heading: float | None) -> g.Frame:
+def continue_frame(before: g.Frame, said: g.Frame, heading: float | None) -> g.Frame:
     """The same action farther: as far as is said, else as far as it goes by default.
 
     Args:
@@ -46,18 +46,18 @@ def continued(before: g.Frame, said: g.Frame, heading: float | None) -> g.Frame:
         said: the remark.
         heading: in which the object was pushed, for a goal that is a place and reached by now.
     """
-    last = settled(before)
+    last = without_spans(before)
     if said.goal.kind == "none" and said.constraints:
-        return overlaid(last, said)  # "more gently" is about the manner
+        return merge_frames(last, said)  # "more gently" is about the manner
     goal = last.goal
     if isinstance(goal, g.Place) and heading is not None:
         goal = g.Displace(heading=heading)
     kept = tuple(c for c in last.constraints if c.kind not in HOW_FAR)
-    last = last.model_copy(update={"goal": _without(goal, _FAR), "constraints": kept})
-    return overlaid(last, said)
+    last = last.model_copy(update={"goal": _without_fields(goal, _FAR), "constraints": kept})
+    return merge_frames(last, said)
 
 
-def corrected(
+def correct_frame(
     before: Sequence[g.Frame], said: g.Frame, wrong: g.Span | None
 ) -> tuple[g.Frame, ...]:
     """The frames with what is said in place of what was.
@@ -70,8 +70,11 @@ def corrected(
     """
     first, rest = before[0], before[1:]
     if wrong is None or said.object is None:
-        of_same = _meaning(first, said)
-        return (overlaid(settled(first, of_same), said), *(settled(f, of_same) for f in rest))
+        of_same = _names_for_kept(first, said)
+        return (
+            merge_frames(without_spans(first, of_same), said),
+            *(without_spans(f, of_same) for f in rest),
+        )
     instead, found = said.object, []
 
     def in_place(ref: g.ObjectRef) -> g.ObjectRef:
@@ -80,13 +83,13 @@ def corrected(
             return instead
         return by_name(ref)
 
-    renamed = [settled(frame, in_place) for frame in before]
+    renamed = [without_spans(frame, in_place) for frame in before]
     if found:
         said = said.model_copy(update={"object": None})
-    return (overlaid(renamed[0], said), *renamed[1:])
+    return (merge_frames(renamed[0], said), *renamed[1:])
 
 
-def _meaning(frame: g.Frame, said: g.Frame) -> Rename:
+def _names_for_kept(frame: g.Frame, said: g.Frame) -> Rename:
     """Names for what is kept: what stood for the frame's object ("its") now means the one said."""
     own, instead = frame.object, said.object
     if instead is None or instead.pronoun or own is None:
@@ -112,7 +115,7 @@ def by_name(ref: g.ObjectRef) -> g.ObjectRef:
     return ref if ref.id is None else g.ObjectRef(text=ref.id, noun=ref.id, id=ref.id)
 
 
-def settled(part: Part, rename: Rename = by_name) -> Part:
+def without_spans(part: Part, rename: Rename = by_name) -> Part:
     """A copy of a part of an earlier sentence: no spans, and each object renamed.
 
     What `rename` puts in is of the new sentence and stays as it is.
@@ -127,13 +130,13 @@ def settled(part: Part, rename: Rename = by_name) -> Part:
         if key == "spans":
             changed[key] = ()
         elif isinstance(value, BaseModel):
-            changed[key] = settled(value, rename)
+            changed[key] = without_spans(value, rename)
         elif isinstance(value, tuple) and any(isinstance(v, BaseModel) for v in value):
-            changed[key] = tuple(settled(v, rename) for v in value)
+            changed[key] = tuple(without_spans(v, rename) for v in value)
     return part.model_copy(update=changed)
 
 
-def _without(goal: Any, fields: Sequence[str]) -> Any:
+def _without_fields(goal: Any, fields: Sequence[str]) -> Any:
     there = type(goal).model_fields
     return goal.model_copy(update={k: there[k].get_default() for k in fields if k in there})
 
@@ -141,10 +144,10 @@ def _without(goal: Any, fields: Sequence[str]) -> Any:
 # --- what is put in its place ----------------------------------------------------------------
 
 
-def overlaid(last: g.Frame, said: g.Frame) -> g.Frame:
+def merge_frames(last: g.Frame, said: g.Frame) -> g.Frame:
     """A frame with everything that a remark says put in the place of what was."""
-    goal = _goal(last.goal, said)
-    fresh = set(_said(said.goal))
+    goal = _merged_goal(last.goal, said)
+    fresh = set(_stated_fields(said.goal))
     new = {c.kind for c in said.constraints if c.kind != "no_touch"}
     dropped = new.union(*(matter for matter in SAME_MATTER if matter & new))
     if fresh & set(_FAR):
@@ -181,7 +184,7 @@ def _without_face(clause: g.Constraint) -> g.Constraint | None:
     return clause.model_copy(update={"face": None})
 
 
-def _goal(last: g.Goal, said: g.Frame) -> g.Goal:
+def _merged_goal(last: g.Goal, said: g.Frame) -> g.Goal:
     new = said.goal
     if new.kind == "none":
         return last
@@ -189,7 +192,7 @@ def _goal(last: g.Goal, said: g.Frame) -> g.Goal:
         new = _as_kind_of(last, new)
     if new.kind != last.kind or isinstance(new, g.Place):
         return new
-    fresh = set(_said(new))
+    fresh = set(_stated_fields(new))
     update: dict[str, object] = {"spans": new.spans}
     for group in (_WHERE, _FAR, *((key,) for key in type(new).model_fields)):
         if fresh & set(group):
@@ -197,7 +200,7 @@ def _goal(last: g.Goal, said: g.Frame) -> g.Goal:
     return last.model_copy(update=update)
 
 
-def _said(goal: g.Goal) -> dict[str, Any]:
+def _stated_fields(goal: g.Goal) -> dict[str, Any]:
     """The fields of a goal that are not left open."""
     fields = type(goal).model_fields
     return {
@@ -209,7 +212,7 @@ def _said(goal: g.Goal) -> dict[str, Any]:
 
 def _as_kind_of(last: g.Goal, new: g.Goal) -> g.Goal:
     """Bare words ("to the left", "30 degrees") taken as they are meant for the last goal's kind."""
-    values = _said(new)
+    values = _stated_fields(new)
     if isinstance(last, g.Rotate) and "direction" in values:
         values["sense"] = _TURNS.get(str(values.pop("direction")))
     if isinstance(last, g.Lift) and "distance" in values:

@@ -1,10 +1,10 @@
-"""The way back: what brings objects to where they were before something was done to them.
+"""The way back: frames that bring objects to where they were before something was done to them.
 
-What is held is set down where it was taken; a lid that was opened is closed, and the other way
-round; what was poured stays where it is, which is told. Otherwise the way back is pushed: what
-turned is turned back, and pushed from where the robot sees it now to where it saw it before, the
-last sentence first. A round object is turned back only if it was to be turned; what it turned
-otherwise is told.
+A held object is set down where it was taken; a lid that was opened is closed, and the other way
+round; what was poured stays where it is, with a note. Otherwise the way back is pushed: an object
+that turned is turned back, and pushed from where the robot sees it now to where it saw it before,
+the last sentence first. A round object is turned back only if it was to be turned; else a note
+names its turn.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from planner.geometry.directions import angle_between, heading_of, phrase
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
     from planner.types.defaults import Defaults
-    from planner.types.plan import Plan, PlanTask
+    from planner.types.plan import PlanTask
     from planner.types.world_state import PlanarPose, SeenObject, WorldState
 
 
 @dataclass(frozen=True, eq=False)
-class Pushed:
+class PastPush:
     """A push, or what a whole hand did, that was carried out.
 
     Attributes:
@@ -43,20 +43,9 @@ class Pushed:
     task: PlanTask = "push"
 
 
-def record_push(of: Result, plan: Plan, before: PlanarPose) -> Pushed:
-    """What was done to an object by a plan.
-
-    Args:
-        of: what came of the sentence that asked for it.
-        plan: how.
-        before: where the robot saw the object before.
-    """
-    return Pushed(of, plan.object, before, plan.task)
-
-
 @dataclass(frozen=True)
 class WayBack:
-    """What undoes some pushes.
+    """Frames that undo some pushes.
 
     Attributes:
         frames: what is to be done, in this order.
@@ -65,12 +54,12 @@ class WayBack:
     """
 
     frames: tuple[g.Frame, ...]
-    undoes: tuple[Pushed, ...]
+    undoes: tuple[PastPush, ...]
     notes: tuple[str, ...]
 
 
-def undo_frames(pushed: Sequence[Pushed], state: WorldState, defaults: Defaults) -> WayBack:
-    """What undoes some pushes, the last one first.
+def undo_frames(pushed: Sequence[PastPush], state: WorldState, defaults: Defaults) -> WayBack:
+    """The way back from some pushes, the last one first.
 
     Args:
         pushed: in the order in which they were carried out.
@@ -85,8 +74,7 @@ def undo_frames(pushed: Sequence[Pushed], state: WorldState, defaults: Defaults)
             notes.append(f"what was poured from the {push.object} is not poured back")
         if push.task in _OPPOSITES:
             goal = _OPPOSITES[push.task]()
-            ref = g.ObjectRef(text=now.name, noun=now.name)
-            found.append((g.Frame(action=goal.kind, object=ref, goal=goal), push))
+            found.append((_frame(goal.kind, now, goal), push))
         if held == push.object:
             found.append((_set_down(now, push.before, defaults), push))
             here[push.object], held = replace(now, pose=push.before, lies_on="bottom"), None
@@ -104,36 +92,38 @@ def undo_frames(pushed: Sequence[Pushed], state: WorldState, defaults: Defaults)
 _OPPOSITES: dict[str, type[g.Open | g.Close]] = {"open": g.Close, "close": g.Open}
 
 
+def _frame(action: g.Action, now: SeenObject, goal: g.Goal) -> g.Frame:
+    return g.Frame(action=action, object=g.ObjectRef(text=now.name, noun=now.name), goal=goal)
+
+
 def _set_down(now: SeenObject, there: PlanarPose, defaults: Defaults) -> g.Frame:
     """Sets down what is held, where it was taken."""
-    ref = g.ObjectRef(text=now.name, noun=now.name)
     way = there.p_WB - now.pose.p_WB
     if math.hypot(way[0], way[1]) < defaults.distance_tolerance:
-        return g.Frame(action="place", object=ref, goal=g.SetDown())
+        return _frame("place", now, g.SetDown())
     place = g.Place(relation="at", reference=g.Point(x=there.x, y=there.y))
-    return g.Frame(action="place", object=ref, goal=place)
+    return _frame("place", now, place)
 
 
-def _was_to_turn(push: Pushed) -> bool:
+def _was_to_turn(push: PastPush) -> bool:
     names = (f.object.id for f in push.of.frames if isinstance(f.goal, g.Rotate) and f.object)
     return push.object in names
 
 
 def _back(now: SeenObject, there: PlanarPose, turns: bool, defaults: Defaults) -> Iterator[g.Frame]:
-    """What brings an object back to where it was; nothing if it is there."""
-    ref = g.ObjectRef(text=now.name, noun=now.name)
+    """Frames that bring an object back to where it was; none if it is there."""
     if now.lies_on != "bottom":
-        yield g.Frame(action="place", object=ref, goal=g.Upright())
+        yield _frame("place", now, g.Upright())
         return
     turn = angle_between(there.yaw, now.pose.yaw)
     if turns and abs(turn) > defaults.turn_tolerance:
         back = g.Rotate(angle=abs(turn), sense="ccw" if turn > 0.0 else "cw")
-        yield g.Frame(action="turn", object=ref, goal=back)
+        yield _frame("turn", now, back)
     way = there.p_WB - now.pose.p_WB
     distance = math.hypot(way[0], way[1])
     if distance >= defaults.distance_tolerance:
         goal = g.Displace(heading=heading_of(way), distance=distance)
-        yield g.Frame(action="push", object=ref, goal=goal)
+        yield _frame("push", now, goal)
 
 
 def undo_text(frames: Sequence[g.Frame]) -> str:

@@ -13,8 +13,13 @@ import pytest
 from grammar.frames import command as g
 from nlcontrol import Controller, Conversation
 from nlcontrol.results.result import Result
-from nlcontrol.session.follow_up_frames import continued, corrected, overlaid, repeated
-from nlcontrol.session.undo_frames import Pushed, undo_frames
+from nlcontrol.session.follow_up_frames import (
+    continue_frame,
+    correct_frame,
+    merge_frames,
+    repeat_frames,
+)
+from nlcontrol.session.undo_frames import PastPush, undo_frames
 from objectmodels import Registry
 from planner.geometry.directions import angle_between
 from planner.types.defaults import DEFAULTS
@@ -410,7 +415,7 @@ def frame(**fields: Any) -> g.Frame:
 def test_a_clause_takes_the_place_of_one_of_its_matter(
     before: tuple[g.Constraint, ...], clause: g.Constraint, after: tuple[g.Constraint, ...]
 ) -> None:
-    assert overlaid(frame(constraints=before), said(constraints=(clause,))).constraints == after
+    assert merge_frames(frame(constraints=before), said(constraints=(clause,))).constraints == after
 
 
 def test_a_face_goes_with_its_direction_and_a_limit_with_its_distance() -> None:
@@ -418,9 +423,9 @@ def test_a_face_goes_with_its_direction_and_a_limit_with_its_distance() -> None:
         goal=displace(direction="right", distance=0.05, bound="at_least"),
         constraints=(g.ContactRegion(face="left", region="top"), g.MaxDistance(value=0.1)),
     )
-    turned = overlaid(before, said(goal=displace(direction="away")))
+    turned = merge_frames(before, said(goal=displace(direction="away")))
     assert turned.constraints == (g.ContactRegion(region="top"), g.MaxDistance(value=0.1))
-    nearer = overlaid(before, said(goal=displace(distance=0.03)))
+    nearer = merge_frames(before, said(goal=displace(distance=0.03)))
     assert nearer.goal == displace(direction="right", distance=0.03)
     assert nearer.constraints == (before.constraints[0],)
 
@@ -442,12 +447,12 @@ def test_a_face_goes_with_its_direction_and_a_limit_with_its_distance() -> None:
     ],
 )
 def test_bare_words_are_meant_for_the_last_goal(last: Any, bare: Any, meant: g.Goal) -> None:
-    assert overlaid(frame(goal=last), said(goal=bare)).goal == meant
+    assert merge_frames(frame(goal=last), said(goal=bare)).goal == meant
 
 
 def test_a_new_goal_drops_what_it_cannot_keep() -> None:
     before = frame(constraints=(g.NoTopple(), g.NoTurn()))
-    after = overlaid(before, said(action="topple", goal=g.Topple()))
+    after = merge_frames(before, said(action="topple", goal=g.Topple()))
     assert (after.action, after.constraints) == ("topple", (g.NoTurn(),))
 
 
@@ -457,14 +462,14 @@ def test_more_after_a_place_goes_on_in_the_same_direction() -> None:
         constraints=(g.Until(event="touching", object=COFFEE), g.Gentle()),
     )
     for more in (displace(amount="little"), displace()):
-        after = continued(placed, said("more", goal=more), 1.5)
+        after = continue_frame(placed, said("more", goal=more), 1.5)
         assert after.goal == displace(heading=1.5, amount=more.amount)
         assert after.constraints == (g.Gentle(),)
 
 
 def test_more_gently_keeps_the_distance() -> None:
     before = frame(goal=displace(distance=0.2))
-    after = continued(before, said("more", constraints=(g.Gentle(),)), None)
+    after = continue_frame(before, said("more", constraints=(g.Gentle(),)), None)
     assert after.goal == before.goal
 
 
@@ -472,8 +477,8 @@ def test_its_width_is_that_of_the_object_that_is_meant() -> None:
     its = g.ObjectRef(text="its", pronoun=True, id="ice tea box")
     before = frame(goal=displace(distance=g.RelativeLength(value=2, of=its, side="width")))
     for (after,) in (
-        corrected((before,), said("correct", object=CEREAL), None),
-        repeated((before,), said("repeat", object=CEREAL)),
+        correct_frame((before,), said("correct", object=CEREAL), None),
+        repeat_frames((before,), said("repeat", object=CEREAL)),
     ):
         assert isinstance(after.goal, g.Displace)
         assert isinstance(after.goal.distance, g.RelativeLength)
@@ -482,9 +487,9 @@ def test_its_width_is_that_of_the_object_that_is_meant() -> None:
 
 def test_again_takes_the_frame_with_the_same_action() -> None:
     both = (frame(goal=displace(direction="left")), frame(action="topple", goal=g.Topple()))
-    (again,) = repeated(both, said("repeat", action="push", object=IT))
+    (again,) = repeat_frames(both, said("repeat", action="push", object=IT))
     assert again.goal == displace(direction="left")
-    assert [f.action for f in repeated(both, said("repeat"))] == ["push", "topple"]
+    assert [f.action for f in repeat_frames(both, said("repeat"))] == ["push", "topple"]
 
 
 def test_a_way_back_ends_where_it_began() -> None:
@@ -492,7 +497,7 @@ def test_a_way_back_ends_where_it_began() -> None:
     seen = {"ice tea box": SeenObject("ice tea box", PlanarPose(0.5, 0.2), model)}
     of = Result(ok=True, status="done", text="", scene="kitchen", seed=0)
     start, middle = PlanarPose(0.3, 0.0), PlanarPose(0.5, 0.0)
-    pushed = [Pushed(of, "ice tea box", start), Pushed(of, "ice tea box", middle)]
+    pushed = [PastPush(of, "ice tea box", start), PastPush(of, "ice tea box", middle)]
     back = undo_frames(pushed, WorldState(seen), DEFAULTS)
     assert back.undoes == (pushed[1], pushed[0])
     x, y = 0.5, 0.2
@@ -515,7 +520,7 @@ def test_what_is_round_is_turned_back_only_if_it_was_to_turn(asked: bool) -> Non
     )  # fmt: skip
     model = Registry.built_in().get("mug")
     seen = {"mug": SeenObject("mug", PlanarPose(0.5, 0.0, 0.7), model)}
-    back = undo_frames([Pushed(of, "mug", PlanarPose(0.5, 0.0))], WorldState(seen), DEFAULTS)
+    back = undo_frames([PastPush(of, "mug", PlanarPose(0.5, 0.0))], WorldState(seen), DEFAULTS)
     if asked:
         (frame,) = back.frames
         assert frame.goal == g.Rotate(angle=0.7, sense="cw")

@@ -12,7 +12,7 @@ from grammar.frames import command as g
 from grammar.frames import conflicts
 from grammar.frames.constraints import CONSTRAINTS, new_constraint
 from nlcontrol.session import follow_up_frames
-from nlcontrol.session.follow_up_frames import overlaid
+from nlcontrol.session.follow_up_frames import merge_frames
 
 GOALS: dict[str, g.Goal] = {
     "topple": g.Topple(),
@@ -33,7 +33,7 @@ def constraint(kind: str) -> g.Constraint:
 
 
 def kept(before: g.Frame, said: g.Frame) -> set[str]:
-    return {clause.kind for clause in overlaid(before, said).constraints}
+    return {clause.kind for clause in merge_frames(before, said).constraints}
 
 
 def frame(kind: str, goal: g.Goal) -> g.Frame:
