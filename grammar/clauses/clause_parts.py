@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 from grammar.clauses.consistency import contradiction_error
 from grammar.errors import ParseError
@@ -137,10 +137,14 @@ class Clause:
             raise self.does_not_apply_error(last, message, *directions)
         return directions[0] if directions else None
 
-    def take_angle(self) -> tuple[float | None, g.Bound]:
-        """Takes an angle and its bound."""
-        part = self.take_only(ph.Angle)
+    def take_measure(self, kind: type[ph.Angle | ph.Length]) -> tuple[Any, g.Bound]:
+        """Takes an angle or a length, None if none is said, and its bound."""
+        part = self.take_only(kind)
         return (None, "exact") if part is None else (part.value, part.bound)
+
+    def take_value(self, kind: type[ph.Part]) -> Any:
+        """Takes the value of the only part of a kind; None if there is no part."""
+        return getattr(self.take_only(kind), "value", None)
 
     def take_amount(self) -> g.Amount | None:
         """Takes "a little", unless a quantity says how much."""

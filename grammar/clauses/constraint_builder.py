@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from grammar.clauses.consistency import contradiction_error, join_equal
 from grammar.errors import ParseError
-from grammar.frames.command import Constraint, ContactRegion, MaxDistance, NoTouch
+from grammar.frames import command as g
 from grammar.frames.constraints import CONSTRAINTS, STILL, new_constraint
 from grammar.phrases import phrase_parts as ph
 from grammar.words.lexicon import Lexicon
@@ -19,10 +19,10 @@ _NO_MOVE = "no_move"
 
 def constraints_of(
     parts: Sequence[ph.Part], thing: ph.Thing, lexicon: Lexicon, sentence: Normalised
-) -> tuple[list[ph.Part], tuple[Constraint, ...]]:
+) -> tuple[list[ph.Part], tuple[g.Constraint, ...]]:
     """Separates the constraints, in their order, from the parts that belong to the goal."""
     rest: list[ph.Part] = []
-    constraints: list[Constraint] = []
+    constraints: list[g.Constraint] = []
     previous: ph.Part | None = None
     for part in _with_bounds(_with_ranges(_with_particles(parts, lexicon))):
         if isinstance(part, ph.Avoid | ph.FurtherNoTouch):
@@ -48,7 +48,7 @@ def require_same(
     Raises:
         ParseError: `other_object`.
     """
-    if mention is None or can_be_same(mention, thing):
+    if mention is None or can_be_same(mention, thing.ref):
         return
     raise ParseError(
         "other_object",
@@ -60,9 +60,9 @@ def require_same(
     )
 
 
-def can_be_same(mention: ph.Thing, thing: ph.Thing) -> bool:
+def can_be_same(mention: ph.Thing, ref: g.ObjectRef) -> bool:
     """Check for a mention that can be the object itself: "it", or the end of its name."""
-    words, name = mention.ref.text.casefold().split(), thing.ref.text.casefold().split()
+    words, name = mention.ref.text.casefold().split(), ref.text.casefold().split()
     return mention.ref.pronoun or words == name[-len(words) :]
 
 
@@ -79,10 +79,10 @@ def _require_opened(
     raise sentence.error_at(part.span, "unexpected_words", 'needs "without" before it', suggestion)
 
 
-def _may_be_continued(constraint: Constraint) -> bool:
+def _may_be_continued(constraint: g.Constraint) -> bool:
     """Check for a constraint that further things to avoid may follow."""
     limits = {kind.words.limit for kind in CONSTRAINTS.values()}
-    return isinstance(constraint, NoTouch) or constraint.kind in limits
+    return isinstance(constraint, g.NoTouch) or constraint.kind in limits
 
 
 def _with_particles(parts: Sequence[ph.Part], lexicon: Lexicon) -> list[ph.Part]:
@@ -120,7 +120,7 @@ def _with_ranges(parts: Sequence[ph.Part]) -> list[ph.Part]:
 
 
 def _at_most(part: ph.Length, value: float) -> ph.Constraint:
-    return ph.Constraint(part.span, MaxDistance(value=value, spans=(part.span,)))
+    return ph.Constraint(part.span, g.MaxDistance(value=value, spans=(part.span,)))
 
 
 def _with_bounds(parts: Sequence[ph.Part]) -> list[ph.Part]:
@@ -151,24 +151,24 @@ def _limit_part(avoid: ph.Avoid, part: ph.Part) -> ph.Constraint | None:
 
 def _avoidance_constraints(
     part: ph.Avoid, thing: ph.Thing, sentence: Normalised
-) -> list[Constraint]:
+) -> list[g.Constraint]:
     if not part.kind:
         message = f'"{part.word}" alone says nothing to avoid'
         raise ParseError("unexpected_words", message, part.span, (f"{part.word} it over",))
-    if part.word.startswith("knock") and part.thing and not can_be_same(part.thing, thing):
+    if part.word.startswith("knock") and part.thing and not can_be_same(part.thing, thing.ref):
         # What is not touched is not knocked over.
-        return [NoTouch(object=part.thing.ref, spans=(part.span,))]
+        return [g.NoTouch(object=part.thing.ref, spans=(part.span,))]
     require_same(part.thing, thing, part, sentence)
     kinds = STILL if part.kind == _NO_MOVE else (part.kind,)
     return [new_constraint(kind, spans=(part.span,)) for kind in kinds]
 
 
-def _one_contact(constraints: Sequence[Constraint], sentence: Normalised) -> list[Constraint]:
+def _one_contact(constraints: Sequence[g.Constraint], sentence: Normalised) -> list[g.Constraint]:
     """Joins what is said of the contact ("at the top", "from the left") in one constraint."""
-    out: list[Constraint] = []
+    out: list[g.Constraint] = []
     for new in constraints:
-        known = next((c for c in out if isinstance(c, ContactRegion)), None)
-        if known is None or not isinstance(new, ContactRegion):
+        known = next((c for c in out if isinstance(c, g.ContactRegion)), None)
+        if known is None or not isinstance(new, g.ContactRegion):
             out.append(new)
             continue
         said = known.model_dump(exclude_none=True, exclude={"kind", "spans"})

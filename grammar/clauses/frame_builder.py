@@ -17,7 +17,7 @@ from grammar.clauses.clause_parts import (
 from grammar.clauses.clause_subjects import NOBODY, attach_objects, clause_objects
 from grammar.clauses.consistency import require_consistent
 from grammar.clauses.constraint_builder import constraints_of
-from grammar.clauses.goal_builder import goal_builder_for, take_method
+from grammar.clauses.goal_builder import goal_builder_for
 from grammar.clauses.object_descriptions import attach_descriptions
 from grammar.errors import ParseError
 from grammar.frames import command as g
@@ -140,7 +140,7 @@ class _ClauseReader:
     def _exploration_frame(self, part: ph.Explore) -> g.Frame:
         rest, constraints = constraints_of(self._parts, part.thing, self._lexicon, self._sentence)
         clause = Clause(rest, Verb("explore", "parameters"), self._sentence)
-        how = take_method(clause)
+        how = clause.take_value(ph.Method)
         clause.require_all_taken("find out")
         return g.Frame(
             action="explore",

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import Any, cast
 
 from grammar.clauses.clause_parts import Clause
+from grammar.clauses.constraint_builder import can_be_same
 from grammar.errors import ParseError
 from grammar.frames import command as g
 from grammar.frames.goals import GOALS
@@ -26,12 +27,8 @@ def _displace_goal(clause: Clause) -> g.Displace | g.Place:
     share = clause.take_only(ph.Share)
     if place is not None and place.relation == "to" and share is None:
         return _place_goal_at(clause, place)
-    heading, toward, me = (
-        clause.take_only(ph.Heading),
-        clause.take_only(ph.Toward),
-        clause.take_only(ph.Me),
-    )
-    off = clause.take_only(ph.AwayFrom)
+    heading, toward = clause.take_only(ph.Heading), clause.take_only(ph.Toward)
+    me, off = clause.take_only(ph.Me), clause.take_only(ph.AwayFrom)
     said = [part for part in (heading, toward, place, me, off) if part is not None]
     if said:
         clause.drop_implied()
@@ -49,11 +46,9 @@ def _displace_goal(clause: Clause) -> g.Displace | g.Place:
             target = place.reference[0]
         else:
             away_from = place.reference[0]
-    if share is not None and (not share.of_way or target is None):
-        if not share.of_way:
-            raise clause.does_not_apply_error(
-                share, "is no single object", "say it for each object"
-            )
+    if share is not None and not share.of_way:
+        raise clause.does_not_apply_error(share, "is no single object", "say it for each object")
+    if share is not None and target is None:
         raise clause.does_not_apply_error(share, "needs to say where to", "halfway to the mug")
     amount = clause.take_amount()
     length = clause.take_only(ph.Length)
@@ -124,7 +119,7 @@ def _rotate_goal(clause: Clause) -> g.Rotate:
             aside, message, "to the left", "to the right", "clockwise"
         )
     amount = clause.take_amount()
-    angle, bound = clause.take_angle()
+    angle, bound = clause.take_measure(ph.Angle)
     if angle is None and clause.verb.turns is not None:
         angle = math.tau * clause.verb.turns
     return g.Rotate(
@@ -138,7 +133,7 @@ def _rotate_goal(clause: Clause) -> g.Rotate:
 
 def _tilt_goal(clause: Clause) -> g.Tilt:
     direction, amount = clause.take_direction(), clause.take_amount()
-    angle, bound = clause.take_angle()
+    angle, bound = clause.take_measure(ph.Angle)
     return g.Tilt(
         angle=angle, direction=direction, bound=bound, amount=amount, spans=clause.all_spans
     )
@@ -178,13 +173,8 @@ def _set_down_goal(clause: Clause) -> g.Place | g.SetDown:
 
 def _parameters_goal(clause: Clause) -> g.Parameters:
     which = (clause.verb.which,) if clause.verb.which else ()
-    return g.Parameters(which=which, method=take_method(clause), spans=clause.all_spans)
-
-
-def take_method(clause: Clause) -> g.Method | None:
-    """Takes how something is to be found out: "by lifting it"."""
-    part = clause.take_only(ph.Method)
-    return None if part is None else part.value
+    method = clause.take_value(ph.Method)
+    return g.Parameters(which=which, method=method, spans=clause.all_spans)
 
 
 # --- goals of the whole hand -------------------------------------------------------------------
@@ -192,42 +182,28 @@ def take_method(clause: Clause) -> g.Method | None:
 
 def lift_goal(clause: Clause) -> g.Lift:
     """Lift the mug by 10 cm."""
-    amount, height = clause.take_amount(), clause.take_only(ph.Length)
-    return g.Lift(
-        height=None if height is None else height.value,
-        bound="exact" if height is None else height.bound,
-        amount=amount,
-        spans=clause.all_spans,
-    )
+    amount, (height, bound) = clause.take_amount(), clause.take_measure(ph.Length)
+    return g.Lift(height=height, bound=bound, amount=amount, spans=clause.all_spans)
 
 
 def open_goal(clause: Clause) -> g.Open:
     """Take the lid off the jar."""
-    return g.Open(part=_take_lid_name(clause), spans=clause.all_spans)
+    return g.Open(part=clause.take_value(ph.Lid), spans=clause.all_spans)
 
 
 def close_goal(clause: Clause) -> g.Close:
     """Put the lid back on the jar."""
-    return g.Close(part=_take_lid_name(clause), spans=clause.all_spans)
-
-
-def _take_lid_name(clause: Clause) -> str | None:
-    lid = clause.take_only(ph.Lid)
-    return None if lid is None else lid.name
+    return g.Close(part=clause.take_value(ph.Lid), spans=clause.all_spans)
 
 
 def pour_goal(clause: Clause) -> g.Pour:
     """Pour half of the ice tea into the mug; until it is half full."""
     full, said = clause.take_only(ph.Full), clause.how_much()
-    into, amount, share = (
-        clause.take_only(ph.Into),
-        clause.take_amount(),
-        clause.take_only(ph.Share),
-    )
-    volume = clause.take_only(ph.Volume)
+    into, amount = clause.take_only(ph.Into), clause.take_amount()
+    share, volume = clause.take_only(ph.Share), clause.take_value(ph.Volume)
     if share is not None and share.of_way:
         raise clause.does_not_apply_error(share, "is no part of a liquid", "half of the water")
-    if full is not None and full.subject and into and not _can_be_target(full.subject, into):
+    if full is not None and full.subject and into and not can_be_same(full.subject, into.target):
         raise clause.does_not_apply_error(full, "is about something else", "until it is half full")
     if full is not None and into is None:
         raise clause.does_not_apply_error(full, "needs to say what is filled", "into the mug")
@@ -239,15 +215,10 @@ def pour_goal(clause: Clause) -> g.Pour:
         into=None if into is None else into.target,
         amount=amount,
         fraction=None if share is None else share.value,
-        volume=None if volume is None else volume.value,
+        volume=volume,
         fill=None if full is None else full.value,
         spans=clause.all_spans,
     )
-
-
-def _can_be_target(subject: ph.Thing, into: ph.Into) -> bool:
-    words, name = subject.ref.text.casefold().split(), into.target.text.casefold().split()
-    return subject.ref.pronoun or words == name[-len(words) :]
 
 
 def fill_goal(clause: Clause) -> g.Pour:

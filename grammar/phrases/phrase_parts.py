@@ -209,9 +209,9 @@ class FilledWith(Part):
 
 @dataclass(frozen=True)
 class Lid(Part):
-    """A part of an object that is opened or closed."""
+    """A part of an object that is opened or closed, by its name."""
 
-    name: str
+    value: str
 
 
 @dataclass(frozen=True)
