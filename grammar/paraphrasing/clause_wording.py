@@ -62,9 +62,7 @@ class Phrasing:
         told = [text]
         for quality in ref.qualities[len(said) :]:
             if quality == "near" and ref.reference and ref.relation is None:
-                told.append(
-                    f"{self.phrase_for('RELATION', 'nearest')} {self._joined_names(ref.reference)}"
-                )
+                told.append(self._relation_words("nearest", ref.reference))
             else:
                 told.append(self.phrase_for("SIDE_QUALITY", quality))
         if ref.relation is not None:
@@ -75,11 +73,8 @@ class Phrasing:
         return " and ".join(self.object_words(ref) for ref in refs)
 
     def _relation_words(self, relation: str, reference: Sequence[g.ObjectRef]) -> str:
-        said = (
-            self.phrase_for("BETWEEN")
-            if relation == "between"
-            else self.phrase_for("RELATION", relation)
-        )
+        between = relation == "between"
+        said = self.phrase_for(*(("BETWEEN",) if between else ("RELATION", relation)))
         return f"{said} {self._joined_names(reference)}"
 
     def needs_no_article(self, name: str) -> bool:
@@ -120,11 +115,8 @@ class Phrasing:
             return True
         if after_adjectives and word in lexicon.adjectives and i + 1 < len(words):
             return words[i + 1] not in lexicon.ends_names
-        if (
-            word in lexicon.openers
-            or word in lexicon.verb_words["VERB"]
-            or _is_joining_of(words, i)
-        ):
+        known = word in lexicon.openers or word in lexicon.verb_words["VERB"]
+        if known or _is_joining_of(words, i):
             return True
         return not (word[0].isdigit() or word in lexicon.reserved_words | lexicon.first_words)
 
@@ -201,6 +193,13 @@ class Phrasing:
         percent = _plain_number(Decimal(repr(share)) * 100)
         return f"{until} {self.phrase_for('IS_AT')} {percent} {self.phrase_for('PERCENT')}"
 
+    def _way_words(self, share: float | None) -> list[str]:
+        if share is None:
+            return []
+        if share not in _WAYS:
+            raise no_words(f"a share of {share} of the way")
+        return [self.phrase_for("WAY", _WAYS[share])]
+
     def _amount_words(self, amount: g.Amount | None) -> list[str]:
         return [self.phrase_for("AMOUNT", amount)] if amount else []
 
@@ -220,11 +219,7 @@ class Phrasing:
         return words + self._amount_words(goal.amount)
 
     def _displace_words(self, goal: g.Displace) -> list[str]:
-        words = []
-        if goal.fraction is not None:
-            if goal.fraction not in _WAYS:
-                raise no_words(f"a share of {goal.fraction} of the way")
-            words.append(self.phrase_for("WAY", _WAYS[goal.fraction]))
+        words = self._way_words(goal.fraction)
         if goal.direction is not None:
             pair = (goal.direction,) if isinstance(goal.direction, str) else goal.direction
             words.append(" and ".join(self.phrase_for("DIRECTION", part) for part in pair))
@@ -237,19 +232,14 @@ class Phrasing:
         if isinstance(goal.away_from, str):
             words.append(self.phrase_for("AWAY_FROM_REGION", goal.away_from))
         elif goal.away_from is not None:
-            words.append(
-                f"{self.phrase_for('RELATION', 'away_from')} {self.object_words(goal.away_from)}"
-            )
+            away = self.phrase_for("RELATION", "away_from")
+            words.append(f"{away} {self.object_words(goal.away_from)}")
         if goal.distance is not None:
             words.append(f"by {self.bound_words(goal.bound)}{self.length_words(goal.distance)}")
         return words + self._amount_words(goal.amount)
 
     def _place_words(self, goal: g.Place) -> list[str]:
-        words = []
-        if goal.fraction is not None:
-            if goal.fraction not in _WAYS:
-                raise no_words(f"a share of {goal.fraction} of the way")
-            words.append(self.phrase_for("WAY", _WAYS[goal.fraction]))
+        words = self._way_words(goal.fraction)
         match goal.reference:
             case g.Point(x=x, y=y):
                 words.append(f"to x {_plain_number(x)} y {_plain_number(y)}")
@@ -278,9 +268,7 @@ class Phrasing:
                 words.append(self._contact_words(constraint, directed=directed))
             elif avoided:
                 doing = self.phrase_for("AVOIDING", constraint.kind)
-                words.append(
-                    f"or {doing} it" if listed else f"{self.phrase_for('WITHOUT')} {doing} it"
-                )
+                words.append(f"{'or' if listed else self.phrase_for('WITHOUT')} {doing} it")
             else:
                 words.append(self._one_constraint_words(constraint))
             listed = avoided

@@ -42,11 +42,8 @@ def paraphrase(
     return ", then ".join(speaker.frame_words(frame) for frame in frames)
 
 
-class _Speaker:
+class _Speaker(Phrasing):
     """Says whole frames."""
-
-    def __init__(self, lexicon: Lexicon, choose: Choice | None) -> None:
-        self._p = Phrasing(lexicon, choose)
 
     def frame_words(self, frame: g.Frame) -> str:
         """One frame: a command, a question or a remark."""
@@ -68,13 +65,13 @@ class _Speaker:
         verb, result = self._verb_and_result(frame)
         constraints = list(frame.constraints)
         words = []
-        if constraints and (manner := self._p.manner_words(constraints[0])):
+        if constraints and (manner := self.manner_words(constraints[0])):
             words.append(manner)
             constraints.pop(0)
         words += [verb, name or self._of_a_part(frame)]
         if goal.words.particle:
             words.append(goal.words.particle)
-        words += [*result, *self._p.goal_words(goal), *([more] if more else [])]
+        words += [*result, *self.goal_words(goal), *([more] if more else [])]
         words += self._constraint_words(goal, constraints)
         return " ".join(words)
 
@@ -83,35 +80,35 @@ class _Speaker:
         action, goal = frame.action or "", frame.goal
         if isinstance(goal, g.Open | g.Close) and goal.part and frame.object is not None:
             # Only what is called "the …" has a "lid of the …".
-            named = self._p.object_words(frame.object).startswith("the ")
+            named = self.object_words(frame.object).startswith("the ")
             moved = "take" if isinstance(goal, g.Open) else "put"
             return goal.words.verbs[action] if named else moved, []
         if action in goal.words.verbs:
             return goal.words.verbs[action], []
         if action in g.Displace.words.verbs and goal.words.outcomes:
-            event = self._p.phrase_for("EVENT", goal.words.outcomes[0])
+            event = self.phrase_for("EVENT", goal.words.outcomes[0])
             return g.Displace.words.verbs[action], [f"so that it {event}"]
         raise no_words(f"action {action}, goal {goal.kind}")
 
     def _of_a_part(self, frame: g.Frame) -> str:
         """The object; with its part, if that is opened; with its contents, if they are poured."""
         assert frame.object is not None
-        name, goal = self._p.object_words(frame.object), frame.goal
+        name, goal = self.object_words(frame.object), frame.goal
         if isinstance(goal, g.Open | g.Close) and goal.part:
             if name.startswith("the "):
                 return f"the {goal.part} of {name}"
-            if goal.part not in self._p.lexicon.lids:
+            if goal.part not in self.lexicon.lids:
                 raise no_words(f"the {goal.part} of {name}")
             return f"the {goal.part} {'off' if isinstance(goal, g.Open) else 'on'} {name}"
-        return f"{self._p.portion_words(goal)}{name}" if isinstance(goal, g.Pour) else name
+        return f"{self.portion_words(goal)}{name}" if isinstance(goal, g.Pour) else name
 
     def _constraint_words(self, goal: g.Goal, constraints: Sequence[g.Constraint]) -> list[str]:
         said = ("direction", "heading", "toward", "away_from", "reference")
         directed = any(getattr(goal, field, None) is not None for field in said)
-        return self._p.constraint_words(constraints, directed=directed)
+        return self.constraint_words(constraints, directed=directed)
 
     def _exploration_words(self, frame: g.Frame, which: Sequence[str], more: str) -> str:
-        words = [f"find out {self._property_words(frame, which)}", *self._p.goal_words(frame.goal)]
+        words = [f"find out {self._property_words(frame, which)}", *self.goal_words(frame.goal)]
         words += [more] if more else []
         return " ".join([*words, *self._constraint_words(frame.goal, frame.constraints)])
 
@@ -119,48 +116,47 @@ class _Speaker:
         """The mass and the friction of an object."""
         assert frame.object is not None
         if frame.object.text == "its":
-            return " and ".join(self._p.phrase_for("ITS_PROPERTY", name) for name in which)
+            return " and ".join(self.phrase_for("ITS_PROPERTY", name) for name in which)
         *others, last = which
-        known = self._p.lexicon.phrases_for("THE_PROPERTY_OF", last)
+        known = self.lexicon.phrases_for("THE_PROPERTY_OF", last)
         of = "THE_PROPERTY_OF" if known else "THE_SIDE_OF"
-        said = [self._p.phrase_for("THE_PROPERTY", name) for name in others]
-        properties = " and ".join([*said, self._p.phrase_for(of, last)])
-        return f"{properties} {self._p.object_words(frame.object)}"
+        said = [self.phrase_for("THE_PROPERTY", name) for name in others]
+        properties = " and ".join([*said, self.phrase_for(of, last)])
+        return f"{properties} {self.object_words(frame.object)}"
 
     # --- questions ----------------------------------------------------------------------------
 
     def _question_words(self, frame: g.Frame, query: g.Query) -> str:
         if query == "value" and isinstance(frame.goal, g.Parameters):
-            return (
-                f"{self._p.phrase_for('WHAT_IS')} {self._property_words(frame, frame.goal.which)}?"
-            )
+            which = frame.goal.which
+            return f"{self.phrase_for('WHAT_IS')} {self._property_words(frame, which)}?"
         if query == "affordances" and frame.object is not None:
-            return f"{self._p.phrase_for('WHAT_CAN')} {self._p.object_words(frame.object)}?"
+            return f"{self.phrase_for('WHAT_CAN')} {self.object_words(frame.object)}?"
         if query == "why" and frame.action is None:
-            return f"{self._p.phrase_for('WHY')}?"
+            return f"{self.phrase_for('WHY')}?"
         if query == "predict":
             return f"{self._prediction_words(frame)}?"
         if query not in _OPENINGS:
             raise no_words(f"the question {query}")
         if frame.negated:
-            return f"{self._p.phrase_for('WHY_DID', 'not')} {self._command_words(frame)}?"
+            return f"{self.phrase_for('WHY_DID', 'not')} {self._command_words(frame)}?"
         event = [] if frame.event is None else [self._to_make(frame.event)]
         clause = self._command_words(frame)
         terminal, sense = _OPENINGS[query]
         if query == "how_hard" and not event and any(c.kind in _LIMITS for c in frame.constraints):
             sense = "most"
-        return f"{' '.join([self._p.phrase_for(terminal, sense), clause, *event])}?"
+        return f"{' '.join([self.phrase_for(terminal, sense), clause, *event])}?"
 
     def _to_make(self, event: g.Event) -> str:
-        return f"{self._p.phrase_for('TO_MAKE')} it {self._p.phrase_for('EVENT_INFINITIVE', event)}"
+        return f"{self.phrase_for('TO_MAKE')} it {self.phrase_for('EVENT_INFINITIVE', event)}"
 
     def _prediction_words(self, frame: g.Frame) -> str:
         if frame.event is None:
-            return f"{self._p.phrase_for('WHAT_IF')} you {self._command_words(frame)}"
+            return f"{self.phrase_for('WHAT_IF')} you {self._command_words(frame)}"
         assert frame.object is not None
-        happens = self._p.phrase_for("EVENT_INFINITIVE", frame.event)
+        happens = self.phrase_for("EVENT_INFINITIVE", frame.event)
         partly = isinstance(frame.goal, g.Pour | g.Open | g.Close)
-        name, text = self._p.object_words(frame.object), frame.object.text
+        name, text = self.object_words(frame.object), frame.object.text
         if partly or name not in (text, f"the {text}", f'"{text}"'):
             return f"if you {self._command_words(frame)}, will it {happens}"
         return f"will {name} {happens} if you {self._command_words(frame, name='it')}"
@@ -169,27 +165,24 @@ class _Speaker:
 
     def _remark_words(self, frame: g.Frame, dialogue: g.Dialogue) -> str:
         if dialogue == "undo" and frame.object is not None:
-            return f"{self._p.phrase_for('UNDO_OF')} {self._p.object_words(frame.object)}"
+            return f"{self.phrase_for('UNDO_OF')} {self.object_words(frame.object)}"
         if dialogue in ("undo", "stop"):
-            return self._p.phrase_for(dialogue.upper())
+            return self.phrase_for(dialogue.upper())
         if dialogue == "correct":
             return f"no, {self._correction_words(frame)}"
-        word = self._p.phrase_for(dialogue.upper())
+        word = self.phrase_for(dialogue.upper())
         if frame.action is not None:
             return self._command_words(frame, more=word)
         if frame.object is not None:
             raise no_words(f"{dialogue} with an object and no action")
-        rest = [
-            *self._p.goal_words(frame.goal),
-            *self._constraint_words(frame.goal, frame.constraints),
-        ]
-        return " ".join([word, *rest])
+        words = [word, *self.goal_words(frame.goal)]
+        return " ".join([*words, *self._constraint_words(frame.goal, frame.constraints)])
 
     def _correction_words(self, frame: g.Frame) -> str:
         if frame.action is not None:
             return self._command_words(frame)
-        words = [] if frame.object is None else [self._p.object_words(frame.object)]
-        goal = self._p.goal_words(frame.goal)
+        words = [] if frame.object is None else [self.object_words(frame.object)]
+        goal = self.goal_words(frame.goal)
         if words and isinstance(frame.goal, g.Place):
             words.append(",")
         words += [*goal, *self._constraint_words(frame.goal, frame.constraints)]

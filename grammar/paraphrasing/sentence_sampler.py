@@ -87,14 +87,8 @@ class Sampler:
         """A frame that does not contradict itself."""
         while True:
             kind = self._rng.random()
-            draw = (
-                self._draw_command
-                if kind < 0.6
-                else self._draw_question
-                if kind < 0.85
-                else self._draw_remark
-            )
-            frame = draw()
+            asked = self._draw_question if kind < 0.85 else self._draw_remark
+            frame = self._draw_command() if kind < 0.6 else asked()
             if first_contradiction(frame) is None:
                 return frame
 
@@ -173,15 +167,11 @@ class Sampler:
                 return g.Place(relation="at", reference=g.Point(x=x, y=y))
             case 1:
                 region = self._pick(_REGIONS)
-                return g.Place(
-                    relation="at",
-                    reference=region,
-                    fraction=self._draw_perhaps(lambda: self._pick(_FRACTIONS), 0.2),
-                )
+                fraction = self._draw_perhaps(lambda: self._pick(_FRACTIONS), 0.2)
+                return g.Place(relation="at", reference=region, fraction=fraction)
             case 2:
-                return g.Place(
-                    relation="between", reference=(self._draw_thing(), self._draw_thing())
-                )
+                things = (self._draw_thing(), self._draw_thing())
+                return g.Place(relation="between", reference=things)
             case _:
                 relation = self._pick(_RELATIONS)
                 gap = self._draw_perhaps(self._draw_length, 0.3) if relation in _GAPS else None
@@ -233,18 +223,15 @@ class Sampler:
                 {"fill": self._pick((*_FRACTIONS, 1.0, self._rng.randint(1, 100) / 100))},
             )
         )
-        into = (
-            self._draw_thing() if "fill" in how_much else self._draw_perhaps(self._draw_thing, 0.8)
-        )
+        fills = "fill" in how_much
+        into = self._draw_thing() if fills else self._draw_perhaps(self._draw_thing, 0.8)
         return g.Pour(into=into, **how_much)
 
     # --- constraints --------------------------------------------------------------------------
 
     def _draw_constraints(self) -> tuple[g.Constraint, ...]:
         count = self._pick((0, 0, 1, 1, 2, 3))
-        return tuple(
-            self._draw_constraint(kind) for kind in self._rng.sample([*CONSTRAINTS], count)
-        )
+        return tuple(map(self._draw_constraint, self._rng.sample([*CONSTRAINTS], count)))
 
     def _draw_constraint(self, kind: str) -> g.Constraint:
         unit = CONSTRAINTS[kind].words.unit
@@ -274,19 +261,15 @@ class Sampler:
     def _draw_no_touch(self) -> g.NoTouch:
         if self._rng.random() < 0.2:
             return g.NoTouch(object=None)
-        return g.NoTouch(
-            object=self._draw_thing(), clearance=self._draw_perhaps(self._draw_length, 0.4)
-        )
+        other = self._draw_thing()
+        return g.NoTouch(object=other, clearance=self._draw_perhaps(self._draw_length, 0.4))
 
     def _draw_contact(self) -> g.ContactRegion:
         face = self._draw_perhaps(lambda: self._pick(("front", "back", "left", "right", "top")))
         region = self._draw_perhaps(lambda: self._pick(("top", "middle", "bottom")))
         if region is None and self._rng.random() < 0.5:
-            height = g.ContactHeight(
-                value=self._draw_length(),
-                origin=self._pick(("table", "top")),
-                bound=self._draw_bound(),
-            )
+            value, origin = self._draw_length(), self._pick(("table", "top"))
+            height = g.ContactHeight(value=value, origin=origin, bound=self._draw_bound())
             return g.ContactRegion(face=face, height=height)
         return g.ContactRegion(face=face or (None if region else "front"), region=region)
 
@@ -299,9 +282,8 @@ class Sampler:
         event = self._pick(("touching", "in_line", "next_to", "edge", "about_to_tip", "tips",
                             "moves"))  # fmt: skip
         named = event in ("touching", "in_line", "next_to")
-        return g.Until.model_validate(
-            {"event": event, "object": self._draw_thing() if named else None}
-        )
+        other = self._draw_thing() if named else None
+        return g.Until.model_validate({"event": event, "object": other})
 
     # --- frames -------------------------------------------------------------------------------
 
@@ -317,21 +299,24 @@ class Sampler:
             }
         )
 
+    def _draw_handling(self) -> g.Frame:
+        """A command that does more than find something out."""
+        while isinstance((frame := self._draw_command()).goal, g.Parameters):
+            pass
+        return frame
+
     def _draw_question(self) -> g.Frame:
         query = self._pick(("predict", "possible", "how_hard", "where", "why", "value",
                             "affordances"))  # fmt: skip
         if query == "value":
             which = (self._pick(_PROPERTIES),)
-            return g.Frame(
-                query="value", object=self._draw_object(), goal=g.Parameters(which=which)
-            )
+            goal = g.Parameters(which=which)
+            return g.Frame(query="value", object=self._draw_object(), goal=goal)
         if query == "affordances":
             return g.Frame(query="affordances", object=self._draw_object())
         if query == "why" and self._rng.random() < 0.5:
             return g.Frame(query="why")
-        frame = self._draw_command()
-        while isinstance(frame.goal, g.Parameters):
-            frame = self._draw_command()
+        frame = self._draw_handling()
         events: list[g.Event | None] = [None, "slides", "tips", "tilts", "turns", "moves"]
         if query == "predict":
             events += ["spills", "holds"]
@@ -351,10 +336,7 @@ class Sampler:
             case "correct":
                 said = self._pick(("object", "goal", "command"))
                 if said == "command":
-                    frame = self._draw_command()
-                    while isinstance(frame.goal, g.Parameters):
-                        frame = self._draw_command()
-                    return frame.model_copy(update={"dialogue": "correct"})
+                    return self._draw_handling().model_copy(update={"dialogue": "correct"})
                 if said == "object":
                     return g.Frame(dialogue="correct", object=self._draw_thing())
                 return g.Frame(dialogue="correct", goal=self._draw_said_displace())
