@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from grammar.frames import command as g
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
 from nlcontrol.learning.lessons import change_contents
+from nlcontrol.questions.grasp_questions import spill_answer
+from planner.types.defaults import DEFAULTS
+from planner.types.world_state import PlanarPose, WorldState
+from tests.unit.planner.conftest import world
 
 
 @pytest.fixture(scope="module")
@@ -120,3 +126,24 @@ def test_affordances_of_a_hand(kitchen: Controller) -> None:
     assert found.keys() == {"lift", "pour"}
     assert found["lift"].can
     assert "squeezed with" in found["lift"].message
+
+
+@pytest.mark.parametrize(("ml", "spills"), [(0.7, False), (1.4, True)])
+def test_a_drop_is_not_spilled(ml: float, spills: bool) -> None:
+    state, angle = world(ice_tea=PlanarPose(0.5, 0.0)), np.radians(60.0)
+    carton = state.objects["ice tea"]
+    vessel, container = carton.model.vessel, carton.model.container
+    assert vessel is not None
+    assert container is not None
+    contents = float(vessel.brim(angle, 0.0)) + ml * 1e-6
+    known = container.model_copy(update={"contents_l": 1e3 * contents, "contents_l_sd": 0.0})
+    model = carton.model.model_copy(update={"container": known})
+    full = WorldState({"ice tea": replace(carton, model=model)}, state.table)
+    frame = g.Frame(
+        query="predict", event="spills", action="tilt",
+        object=g.ObjectRef(text="ice tea", id="ice tea"),
+        goal=g.Tilt(angle=angle, direction="away"),
+    )  # fmt: skip
+    answer = spill_answer(frame, full, DEFAULTS)
+    assert answer.numbers["spilled"] == pytest.approx(ml * 1e-6)
+    assert answer.yes == spills

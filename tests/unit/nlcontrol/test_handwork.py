@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from nlcontrol import Controller, Conversation
-from nlcontrol.learning.lessons import beliefs_after_grasp, change_contents, weight_from_grasp
+from nlcontrol.learning.lessons import (
+    beliefs_after_grasp,
+    change_contents,
+    felt_weight,
+    weight_from_grasp,
+)
 from nlcontrol.plan_text import plan_reasons
 from nlcontrol.session.undo_frames import PastPush, undo_frames, undo_text
 from objectmodels import ObjectModel
@@ -75,6 +80,19 @@ def test_what_hung_on_the_fingers_is_believed(carton: ObjectModel, mass: float) 
     more = model.container.contents - carton.container.contents
     # Most of what was not known of the mass is the contents (70 of 71 g).
     assert more == pytest.approx((70 / 71) ** 2 * (mass - carton.mass) / 1000.0, abs=3 * ML)
+
+
+def test_the_weight_is_felt_once_the_arm_has_stopped_swinging() -> None:
+    trace = hand_trace("ice tea", up=0.1, weighs=3.0)
+    before = trace.time[trace.phase == "lift"][-1] - trace.time
+    # It is held for a second: a jerk at its beginning, then a swing of two thirds of a second.
+    jerk = 2.0 * ((before > 0.7) & (before < 1.0))
+    swing = 0.4 * np.cos(3.0 * np.pi * before + 0.5 * np.pi) * (before < 2.0 / 3.0)
+    for force in trace.felt.values():
+        force[:, 2] += 0.25 * (jerk + swing)
+    felt = felt_weight(LIFT, trace)
+    assert felt is not None
+    assert felt.mean == pytest.approx(3.0, abs=0.03)
 
 
 def test_the_weight_of_a_lid_says_nothing_of_its_object(carton: ObjectModel) -> None:

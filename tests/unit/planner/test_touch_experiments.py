@@ -59,6 +59,24 @@ def test_what_is_proposed_for_the_built_in_objects(name: str, arm: RobotLimits) 
     assert all(e.name == f"{e.kind} at the {e.push.face}" for e in found)
 
 
+@pytest.mark.parametrize(("room", "beside"), [(0.0015, False), (0.003, True)])
+def test_a_narrow_side_is_touched_in_its_middle_only(
+    room: float, beside: bool, arm: RobotLimits
+) -> None:
+    width = 2.0 * (arm.fingertip_radius + room)
+    narrow = BoxModel(name="box", size=(width, width, 0.12), mass=0.3, friction=0.3)
+    kinds = {experiment.kind for experiment in experiments(seen(narrow), arm)}
+    assert "slide" in kinds
+    assert ("off-centre slide" in kinds) == beside
+
+
+def test_a_slide_goes_beyond_what_fingers_give_way_and_not_far(arm: RobotLimits) -> None:
+    slides = [e for e in experiments(seen(MODELS["ice tea box"]), arm) if "slide" in e.kind]
+    assert slides
+    # Friction is felt over a centimetre; the object stays where the next touch expects it.
+    assert all(0.008 < e.push.stroke < 0.018 for e in slides)
+
+
 @pytest.mark.parametrize("name", sorted(set(MODELS) - {LOW}))
 def test_where_the_fingertip_touches_and_how_far_it_goes(name: str, arm: RobotLimits) -> None:
     model = MODELS[name]

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from grammar.frames.command import Frame, ObjectRef, Pour
 from planner import plan
+from planner.grasping.pour_amounts import amount
 from planner.types.actions import PourOut
+from planner.types.dead_ends import NoPlanError
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
@@ -44,6 +48,21 @@ def _pour(state: WorldState, hand: RuledHand, **said: object) -> object:
 def _step(made: object) -> PourOut:
     assert isinstance(made, Plan), made
     return next(step for step in made.steps if isinstance(step, PourOut))
+
+
+@pytest.mark.parametrize(("ml", "empty"), [(0.7, True), (1.4, False)])
+def test_a_drop_is_nothing(ml: float, empty: bool) -> None:
+    problem: Any = SimpleNamespace(target=SimpleNamespace(name="ice tea"), defaults=DEFAULTS)
+    source: Any = SimpleNamespace(container=SimpleNamespace(contents=ml * 1e-6))
+    into: Any = SimpleNamespace(room=MUG)
+    goal = Pour.model_validate({"into": ObjectRef(text="mug", id="mug")})
+    if empty:
+        with pytest.raises(NoPlanError):
+            amount(problem, source, into, goal)
+    else:
+        poured = amount(problem, source, into, goal)
+        assert poured is not None
+        assert poured.volume == pytest.approx(ml * 1e-6)
 
 
 def test_everything_is_poured_with_the_carton_set_down_again(

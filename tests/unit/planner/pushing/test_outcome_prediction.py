@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ import pytest
 from objectmodels import BoxModel, CylinderModel, HullModel, ObjectModel
 from planner.planning import plan
 from planner.problem.push_problem import interpret_frame
+from planner.pushing import outcome_prediction
 from planner.pushing.contact_sampling import rate_contacts
 from planner.pushing.outcome_prediction import confirm_with_exact_tier
 from planner.pushing.touchable_sides import PushStep, Side
@@ -108,3 +111,16 @@ def test_one_finger_topples_what_turns_only_as_it_slides() -> None:
     assert made.push.fingers == 1
     # If it might turn while it tips, the doubt about its friction radius would leave 0.93.
     assert made.probability > 0.99
+
+
+@pytest.mark.parametrize(("room", "looks"), [(0.5, True), (0.7, False)])
+def test_contacts_far_from_toppling_are_not_looked_at_again(
+    room: float, looks: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cone = SimpleNamespace(slide_margin=np.array([room * 4.0]), slide_max=np.array([4.0]))
+    contact: Any = SimpleNamespace(fingers=1, index=0, among=SimpleNamespace(cone=cone))
+    step = PushStep("slide", 0.0, 0.1)
+    topples = SimpleNamespace(outcome=np.array(["topple"]))
+    monkeypatch.setattr(outcome_prediction, "_thresholds_over_cone", lambda *_: topples)
+    problem: Any = None
+    assert confirm_with_exact_tier(problem, step, contact) == (not looks)
