@@ -16,7 +16,6 @@ MOST_LINES = 400
 LONGER = {
     "planner/refusals/sentences.py",
     "planner/types/actions.py",
-    "sim/motion/grasp_motion_search.py",
 }
 
 # Names that every package may have.
