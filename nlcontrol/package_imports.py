@@ -84,7 +84,7 @@ FORMER: dict[str, tuple[str, dict[str, str]]] = {
     "objectmodels.pouring": ("objectmodels.containers.pour_dynamics", {}),
     "objectmodels.tilting": ("objectmodels.mechanics.tilt_limits", {}),
     "planner.defaults": ("planner.types.defaults", {}),
-    "planner.settings": ("planner.types.default_settings", {}),
+    "planner.settings": ("planner.types.defaults", {}),
     "sim.hidden": ("sim.truth.world_sampling", {"drawn": "sample_world"}),
 }
 """New name of each former module, and the new names of what was renamed in it.

@@ -10,27 +10,22 @@ Frames: contacts are places on a face of B; directions are the robot's.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grammar.frames import command as g
+from objectmodels import Face
 from objectmodels.mechanics.outcome_map import OutcomeMap, outcome_map
 from planner.geometry.directions import HEADINGS, angle_between, face_name, heading_of
 from planner.planning import plan
+from planner.types.actions import FaceName
 from planner.types.defaults import DEFAULTS, Defaults
 from planner.types.refusal import Refusal
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
-
-    from objectmodels import Face
-    from planner.types.actions import FaceName
-    from planner.types.robot import Robot
-    from planner.types.world_state import SeenObject, WorldState
+from planner.types.robot import Robot
+from planner.types.world_state import SeenObject, WorldState
 
 SPACING = 0.01
 """Distance of the contacts that are looked at [m]."""

@@ -13,23 +13,19 @@ Frames: W is the world, B the object.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
 
 from grammar.frames import command as g
-from planner.problem.hand_goals import is_handled
+from planner.problem.frame_interpretation import grasp_problem, interpret_frame
 from planner.problem.place_regions import region
-from planner.problem.push_problem import interpret_frame
+from planner.problem.planning_problem import is_handled
 from planner.pushing.strategies import plan_pushes
 from planner.refusals import push_refusals as refusals
-from planner.types.dead_ends import Alternatives, NoPlanError
 from planner.types.defaults import DEFAULTS, Defaults
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from planner.types.plan import Plan, PlanningResult
-    from planner.types.robot import FailedPush, Robot
-    from planner.types.world_state import WorldState
+from planner.types.plan import Plan, PlanningResult, Reached
+from planner.types.refusal import Alternatives, NoPlanError
+from planner.types.robot import FailedPush, Robot
+from planner.types.world_state import WorldState
 
 
 def plan(
@@ -61,9 +57,7 @@ def plan(
         if not only_pushes and is_handled(frame) and not _is_placed(frame, state, defaults):
             grasps = Alternatives()
             with grasps:
-                from planner.grasping.grasp_planning import plan_grasp  # pushes do without it
-
-                return plan_grasp(frame, state, robot, defaults)
+                return _plan_with_hand(frame, state, robot, defaults)
             if frame.goal.kind != "place" or state.held is not None:
                 raise grasps.first
         problem = interpret_frame(frame, state, defaults, robot, previous=previous, failed=failed)
@@ -84,3 +78,26 @@ def _is_placed(frame: g.Frame, state: WorldState, defaults: Defaults) -> bool:
     assert frame.object is not None
     place = region(goal, state, defaults)
     return place is not None and place.holds(state.objects[frame.object.id or ""])
+
+
+def _plan_with_hand(
+    frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults
+) -> Plan | Reached:
+    """Plan a grasp and the steps after it, or what a fingertip does to a lid."""
+    from planner.grasping import lid_planner, lift_planner, pour_planner  # pushes do without them
+
+    problem = grasp_problem(frame, state, robot, defaults)
+    match frame.goal:
+        case g.Lift() as goal:
+            return lift_planner.lift(problem, goal)
+        case g.SetDown():
+            return lift_planner.set_down(problem)
+        case g.Place():
+            return lift_planner.place(problem)
+        case g.Pour() as goal:
+            return pour_planner.pour_out(problem, goal)
+        case g.Open():
+            return lid_planner.open_lid(problem)
+        case g.Close():
+            return lid_planner.close_lid(problem)
+    raise AssertionError(f"{frame.goal.kind} takes no hand")

@@ -28,12 +28,12 @@ from objectmodels import ObjectModel
 from objectmodels.geometry.side_faces import Face
 from planner.geometry.directions import angle_between, heading_of
 from planner.geometry.footprints import footprint, free_travel, gap, landing_strip, travel_to_edge
+from planner.problem.frame_interpretation import interpret_frame
 from planner.problem.planning_problem import PushProblem
-from planner.problem.push_problem import interpret_frame
 from planner.pushing.push_paths import obliqueness
 from planner.types.actions import Aim
-from planner.types.dead_ends import NoPlanError
 from planner.types.defaults import DEFAULTS
+from planner.types.refusal import NoPlanError
 from planner.types.world_state import SeenObject, WorldState
 from sim.motion.robot_reach import lowest_contact
 from sim.standard_robot import HAND

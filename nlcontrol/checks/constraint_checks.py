@@ -19,7 +19,7 @@ from nlcontrol.checks.grasp_checks import by_hand
 from nlcontrol.checks.verdicts import Check, Relation, compare, object_name, place_check
 from planner.geometry.directions import face_name, heading_of, unit
 from planner.geometry.footprints import footprint, gap
-from planner.problem.displacement_goals import goal_heading
+from planner.problem.goal_poses import goal_heading
 from planner.problem.place_regions import region, table_region
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from nlcontrol.checks import grasp_checks as handling
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.verdicts import Check, Clause, Relation, compare, object_name, place_check
 from planner.geometry.directions import HEADINGS, angle_between, heading_of
-from planner.problem.displacement_goals import goal_distance, goal_heading
+from planner.problem.goal_poses import goal_distance, goal_heading
 from planner.problem.place_regions import region, share_of_way
 from planner.problem.tilt_goals import tilt_goal
 

@@ -20,9 +20,9 @@ from nlcontrol.questions.push_prediction import PushPrediction, predict_push
 from nlcontrol.text_format import quantity
 from planner.affordances import pushed_face
 from planner.geometry.directions import FACE_HEADINGS, HEADINGS, heading_of, unit
-from planner.problem.push_problem import interpret_frame
+from planner.problem.frame_interpretation import interpret_frame
 from planner.refusals import push_refusals as refusals
-from planner.types.dead_ends import NoPlanError
+from planner.types.refusal import NoPlanError
 
 if TYPE_CHECKING:
     from objectmodels import Face

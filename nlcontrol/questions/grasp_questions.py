@@ -30,7 +30,7 @@ from nlcontrol.text_format import quantity
 from planner import plan
 from planner.geometry.directions import HEADINGS, phrase
 from planner.grasping.lid_planner import is_open
-from planner.problem.hand_goals import is_handled
+from planner.problem.planning_problem import is_handled
 from planner.problem.tilt_goals import tilt_goal
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal

@@ -12,7 +12,7 @@ from nlcontrol.json_document import SCHEMA_VERSION
 from nlcontrol.learning.learning_reports import ExplorationReport, FitReport, Lesson
 from nlcontrol.questions.push_prediction import PushPrediction
 from nlcontrol.results.result import Result
-from planner.types.default_settings import settings
+from planner.types.defaults import settings
 
 _ANSWERS = (Result, Command, PushPrediction, FitReport, ExplorationReport)
 _SCHEMA = "https://json-schema.org/draft/2020-12/schema"

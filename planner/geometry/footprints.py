@@ -11,13 +11,10 @@ Frames: everything in W's table plane [m].
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from planner.types.world_state import SeenObject, TableState
+from planner.types.world_state import SeenObject, TableState
 
 Array = NDArray[np.float64]
 

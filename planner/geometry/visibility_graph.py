@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,11 +21,7 @@ from scipy.spatial import ConvexHull
 
 from planner.geometry.directions import unit
 from planner.geometry.footprints import footprint
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from planner.types.world_state import SeenObject, WorldState
+from planner.types.world_state import SeenObject, WorldState
 
 Array = NDArray[np.float64]
 

@@ -16,21 +16,19 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.side_faces import Face
+from objectmodels.models.object_parts import LiftOffLid, ScrewCap
 from planner.geometry.footprints import footprint, overlaps
+from planner.problem.planning_problem import GraspProblem
 from planner.refusals import grasp_refusals as refusals
 from planner.refusals.refusal_builder import no_plan
-
-if TYPE_CHECKING:
-    from objectmodels.geometry.side_faces import Face
-    from objectmodels.models.object_parts import LiftOffLid, ScrewCap
-    from planner.problem.planning_problem import GraspProblem
-    from planner.types.robot import Grip, Robot
-    from planner.types.world_state import SeenObject, WorldState
+from planner.types.robot import Grip, Robot
+from planner.types.world_state import SeenObject, WorldState
 
 _HEADINGS = np.radians(np.arange(0.0, 180.0, 22.5))  # in W, across which a round side is held
 _BORDER = 0.004  # distance of a contact from the border of its side [m]

@@ -13,25 +13,21 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.grasp_stability import STRONGEST, Contacts, Lifted
 from objectmodels.mechanics.push_thresholds import GRAVITY
+from objectmodels.models.object_model import ObjectModel
+from planner.grasping.grasp_sampling import Candidate
+from planner.problem.planning_problem import GraspProblem
 from planner.refusals import grasp_refusals as refusals
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Action, Aim, Grasp, GraspAction, GraspPrediction, Limits, Vector3
-from planner.types.dead_ends import NoPlanError
-from planner.types.plan import DefaultUsed, Plan
-
-if TYPE_CHECKING:
-    from objectmodels.models.object_model import ObjectModel
-    from planner.grasping.grasp_sampling import Candidate
-    from planner.problem.planning_problem import GraspProblem
-    from planner.types.plan import PlanTask
-    from planner.types.robot import ReachAnswer
+from planner.types.plan import DefaultUsed, Plan, PlanTask
+from planner.types.refusal import NoPlanError
+from planner.types.robot import ReachAnswer
 
 _PATCH = np.array([[0.0, 0.0], [0.0, 0.004], [0.0, -0.004]])  # contacts at a knob [m]
 _TILTS = 8  # at which a motion is looked at

@@ -11,7 +11,7 @@ Frames: W is the world, B the object.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -27,13 +27,16 @@ from planner.grasping.grasp_selection import (
     GraspLoad,
     Load,
     MotionDraft,
+    StableGrasp,
     each_with_each,
     first_reachable_plan,
     stable_grasps,
 )
+from planner.problem.planning_problem import GraspProblem
 from planner.refusals import grasp_refusals as refusals
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import (
+    Action,
     Aim,
     Carry,
     FlipOver,
@@ -45,17 +48,9 @@ from planner.types.actions import (
     TurnCap,
     TurnPrediction,
 )
-from planner.types.plan import DefaultUsed, Plan, Reached
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from planner.grasping.grasp_selection import StableGrasp
-    from planner.problem.planning_problem import GraspProblem
-    from planner.types.actions import Action
-    from planner.types.defaults import Defaults
-    from planner.types.plan import PlanTask
-    from planner.types.world_state import SeenObject
+from planner.types.defaults import Defaults
+from planner.types.plan import DefaultUsed, Plan, PlanTask, Reached
+from planner.types.world_state import SeenObject
 
 _ASIDE = 6  # places beside it that are looked at for its lid
 _RINGS = np.arange(0.0, 0.25, 0.04)  # beyond the nearest place [m]

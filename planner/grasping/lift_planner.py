@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,19 +27,15 @@ from planner.grasping.grasp_selection import (
     held_already,
     stable_grasps,
 )
-from planner.problem.goal_poses import find_goal_poses, pose_as_aim
+from planner.problem.goal_poses import GoalPoses, find_goal_poses, pose_as_aim
 from planner.problem.place_regions import object_at
+from planner.problem.planning_problem import GraspProblem
 from planner.refusals import grasp_refusals as refusals
 from planner.refusals.refusal_builder import Spans, no_plan
 from planner.types.actions import Action, Aim, Carry, LiftUp, SetDown
-from planner.types.dead_ends import Alternatives, NoPlanError
-from planner.types.plan import DefaultUsed, Plan
-
-if TYPE_CHECKING:
-    from planner.problem.goal_poses import GoalPoses
-    from planner.problem.planning_problem import GraspProblem
-    from planner.types.plan import PlanTask
-    from planner.types.world_state import SeenObject
+from planner.types.plan import DefaultUsed, Plan, PlanTask
+from planner.types.refusal import Alternatives, NoPlanError
+from planner.types.world_state import SeenObject
 
 TO_THE_SIDE = math.cos(math.radians(50.0))
 """Least cosine between a lean along the line across and the side of the opening."""

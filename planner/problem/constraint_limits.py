@@ -24,7 +24,7 @@ from planner.problem.tilt_goals import almost_tips, spill_tilt
 from planner.refusals.push_refusals import not_capable, unsupported_while
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Aim
-from planner.types.dead_ends import NoPlanError
+from planner.types.refusal import NoPlanError
 
 
 @dataclass(frozen=True)

@@ -2,24 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
 from objectmodels.models.object_parts import FlipLid
 from planner.geometry.directions import FACE_OF_PUSH, HEADINGS
+from planner.problem.planning_problem import GoalT, GraspProblem, PlanningProblem, PushProblem
 from planner.refusals.push_refusals import not_capable, unsupported_while
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from planner.problem.planning_problem import (
-        GoalT,
-        GraspProblem,
-        PlanningProblem,
-        PushProblem,
-    )
-    from planner.types.defaults import Defaults
+from planner.types.defaults import Defaults
 
 Band = tuple[float, float, str]
 """The lowest and the highest of some heights [m], and words for them."""

@@ -12,8 +12,9 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +22,8 @@ from numpy.typing import NDArray
 from grammar.frames import command as g
 from planner.geometry.directions import HEADINGS, heading_of, unit
 from planner.geometry.footprints import footprint, gap
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from planner.types.defaults import Defaults
-    from planner.types.world_state import SeenObject, TableState, WorldState
+from planner.types.defaults import Defaults
+from planner.types.world_state import SeenObject, TableState, WorldState
 
 Array = NDArray[np.float64]
 

@@ -3,26 +3,25 @@
 A problem never changes. Whatever restricts or relaxes it makes another one with
 `dataclasses.replace`, on the group of limits that changes.
 
-Frames: W is the world.
+Frames: W is the world, B the object.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Generic, Literal, TypeVar
+from typing import Generic, Literal, TypeVar
 
-from planner.types.actions import Limits
+import numpy as np
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from grammar.frames import command as g
-    from planner.types.actions import Aim, FaceName, StopEvent
-    from planner.types.defaults import Defaults
-    from planner.types.plan import DefaultUsed, Plan
-    from planner.types.robot import FailedPush, Robot
-    from planner.types.world_state import SeenObject, WorldState
+from grammar.frames import command as g
+from objectmodels.geometry.side_faces import Face
+from planner.types.actions import Aim, FaceName, Limits, StopEvent
+from planner.types.defaults import Defaults
+from planner.types.plan import DefaultUsed, Plan
+from planner.types.robot import FailedPush, Robot
+from planner.types.world_state import SeenObject, WorldState
 
 
 @dataclass(frozen=True)
@@ -51,6 +50,17 @@ class PushGoal:
     near: tuple[tuple[str, float], ...] = ()
 
 
+HAND_GOALS = {
+    "lift": "lifting",
+    "set_down": "putting down",
+    "place": "lifting",
+    "pour": "pouring from",
+    "open": "opening",
+    "close": "closing",
+}
+"""Goals that take a whole hand, and what it does then in words."""
+
+
 @dataclass(frozen=True)
 class GraspGoal:
     """The task of a whole hand.
@@ -60,6 +70,55 @@ class GraspGoal:
     """
 
     doing: str
+
+
+@dataclass(frozen=True)
+class Side:
+    """A side face as a place to push: the face in B and its inward normal's heading in W [rad]."""
+
+    face: Face
+    heading: float
+
+    @property
+    def inward(self) -> np.ndarray:
+        """Inward unit normal of the face in B, shape (3,)."""
+        return -np.array(self.face.normal)
+
+
+@dataclass(frozen=True)
+class PushStep:
+    """The part of one push in a plan.
+
+    Attributes:
+        outcome: wanted class at the onset.
+        heading: direction of motion or of the fall in W [rad]; None if any will do.
+        distance: to be moved [m]; the most if it is to topple.
+        tilt: angle by which it is tilted and then let back [rad]; None if it is not to come back.
+        turn: small angle by which a straight push turns the object [rad], counter-clockwise.
+        swing: angle by which a push off the middle of a side turns it [rad]; 0 for any other.
+        lateral: where along its face that push touches, from the middle [m].
+        until: event that ends the push earlier; `meets` names what is to be touched then.
+        side: that is touched; None if any will do that fits the heading.
+    """
+
+    outcome: Literal["slide", "topple"]
+    heading: float | None
+    distance: float
+    tilt: float | None = None
+    turn: float = 0.0
+    swing: float = 0.0
+    lateral: float = 0.0
+    until: StopEvent | None = None
+    meets: str | None = None
+    side: Side | None = None
+
+    @classmethod
+    def from_goal(cls, goal: PushGoal) -> PushStep:
+        """The one push that is all of a goal."""
+        return cls(
+            goal.outcome, goal.heading, goal.distance, goal.tilt,
+            until=goal.until, meets=goal.meets,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -219,3 +278,8 @@ class PlanningProblem(Generic[GoalT]):
 
 PushProblem = PlanningProblem[PushGoal]
 GraspProblem = PlanningProblem[GraspGoal]
+
+
+def is_handled(frame: g.Frame) -> bool:
+    """Return True if a frame asks for a whole hand; what is placed may also be pushed there."""
+    return frame.goal.kind in HAND_GOALS and (frame.goal.kind != "place" or frame.action == "place")

@@ -8,26 +8,20 @@ control may miss it by. It leans over by sin θ times its height on the way.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
+from grammar.frames.command import Tilt
+from objectmodels import ObjectModel
 from objectmodels.mechanics.tilt_limits import largest_return, return_probability
 from planner.geometry.footprints import footprint, free_travel
+from planner.problem.planning_problem import PushProblem
 from planner.refusals.refusal_builder import QUANTITIES, refusal
-from planner.types.actions import Limits
-from planner.types.dead_ends import NoPlanError
-from planner.types.refusal import Refusal
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from grammar.frames.command import Tilt
-    from objectmodels import ObjectModel
-    from planner.problem.planning_problem import PushProblem
-    from planner.types.actions import Prediction, Push
-    from planner.types.defaults import Defaults
-    from planner.types.world_state import SeenObject
+from planner.types.actions import Limits, Prediction, Push
+from planner.types.defaults import Defaults
+from planner.types.refusal import NoPlanError, Refusal
+from planner.types.world_state import SeenObject
 
 CLEARANCE = 0.01
 """Distance that a leaning object keeps from others [m]."""

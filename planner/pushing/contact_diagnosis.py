@@ -9,25 +9,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
+from objectmodels import ObjectModel
 from objectmodels.geometry.base_shapes import Disc
+from planner.problem.planning_problem import PushProblem, PushStep, Side
 from planner.pushing.contact_sampling import EDGE, has_place, model_limited_by_hand
 from planner.refusals.refusal_builder import refusal
-from planner.types.dead_ends import NoPlanError
-from planner.types.refusal import Refusal, RefusalReason
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from objectmodels import ObjectModel
-    from planner.problem.planning_problem import PushProblem
-    from planner.pushing.touchable_sides import PushStep, Side
-    from planner.types.defaults import Defaults
-    from planner.types.world_state import SeenObject
-
+from planner.types.defaults import Defaults
+from planner.types.refusal import NoPlanError, Refusal, RefusalReason
+from planner.types.world_state import SeenObject
 
 _ASKED_FOR = {
     "friction": "find out how slippery the {name} is first",

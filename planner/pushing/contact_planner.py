@@ -12,35 +12,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Disc
 from objectmodels.mechanics.turning_push import best_turn
 from planner.geometry.directions import face_name
+from planner.problem.planning_problem import PushProblem, PushStep, Side
 from planner.problem.tilt_goals import push_with_tilt
+from planner.pushing import outcome_prediction
 from planner.pushing.contact_diagnosis import contact_refusal, require_place
-from planner.pushing.contact_sampling import rate_contacts
-from planner.pushing.outcome_prediction import (
-    confirm_with_exact_tier,
-    margins,
-    needed_force,
-    prediction,
-    selection_notes,
-)
-from planner.pushing.search_budget import ContactQueries
+from planner.pushing.contact_sampling import Contact, Contacts, rate_contacts
+from planner.pushing.search_budget import ContactQueries, ReachSearch
 from planner.pushing.touchable_sides import push_direction, require_room, touchable_sides
 from planner.refusals import push_refusals as refusals
 from planner.types.actions import Push, PushAction, Vector3
-from planner.types.dead_ends import NoPlanError
-
-if TYPE_CHECKING:
-    from planner.problem.planning_problem import PushProblem
-    from planner.pushing.contact_sampling import Contact, Contacts
-    from planner.pushing.search_budget import ReachSearch
-    from planner.pushing.touchable_sides import PushStep, Side
-    from planner.types.refusal import Refusal
+from planner.types.refusal import NoPlanError, Refusal
 
 _OF_A_CASE = 0.6  # share of the contacts asked for that may be equally sure
 _FALLING = math.radians(11.0)  # beyond the angle of no return a toppling box is let go
@@ -131,7 +118,7 @@ def _best_candidate(
         strong, needed = _strong_enough(problem, step, rated)
         least = min(least, needed)
         for contact in _in_order(problem, step, strong):
-            if not confirm_with_exact_tier(problem, step, contact):
+            if not outcome_prediction.confirm_with_exact_tier(problem, step, contact):
                 doubted = True
                 continue
             push = _push_at(problem, step, contact)
@@ -186,7 +173,9 @@ def _strong_enough(
     """The contacts at which the allowed force suffices, and the least force needed at any [N]."""
     strong, least = [], math.inf
     for contacts in rated:
-        needed = np.array([needed_force(problem, step, contact) for contact in contacts])
+        needed = np.array(
+            [outcome_prediction.needed_force(problem, step, contact) for contact in contacts]
+        )
         least = min(least, float(needed.min()))
         enough = needed <= _largest_force(problem, contacts.fingers)
         enough &= needed >= problem.force.min
@@ -220,7 +209,7 @@ def _push_at(problem: PushProblem, step: PushStep, contact: Contact) -> Push:
     """The push at a contact."""
     target, force, side = problem.target, problem.force, contact.side
     outward = target.pose.R_WB @ np.array(side.face.normal)
-    limit = needed_force(problem, step, contact) * (1.0 + force.reserve)
+    limit = outcome_prediction.needed_force(problem, step, contact) * (1.0 + force.reserve)
     push = Push(
         object=target.name,
         face=face_name(outward)[0],
@@ -286,10 +275,10 @@ def _push_candidate(
     problem: PushProblem, step: PushStep, contact: Contact, push: Push, refused: int
 ) -> PushCandidate:
     """A push that the hand can make, with what it will do; `refused` better ones it cannot."""
-    predicted = prediction(problem, step, contact)
+    predicted = outcome_prediction.prediction(problem, step, contact)
     known = {
         "prediction": predicted,
-        "margins": margins(problem, step, contact, push.force_limit),
+        "margins": outcome_prediction.margins(problem, step, contact, push.force_limit),
         "displacement": _predicted_displacement(problem, step, contact, push),
     }
     return PushCandidate(
@@ -297,7 +286,7 @@ def _push_candidate(
         _outcome_event(problem, contact, push),
         considered=0,
         satisfying=0,
-        notes=selection_notes(problem, contact, push, predicted, refused),
+        notes=outcome_prediction.selection_notes(problem, contact, push, predicted, refused),
     )
 
 

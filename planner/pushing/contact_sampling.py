@@ -14,21 +14,17 @@ from __future__ import annotations
 import functools
 import itertools
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal, TypedDict
+from typing import Literal, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 
+from objectmodels import ConeThresholds, Face, ObjectModel
 from planner.geometry.directions import angle_between
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from objectmodels import ConeThresholds, Face, ObjectModel
-    from planner.problem.planning_problem import PushProblem
-    from planner.pushing.touchable_sides import PushStep, Side
-    from planner.types.robot import RobotLimits
+from planner.problem.planning_problem import PushProblem, PushStep, Side
+from planner.types.robot import RobotLimits
 
 Array = NDArray[np.float64]
 

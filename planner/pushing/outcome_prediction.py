@@ -8,23 +8,17 @@ from __future__ import annotations
 import functools
 import math
 from statistics import NormalDist
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from objectmodels import ObjectModel, Thresholds
 from objectmodels.geometry.base_shapes import Disc
 from objectmodels.mechanics.worst_cases import circle_corners, contact_forces
+from planner.problem.planning_problem import PushProblem, PushStep
 from planner.problem.tilt_goals import prediction_with_return
-from planner.types.actions import Margins, Prediction, Vector3
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from objectmodels import ObjectModel, Thresholds
-    from planner.problem.planning_problem import PushProblem
-    from planner.pushing.contact_sampling import Contact
-    from planner.pushing.touchable_sides import PushStep
-    from planner.types.actions import Push
+from planner.pushing.contact_sampling import Contact
+from planner.types.actions import Margins, Prediction, Push, Vector3
 
 _SPINS = 0.15  # share of the force to tip a round object over which it may turn on its rim before
 _CLEARLY = 0.6  # room to toppling as a share of the force to slide it that needs no second look

@@ -14,20 +14,16 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from objectmodels.geometry.base_shapes import Disc
 from planner.geometry.directions import angle_between, heading_of, unit
 from planner.geometry.footprints import footprint, free_travel, travel_to_edge
 from planner.problem.place_regions import object_at
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from planner.types.actions import Aim
-    from planner.types.world_state import SeenObject, WorldState
+from planner.types.actions import Aim
+from planner.types.world_state import SeenObject, WorldState
 
 OBLIQUE = math.radians(17.5)
 """Largest angle between a push and the inward normal of the face, if friction allows it."""

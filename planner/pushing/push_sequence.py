@@ -8,46 +8,24 @@ refusal is that of the first.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import islice
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from planner.geometry.directions import heading_of, unit
 from planner.geometry.footprints import footprint, gap, travel_to_edge
 from planner.problem.place_regions import object_at
+from planner.problem.planning_problem import PushProblem, PushStep
+from planner.pushing import push_paths, turn_planner
 from planner.pushing.contact_planner import PushCandidate, best_push
-from planner.pushing.push_paths import (
-    ANOTHER_PUSH,
-    PathSegment,
-    SegmentEnd,
-    direct_paths,
-    first_stop,
-    largest_obliqueness,
-    moved_along,
-    push_headings,
-    sidestep_paths,
-)
-from planner.pushing.touchable_sides import PushStep
-from planner.pushing.turn_planner import (
-    TurnStroke,
-    remaining_turn,
-    turn_obstacle,
-    turn_sequences,
-)
+from planner.pushing.search_budget import ReachSearch
 from planner.refusals import push_refusals as refusals
 from planner.types.actions import Aim, Push
-from planner.types.dead_ends import Alternatives, NoPlanError
 from planner.types.plan import Reached
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from planner.problem.planning_problem import PushProblem
-    from planner.pushing.search_budget import ReachSearch
-    from planner.types.refusal import Refusal
-    from planner.types.world_state import SeenObject
+from planner.types.refusal import Alternatives, NoPlanError, Refusal
+from planner.types.world_state import SeenObject
 
 _PATHS = 5  # free ways for which the hand's reach is asked
 _ASIDE = 0.15  # way to a place where it may be turned instead [m]
@@ -83,7 +61,7 @@ class PushSequencePlanner:
         self._foreseen = foreseen
         target, defaults, goal = problem.target, problem.defaults, problem.goal
         oblique = problem.effort.oblique
-        self._largest = largest_obliqueness(target, defaults.sigmas, steep=oblique)
+        self._largest = push_paths.largest_obliqueness(target, defaults.sigmas, steep=oblique)
         self._apart = path_clearances(problem)
         # What it is to meet is come near only by the push that ends as they touch.
         self._clearances = {k: apart for k, apart in self._apart.items() if k != goal.meets}
@@ -156,7 +134,7 @@ class PushSequencePlanner:
         blocked: NoPlanError | None = None
         strokes = Alternatives()
         for steps in self._turn_sequences(target, turn):
-            met = turn_obstacle(
+            met = turn_planner.turn_obstacle(
                 target, steps, problem.state, self._apart, problem.defaults.clearance
             )
             if met is not None:
@@ -170,13 +148,15 @@ class PushSequencePlanner:
             raise strokes.last
         raise blocked or NoPlanError(refusals.cannot_turn(target))
 
-    def _turn_sequences(self, target: SeenObject, turn: float) -> Iterator[tuple[TurnStroke, ...]]:
+    def _turn_sequences(
+        self, target: SeenObject, turn: float
+    ) -> Iterator[tuple[turn_planner.TurnStroke, ...]]:
         """Ways to make a turn: the one that was begun, then all others."""
         if target is self._problem.target:
-            begun = remaining_turn(target, turn, self._foreseen)
+            begun = turn_planner.remaining_turn(target, turn, self._foreseen)
             if begun is not None:
                 yield begun
-        yield from turn_sequences(target, turn, self._aim)
+        yield from turn_planner.turn_sequences(target, turn, self._aim)
 
     def _turn_elsewhere(self, target: SeenObject, turn: float) -> list[PushCandidate] | None:
         """The way to a place near by with room to turn, and the turn; None if there is none."""
@@ -211,7 +191,7 @@ class PushSequencePlanner:
         return [spot for *_, spot in sorted(found, key=lambda each: each[:2])[:_SPOTS]]
 
     def _stroke_pushes(
-        self, target: SeenObject, steps: tuple[TurnStroke, ...]
+        self, target: SeenObject, steps: tuple[turn_planner.TurnStroke, ...]
     ) -> tuple[list[PushCandidate], SeenObject]:
         """A push for each part of a turn, and the object after them."""
         contact = replace(self._problem.contact, fingers=(1,))
@@ -252,10 +232,10 @@ class PushSequencePlanner:
                 raise attempts.last
         raise attempts.first if attempts else NoPlanError(self._path_refusal(target))
 
-    def _paths_to_aim(self, target: SeenObject) -> Iterator[tuple[PathSegment, ...]]:
+    def _paths_to_aim(self, target: SeenObject) -> Iterator[tuple[push_paths.PathSegment, ...]]:
         """Paths to the aim: straight to it, around what stands there, and with a side step."""
         problem = self._problem
-        straight = direct_paths(target, self._aim, self._within, self._largest)
+        straight = push_paths.direct_paths(target, self._aim, self._within, self._largest)
         if problem.goal.until == "moves":
             # It ends as it begins, so the first segment of a path is all of it.
             yield from (path[:1] for path in straight)
@@ -266,11 +246,11 @@ class PushSequencePlanner:
         yield from straight
         if problem.effort.direct or self._distance_to_aim(target) <= _CLOSE:
             return
-        aside = sidestep_paths(target, self._aim, self._within, self._largest)
+        aside = push_paths.sidestep_paths(target, self._aim, self._within, self._largest)
         yield from sorted([*self._detour_paths(target), *aside], key=_path_cost)
 
-    def _detour_paths(self, target: SeenObject) -> Iterator[tuple[PathSegment, ...]]:
-        headings = push_headings(target, self._aim)
+    def _detour_paths(self, target: SeenObject) -> Iterator[tuple[push_paths.PathSegment, ...]]:
+        headings = push_paths.push_headings(target, self._aim)
         if len(headings) < 2 or self._distance_to_aim(target) < _NEAR:
             return
         from planner.geometry.visibility_graph import shortest_detour
@@ -282,16 +262,18 @@ class PushSequencePlanner:
             self._problem.state,
             self._clearances,
             self._problem.defaults.clearance,
-            ANOTHER_PUSH,
+            push_paths.ANOTHER_PUSH,
         )
         if found is not None:
-            yield tuple(PathSegment(heading, length) for heading, length in found)
+            yield tuple(push_paths.PathSegment(heading, length) for heading, length in found)
 
-    def _first_stop(self, target: SeenObject, path: tuple[PathSegment, ...]) -> SegmentEnd | None:
+    def _first_stop(
+        self, target: SeenObject, path: tuple[push_paths.PathSegment, ...]
+    ) -> push_paths.SegmentEnd | None:
         met, state, margin = None, self._problem.state, self._problem.defaults.clearance
         if self._problem.goal.meets is not None:
-            met = first_stop(target, path[:-1], state, self._apart, margin)
-        return met or first_stop(target, path, state, self._clearances, margin)
+            met = push_paths.first_stop(target, path[:-1], state, self._apart, margin)
+        return met or push_paths.first_stop(target, path, state, self._clearances, margin)
 
     def _path_refusal(self, target: SeenObject) -> Refusal:
         """Refusal since something stands in all paths: that of the first, the shortest."""
@@ -308,7 +290,7 @@ class PushSequencePlanner:
         return refusals.in_the_way(target, other, distance, met.free, bounded=bounded)
 
     def _path_pushes(
-        self, target: SeenObject, path: tuple[PathSegment, ...]
+        self, target: SeenObject, path: tuple[push_paths.PathSegment, ...]
     ) -> list[PushCandidate]:
         """A push for each segment, or for parts of it where the hand cannot make it at one go.
 
@@ -333,10 +315,14 @@ class PushSequencePlanner:
                 raise attempt.first
             half = replace(segment, distance=0.5 * segment.distance)
             return self._path_pushes(target, (half, half, *rest))
-        return [best, *self._path_pushes(moved_along(target, segment), rest)] if rest else [best]
+        return (
+            [best, *self._path_pushes(push_paths.moved_along(target, segment), rest)]
+            if rest
+            else [best]
+        )
 
     def _segment_push(
-        self, target: SeenObject, segment: PathSegment, *, last: bool
+        self, target: SeenObject, segment: push_paths.PathSegment, *, last: bool
     ) -> PushCandidate:
         goal = self._problem.goal
         turn = self._turn_to_aim(target) if target is self._problem.target else 0.0
@@ -351,9 +337,9 @@ class PushSequencePlanner:
         return best_push(self._problem.with_target(target), step, self._search)
 
 
-def _path_cost(path: tuple[PathSegment, ...]) -> float:
+def _path_cost(path: tuple[push_paths.PathSegment, ...]) -> float:
     """Length of a path, and what its pushes cost [m]."""
-    return sum(segment.distance for segment in path) + ANOTHER_PUSH * len(path)
+    return sum(segment.distance for segment in path) + push_paths.ANOTHER_PUSH * len(path)
 
 
 def path_clearances(problem: PushProblem) -> dict[str, float]:

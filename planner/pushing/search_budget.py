@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
+from planner.problem.planning_problem import PushProblem
 from planner.refusals import push_refusals as refusals
-from planner.types.dead_ends import NoPlanError
+from planner.types.actions import Push, Vector3
+from planner.types.refusal import NoPlanError
 from planner.types.robot import ReachAnswer
-
-if TYPE_CHECKING:
-    from planner.problem.planning_problem import PushProblem
-    from planner.types.actions import Push, Vector3
-    from planner.types.world_state import WorldState
+from planner.types.world_state import WorldState
 
 _SAME_PLACE = 0.02  # contacts nearer than this count as the same [m]
 

@@ -13,27 +13,20 @@ from __future__ import annotations
 import itertools
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from planner.geometry.directions import unit
 from planner.problem.goal_poses import pose_as_aim
+from planner.problem.planning_problem import PushProblem
+from planner.pushing.contact_planner import PushCandidate
 from planner.pushing.push_sequence import PushSequencePlanner
 from planner.pushing.search_budget import ReachSearch
 from planner.pushing.topple_planner import TopplePlanner
 from planner.refusals import push_refusals as refusals
-from planner.types.actions import Limits
-from planner.types.dead_ends import Alternatives, NoPlanError
+from planner.types.actions import Aim, Limits, Push
 from planner.types.plan import Plan, PlanTask, Reached
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from planner.problem.planning_problem import PushProblem
-    from planner.pushing.contact_planner import PushCandidate
-    from planner.types.actions import Aim, Push
-    from planner.types.refusal import Refusal
+from planner.types.refusal import Alternatives, NoPlanError, Refusal
 
 _TASKS: dict[str, PlanTask] = {"toppled": "topple", "tilted": "tilt"}  # by the last push's end
 _SHORT = (0.0, 0.5, 1.0)  # of the room that the tolerance of the distance leaves

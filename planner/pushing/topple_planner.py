@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
+from planner.problem.planning_problem import PushProblem, PushStep
 from planner.pushing.contact_planner import PushCandidate, best_push
 from planner.pushing.push_paths import (
     PathSegment,
@@ -21,17 +22,12 @@ from planner.pushing.push_paths import (
     push_headings,
 )
 from planner.pushing.push_sequence import PushSequencePlanner, path_clearances
-from planner.pushing.touchable_sides import PushStep, straightest_side
+from planner.pushing.search_budget import ReachSearch
+from planner.pushing.touchable_sides import straightest_side
 from planner.refusals import push_refusals as refusals
 from planner.types.actions import Aim, Push
-from planner.types.dead_ends import Alternatives, NoPlanError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from planner.problem.planning_problem import PushProblem
-    from planner.pushing.search_budget import ReachSearch
-    from planner.types.world_state import SeenObject
+from planner.types.refusal import Alternatives, NoPlanError
+from planner.types.world_state import SeenObject
 
 _ASKEW = math.radians(5.0)  # a fall less askew than this is not made straighter
 _SURELY = math.radians(3.0)  # less askew by this, it falls to the side that is asked

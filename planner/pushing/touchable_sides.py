@@ -6,75 +6,20 @@ Frames: W is the world, B the object.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from planner.geometry.directions import HEADINGS, angle_between, face_name, heading_of, phrase, unit
 from planner.geometry.footprints import footprint, landing_strip, overlaps, travel_to_edge
+from planner.problem.planning_problem import PushProblem, PushStep, Side
 from planner.problem.tilt_goals import require_free_tilt
 from planner.pushing.push_paths import largest_obliqueness
 from planner.refusals import push_refusals as refusals
-from planner.types.dead_ends import NoPlanError
-
-if TYPE_CHECKING:
-    from objectmodels.geometry.side_faces import Face
-    from planner.problem.planning_problem import PushGoal, PushProblem
-    from planner.types.actions import StopEvent
-    from planner.types.world_state import SeenObject
+from planner.types.refusal import NoPlanError
+from planner.types.world_state import SeenObject
 
 UNCLEAR_FACE = math.radians(40.0)
 """A face turned by more from the direction of its name is within 5° of the next name."""
-
-
-@dataclass(frozen=True)
-class Side:
-    """A side face as a place to push: the face in B and its inward normal's heading in W [rad]."""
-
-    face: Face
-    heading: float
-
-    @property
-    def inward(self) -> np.ndarray:
-        """Inward unit normal of the face in B, shape (3,)."""
-        return -np.array(self.face.normal)
-
-
-@dataclass(frozen=True)
-class PushStep:
-    """The part of one push in a plan.
-
-    Attributes:
-        outcome: wanted class at the onset.
-        heading: direction of motion or of the fall in W [rad]; None if any will do.
-        distance: to be moved [m]; the most if it is to topple.
-        tilt: angle by which it is tilted and then let back [rad]; None if it is not to come back.
-        turn: small angle by which a straight push turns the object [rad], counter-clockwise.
-        swing: angle by which a push off the middle of a side turns it [rad]; 0 for any other.
-        lateral: where along its face that push touches, from the middle [m].
-        until: event that ends the push earlier; `meets` names what is to be touched then.
-        side: that is touched; None if any will do that fits the heading.
-    """
-
-    outcome: Literal["slide", "topple"]
-    heading: float | None
-    distance: float
-    tilt: float | None = None
-    turn: float = 0.0
-    swing: float = 0.0
-    lateral: float = 0.0
-    until: StopEvent | None = None
-    meets: str | None = None
-    side: Side | None = None
-
-    @classmethod
-    def from_goal(cls, goal: PushGoal) -> PushStep:
-        """The one push that is all of a goal."""
-        return cls(
-            goal.outcome, goal.heading, goal.distance, goal.tilt,
-            until=goal.until, meets=goal.meets,
-        )  # fmt: skip
 
 
 def touchable_sides(problem: PushProblem, step: PushStep) -> list[Side]:

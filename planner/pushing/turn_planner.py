@@ -25,21 +25,17 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Disc
-from objectmodels.mechanics.turning_push import best_turn
+from objectmodels.geometry.side_faces import Face
+from objectmodels.mechanics.turning_push import TurningPush, best_turn
 from planner.geometry.directions import heading_of
 from planner.geometry.footprints import footprint, gap, travel_to_edge
-from planner.pushing.touchable_sides import Side
-
-if TYPE_CHECKING:
-    from objectmodels.geometry.side_faces import Face
-    from objectmodels.mechanics.turning_push import TurningPush
-    from planner.types.actions import Aim, Push
-    from planner.types.world_state import PlanarPose, SeenObject, WorldState
+from planner.problem.planning_problem import Side
+from planner.types.actions import Aim, Push
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
 
 MOST = math.radians(52.0)
 """Largest turn by one push: the palm turns with the object, and the arm must follow."""

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from objectmodels.containers.lid_forces import FlipArc, Loosening
-    from planner.types.dead_ends import NoPlanError
+    from planner.types.refusal import NoPlanError
     from planner.types.robot import ReachAnswer
     from planner.types.world_state import SeenObject
 

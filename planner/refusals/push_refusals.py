@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from planner.refusals.refusal_builder import Spans, no_plan, refusal
-from planner.types.dead_ends import NoPlanError
+from planner.types.refusal import NoPlanError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -8,8 +8,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from planner.refusals.sentences import SENTENCES
-from planner.types.dead_ends import NoPlanError
-from planner.types.refusal import Refusal, RefusalReason
+from planner.types.refusal import NoPlanError, Refusal, RefusalReason
 
 Spans = tuple[tuple[int, int], ...]
 

@@ -1,15 +1,20 @@
 """Meaning of a clause when the sentence does not say more: the one table of defaults.
 
 Results name each default that they used. All values are SI. A scene file, the command line and the
-API may set them; `planner.types.default_settings` has the names and units in which people do that.
+API may set them; `planner.types.defaults` has the names and units in which people do that.
 """
 
 from __future__ import annotations
 
+import difflib
+import inspect
 import math
-from dataclasses import dataclass, fields
+import re
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
 from functools import cache
-from typing import Annotated, get_type_hints
+from typing import Annotated, Any, get_type_hints
 
 
 @dataclass(frozen=True)
@@ -296,3 +301,99 @@ def kinds() -> dict[str, Kind]:
 
 
 DEFAULTS = Defaults()
+
+
+# -- as people set them -------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One default as people set it.
+
+    Attributes:
+        name: with its unit.
+        value: in that unit.
+        most: largest value, in that unit.
+        zero: whether it may be 0.
+        meaning: in words.
+    """
+
+    name: str
+    value: float
+    most: float
+    zero: bool
+    meaning: str
+
+
+def settings(defaults: Defaults = DEFAULTS) -> tuple[Setting, ...]:
+    """Every default in the order of the table."""
+    meanings = _default_meanings()
+    return tuple(
+        Setting(
+            name=name + kind.suffix,
+            value=_value_as_set(getattr(defaults, name), kind),
+            most=_value_as_set(kind.most, kind),
+            zero=kind.zero,
+            meaning=meanings.get(name, ""),
+        )
+        for name, kind in kinds().items()
+    )
+
+
+def table(defaults: Defaults = DEFAULTS) -> tuple[str, ...]:
+    """The defaults as the lines of a table in Markdown."""
+    rows = [("name", "value", "meaning"), ("---", "--:", "---")]
+    rows += [(f"`{s.name}`", f"{s.value:g}", s.meaning) for s in settings(defaults)]
+    return tuple(f"| {' | '.join(row)} |" for row in rows)
+
+
+def changed(defaults: Defaults, values: Mapping[str, float]) -> Defaults:
+    """The defaults with some of them set.
+
+    Args:
+        defaults: that are changed.
+        values: by the names and in the units of `Setting`.
+
+    Raises:
+        DefaultsError: there is no such default, or the value is out of its range.
+    """
+    known = {name + kind.suffix: (name, kind) for name, kind in kinds().items()}
+    found: dict[str, Any] = {}
+    for said, value in values.items():
+        if said not in known:
+            raise _unknown_default(said, tuple(known))
+        name, kind = known[said]
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise DefaultsError(f"{said} must be a number, found {value!r}")
+        number = math.inf if abs(value) > sys.float_info.max else float(value)
+        if not 0.0 <= number <= kind.most / kind.scale:
+            raise out_of_range(said, number, kind)
+        if kind.whole and number % 1.0:
+            raise DefaultsError(f"{said} must be a whole number, found {value:g}")
+        found[name] = int(value) if kind.whole else number * kind.scale
+    return replace(defaults, **found)
+
+
+def _unknown_default(said: str, names: tuple[str, ...]) -> DefaultsError:
+    """The error of a name that is none; most often its unit is missing."""
+    units = [
+        name for name in names if re.fullmatch(rf"{re.escape(said)}_(m|deg|n|m_s|deg_s|ml|s)", name)
+    ]
+    close = units or difflib.get_close_matches(said, names, n=3)
+    return DefaultsError(
+        f"there is no default '{said}'",
+        tuple(f"did you mean '{name}'?" for name in close) or ("nlcontrol defaults lists them",),
+    )
+
+
+def _value_as_set(value: float, kind: Kind) -> float:
+    """A value in the unit in which it is set, without the rounding of the way there and back."""
+    return float(f"{value / kind.scale:.10g}")
+
+
+def _default_meanings() -> dict[str, str]:
+    """Meaning of each default, from the one place where that is said."""
+    text = inspect.cleandoc(Defaults.__doc__ or "")
+    found = re.findall(r"^    (\w+): (.*(?:\n {8}.*)*)", text, re.MULTILINE)
+    unit = re.compile(r"\s*\[[^]]*\]")
+    return {name: unit.sub("", " ".join(said.split())).rstrip(".") for name, said in found}

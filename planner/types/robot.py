@@ -7,15 +7,14 @@ its own. The planner only asks.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import Literal, Protocol
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+import numpy as np
+from numpy.typing import NDArray
 
-    from planner.types.actions import Push
-    from planner.types.plan import Plan
-    from planner.types.world_state import WorldState
+from planner.types.actions import Push
+from planner.types.plan import Plan
+from planner.types.world_state import WorldState
 
 ReachEffort = Literal["usual", "thorough"]
 """How long a robot looks for a way of the hand. A thorough search also lets it pass nearer."""

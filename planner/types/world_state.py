@@ -9,19 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from objectmodels.containers.lid_geometry import lid_rise
 from objectmodels.errors import ModelError
 from objectmodels.geometry.support_points import hull_polygon
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from objectmodels.models.object_model import ObjectModel
-    from planner.types.actions import Grasp
+from objectmodels.models.object_model import ObjectModel
+from planner.types.actions import Grasp
 
 Colour = tuple[float, float, float]
 

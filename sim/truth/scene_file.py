@@ -19,8 +19,7 @@ import yaml
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from objectmodels.yaml_reader import parse_yaml
-from planner.types.default_settings import changed
-from planner.types.defaults import DEFAULTS, Defaults, DefaultsError
+from planner.types.defaults import DEFAULTS, Defaults, DefaultsError, changed
 from sim.cell.cell_description import (
     CellDescription,
     CellObject,
@@ -118,7 +117,7 @@ class Scene(Part):
         control_rate_hz: of the robot's control loop.
         hidden: how worlds of this scene differ from it and from each other.
         defaults: what a clause means when a sentence does not say more; in the file by the names of
-            `planner.types.default_settings`.
+            `planner.types.defaults`.
         models: model files, or folders of them, that belong to the scene; relative to its file.
     """
 

@@ -9,8 +9,7 @@ import pytest
 
 from nlcontrol import Controller
 from nlcontrol.cli import run
-from planner.types.default_settings import changed
-from planner.types.defaults import DEFAULTS
+from planner.types.defaults import DEFAULTS, changed
 from tests.unit.sim.truth.test_scene_files import SCENE
 
 SENTENCE = "push the crate away"

@@ -12,8 +12,7 @@ from pathlib import Path
 import pytest
 
 from nlcontrol.cli import run
-from planner.types.default_settings import changed, settings, table
-from planner.types.defaults import DEFAULTS, Defaults, kinds
+from planner.types.defaults import DEFAULTS, Defaults, changed, kinds, settings, table
 from tests.unit.sim.truth.test_scene_files import SCENE
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "defaults.md").read_text(encoding="utf-8")

@@ -12,7 +12,7 @@ import pytest
 
 from grammar import parse
 from nlcontrol.cli import run
-from planner.problem.hand_goals import is_handled
+from planner.problem.planning_problem import is_handled
 from planner.types.defaults import DEFAULTS
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "handling.md").read_text(encoding="utf-8")

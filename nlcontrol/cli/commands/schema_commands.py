@@ -18,8 +18,8 @@ def defaults(scene: str, settings: Settings, as_json: bool) -> int:
     from dataclasses import asdict
 
     from nlcontrol.errors import translated
-    from planner.types.default_settings import changed, table
-    from planner.types.default_settings import settings as listed
+    from planner.types.defaults import changed, table
+    from planner.types.defaults import settings as listed
     from sim.truth.scene_file import load_scene
 
     with translated():

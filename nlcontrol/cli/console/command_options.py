@@ -72,7 +72,7 @@ def open_controller(scene: str, seed: int, settings: Settings) -> Controller:
     """
     from nlcontrol.errors import translated
     from nlcontrol.session.controller import Controller
-    from planner.types.default_settings import changed
+    from planner.types.defaults import changed
     from sim.truth.scene_file import load_scene
 
     with translated():

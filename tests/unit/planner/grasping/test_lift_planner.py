@@ -19,7 +19,7 @@ from planner.problem.planning_problem import (
     PlanningProblem,
 )
 from planner.types.actions import Carry, Grasp, LiftUp, SetDown
-from planner.types.dead_ends import NoPlanError
+from planner.types.refusal import NoPlanError
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal

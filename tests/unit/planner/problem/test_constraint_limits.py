@@ -8,9 +8,9 @@ import pytest
 
 from grammar.frames import command as g
 from planner.problem.constraint_limits import LIMITS, apply_constraint
-from planner.problem.push_problem import interpret_frame
-from planner.types.dead_ends import NoPlanError
+from planner.problem.frame_interpretation import interpret_frame
 from planner.types.defaults import DEFAULTS
+from planner.types.refusal import NoPlanError
 from planner.types.world_state import WorldState
 from tests.unit.planner.conftest import frame_of
 

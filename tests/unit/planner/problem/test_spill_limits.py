@@ -9,10 +9,10 @@ import pytest
 
 from objectmodels import BoxModel
 from objectmodels.models.object_parts import Container, FlipLid, Opening
-from planner.problem.push_problem import interpret_frame
+from planner.problem.frame_interpretation import interpret_frame
 from planner.problem.tilt_goals import spill_tilt
-from planner.types.dead_ends import NoPlanError
 from planner.types.defaults import DEFAULTS
+from planner.types.refusal import NoPlanError
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from tests.unit.planner.conftest import TABLE, frame_of
 

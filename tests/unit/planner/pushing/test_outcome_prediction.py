@@ -11,11 +11,11 @@ import pytest
 
 from objectmodels import BoxModel, CylinderModel, HullModel, ObjectModel
 from planner.planning import plan
-from planner.problem.push_problem import interpret_frame
+from planner.problem.frame_interpretation import interpret_frame
+from planner.problem.planning_problem import PushStep, Side
 from planner.pushing import outcome_prediction
 from planner.pushing.contact_sampling import rate_contacts
 from planner.pushing.outcome_prediction import confirm_with_exact_tier
-from planner.pushing.touchable_sides import PushStep, Side
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from planner.problem.push_problem import interpret_frame
+from planner.problem.frame_interpretation import interpret_frame
 from planner.pushing.search_budget import ContactQueries, ReachSearch
-from planner.types.dead_ends import NoPlanError
 from planner.types.defaults import DEFAULTS
+from planner.types.refusal import NoPlanError
 from planner.types.robot import FailedPush
 from planner.types.world_state import PlanarPose, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, planned

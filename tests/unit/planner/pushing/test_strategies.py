@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from planner import plan
 from planner.geometry.directions import angle_between, heading_of
 from planner.geometry.footprints import footprint, free_travel, gap
-from planner.problem.push_problem import interpret_frame
+from planner.problem.frame_interpretation import interpret_frame
 from planner.pushing.strategies import nearly_goal_poses
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan

@@ -1,4 +1,4 @@
-"""The planning problem of a frame whose object is pushed.
+"""The planning problem of a frame: of pushes, or of a whole hand.
 
 Names of directions, faces, regions and degrees become headings, heights, newtons and metres per
 second. What this version has no controller for is refused here, by the name of the capability.
@@ -6,34 +6,23 @@ second. What this version has no controller for is refused here, by the name of 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
 from planner.geometry.directions import HEADINGS
-from planner.problem.constraint_limits import apply_constraint
+from planner.problem import planning_problem
+from planner.problem.constraint_limits import apply_constraint, grasp_limits
 from planner.problem.goal_poses import find_goal_poses
-from planner.problem.planning_problem import (
-    ContactLimits,
-    Effort,
-    ForceLimits,
-    MotionLimits,
-    PlanningProblem,
-    PushGoal,
-    PushProblem,
-)
 from planner.problem.tilt_goals import tilt_goal
+from planner.refusals import push_refusals as refusals
 from planner.refusals.push_refusals import not_capable
-from planner.types.plan import DefaultUsed
-from planner.types.robot import NoRobot
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from planner.types.defaults import Defaults
-    from planner.types.plan import Plan
-    from planner.types.robot import FailedPush, Robot
-    from planner.types.world_state import WorldState
+from planner.refusals.refusal_builder import no_plan
+from planner.types.defaults import Defaults
+from planner.types.plan import DefaultUsed, Plan
+from planner.types.refusal import NoPlanError
+from planner.types.robot import FailedPush, NoRobot, Robot
+from planner.types.world_state import SeenObject, WorldState
 
 _NO_CONTROLLER = {
     "upright": "standing objects up",
@@ -54,7 +43,7 @@ def interpret_frame(
     *,
     previous: Plan | None = None,
     failed: Sequence[FailedPush] = (),
-) -> PushProblem:
+) -> planning_problem.PushProblem:
     """The planning problem of a frame.
 
     Args:
@@ -75,17 +64,17 @@ def interpret_frame(
     target = state.objects[frame.object.id]
     speed = DefaultUsed(name="speed", value=defaults.speed, unit="m/s", reason="no speed said")
     problem = _with_goal(
-        PlanningProblem(
+        planning_problem.PlanningProblem(
             frame,
             target,
             state,
             robot or NoRobot(),
             defaults,
-            PushGoal(),
-            ContactLimits(high=target.model.top),
-            ForceLimits(defaults.force_reserve),
-            MotionLimits(defaults.speed),
-            Effort.from_defaults(defaults),
+            planning_problem.PushGoal(),
+            planning_problem.ContactLimits(high=target.model.top),
+            planning_problem.ForceLimits(defaults.force_reserve),
+            planning_problem.MotionLimits(defaults.speed),
+            planning_problem.Effort.from_defaults(defaults),
             (speed,),
             previous,
             tuple(failed),
@@ -97,18 +86,22 @@ def interpret_frame(
     return problem
 
 
-def _with_goal(problem: PushProblem) -> PushProblem:
+def _with_goal(problem: planning_problem.PushProblem) -> planning_problem.PushProblem:
     """The problem with the goal of its frame."""
     goal, used = problem.frame.goal, problem.defaults_used
     if isinstance(goal, g.Topple):
         heading = HEADINGS[goal.direction] if goal.direction else None
-        return replace(problem, goal=PushGoal("topple", heading))
+        return replace(problem, goal=planning_problem.PushGoal("topple", heading))
     if isinstance(goal, g.Tilt):
         angle, reason = tilt_goal(goal, problem.target.model, problem.defaults)
         if reason:
             used = (DefaultUsed(name="tilt", value=angle, unit="rad", reason=reason), *used)
         heading = HEADINGS[goal.direction] if goal.direction else None
-        return replace(problem, goal=PushGoal("topple", heading, tilt=angle), defaults_used=used)
+        return replace(
+            problem,
+            goal=planning_problem.PushGoal("topple", heading, tilt=angle),
+            defaults_used=used,
+        )
     if not isinstance(goal, g.Displace | g.Place | g.Rotate | g.NoGoal):
         what = _NO_CONTROLLER.get(goal.kind, goal.kind)
         message = f"this version of the robot has no controller for {what}"
@@ -116,3 +109,54 @@ def _with_goal(problem: PushProblem) -> PushProblem:
         raise not_capable(what, message, spans, "push, turn, tilt or topple it")
     found = find_goal_poses(problem)
     return replace(problem, goal=found.goal, defaults_used=found.defaults_used + used)
+
+
+def grasp_problem(
+    frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults
+) -> planning_problem.GraspProblem:
+    """The planning problem of a frame that takes a whole hand.
+
+    Args:
+        frame: what is asked, its objects resolved to names in `state`.
+        state: what is believed.
+        robot: that is to do it.
+        defaults: what a clause means when the sentence does not say more.
+
+    Raises:
+        NoPlanError: the hand is not free, nothing is held, or the object lies.
+    """
+    d = defaults
+    used = DefaultUsed(name="carry_speed", value=d.carry_speed, unit="m/s", reason="no speed said")
+    return grasp_limits(
+        planning_problem.PlanningProblem(
+            frame,
+            _target_of_hand(frame, state),
+            state,
+            robot,
+            d,
+            planning_problem.GraspGoal(planning_problem.HAND_GOALS[frame.goal.kind]),
+            planning_problem.ContactLimits(),
+            planning_problem.ForceLimits(d.grasp_reserve),
+            planning_problem.MotionLimits(d.carry_speed, d.lid_speed),
+            planning_problem.Effort.from_defaults(d),
+            (used,),
+        )
+    )
+
+
+def _target_of_hand(frame: g.Frame, state: WorldState) -> SeenObject:
+    held = state.held
+    name = frame.object.id if frame.object is not None else None
+    if name is None and isinstance(frame.goal, g.SetDown):
+        if held is None:
+            raise no_plan("holds_nothing")
+        name = held.name
+    assert name is not None, "objects are resolved by now"
+    # A hand that holds an object has none left for its lid.
+    by_lid = isinstance(frame.goal, g.Open | g.Close)
+    if held is not None and (held.name != name or by_lid):
+        raise NoPlanError(refusals.hand_not_free(held.name))
+    target = state.objects[name]
+    if target.lies_on != "bottom":
+        raise NoPlanError(refusals.object_lies(target))
+    return target
