@@ -89,6 +89,16 @@ def travel_to_edge(corners: Array, table: TableState, direction: Array, margin: 
     return float((room[:, going] / np.abs(direction[going])).min())
 
 
+def room_to_edge(corners: Array, table: TableState, margin: float = 0.0) -> float:
+    """Least distance of a polygon's corners, shape (n, 2), from a margin of the table's edge [m].
+
+    Less than 0 if a corner is beyond it.
+    """
+    low = np.array([table.x_min, table.y_min]) + margin
+    high = np.array([table.x_max, table.y_max]) - margin
+    return float(np.minimum(corners - low, high - corners).min())
+
+
 def overlaps(a: Array, b: Array, clearance: float) -> bool:
     """Return True if convex polygons (n, 2), (k, 2) [m] are closer than a clearance."""
     return _apart(a, b) < clearance

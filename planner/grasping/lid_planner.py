@@ -21,7 +21,7 @@ from objectmodels.geometry.base_shapes import Array, Disc
 from objectmodels.geometry.support_points import hull_polygon
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
-from planner.geometry.footprints import footprint, gap, travel_to_edge
+from planner.geometry.footprints import footprint, gap, room_to_edge
 from planner.grasping.grasp_sampling import held_part, lid_candidates, lid_middle
 from planner.grasping.grasp_selection import (
     GraspLoad,
@@ -56,7 +56,6 @@ _ASIDE = 6  # places beside it that are looked at for its lid
 _RINGS = np.arange(0.0, 0.25, 0.04)  # beyond the nearest place [m]
 _AROUND = np.arange(12) * math.tau / 12.0
 _ROOM = 0.05  # between a lid and what stands near it, for the fingers that let go of it [m]
-_AXES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 
 
 def open_lid(problem: GraspProblem) -> Plan | Reached:
@@ -222,11 +221,7 @@ def _plan_put_on(problem: GraspProblem, lid: LiftOffLid) -> Plan:
 
 
 def _plan_screw_on(problem: GraspProblem, cap: ScrewCap, seen: float) -> Plan:
-    """A cap that is turned back.
-
-    Raises:
-        NoPlanError: it is off, and no hand gets a thread to catch.
-    """
+    """A cap that is turned back."""
     if is_off(cap, seen):
         raise no_plan("cap_off", object=problem.target.name)
     found = unscrew(problem.target.model, cap, fixed=problem.target.fixed)
@@ -301,7 +296,7 @@ def _disc_at(at: Array, radius: float) -> Array:
 
 def _is_free(problem: GraspProblem, at: Array, radius: float) -> bool:
     lid, d = _disc_at(at, radius), problem.defaults
-    if min(travel_to_edge(lid, problem.state.table, u, d.clearance) for u in _AXES) < 0.0:
+    if room_to_edge(lid, problem.state.table, d.clearance) < 0.0:
         return False
     return all(gap(lid, footprint(seen)) >= _ROOM for seen in problem.state.objects.values())
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from grammar.frames import command as g
 from objectmodels.geometry.support_points import hull_polygon
-from planner.geometry.footprints import footprint, gap, travel_to_edge
+from planner.geometry.footprints import footprint, gap, room_to_edge
 from planner.grasping.grasp_sampling import body_candidates
 from planner.grasping.grasp_selection import (
     GraspLoad,
@@ -29,7 +29,7 @@ from planner.grasping.grasp_selection import (
 )
 from planner.problem.goal_poses import GoalPoses, find_goal_poses, pose_as_aim
 from planner.problem.place_regions import object_at
-from planner.problem.planning_problem import GraspProblem
+from planner.problem.planning_problem import GraspProblem, value_in_bound
 from planner.refusals import grasp_refusals as refusals
 from planner.refusals.refusal_builder import Spans, no_plan
 from planner.types.actions import Action, Aim, Carry, LiftUp, SetDown
@@ -41,7 +41,6 @@ TO_THE_SIDE = math.cos(math.radians(50.0))
 """Least cosine between a lean along the line across and the side of the opening."""
 
 _CLOSER = 0.5  # share of a wanted gap that must be left where something is put
-_AXES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 
 
 def lift(problem: GraspProblem, goal: g.Lift) -> Plan:
@@ -171,10 +170,7 @@ def require_room(problem: GraspProblem, there: SeenObject, near: dict[str, float
         apart = min(problem.clearance(seen), _CLOSER * near.get(name, np.inf))
         if gap(own, footprint(seen)) < max(apart, kept.get(name, 0.0)):
             raise refusals.no_place(f"the {problem.target.name}", name)
-    edge = min(
-        travel_to_edge(own, problem.state.table, u, problem.defaults.clearance) for u in _AXES
-    )
-    if edge < 0.0:
+    if room_to_edge(own, problem.state.table, problem.defaults.clearance) < 0.0:
         raise refusals.no_place(f"the {problem.target.name}", None)
 
 
@@ -196,6 +192,4 @@ def _lift_height(problem: GraspProblem, goal: g.Lift) -> tuple[float, tuple[Defa
         }[goal.amount]
         return value, (DefaultUsed(name="lift_height", value=value, unit="m", reason=reason),)
     assert isinstance(height, float), "lengths measured in objects are resolved by now"
-    # A bound is kept with the tolerance to spare.
-    spare = {"exact": 0.0, "at_least": 1.0, "at_most": -1.0}[goal.bound]
-    return height + spare * min(d.distance_tolerance, 0.5 * height), ()
+    return value_in_bound(height, goal.bound, d.distance_tolerance), ()

@@ -23,6 +23,7 @@ from objectmodels.geometry.base_shapes import Array
 from objectmodels.models.object_parts import Container
 from objectmodels.models.vessel import Vessel
 from planner.geometry.directions import heading_of, unit
+from planner.grasping import lift_planner
 from planner.grasping.grasp_sampling import Candidate, body_candidates
 from planner.grasping.grasp_selection import (
     GraspLoad,
@@ -33,13 +34,6 @@ from planner.grasping.grasp_selection import (
     stable_grasps,
 )
 from planner.grasping.lid_planner import is_open
-from planner.grasping.lift_planner import (
-    TO_THE_SIDE,
-    clearance_height,
-    forbidden_meanwhile,
-    lift_steps,
-    require_liftable,
-)
 from planner.problem.planning_problem import GraspProblem
 from planner.refusals import grasp_refusals as refusals
 from planner.refusals.refusal_builder import no_plan
@@ -144,21 +138,15 @@ def pour_out(problem: GraspProblem, goal: g.Pour) -> Plan | Reached:
         raise no_plan("into_itself", spans=goal.spans, object=problem.target.name)
     source = Hollow.from_object(problem.target, problem.defaults)
     into = Hollow.from_object(problem.state.objects[goal.into.id or ""], problem.defaults)
-    require_liftable(problem)
+    lift_planner.require_liftable(problem)
     if problem.motion.upright:
-        raise forbidden_meanwhile(problem, problem.motion.upright, "tilts it")
+        raise lift_planner.forbidden_meanwhile(problem, problem.motion.upright, "tilts it")
     wanted = amount(problem, source, into, goal)
     return Reached() if wanted is None else _Pouring(problem, source, into, wanted).best()
 
 
 class _Pouring:
-    """One container that is poured into another one.
-
-    Args:
-        problem: what is planned for.
-        source, into: the two.
-        wanted: how much.
-    """
+    """One container that is poured into another one."""
 
     def __init__(self, problem: GraspProblem, source: Hollow, into: Hollow, wanted: Amount) -> None:
         self._problem, self._source, self._into, self._wanted = problem, source, into, wanted
@@ -166,11 +154,7 @@ class _Pouring:
         self._rate = problem.defaults.pour_rate * min(slower, 1.0)
 
     def best(self) -> Plan:
-        """The first way that hand and arm can go.
-
-        Raises:
-            NoPlanError: there is none.
-        """
+        """The first way that hand and arm can go."""
         problem, held = self._problem, held_already(self._problem)
         if held:
             closing = [np.array(held[0].grasp.closing_W) @ problem.target.pose.R_WB]
@@ -210,7 +194,7 @@ class _Pouring:
         return [
             heading_of(side * closing)
             for side in (1.0, -1.0)
-            if off < _CENTRED or side * closing @ opening > TO_THE_SIDE * off
+            if off < _CENTRED or side * closing @ opening > lift_planner.TO_THE_SIDE * off
         ]
 
     def _may_spill(self, motion: Motion) -> NoPlanError:
@@ -282,7 +266,10 @@ class _Pouring:
         lip = self._opening_W() - motion.ahead * unit(heading)
         behind = float(np.linalg.norm(self._source.vessel.lip_point(motion.lean)[:2]))
         x, y, _ = (lip - behind * unit(heading)).tolist()
-        up = max(clearance_height(problem, Aim(x=x, y=y)), into.model.top + d.carry_clearance)
+        up = max(
+            lift_planner.clearance_height(problem, Aim(x=x, y=y)),
+            into.model.top + d.carry_clearance,
+        )
         out = PourOut(
             into=into.name,
             heading=heading,
@@ -293,10 +280,10 @@ class _Pouring:
             volume=None if self._wanted.all else self._wanted.volume,
             prediction=self._pour_prediction(motion.poured),
         )
-        steps: tuple[Action, ...] = (*lift_steps(problem, up), out)
+        steps: tuple[Action, ...] = (*lift_planner.lift_steps(problem, up), out)
         if turn:
             turned, back = (Aim(x=pose.x, y=pose.y, yaw=pose.yaw + by) for by in (turn, 0.0))
-            steps = (*lift_steps(problem, up), Carry(to=turned), out, Carry(to=back))
+            steps = (*lift_planner.lift_steps(problem, up), Carry(to=turned), out, Carry(to=back))
         return MotionDraft(
             steps if held else (*steps, SetDown()),
             motion.probability,

@@ -139,11 +139,7 @@ def require_whole_hand(problem: GraspProblem, clause: g.Effector) -> GraspProble
 
 
 def _require_right(clause: g.Effector) -> None:
-    """The robot has no left hand.
-
-    Raises:
-        NoPlanError: a left hand is asked for.
-    """
+    """The robot has no left hand."""
     if clause.side == "left":
         raise not_capable(
             "a second (left) hand",

@@ -18,7 +18,7 @@ from objectmodels.geometry.base_shapes import Disc
 from planner.geometry.directions import FACE_OF_PUSH, HEADINGS, bisector, heading_of, unit
 from planner.geometry.footprints import footprint, free_travel, gap, travel_to_edge
 from planner.problem.place_regions import Array, Beside, Between, region, share_of_way, table_region
-from planner.problem.planning_problem import GoalT, PlanningProblem, PushGoal
+from planner.problem.planning_problem import GoalT, PlanningProblem, PushGoal, value_in_bound
 from planner.refusals.push_refusals import not_capable
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Aim
@@ -88,9 +88,7 @@ def _displacement_poses(problem: PlanningProblem[GoalT], goal: g.Displace) -> Go
     if reason:
         used += (DefaultUsed(name="distance", value=distance, unit="m", reason=reason),)
     elif goal.distance is not None:
-        # A bound is kept with the tolerance to spare.
-        spare = {"exact": 0.0, "at_least": 1.0, "at_most": -1.0}[goal.bound]
-        distance += spare * min(defaults.distance_tolerance, 0.5 * distance)
+        distance = value_in_bound(distance, goal.bound, defaults.distance_tolerance)
     return _pose_along(problem.target, heading, distance, used)
 
 
@@ -218,8 +216,7 @@ def _rotation_poses(problem: PlanningProblem[GoalT], goal: g.Rotate) -> GoalPose
             None: (defaults.turn, "no angle said"),
         }[goal.amount]
         used.append(DefaultUsed(name="turn", value=angle, unit="rad", reason=reason))
-    spare = {"exact": 0.0, "at_least": 1.0, "at_most": -1.0}[goal.bound]
-    angle += spare * min(defaults.turn_tolerance, 0.5 * angle)
+    angle = value_in_bound(angle, goal.bound, defaults.turn_tolerance)
     signs = {"ccw": (1.0,), "cw": (-1.0,), None: (1.0, -1.0)}[goal.sense]
     pose = problem.target.pose
     aims = tuple(Aim(x=pose.x, y=pose.y, yaw=pose.yaw + sign * angle) for sign in signs)

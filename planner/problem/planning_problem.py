@@ -283,3 +283,9 @@ GraspProblem = PlanningProblem[GraspGoal]
 def is_handled(frame: g.Frame) -> bool:
     """Return True if a frame asks for a whole hand; what is placed may also be pushed there."""
     return frame.goal.kind in HAND_GOALS and (frame.goal.kind != "place" or frame.action == "place")
+
+
+def value_in_bound(value: float, bound: str, tolerance: float) -> float:
+    """The value to plan for: `at_least` and `at_most` are kept with the tolerance to spare."""
+    spare = {"exact": 0.0, "at_least": 1.0, "at_most": -1.0}[bound]
+    return value + spare * min(tolerance, 0.5 * value)

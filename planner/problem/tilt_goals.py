@@ -16,7 +16,7 @@ from grammar.frames.command import Tilt
 from objectmodels import ObjectModel
 from objectmodels.mechanics.tilt_limits import largest_return, return_probability
 from planner.geometry.footprints import footprint, free_travel
-from planner.problem.planning_problem import PushProblem
+from planner.problem.planning_problem import PushProblem, value_in_bound
 from planner.refusals.refusal_builder import QUANTITIES, refusal
 from planner.types.actions import Limits, Prediction, Push
 from planner.types.defaults import Defaults
@@ -33,9 +33,7 @@ _SLACK = 0.015  # travel beyond what the model says, for what it does not know [
 def tilt_goal(goal: Tilt, model: ObjectModel, defaults: Defaults) -> tuple[float, str | None]:
     """The angle to plan for [rad], and why it is a default, if it is one."""
     if goal.angle is not None:
-        # A bound is kept with the tolerance to spare.
-        spare = {"exact": 0.0, "at_least": 1.0, "at_most": -1.0}[goal.bound]
-        return goal.angle + spare * min(defaults.tilt_tolerance, 0.5 * goal.angle), None
+        return value_in_bound(goal.angle, goal.bound, defaults.tilt_tolerance), None
     most = almost_tips(model, defaults)
     if goal.amount == "lot":
         return most, "“a lot”"

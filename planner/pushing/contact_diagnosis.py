@@ -139,13 +139,7 @@ def _with_doubt(
 
 
 def _cannot_slide(problem: PushProblem, critical: float, sure: float) -> Refusal:
-    """It would topple, or might, at every height that is allowed and reached.
-
-    Args:
-        problem: about the object.
-        critical: height above which it topples, nominal; inf if never [m].
-        sure: height below which it slides in the worst case; 0 if nowhere [m].
-    """
+    """It would topple, or might, at every height that is allowed and reached."""
     asked, target = problem.contact, problem.target
     reached_from = problem.robot.limits.lowest_height
     lowest = max(asked.low, reached_from)

@@ -26,11 +26,10 @@ from planner.pushing.contact_sampling import Contact, Contacts, rate_contacts
 from planner.pushing.search_budget import ContactQueries, ReachSearch
 from planner.pushing.touchable_sides import push_direction, require_room, touchable_sides
 from planner.refusals import push_refusals as refusals
-from planner.types.actions import Push, PushAction, Vector3
-from planner.types.refusal import NoPlanError, Refusal
+from planner.types.actions import FALLING, Push, PushAction, Vector3
+from planner.types.refusal import Alternatives, NoPlanError, Refusal
 
 _OF_A_CASE = 0.6  # share of the contacts asked for that may be equally sure
-_FALLING = math.radians(11.0)  # beyond the angle of no return a toppling box is let go
 _FLAT = math.radians(85.0)  # a box that leans so far lies
 _SLACK = 0.03  # travel of a topple beyond what the model says, for what it does not know [m]
 
@@ -68,48 +67,31 @@ def best_push(problem: PushProblem, step: PushStep, search: ReachSearch) -> Push
     sides = touchable_sides(problem, step)
     if step.outcome == "slide":
         return _best_candidate(problem, step, sides, search)
-    free, crowded = _sides_by_room(problem, step, sides)
-    try:
-        return _best_candidate(problem, step, free, search)
-    except NoPlanError as error:
-        if error.refusal.reason in ("impossible", "too_uncertain"):
-            for side, no_room in crowded:
-                # From there it would fall, if there were room.
-                blocked = no_room.refusal.reason == "blocked"
-                if blocked and any(rate_contacts(problem, step, [side])):
-                    raise no_room from error
-        raise
-
-
-def _sides_by_room(
-    problem: PushProblem, step: PushStep, sides: list[Side]
-) -> tuple[list[Side], list[tuple[Side, NoPlanError]]]:
-    """Sides from which the object falls, or leans over, hitting nothing, and all others.
-
-    Raises:
-        NoPlanError: there is room on none.
-    """
-    free, crowded = [], []
+    free, crowded, no_room = [], [], Alternatives()
     for side in sides:
-        try:
+        with no_room:
             require_room(problem, step, side)
-        except NoPlanError as no_room:
-            crowded.append((side, no_room))
-        else:
             free.append(side)
+            continue
+        crowded.append((side, no_room.last))
     if not free:
-        raise crowded[0][1]
-    return free, crowded
+        raise no_room.first
+    attempt = Alternatives()
+    with attempt:
+        return _best_candidate(problem, step, free, search)
+    if attempt.first.refusal.reason in ("impossible", "too_uncertain"):
+        for side, dead_end in crowded:
+            # From there it would fall, if there were room.
+            blocked = dead_end.refusal.reason == "blocked"
+            if blocked and any(rate_contacts(problem, step, [side])):
+                raise dead_end
+    raise attempt.first
 
 
 def _best_candidate(
     problem: PushProblem, step: PushStep, sides: list[Side], search: ReachSearch
 ) -> PushCandidate:
-    """The contact with the largest margin that the hand reaches.
-
-    Raises:
-        NoPlanError: there is none.
-    """
+    """The contact with the largest margin that the hand reaches."""
     require_place(problem, step, sides)
     problem = _in_time(problem, step)
     queries = ContactQueries(search, problem)
@@ -143,11 +125,7 @@ def _best_candidate(
 
 
 def _in_time(problem: PushProblem, step: PushStep) -> PushProblem:
-    """The problem with a speed that is high enough for the time that the push may take.
-
-    Raises:
-        NoPlanError: no speed is high enough.
-    """
+    """The problem with a speed that is high enough for the time that the push may take."""
     motion, defaults = problem.motion, problem.defaults
     if motion.duration is None or step.outcome != "slide" or step.swing:
         return problem
@@ -207,7 +185,7 @@ def _in_order(problem: PushProblem, step: PushStep, rated: list[Contacts]) -> li
 
 def _push_at(problem: PushProblem, step: PushStep, contact: Contact) -> Push:
     """The push at a contact."""
-    target, force, side = problem.target, problem.force, contact.side
+    target, force, side = problem.target, problem.force, contact.among.side
     outward = target.pose.R_WB @ np.array(side.face.normal)
     limit = outcome_prediction.needed_force(problem, step, contact) * (1.0 + force.reserve)
     push = Push(
@@ -216,11 +194,13 @@ def _push_at(problem: PushProblem, step: PushStep, contact: Contact) -> Push:
         p_BC=_touched_point(problem, contact),
         normal_W=_vector(outward),
         direction_W=_vector(push_direction(step, side)),
-        force_limit=min(max(limit, force.least_limit), _largest_force(problem, contact.fingers)),
+        force_limit=min(
+            max(limit, force.least_limit), _largest_force(problem, contact.among.fingers)
+        ),
         speed=problem.motion.speed,
         stroke=_stroke_length(problem, step, contact),
-        fingers=contact.fingers,
-        spread=contact.spread,
+        fingers=contact.among.fingers,
+        spread=contact.among.spread,
         ends_on="stroke" if step.outcome == "slide" else "toppled",
         turn=step.turn,
         until=step.until,
@@ -236,17 +216,17 @@ def _push_at(problem: PushProblem, step: PushStep, contact: Contact) -> Push:
 
 def _touched_point(problem: PushProblem, contact: Contact) -> Vector3:
     """The contact; that of two fingertips on a round side lies between them, inside of it [m]."""
-    face = contact.side.face
-    if contact.fingers == 1 or not face.curvature:
+    face = contact.among.side.face
+    if contact.among.fingers == 1 or not face.curvature:
         return _vector(contact.point)
     tip, radius = problem.robot.limits.fingertip_radius, 1.0 / face.curvature
-    inside = radius + tip - math.sqrt((radius + tip) ** 2 - (contact.spread / 2.0) ** 2)
-    return _vector(contact.point + inside * contact.side.inward)
+    inside = radius + tip - math.sqrt((radius + tip) ** 2 - (contact.among.spread / 2.0) ** 2)
+    return _vector(contact.point + inside * contact.among.side.inward)
 
 
 def _push_with_swing(problem: PushProblem, step: PushStep, contact: Contact, push: Push) -> Push:
     """The push with a turn as its end."""
-    found = best_turn(problem.target.model, contact.side.face, step.swing, push.p_BC[2])
+    found = best_turn(problem.target.model, contact.among.side.face, step.swing, push.p_BC[2])
     assert found is not None, "its side was chosen for that"
     changes = {
         "p_BC": found.point,
@@ -262,8 +242,8 @@ def _stroke_length(problem: PushProblem, step: PushStep, contact: Contact) -> fl
     """Travel of the fingertips [m]."""
     if step.outcome == "slide":
         return 0.0 if step.swing else step.distance
-    model, inward = problem.target.model, contact.side.inward
-    angle = model.angle_of_no_return(inward, sigmas=-contact.sigmas) + _FALLING
+    model, inward = problem.target.model, contact.among.side.inward
+    angle = model.angle_of_no_return(inward, sigmas=-contact.among.sigmas) + FALLING
     height = float(contact.point[2])
     return min(model.topple_stroke(inward, height, min(angle, _FLAT)) + _SLACK, step.distance)
 
@@ -292,7 +272,7 @@ def _push_candidate(
 
 def _outcome_event(problem: PushProblem, contact: Contact, push: Push) -> tuple[object, ...]:
     """Face, height and fingers; all sides of a round object are alike."""
-    side = None if isinstance(problem.target.model.base, Disc) else contact.side.face.normal
+    side = None if isinstance(problem.target.model.base, Disc) else contact.among.side.face.normal
     return side, round(push.p_BC[2], 3), push.fingers, push.ends_on
 
 
@@ -305,7 +285,7 @@ def _predicted_displacement(
     if push.ends_on != "turned":
         return None
     target = problem.target
-    found = best_turn(target.model, contact.side.face, step.swing, float(contact.point[2]))
+    found = best_turn(target.model, contact.among.side.face, step.swing, float(contact.point[2]))
     assert found is not None, "its side was chosen for that"
     return _vector(target.pose.R_WB @ np.array([*found.pose[:2], 0.0]))
 

@@ -103,26 +103,6 @@ class Contact:
         """Probability of the wanted outcome."""
         return float(self.among.probability[self.rank])
 
-    @property
-    def side(self) -> Side:
-        """The face."""
-        return self.among.side
-
-    @property
-    def fingers(self) -> Literal[1, 2]:
-        """Number of fingertips."""
-        return self.among.fingers
-
-    @property
-    def spread(self) -> float:
-        """Distance between two of them [m]; 0 for one."""
-        return self.among.spread
-
-    @property
-    def sigmas(self) -> float:
-        """Standard deviations that the worst case takes."""
-        return self.among.sigmas
-
 
 def has_place(problem: PushProblem, step: PushStep, sides: list[Side]) -> bool:
     """True if fingertips find a place on one of the sides, whatever the outcome there."""
@@ -169,10 +149,7 @@ def _allowed_part(problem: PushProblem, step: PushStep, side: Side, fingers: int
 
 
 def _spread_and_edge(face: Face, fingers: int, limits: RobotLimits) -> tuple[float, float]:
-    """The largest distance at which fingertips find a place, and that place's from the edge [m].
-
-    They find it whole if they can; the least of both if they do not find it at all.
-    """
+    """The largest distance at which fingertips find a place, and that place's from the edge [m]."""
     whole = limits.fingertip_radius
     spreads = limits.finger_spreads if fingers == 2 else (0.0,)
     if face.curvature:

@@ -30,9 +30,9 @@ def needed_force(problem: PushProblem, step: PushStep, contact: Contact) -> floa
     model = problem.target.model
     if step.outcome == "topple":
         largest = float(contact.among.cone.topple_max[contact.index])
-        return largest * (1.0 + contact.sigmas * model.mass_sd / model.mass)
-    point = _point_of_pair(model, contact) if contact.fingers == 2 else contact.point
-    nominal = float(model.thresholds(point[None], contact.side.inward[None]).slide[0])
+        return largest * (1.0 + contact.among.sigmas * model.mass_sd / model.mass)
+    point = _point_of_pair(model, contact) if contact.among.fingers == 2 else contact.point
+    nominal = float(model.thresholds(point[None], contact.among.side.inward[None]).slide[0])
     share = math.hypot(model.friction_sd / model.friction, model.mass_sd / model.mass)
     return nominal * (1.0 + NormalDist().inv_cdf(problem.effort.probability) * share)
 
@@ -40,8 +40,8 @@ def needed_force(problem: PushProblem, step: PushStep, contact: Contact) -> floa
 def prediction(problem: PushProblem, step: PushStep, contact: Contact) -> Prediction:
     """Prediction of the object model for a push at a contact."""
     i, model, cone = contact.index, problem.target.model, contact.among.cone
-    inward = contact.side.inward
-    if contact.fingers == 1:
+    inward = contact.among.side.inward
+    if contact.among.fingers == 1:
         nominal = _thresholds_over_cone(problem, contact)
     else:
         # Two fingers hold the object straight, and then the closed form is exact.
@@ -71,7 +71,7 @@ def confirm_with_exact_tier(problem: PushProblem, step: PushStep, contact: Conta
     turns as it slides; two fingers leave it no turning, and need no second look. Neither do
     contacts that are much farther from toppling than it is ever off (`benchmarks.accuracy`).
     """
-    if contact.fingers == 2:
+    if contact.among.fingers == 2:
         return True
     cone = contact.among.cone
     if step.outcome == "slide":
@@ -86,11 +86,8 @@ def confirm_with_exact_tier(problem: PushProblem, step: PushStep, contact: Conta
 
 
 def _point_of_pair(model: ObjectModel, contact: Contact) -> NDArray[np.float64]:
-    """Point at which one finger would have to push for the object to turn as little as under two.
-
-    Shape (3,) [m].
-    """
-    point, tangent = contact.point, np.array(contact.side.face.tangent)
+    """Point, shape (3,) [m], at which one finger turns the object as little as two would."""
+    point, tangent = contact.point, np.array(contact.among.side.face.tangent)
     return np.asarray(point - ((point - np.array(model.com)) @ tangent) * tangent)
 
 
@@ -100,7 +97,9 @@ def _thresholds_over_cone(problem: PushProblem, contact: Contact) -> Thresholds:
     grip = model.finger_friction
     if contact.among.guarded:
         grip = min(problem.robot.limits.force_skew, grip)
-    return _exact_thresholds(model, tuple(contact.point.tolist()), contact.side.face.normal, grip)
+    return _exact_thresholds(
+        model, tuple(contact.point.tolist()), contact.among.side.face.normal, grip
+    )
 
 
 @functools.lru_cache(maxsize=1024)
@@ -127,7 +126,7 @@ def margins(problem: PushProblem, step: PushStep, contact: Contact, force_limit:
         force=min(force, problem.target.model.weight),
         height=room,
         lateral=float(contact.among.lateral[i]),
-        sigmas=contact.sigmas,
+        sigmas=contact.among.sigmas,
         force_limit=force_limit - needed_force(problem, step, contact),
     )
 
@@ -145,9 +144,9 @@ def selection_notes(
         notes.append(f"the sentence asks for a contact {limits.region}")
     if push.fingers == 1 and 2 in limits.fingers:
         notes.append("one finger, since two do not fit or do not reach it")
-    if contact.sigmas < sigmas:
+    if contact.among.sigmas < sigmas:
         notes.append(
-            f"certain within {contact.sigmas:g} instead of {sigmas:g} standard deviations of "
+            f"certain within {contact.among.sigmas:g} instead of {sigmas:g} standard deviations of "
             f"the parameters; over all of them its probability is {predicted.probability:.3f}"
         )
     if contact.among.guarded:

@@ -15,7 +15,7 @@ from itertools import islice
 import numpy as np
 
 from planner.geometry.directions import heading_of, unit
-from planner.geometry.footprints import footprint, gap, travel_to_edge
+from planner.geometry.footprints import footprint, gap, room_to_edge
 from planner.problem.place_regions import object_at
 from planner.problem.planning_problem import PushProblem, PushStep
 from planner.pushing import push_paths, turn_planner
@@ -123,11 +123,7 @@ class PushSequencePlanner:
     def _turn_pushes(
         self, target: SeenObject, turn: float
     ) -> tuple[list[PushCandidate], SeenObject]:
-        """The pushes that turn an object, and the object after them.
-
-        Raises:
-            NoPlanError: it cannot be turned here.
-        """
+        """The pushes that turn an object, and the object after them."""
         problem = self._problem
         if 1 not in problem.contact.fingers:
             raise NoPlanError(refusals.turned_by_one(target, problem.contact.spans))
@@ -181,11 +177,7 @@ class PushSequencePlanner:
             spot = (target.pose.p_WB + _ASIDE * unit(float(heading)))[:2]
             here = footprint(object_at(target, spot))
             rooms = [gap(here, footprint(state.objects[name])) for name in self._clearances]
-            edges = [
-                travel_to_edge(here, state.table, unit(quarter * math.pi / 2.0)[:2], 0.0)
-                for quarter in range(4)
-            ]
-            room = min([*rooms, *edges])
+            room = min([*rooms, room_to_edge(here, state.table)])
             if room > _ROOM:
                 found.append((-round(room, 3), float(heading), spot))
         return [spot for *_, spot in sorted(found, key=lambda each: each[:2])[:_SPOTS]]
@@ -215,11 +207,7 @@ class PushSequencePlanner:
     # -- going straight ------------------------------------------------------------------------
 
     def _straight_pushes(self, target: SeenObject) -> list[PushCandidate]:
-        """The pushes of the first path that the hand can make.
-
-        Raises:
-            NoPlanError: there is none.
-        """
+        """The pushes of the first path that the hand can make."""
         attempts = Alternatives()
         free = (
             path for path in self._paths_to_aim(target) if self._first_stop(target, path) is None
@@ -292,11 +280,7 @@ class PushSequencePlanner:
     def _path_pushes(
         self, target: SeenObject, path: tuple[push_paths.PathSegment, ...]
     ) -> list[PushCandidate]:
-        """A push for each segment, or for parts of it where the hand cannot make it at one go.
-
-        Raises:
-            NoPlanError: one of the pushes cannot be made.
-        """
+        """A push for each segment, or for parts of it where the hand cannot make it at one go."""
         problem = self._problem
         motion = problem.motion
         if motion.duration is not None and len(path) > 1:

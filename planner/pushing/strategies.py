@@ -267,11 +267,7 @@ def _plan_to_an_aim(problem: PushProblem, search: ReachSearch) -> Plan | Reached
 
 
 def _joint_plan(problem: PushProblem, found: list[PushCandidate], aim: Aim | None = None) -> Plan:
-    """Pushes one after another as a plan.
-
-    Raises:
-        NoPlanError: they take too long, or are not likely enough together.
-    """
+    """Pushes one after another as a plan."""
     target, motion = problem.target, problem.motion
     if motion.duration is not None and len(found) > 1:
         raise NoPlanError(

@@ -120,11 +120,9 @@ class TopplePlanner:
         return [best_push(problem, step, self._search)]
 
     def _pushes_elsewhere(self) -> list[PushCandidate]:
-        """A push to a place near by, the nearest first, and the fall there.
-
-        What is said about the contact holds for every push, and a tilt is about the place where
-        the object stands: neither is brought elsewhere.
-        """
+        """A push to a place near by, the nearest first, and the fall there."""
+        # What is said about the contact holds for every push, and a tilt is about the place where
+        # the object stands: neither is brought elsewhere.
         problem, contact = self._problem, self._problem.contact
         bound = contact.face or contact.region or self._step.tilt is not None
         if bound or problem.motion.duration:

@@ -52,11 +52,7 @@ def touchable_sides(problem: PushProblem, step: PushStep) -> list[Side]:
 
 
 def _square_enough(problem: PushProblem, step: PushStep, sides: list[Side], heading: float) -> Side:
-    """The side that is most square to a push along a heading in W [rad].
-
-    Raises:
-        NoPlanError: fingertips would slip off it.
-    """
+    """The side that is most square to a push along a heading in W [rad]."""
     target, contact = problem.target, problem.contact
     side = _most_square(sides, heading)
     oblique = angle_between(heading, side.heading)
@@ -92,10 +88,7 @@ def _most_square(sides: list[Side], heading: float) -> Side:
 
 
 def _push_headings(step: PushStep) -> np.ndarray:
-    """Headings in W along which a round object may be pushed: the one asked, else the robot's four.
-
-    Shape (k,) [rad].
-    """
+    """Headings in W along which a round object may be pushed, shape (k,) [rad]."""
     if step.heading is not None:
         return np.array([step.heading])
     return np.array(list(HEADINGS.values()))

@@ -32,7 +32,7 @@ from objectmodels.geometry.base_shapes import Disc
 from objectmodels.geometry.side_faces import Face
 from objectmodels.mechanics.turning_push import TurningPush, best_turn
 from planner.geometry.directions import heading_of
-from planner.geometry.footprints import footprint, gap, travel_to_edge
+from planner.geometry.footprints import footprint, gap, room_to_edge
 from planner.problem.planning_problem import Side
 from planner.types.actions import Aim, Push
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
@@ -220,9 +220,8 @@ def turn_obstacle(
             for name, apart in clearances.items():
                 if gap(here, footprint(state.objects[name])) < apart:
                     return name
-            for u in np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]):
-                if travel_to_edge(here, state.table, u, margin) < 0.0:
-                    return "table"
+            if room_to_edge(here, state.table, margin) < 0.0:
+                return "table"
         target = step.target_after(target)
     return None
 

@@ -11,6 +11,7 @@ straight fingers point: horizontal to hold something from its side, down to hold
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -22,6 +23,9 @@ StopEvent = Literal[
     "moves",  # the object has begun to move
     "touching",  # it has met the object that `Push.meets` names
 ]
+
+FALLING = math.radians(11.0)
+"""Tilt beyond the angle of no return at which a push lets a toppling object fall [rad]."""
 
 _UPRIGHT, _LEVEL = 0.95, 0.05  # of an approach, how much it goes down
 

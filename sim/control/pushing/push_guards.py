@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.types.actions import Push
+from planner.types.actions import FALLING, Push
 from planner.types.plan import Plan
 from sim.control.pushing.tilt_estimator import TiltEstimator
 from sim.traces.trace import EndReason
@@ -21,7 +21,6 @@ MOVED = 0.001
 
 _BAND, _SMALLEST_BAND = 0.2, 0.1  # share of the limit, and [N]
 _TILT_SHARE = 0.35  # a push that must not tilt stops at this share of the angle of no return
-_FALLING = np.radians(11.0)  # tilt beyond the angle of no return at which it is left to fall
 _SLIDES_AFTER = 0.03  # travel after which a topple must show some tilt [m]
 _SLIDES_SHARE = 0.35  # of the tilt that turning about the far edge would show by then
 _SAFE_SHARE = 0.9  # a tilt stops at this share of the angle of no return
@@ -92,7 +91,7 @@ class Guards:
         return None
 
     def _toppled(self, travel: float, tilt: float) -> tuple[EndReason, str] | None:
-        if tilt > self._prediction.stay_on_base_angle + _FALLING:
+        if tilt > self._prediction.stay_on_base_angle + FALLING:
             return "toppled", f"it was seen tilted by {np.degrees(tilt):.0f}° and falls by itself"
         if travel >= self._push.stroke:
             return "stroke", f"it does not fall after {1e3 * travel:.0f} mm"

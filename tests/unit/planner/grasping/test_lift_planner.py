@@ -19,10 +19,9 @@ from planner.problem.planning_problem import (
     PlanningProblem,
 )
 from planner.types.actions import Carry, Grasp, LiftUp, SetDown
-from planner.types.refusal import NoPlanError
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan
-from planner.types.refusal import Refusal
+from planner.types.refusal import NoPlanError, Refusal
 from planner.types.world_state import Held, PlanarPose, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, world
 from tests.unit.planner.grasping.conftest import RuledHand, planned, refused
