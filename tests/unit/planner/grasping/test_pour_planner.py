@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from planner.grasping.pour_amounts import amount
+from planner.types.dead_ends import NoPlanError
 
 from grammar.frames.command import Frame, ObjectRef, Pour
 from planner import plan
-from planner.grasping.pour_amounts import amount
 from planner.types.actions import PourOut
-from planner.types.dead_ends import NoPlanError
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
