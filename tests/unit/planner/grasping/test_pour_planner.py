@@ -9,15 +9,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from planner.grasping.pour_amounts import amount
-from planner.types.dead_ends import NoPlanError
 
 from grammar.frames.command import Frame, ObjectRef, Pour
 from planner import plan
+from planner.grasping.pour_planner import amount
 from planner.types.actions import PourOut
 from planner.types.defaults import DEFAULTS
 from planner.types.plan import Plan, Reached
-from planner.types.refusal import Refusal
+from planner.types.refusal import NoPlanError, Refusal
 from planner.types.world_state import Held, WorldState
 from tests.unit.planner.grasping.conftest import RuledHand, planned
 
