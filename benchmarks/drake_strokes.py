@@ -26,8 +26,7 @@ from benchmarks.strokes import (
 )
 from sim.standard_robot import HAND
 from sim.truth.scene_file import Scene
-from sim.worlds.drake.contact_material import ROUGH, surface
-from sim.worlds.drake.contact_watch import ContactWatch
+from sim.worlds.drake.body_contacts import ROUGH, ContactWatch, surface
 from sim.worlds.drake.drake_plant import (
     add_object,
     add_table,

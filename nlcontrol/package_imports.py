@@ -85,7 +85,7 @@ FORMER: dict[str, tuple[str, dict[str, str]]] = {
     "objectmodels.tilting": ("objectmodels.mechanics.tilt_limits", {}),
     "planner.defaults": ("planner.types.defaults", {}),
     "planner.settings": ("planner.types.defaults", {}),
-    "sim.hidden": ("sim.truth.world_sampling", {"drawn": "sample_world"}),
+    "sim.hidden": ("sim.truth.scene_file", {"drawn": "sample_world"}),
 }
 """New name of each former module, and the new names of what was renamed in it.
 

@@ -15,8 +15,7 @@ import numpy as np
 
 from planner.types.world_state import Held, WorldState
 from sim.cell.cell_description import LOOK
-from sim.control.free_motion import Progress, watch
-from sim.control.robot_setup import RobotSetup
+from sim.control.free_motion import Progress, RobotSetup, watch
 from sim.motion.robot_reach import ArmHandReach
 from sim.perception.state_estimation import estimate_objects
 from sim.standard_robot import ARM, HAND
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
     from planner.touch_experiments import Experiment
     from planner.types.plan import Plan
-    from sim.exploration.touch_recording import Recording
+    from sim.exploration.trial_extraction import Recording
     from sim.traces.trace import Trace
     from sim.truth.object_truth import Truth
     from sim.worlds.drake.drake_world import DrakeWorld
@@ -91,11 +90,11 @@ class SimulatedExecutor:
 
     @property
     def held(self) -> Held | None:
-        """What the hand holds, as the robot knows; None if nothing."""
+        """The object in the hand, as the robot knows; None if there is none."""
         return self.setup.held if self.is_built else None
 
     def truth(self, name: str) -> Truth:
-        """How an object really was when the world began; for an observer.
+        """The truth of an object when the world began; for an observer.
 
         Raises:
             KeyError: there is no object of that name.
@@ -103,12 +102,7 @@ class SimulatedExecutor:
         return self.world.scene.object(name).truth
 
     def look(self, models: Mapping[str, ObjectModel], duration: float = LOOK) -> WorldState:
-        """Looks at the table and returns what the robot believes then.
-
-        Args:
-            models: what is believed of every object, by its name in the cell.
-            duration: over which camera frames are averaged [s].
-        """
+        """Looks at the table and returns what the robot believes then; see `Executor.look`."""
         if self.is_built:
             frames = watch(self.setup.recorder(np.array([0.0, 0.0, 1.0])), duration)
         else:
@@ -128,12 +122,7 @@ class SimulatedExecutor:
         return execute(plan, self.setup, models, progress)
 
     def watch(self, name: str, duration: float = LOOK) -> Trace:
-        """Looks at the table while nothing is done.
-
-        Args:
-            name: of the object that the trace is about.
-            duration: how long to look [s].
-        """
+        """Looks at the table while nothing is done; see `Executor.watch`."""
         from sim.execution.plan_execution import watch
 
         return watch(self.setup, name, duration)

@@ -28,7 +28,7 @@ from objectmodels.mechanics.turning_push import learned_radius
 from planner.types.actions import LiftUp, PourOut
 from planner.types.plan import Plan
 from sim.control.grasping.held_object_sensing import Weight, estimate_weight
-from sim.exploration.push_observation import trial_from_push
+from sim.exploration.trial_extraction import trial_from_push
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel

@@ -67,13 +67,17 @@ class Controller:
         defaults: Defaults | None = None,
     ) -> None:
         with translated():
-            self.executor = _simulated(scene, seed) if executor is None else executor
+            if executor is None:
+                from sim.simulated_executor import SimulatedExecutor
+
+                executor = SimulatedExecutor.open(scene, seed=seed)
+            self.executor: Executor = executor
             self.cell = self.executor.cell
             self.registry = Registry.default() if registry is None else registry.copy()
             for path in self.cell.models:
                 self.registry.load(path)
         self.models: dict[str, ObjectModel] = {
-            item.name: _believed(item, self.registry) for item in self.cell.objects
+            item.name: _initial_model(item, self.registry) for item in self.cell.objects
         }
         self.planner = planner
         self.seed = self.executor.seed
@@ -317,14 +321,7 @@ class Controller:
         return run_command(self, command, result, plan_only=plan_only, progress=progress)
 
 
-def _simulated(scene: str | Path | Scene, seed: int) -> Executor:
-    """The executor of a scene, simulated."""
-    from sim.simulated_executor import SimulatedExecutor
-
-    return SimulatedExecutor.open(scene, seed=seed)
-
-
-def _believed(item: CellObject, registry: Registry) -> ObjectModel:
+def _initial_model(item: CellObject, registry: Registry) -> ObjectModel:
     """The registry's model of an object of the scene."""
     try:
         return registry.get(item.model)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from planner.types.robot import FailedPush, Robot
     from planner.types.world_state import Held, WorldState
     from sim.cell.cell_description import CellDescription
-    from sim.exploration.touch_recording import Recording
+    from sim.exploration.trial_extraction import Recording
     from sim.traces.trace import Trace
 
 Progress = Callable[[str, float, str], None]

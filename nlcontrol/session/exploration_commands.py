@@ -1,8 +1,11 @@
-"""Sentences that have the robot find something out by touching.
+"""Sentences that have the robot find something out, by touching or by lifting.
 
 "Find out how heavy it is" always touches. "How slippery is it?" is answered from the model if the
 answer is known well enough, else by touching first; where nothing may move, the model answers. The
 experiment that tells most is done next, until what is asked is known.
+
+The other way to a weight: the object is held, lifted, weighed by the finger joints' torques and set
+down where it stood. What was believed before, perhaps from tilting it, stands beside what was felt.
 """
 
 from __future__ import annotations
@@ -10,7 +13,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
-from nlcontrol.errors import ControlError, ErrorInfo, error
+from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error
 from nlcontrol.learning.exploration_session import (
     CENTRE_OF_MASS,
     Exploration,
@@ -18,11 +21,15 @@ from nlcontrol.learning.exploration_session import (
     kinds_for,
     precisions_asked,
 )
+from nlcontrol.learning.lessons import felt_weight, weight_from_grasp
 from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.asked_push import target_of
-from nlcontrol.session.weighing import asks_for_lifting, weigh_by_lifting
-from nlcontrol.text_format import enumeration
+from nlcontrol.text_format import enumeration, with_sd_text
 from objectmodels.identification.experiment_design import is_precise_enough, parameter_precisions
+from objectmodels.mechanics.push_thresholds import GRAVITY
+from planner.types.actions import SetDown
+from planner.types.plan import Plan
+from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
     from nlcontrol.session.controller import Controller
@@ -164,3 +171,74 @@ def _on_table(controller: Controller, frame: g.Frame) -> str:
         text = name or "object"
         raise error("not_on_table", f"the {text} is not on the table, so that it cannot be touched")
     return name
+
+
+def asks_for_lifting(frame: g.Frame) -> bool:
+    """A sentence asks for a weight by lifting."""
+    return isinstance(frame.goal, g.Parameters) and frame.goal.method == "lift"
+
+
+def weigh_by_lifting(
+    controller: Controller, name: str, frame: g.Frame, progress: Progress | None
+) -> Answer:
+    """Lifts an object, weighs it, and sets it down.
+
+    Args:
+        controller: of the robot.
+        name: of the object in the scene.
+        frame: what is asked.
+        progress: told what the hand does.
+
+    Raises:
+        ControlError: the reason for which it cannot be lifted; `unsupported` if more than its
+            weight is asked; `not_explorable` if it was not held.
+    """
+    plan = _planned(controller, name, frame)
+    model = controller.models[name]
+    trace = controller.execute(plan, progress)
+    felt, found = felt_weight(plan, trace), weight_from_grasp(plan, model, trace)
+    if felt is None:
+        raise error("not_explorable", f"the {name} was not lifted: {trace.detail}")
+    if found is not None:
+        controller.models[name] = found[0]
+    measured = with_sd_text(felt.mean / GRAVITY, felt.sd / GRAVITY, " kg")
+    before = with_sd_text(model.mass, model.mass_sd, " kg")
+    after = controller.models[name]
+    return Answer(
+        query="value",
+        text=f"The {name} weighs {measured} in the hand; {before} was believed "
+        f"(source: {model.provenance.source}).",
+        numbers={
+            "mass": felt.mean / GRAVITY,
+            "mass_sd": felt.sd / GRAVITY,
+            "believed": model.mass,
+            "believed_sd": model.mass_sd,
+            "mass_now": after.mass,
+            "mass_now_sd": after.mass_sd,
+        },
+    )
+
+
+def _planned(controller: Controller, name: str, frame: g.Frame) -> Plan:
+    """Up, and down again where it stood."""
+    goal = frame.goal
+    if isinstance(goal, g.Parameters) and not set(goal.which) <= {"mass"}:
+        raise ControlError(
+            ErrorInfo(
+                code="unsupported",
+                message="lifting an object tells its weight, and nothing else of it",
+                span=goal.spans[0] if goal.spans else None,
+                capability="finding out more than the weight by lifting",
+                suggestions=("find it out by tilting it",),
+            )
+        )
+    lift = g.Frame(action="lift", object=frame.object, goal=g.Lift(amount="little"))
+    made = controller.plan(lift)
+    if isinstance(made, Refusal):
+        raise ControlError(refusal_error(made))
+    assert made.status == "planned", "what is to be lifted is never reached beforehand"
+    assert made.grasp is not None, "nothing but a hand lifts"
+    if made.grasp.held:
+        return made
+    actions = (*made.actions, SetDown())
+    return made.model_copy(update={"actions": actions, "committed": len(actions)})

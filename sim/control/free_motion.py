@@ -1,25 +1,29 @@
-"""Motion in which nothing is touched: looking about, and joints from one posture to another.
+"""The robot in its cell, and its motion in which nothing is touched: looking, changing posture.
 
 Frames: W is the world.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from planner.types.world_state import Held, WorldState
 from sim.cell.cell_description import LOOK
+from sim.control.trace_recorder import TraceRecorder
 from sim.paths.point_attractor import attractor_points
 from sim.perception.state_estimation import estimate_objects
 from sim.rotations import Array
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
-    from sim.control.trace_recorder import TraceRecorder
-    from sim.worlds.ports import Frame
+    from sim.control.grasping.held_object_sensing import Holding
+    from sim.hands.hand_model import Posture
+    from sim.motion.robot_reach import ArmHandReach
+    from sim.worlds.ports import Frame, ObserverPort, RobotPort
 
 Progress = Callable[[str, float, str], None]
 """Told of the phase, the simulated time [s] and what happens."""
@@ -31,8 +35,38 @@ HAND_SPEED, HAND_ACCELERATION = 0.20, 0.6
 """Of the hand near objects [m/s], [m/s²]."""
 
 
+@dataclass
+class RobotSetup:
+    """A robot in its cell.
+
+    Attributes:
+        port: its commands and sensors.
+        observer: of the world in which it stands, for traces alone.
+        reach: of arm and hand.
+        holding: what lasts of a grasp from one execution to the next; None if nothing is held.
+    """
+
+    port: RobotPort
+    observer: ObserverPort
+    reach: ArmHandReach
+    holding: Holding | None = None
+
+    @property
+    def held(self) -> Held | None:
+        """The object in the hand, as plans know it; None if there is none."""
+        return None if self.holding is None else self.holding.held
+
+    def recorder(self, normal_W: Array) -> TraceRecorder:
+        """A new record, from now on.
+
+        Args:
+            normal_W: outward normal of the face to be touched in W, shape (3,).
+        """
+        return TraceRecorder(self.port, self.observer, self.reach.mount, normal_W)
+
+
 def silent(phase: str, time: float, text: str) -> None:
-    """Progress that nobody asked for."""
+    """No progress is told."""
 
 
 def watch(recorder: TraceRecorder, duration: float) -> list[Frame]:
@@ -71,6 +105,62 @@ def look_around(
     recorder.phase = "look"
     frames = watch(recorder, LOOK)
     return WorldState(estimate_objects(port.cell, frames, models), held=held)
+
+
+def hold_still(recorder: TraceRecorder, seconds: float) -> None:
+    """Leaves arm and hand where they are commanded to be, for some time [s]."""
+    for _ in range(round(seconds / recorder.port.period)):
+        recorder.step(*recorder.port.commanded)
+
+
+def transit(
+    recorder: TraceRecorder, posture: Posture, way: Iterable[Array], tell: Progress
+) -> list[Array]:
+    """Free motion of the arm along a way, the hand taking its posture, which pushes from then on.
+
+    Args:
+        recorder: through which the robot is stepped.
+        posture: of the hand.
+        way: arm angles, shape (7,) each [rad].
+        tell: progress.
+
+    Returns:
+        Arm angles at the start and on the way, without its end.
+    """
+    tell("transit", recorder.port.time, f"moving the hand ({posture.name})")
+    recorder.phase = "transit"
+    recorder.fingers = posture.pushing
+    came = []
+    for q in way:
+        came.append(recorder.port.commanded[0])
+        move_joints(recorder, q, posture.joint_angles)
+    return came
+
+
+def return_home(
+    recorder: TraceRecorder, came: Sequence[Array], tell: Progress, settle: float
+) -> None:
+    """Free motion back, the hand closing on the last way; then everything comes to rest.
+
+    Args:
+        recorder: through which the robot is stepped.
+        came: arm angles on the way from home, as `transit` returns them.
+        tell: progress.
+        settle: time to come to rest [s].
+    """
+    rest = recorder.mount.hand.resting.joint_angles
+    for q in reversed(came):
+        move_joints(recorder, q, rest if q is came[0] else recorder.port.commanded[1])
+    tell("settle", recorder.port.time, "letting everything come to rest")
+    recorder.phase = "settle"
+    hold_still(recorder, settle)
+
+
+def straight_line(start: Array, goal: Array, period: float) -> Iterator[Array]:
+    """Places on the way of a hand near objects, one for each control step, shape (n,) each [m]."""
+    return attractor_points(
+        start, goal, speed=HAND_SPEED, acceleration=HAND_ACCELERATION, period=period
+    )
 
 
 def move_joints(recorder: TraceRecorder, q_arm: Array, q_hand: Array) -> None:

@@ -8,10 +8,12 @@ import numpy as np
 
 from sim.perception.fingertip_sensing import Touch, sense_touch
 from sim.rotations import quaternion
-from sim.traces.trace import ContactEvent, Trace
+from sim.traces.trace import Trace
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import ArrayLike
 
     from sim.hands.mount import Mount
     from sim.rotations import Array
@@ -110,36 +112,30 @@ class TraceRecorder:
         return Trace(
             time=np.array([sample.time for sample in samples]),
             phase=np.array(self._phases),
-            poses={name: np.array([s.poses[name] for s in samples]) for name in names},
+            poses=_columns([sample.poses for sample in samples]),
             seen={name: _rows([(seen or first)[name] for seen in self._seen]) for name in names},
             joints=np.array([sample.joints for sample in samples]),
             joint_names=self.port.joint_names,
             tips={finger: tips[:, i] for i, finger in enumerate(self.fingers)},
             felt={finger: forces[:, i] for i, finger in enumerate(self.fingers)},
             force_limit=np.array(self._limits),
-            contacts=tuple(
-                ContactEvent(contact.time, contact.body_a, contact.body_b)
-                for contact in self._observer.contacts[self._contacts :]
-            ),
+            contacts=tuple(self._observer.contacts[self._contacts :]),
             pushed=pushed,
             direction=direction_W,
             end=end,
             detail=detail,
             seed=self._observer.seed,
-            contents={
-                name: np.array([sample.contents[name] for sample in samples])
-                for name in (samples[0].contents if samples else ())
-            },
+            contents=_columns([sample.contents for sample in samples]),
             spilled=np.array([sample.spilled for sample in samples]),
-            lids={name: np.array([s.lids[name] for s in samples]) for name in samples[0].lids},
-            seen_lids={
-                name: np.array([(seen or lids)[name] for seen in self._seen_lids]) for name in lids
-            },
-            lid_poses={
-                name: np.array([s.lid_poses[name] for s in samples])
-                for name in samples[0].lid_poses
-            },
+            lids=_columns([sample.lids for sample in samples]),
+            seen_lids=_columns([seen or lids for seen in self._seen_lids]),
+            lid_poses=_columns([sample.lid_poses for sample in samples]),
         )
+
+
+def _columns(rows: Sequence[Mapping[str, ArrayLike]]) -> dict[str, Array]:
+    """Values of n mappings with the same names, by these names, shape (n, …) each."""
+    return {name: np.array([row[name] for row in rows]) for name in (rows[0] if rows else ())}
 
 
 def _rows(poses: list[SeenPose]) -> Array:

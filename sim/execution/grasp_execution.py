@@ -269,17 +269,7 @@ class GraspExecution:
     def _pour_some(
         self, legs: list[HeldSegment], full: float, out: float, wait: float
     ) -> tuple[list[HeldSegment], float]:
-        """Tilts the slower the more has run out, until it is enough.
-
-        Args:
-            legs: on which it tilts.
-            full: what it weighs before [N].
-            out: weight that is to run out [N].
-            wait: at the largest tilt [s].
-
-        Returns:
-            Legs that were made, and the share of the last one.
-        """
+        """Tilts ever slower until enough has run out; returns legs and share of the last one."""
         period, pace = self._port.period, 0.0
         done: list[HeldSegment] = []
         for leg in legs:

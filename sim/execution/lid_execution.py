@@ -1,4 +1,4 @@
-"""A lid that comes off, held in the hand: pulled off and put aside, put on, a cap turned.
+"""Lids: one that comes off is pulled off and put aside, put on, or turned; one on a hinge flipped.
 
 Law: as for anything that is held (`sim.execution.grasp_execution`). A cap is turned by the arm,
 which lets go, turns back and grips anew where the wrist ends.
@@ -6,20 +6,32 @@ which lets go, turns back and grips anew where the wrist ends.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from objectmodels.models.object_parts import LiftOffLid
-from planner.types.actions import Action, LiftUp, PutOn, SetDown, TurnCap
-from sim.control.free_motion import Progress
-from sim.control.grasping.held_object_sensing import Holding
+from planner.types.actions import Action, FlipOver, LiftUp, PutOn, SetDown, TurnCap
+from planner.types.plan import Plan
+from planner.types.robot import ReachAnswer
+from planner.types.world_state import SeenObject
+from sim.control.free_motion import Progress, look_around, return_home, straight_line, transit
+from sim.control.grasping.flip_control import FlipControl
 from sim.control.grasping.lid_sensing import LidSense
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.trace_recorder import TraceRecorder
 from sim.execution.grasp_execution import GraspExecution
-from sim.motion.grasp_motion_search import GraspMotion
-from sim.paths.held_object_path import THREAD, HeldObject, HeldSegment
+from sim.motion.arm_configuration import UnreachableError
+from sim.motion.flip_motion_search import FlipConfiguration
+from sim.paths.held_object_path import THREAD, HeldSegment
+from sim.rotations import Array
+from sim.traces.trace import EndReason, Trace
+
+if TYPE_CHECKING:
+    from objectmodels.models.object_model import ObjectModel
+    from sim.control.free_motion import RobotSetup
 
 _FOLLOWS = 0.5  # share of a lift that a lid which comes along is seen lifted
 _LOOKS = 0.4  # time after which the camera shows what came of it [s]
@@ -31,26 +43,7 @@ _INTO = 0.008  # how far below the rim it is pressed at most [m]
 
 
 class LidExecution(GraspExecution):
-    """One plan in which a lid is held.
-
-    Args:
-        handled: the lid, and the plan.
-        recorder: through which the robot is stepped.
-        way: of arm and hand.
-        tell: progress.
-        holding: what the hand holds already.
-    """
-
-    def __init__(
-        self,
-        handled: HeldObject,
-        recorder: TraceRecorder,
-        way: GraspMotion,
-        tell: Progress,
-        holding: Holding | None = None,
-    ) -> None:
-        super().__init__(handled, recorder, way, tell, holding)
-        self._lid = handled.state.objects[handled.name].model.lid
+    """One plan in which a lid is held."""
 
     def _senses(self) -> LidSense:
         self._feels = LidSense(self._recorder, self._way, self._handled)
@@ -76,10 +69,10 @@ class LidExecution(GraspExecution):
 
     def _turn(self, step: TurnCap, legs: tuple[HeldSegment, ...]) -> None:
         """Turns the cap, gripping anew between the strokes, until it is seen turned."""
-        before, first = self._feels.lid, legs[0]
+        before, first = self._feels.view.lid, legs[0]
         self._tell("lid", f"turning the cap by {np.degrees(step.angle):.0f}°")
         for stroke in range(len(legs) + _MORE_STROKES):
-            turned = self._feels.lid - before
+            turned = self._feels.view.lid - before
             if abs(step.angle) - abs(turned) < _TURNED:
                 self._tell("lid", f"the cap is seen turned by {np.degrees(turned):.0f}°")
                 return
@@ -93,28 +86,20 @@ class LidExecution(GraspExecution):
             self._motion.go(leg)
             self._motion.wait(_LOOKS)
             self._feels.most_torque = np.inf
-        seen = np.degrees(self._feels.lid - before)
+        seen = np.degrees(self._feels.view.lid - before)
         raise EarlyEndError("missed", f"the cap is seen turned by {seen:.0f}° only")
 
     def _require_off(self, step: LiftUp) -> None:
-        """The lid came along with the hand.
-
-        Raises:
-            EarlyEndError: it is seen where it was.
-        """
+        """Requires that the lid came along; raises `EarlyEndError` if it is seen where it was."""
         self._motion.wait(max(step.hold, _LOOKS))
-        seen = self._feels.lid
-        if isinstance(self._lid, LiftOffLid) and seen < _FOLLOWS * step.height:
+        seen, lid = self._feels.view.lid, self._handled.state.objects[self._handled.name].model.lid
+        if isinstance(lid, LiftOffLid) and seen < _FOLLOWS * step.height:
             raise EarlyEndError("missed", f"the lid is seen lifted by {1e3 * seen:.0f} mm only")
 
     def _require_on(self, step: PutOn) -> None:
-        """The lid sits on its rim.
-
-        Raises:
-            EarlyEndError: the camera shows it off.
-        """
+        """Requires that the lid sits on its rim; raises `EarlyEndError` if it is seen off."""
         self._motion.wait(_LOOKS)
-        if self._feels.is_off:
+        if self._feels.view.is_off:
             raise EarlyEndError("missed", f"the lid does not sit on the {step.onto}")
 
     def _put_on(self, step: PutOn, leg: HeldSegment) -> None:
@@ -133,3 +118,76 @@ class LidExecution(GraspExecution):
         # Fingers that press while they open would drag it along.
         _, (here,) = down.poses_at(np.array([made]))
         self._motion.go(replace(leg, start=here, speed=_SLOWLY))
+
+
+SETTLE = 0.5
+"""Time that everything gets to come to rest [s]."""
+
+
+def flip_over(
+    plan: Plan,
+    setup: RobotSetup,
+    models: Mapping[str, ObjectModel],
+    tell: Progress,
+) -> Trace:
+    """Carries out a plan whose only step flips a lid.
+
+    Args:
+        plan: what to do.
+        setup: the robot.
+        models: what the robot believes of every object, by its name in the scene.
+        tell: progress.
+
+    Returns:
+        What happened, also if it ended early.
+    """
+    (step,) = plan.steps
+    assert isinstance(step, FlipOver), "a lid is flipped over"
+    towards = np.array([np.cos(step.heading), np.sin(step.heading), 0.0])
+    recorder = setup.recorder(towards)
+    state = look_around(recorder, models, tell, setup.held)
+    target = state.objects[plan.object]
+    if target.lid is not None:
+        step = step.model_copy(update={"start": target.lid})
+    found = setup.reach.flip_configuration(step, plan.object, state)
+    end: EndReason
+    if isinstance(found, ReachAnswer):
+        end, detail = "unreachable", found.message
+    else:
+        end, detail = _flip_lid(step, recorder, found[0], target, tell)
+    return recorder.trace(plan.object, towards, end=end, detail=detail)
+
+
+def _flip_lid(
+    step: FlipOver,
+    recorder: TraceRecorder,
+    motion: FlipConfiguration,
+    target: SeenObject,
+    tell: Progress,
+) -> tuple[EndReason, str]:
+    """Goes to a lid, flips it and comes home; returns how that ended."""
+    port, posture = recorder.port, motion.stance.posture
+    start = motion.hands.path.points[0]
+    above = start + np.array([0.0, 0.0, motion.stance.lift])
+
+    def move(here: Array, there: Array) -> None:
+        for point in straight_line(here, there, port.period):
+            recorder.step(motion.joint_angles(point, 0.0), posture.joint_angles)
+
+    way = (*motion.stance.via, motion.joint_angles(above, 0.0))
+    came = transit(recorder, posture, way, tell)
+    tell("approach", port.time, "down to the lid")
+    recorder.phase = "approach"
+    move(above, start)
+    control = FlipControl(step, recorder, motion, target, tell)
+    end: EndReason
+    try:
+        end, detail = control.flip()
+    except UnreachableError as error:
+        end, detail = "unreachable", str(error)
+    tell("retreat", port.time, "leaving the lid")
+    control.leave(done=end == "handled")
+    recorder.phase = "retreat"
+    move(start, above)
+    return_home(recorder, came, tell, SETTLE)
+    return end, detail

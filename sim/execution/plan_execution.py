@@ -24,9 +24,8 @@ from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.pushing.push_control import PushControl
 from sim.control.pushing.tilt_control import TiltControl
 from sim.control.pushing.turn_control import TurnControl
-from sim.execution.flip_execution import flip_over
 from sim.execution.grasp_execution import GraspExecution
-from sim.execution.lid_execution import LidExecution
+from sim.execution.lid_execution import LidExecution, flip_over
 from sim.execution.push_execution import PushExecution
 from sim.motion.arm_configuration import UnreachableError
 from sim.paths.held_object_path import HeldObject
@@ -34,7 +33,7 @@ from sim.traces.trace import EndReason, Trace
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
-    from sim.control.robot_setup import RobotSetup
+    from sim.control.free_motion import RobotSetup
 
 _CONTROLS: dict[str, type[ForceController]] = {
     "tilted": TiltControl,

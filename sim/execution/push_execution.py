@@ -16,21 +16,21 @@ from planner.types.robot import ReachAnswer
 from planner.types.world_state import WorldState
 from sim.collision.collision_scene import SPARE
 from sim.control.free_motion import (
-    HAND_ACCELERATION,
-    HAND_SPEED,
     Progress,
     look_around,
     move_joints,
+    return_home,
+    straight_line,
+    transit,
 )
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.motion.arm_configuration import ArmConfiguration, UnreachableError
 from sim.paths.fingertip_path import BACK, FingertipPath
-from sim.paths.point_attractor import attractor_points
 from sim.rotations import Array, rot_z
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
-    from sim.control.robot_setup import RobotSetup
+    from sim.control.free_motion import RobotSetup
 
 
 class PushExecution:
@@ -60,14 +60,14 @@ class PushExecution:
         self._models = models
         self._tell = tell
         self._descent: list[Array] = []  # arm angles from above the start down to it
-        self._way_home: list[Array] = []  # arm angles between home and there, in order
+        self._came: list[Array] = []  # arm angles between home and there, in order
 
     def look(self) -> WorldState:
-        """Where everything stands now."""
+        """Looks at the table and returns where everything stands."""
         return look_around(self.recorder, self._models, self._tell, self._setup.held)
 
     def stance(self, state: WorldState) -> tuple[ArmConfiguration, FingertipPath]:
-        """How arm and hand stand, and the fingertips' way.
+        """Configuration of arm and hand, and the path of the fingertips.
 
         Raises:
             EarlyEndError: the hand does not get there.
@@ -83,16 +83,12 @@ class PushExecution:
 
     def approach(self, stance: ArmConfiguration, way: FingertipPath) -> None:
         """Free motion: over the start, then down to it."""
-        self._tell("transit", self._port.time, f"moving the hand ({stance.posture.name})")
         above = np.array([*way.start[:2], stance.lift])
-        self.recorder.phase = "transit"
-        self.recorder.fingers = stance.posture.pushing
-        for q in (*stance.via, stance.joint_angles(above)):
-            self._way_home.append(self._port.commanded[0])
-            move_joints(self.recorder, q, stance.posture.joint_angles)
+        way_there = (*stance.via, stance.joint_angles(above))
+        self._came = transit(self.recorder, stance.posture, way_there, self._tell)
         self._tell("approach", self._port.time, "down to the object")
         self.recorder.phase = "approach"
-        for point in self._line(above, way.start):
+        for point in straight_line(above, way.start, self._port.period):
             self._go(stance, point)
             self._descent.append(self._port.commanded[0])
 
@@ -113,9 +109,9 @@ class PushExecution:
         off = tip - BACK * rot_z(turned) @ way.inward
         far = max(float(np.linalg.norm(off - way.start)), 1e-9)
         try:
-            for point in self._line(tip, off):
+            for point in straight_line(tip, off, self._port.period):
                 self._go(stance, point, turned)
-            for point in self._line(off, way.start):
+            for point in straight_line(off, way.start, self._port.period):
                 left = float(np.linalg.norm(point - way.start)) / far
                 self._go(stance, point, left * turned)
         except UnreachableError:
@@ -127,25 +123,7 @@ class PushExecution:
         self.recorder.phase = "retreat"
         for q in reversed(self._descent):
             self.recorder.step(q, self._port.commanded[1])
-        rest = self._setup.reach.mount.hand.resting.joint_angles
-        for q in reversed(self._way_home):
-            last = q is self._way_home[0]
-            move_joints(self.recorder, q, rest if last else self._port.commanded[1])
-        self._tell("settle", self._port.time, "letting everything come to rest")
-        self.recorder.phase = "settle"
-        for _ in range(round(settle / self._port.period)):
-            self.recorder.step(*self._port.commanded)
-
-    def _line(self, start: Array, target: Array) -> list[Array]:
-        return list(
-            attractor_points(
-                start,
-                target,
-                speed=HAND_SPEED,
-                acceleration=HAND_ACCELERATION,
-                period=self._port.period,
-            )
-        )
+        return_home(self.recorder, self._came, self._tell, settle)
 
     def _go(self, stance: ArmConfiguration, tip: Array, turned: float = 0.0) -> None:
         self.recorder.step(stance.joint_angles(tip, turned), stance.posture.joint_angles)

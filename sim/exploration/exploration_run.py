@@ -17,8 +17,7 @@ from objectmodels.identification import Trial
 from planner.touch_experiments import Experiment, Kind, experiments
 from planner.types.actions import FaceName
 from planner.types.world_state import WorldState
-from sim.exploration.touch_recording import Recording
-from sim.exploration.trial_extraction import extract_trials
+from sim.exploration.trial_extraction import Recording, extract_trials
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel

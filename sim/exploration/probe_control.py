@@ -28,7 +28,7 @@ from planner.types.world_state import PlanarPose, WorldState
 from sim.control.free_motion import Progress, silent
 from sim.control.pushing.guarded_touch import EarlyEndError, TouchControl
 from sim.execution.push_execution import PushExecution
-from sim.exploration.touch_recording import Recording
+from sim.exploration.trial_extraction import Recording
 from sim.motion.arm_configuration import UnreachableError
 from sim.paths.fingertip_path import TiltArc
 from sim.perception.state_estimation import mean_poses
@@ -37,7 +37,7 @@ from sim.traces.trace import EndReason
 
 if TYPE_CHECKING:
     from objectmodels.identification import Moved
-    from sim.control.robot_setup import RobotSetup
+    from sim.control.free_motion import RobotSetup
     from sim.control.trace_recorder import TraceRecorder
     from sim.motion.arm_configuration import ArmConfiguration
     from sim.paths.fingertip_path import FingertipPath

@@ -1,27 +1,91 @@
-"""From a recording of a touch to trials: balances of forces at which the object moved.
+"""Recordings of touches, and the trials extracted: balances of forces at which an object moved.
 
-Only what was moving counts. Of a slide that is its whole way but for the first millimetre: the mean
-force, in the axes that the object had half-way, and by how much it turned. Of a tilt there are two
-balances, one at small and one at large tilts, so that the height of the centre of mass shows; each
-is the mean over a range of tilts, over which the force is as good as linear. Of a rub it is the
-mean while the fingertip slips. A touch that showed
-something else than was meant counts as what it showed.
+Of a touch only what was moving counts. Of a slide that is its whole way but for the first
+millimetre: the mean force, in the axes that the object had half-way, and by how much it turned. Of
+a tilt there are two balances, one at small and one at large tilts, so that the height of the centre
+of mass shows; each is the mean over a range of tilts, over which the force is as good as linear. Of
+a rub it is the mean while the fingertip slips. A touch that showed something else than was meant
+counts as what it showed.
+
+An ordinary push that slides the object tells the force that it takes, once it goes at an even
+speed; one that tilts it tells the force at the onset of the tilt; one that stops at its force limit
+tells that more is needed. One that lost the object, became too fast or did not fall tells nothing.
+Two fingers keep the object from turning, so that their midpoint counts as level with the centre of
+mass.
 
 Frames: W is the world, B the object's as it stood before, T the fingertip's centre.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from objectmodels.identification import Onset, Trial, detect_onset
+from objectmodels.identification import Moved, Onset, Trial, detect_onset
 from objectmodels.identification.onset_detection import LEAST_SAMPLES
-from sim.exploration.touch_recording import Recording
+from planner.touch_experiments import Experiment
+from planner.types.world_state import PlanarPose
 from sim.paths.fingertip_path import TiltArc
 from sim.rotations import Array, rot_z, wrap
+from sim.traces.trace import EndReason, Trace
+
+if TYPE_CHECKING:
+    from planner.types.actions import Push
+    from planner.types.world_state import SeenObject
+
+
+@dataclass(frozen=True)
+class Recording:
+    """The robot's knowledge during one touch, sampled n times from the touch on.
+
+    Attributes:
+        experiment: what was tried.
+        end: how it ended; `detail` says it in words.
+        moved: what the touch showed: that the object slid or tilted, that the finger slipped; None
+            if nothing did, or if that is not clear.
+        time: shape (n,) [s].
+        tips: the fingertip's centre p_WT, shape (n, 3) [m].
+        forces: on the object in W, shape (n, 3) [N].
+        before: where the object was seen before.
+        after: where it was seen at the end, the finger still there; None if it was not looked at.
+        seen_tilt: the same for its tilt along the push [rad].
+        tip_radius: of the finger [m].
+        force_sd: standard deviation of one sample of the force along the push [N].
+        zero_sd: of the sensors' zero, as a force along the push [N].
+        pose_sd: of the seen position [m] and heading [rad].
+        trace: of the whole trip, for judging and replay.
+    """
+
+    experiment: Experiment
+    end: EndReason
+    detail: str
+    moved: Moved | None
+    time: Array
+    tips: Array
+    forces: Array
+    before: PlanarPose
+    after: PlanarPose | None
+    seen_tilt: float | None
+    tip_radius: float
+    force_sd: float
+    zero_sd: float
+    pose_sd: tuple[float, float]
+    trace: Trace | None = field(default=None, repr=False)
+
+    @classmethod
+    def nothing(
+        cls, experiment: Experiment, end: EndReason, detail: str, before: PlanarPose
+    ) -> Recording:
+        """Of a touch that did not come about."""
+        empty = np.empty((0, 3))
+        return cls(
+            experiment, end, detail, None, np.empty(0), empty, empty, before, None, None,
+            tip_radius=0.0, force_sd=0.0, zero_sd=0.0, pose_sd=(0.0, 0.0),
+        )  # fmt: skip
+
 
 UNDER_WAY = 0.0015
 """Way of the fingertip from which on an object counts as sliding [m]."""
@@ -71,7 +135,7 @@ def force_curve(recording: Recording) -> Curve:
 
 
 def extract_trials(recording: Recording, *, repetition: int = 0) -> tuple[Trial, ...]:
-    """What a touch showed; nothing if nothing moved.
+    """Trials that a touch showed; none if nothing moved.
 
     Args:
         recording: of the touch.
@@ -187,3 +251,75 @@ def _force_sd(recording: Recording, chosen: NDArray[np.bool_]) -> float:
 def _triple(v: Array) -> tuple[float, float, float]:
     x, y, z = v.tolist()
     return x, y, z
+
+
+EVEN = (0.005, 0.9)
+"""Way after which, and share of the stroke until which, a push goes at an even speed [m]."""
+
+FEWEST = 20
+"""Samples that a mean needs."""
+
+FORCE_SD = 0.03
+"""Standard deviation of a pushing force as a share of it: speeds that change, joints that flex."""
+
+_AT_LIMIT = 0.5  # time at the end over which a force that moved nothing is averaged [s]
+_ONSET = 5  # samples before and after an onset over which its force is averaged
+
+_SHOWS: dict[str, Moved] = {
+    "tilted": "topple",
+    "toppled": "topple",
+    "slid": "slide",
+    "stroke": "slide",
+    "force": "none",
+}
+
+
+def trial_from_push(push: Push, target: SeenObject, trace: Trace) -> Trial | None:
+    """Trial that an ordinary push showed; None if that is not clear.
+
+    Args:
+        push: what was carried out.
+        target: the object as it was seen before.
+        trace: of the push.
+    """
+    pushing = trace.phase == "push"
+    moved = _SHOWS.get(trace.end)
+    unfallen = trace.end == "stroke" and push.ends_on == "toppled"
+    if moved is None or unfallen or pushing.sum() < LEAST_SAMPLES:
+        return None
+    time = trace.time[pushing]
+    tips = np.mean([tip[pushing] for tip in trace.tips.values()], axis=0)
+    forces = np.sum([felt[pushing] for felt in trace.felt.values()], axis=0)
+    travel = (tips - tips[0]) @ trace.direction
+    chosen = _chosen(moved, push, time, forces @ trace.direction, travel)
+    if chosen is None:
+        return None
+    force = forces[chosen].mean(axis=0) @ target.pose.R_WB
+    point = np.array(push.p_BC)
+    if push.fingers == 2 and moved != "topple":
+        # The part of its place along the face that lies off the centre of mass turns nothing.
+        along = np.array([-force[1], force[0], 0.0]) / np.hypot(*force[:2])
+        point = point - ((point - np.array(target.model.com)) @ along) * along
+    (x, y, z), (f_x, f_y, f_z) = point.tolist(), force.tolist()
+    return Trial(
+        moved,
+        point=(x, y, z),
+        force=(f_x, f_y, f_z),
+        force_sd=FORCE_SD * float(np.linalg.norm(force)),
+        source="a push",
+    )
+
+
+def _chosen(
+    moved: Moved, push: Push, time: Array, force: Array, travel: Array
+) -> NDArray[np.bool_] | None:
+    """The samples whose force counts."""
+    if moved == "none":
+        return np.asarray(time > time[-1] - _AT_LIMIT)
+    if moved == "topple":
+        onset = detect_onset(time, force, travel)
+        if not onset.moved:
+            return None
+        return np.asarray(np.abs(np.arange(len(time)) - onset.index) <= _ONSET)
+    even = (travel > EVEN[0]) & (travel < EVEN[1] * push.stroke)
+    return np.asarray(even) if even.sum() >= FEWEST else None

@@ -19,13 +19,11 @@ from planner.touch_experiments import Experiment
 from planner.touch_experiments import press as press_at
 from planner.types.world_state import SeenObject, WorldState
 from sim.cell.cell_description import LOOK
-from sim.control.free_motion import silent
+from sim.control.free_motion import RobotSetup, silent
 from sim.control.pushing.guarded_touch import PAUSE, EarlyEndError
-from sim.control.robot_setup import RobotSetup
 from sim.execution.push_execution import PushExecution
 from sim.exploration.probe_control import ProbeControl
-from sim.exploration.touch_recording import Recording
-from sim.exploration.trial_extraction import force_curve
+from sim.exploration.trial_extraction import Recording, force_curve
 from sim.face_experiment.face_contact import Contact, TouchResult
 from sim.motion.arm_configuration import UnreachableError
 from sim.motion.robot_reach import ArmHandReach
@@ -86,16 +84,7 @@ class FingerTouch:
 
 
 def _press(experiment: Experiment, setup: RobotSetup, state: WorldState) -> Recording:
-    """Carries out one press.
-
-    Args:
-        experiment: where.
-        setup: the robot; its hand stays at the object.
-        state: what is believed, from a look since which nothing has moved.
-
-    Returns:
-        What the robot felt; no samples if the hand did not get there, and the reason.
-    """
+    """Carries out one press, after which the hand stays at the object."""
     models = {name: seen.model for name, seen in state.objects.items()}
     execution = PushExecution(experiment.push, setup, models, silent)
     before = state.objects[experiment.push.object].pose

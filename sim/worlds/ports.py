@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from planner.types.world_state import Colour
     from sim.cell.cell_description import CellDescription
     from sim.hands.hand_model import Angles
+    from sim.traces.trace import ContactEvent
     from sim.truth.object_truth import Truth
 
 
@@ -74,15 +75,6 @@ class Sample:
     spilled: float = 0.0
     lids: Mapping[str, float] = field(default_factory=dict)
     lid_poses: Mapping[str, Array] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class BodyContact:
-    """Two bodies that began to touch at `time` [s], by their names."""
-
-    time: float
-    body_a: str
-    body_b: str
 
 
 class RobotPort(Protocol):
@@ -157,7 +149,7 @@ class ObserverPort(Protocol):
         ...
 
     @property
-    def contacts(self) -> Sequence[BodyContact]:
+    def contacts(self) -> Sequence[ContactEvent]:
         """Touches of bodies, in order of time."""
         ...
 

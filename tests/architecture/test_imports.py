@@ -20,7 +20,6 @@ OPEN = (
         "nlcontrol.session.conversation",
         "nlcontrol.session.exploration_commands",
         "nlcontrol.session.frame_execution",
-        "nlcontrol.session.weighing",
     },
 )
 

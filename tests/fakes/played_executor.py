@@ -12,7 +12,7 @@ from objectmodels import ObjectModel
 from planner.touch_experiments import Experiment
 from planner.types.world_state import Held, PlanarPose, WorldState
 from sim.cell.cell_description import CellDescription
-from sim.exploration.touch_recording import Recording
+from sim.exploration.trial_extraction import Recording
 from sim.perception.state_estimation import estimate_objects
 from sim.traces.trace import Trace
 from sim.worlds.ports import Frame, SeenPose

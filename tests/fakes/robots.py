@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from planner.types.world_state import PlanarPose
-from sim.control.free_motion import watch
-from sim.control.robot_setup import RobotSetup
+from sim.control.free_motion import RobotSetup, watch
 from sim.motion.robot_reach import ArmHandReach
 from sim.perception.state_estimation import mean_poses
 from sim.standard_robot import ARM, HAND

@@ -76,11 +76,6 @@ class FlipControl:
         self._at = (stance.hands.path.points[0], 0.0)
         self._felt = 0.0
 
-    @property
-    def seen(self) -> float:
-        """How far the lid is seen to be open [rad]."""
-        return self._view.lid
-
     def flip(self) -> tuple[EndReason, str]:
         """Goes to the lid and flips it; returns how that ended and why."""
         degrees = np.degrees(self._step.end)
@@ -140,21 +135,21 @@ class FlipControl:
 
     def _allowed(self) -> float:
         """Largest rate now [rad/s]: slow until the lid moves, and as its end is near."""
-        if abs(self.seen - self._step.start) < _CAUGHT:
+        if abs(self._view.lid - self._step.start) < _CAUGHT:
             return min(_SLOWEST, self._rate)
         near = _BRAKING * self._sign * (self._step.end - self._angle)
         return min(self._rate, max(_SLOWEST, near))
 
     def _ended(self, stuck: float, waited: float) -> tuple[EndReason, str] | None:
         """Why it ends now; None if it goes on."""
-        seen = np.degrees(self.seen)
+        seen = np.degrees(self._view.lid)
         if self._view.tilt > LEANS:
             return "tilted", f"it was seen to lean by {np.degrees(self._view.tilt):.0f}°"
-        if self._view.moved > MOVES:
-            return "slid", f"it was seen to move by {1e3 * self._view.moved:.0f} mm"
-        if self._sign * (self.seen - self._step.end) > -_REACHED:
+        if self._view.displacement > MOVES:
+            return "slid", f"it was seen to move by {1e3 * self._view.displacement:.0f} mm"
+        if self._sign * (self._view.lid - self._step.end) > -_REACHED:
             return "handled", f"the lid is seen open by {seen:.0f}°"
-        if self._sign * (self._finger() - self.seen) > _FOLLOWS:
+        if self._sign * (self._finger() - self._view.lid) > _FOLLOWS:
             return "missed", f"the lid does not follow the finger: it is seen open by {seen:.0f}°"
         if stuck > _STUCK:
             return "force", f"the lid does not move with {self._felt:.1f} N"

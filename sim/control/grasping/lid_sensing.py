@@ -1,4 +1,4 @@
-"""What the camera shows of a lid and its object, and what the robot feels while it holds a lid.
+"""Sensing of a lid: the camera's view of it and its object, and forces while it is held.
 
 The camera shows how far a lid is open, and the object to which it belongs; it does not show where a
 lid is in the hand. The fingers' torques tell how hard a cap turns.
@@ -42,6 +42,7 @@ class LidEstimator:
     Attributes:
         lid: how far it is open.
         is_off: whether it is off its object.
+        turn: of the object about the vertical [rad].
     """
 
     def __init__(self, target: SeenObject, lid: float) -> None:
@@ -51,7 +52,7 @@ class LidEstimator:
         self._before = target.pose
         self._up = np.array([0.0, 0.0, 1.0])
         self._p_WB = target.pose.p_WB
-        self._turned = 0.0
+        self.turn = 0.0
 
     def update_from_camera(self, frames: Iterable[Frame]) -> None:
         """Takes in what arrived."""
@@ -62,7 +63,7 @@ class LidEstimator:
             self._up = self._up + _POSE_SHARE * (pose.R_WB[:, 2] - self._up)
             self._p_WB = self._p_WB + _POSE_SHARE * (pose.p_WB - self._p_WB)
             turned = float(wrap(yaw_of(pose.R_WB) - self._before.yaw))
-            self._turned += _POSE_SHARE * (turned - self._turned)
+            self.turn += _POSE_SHARE * (turned - self.turn)
 
     @property
     def tilt(self) -> float:
@@ -70,14 +71,9 @@ class LidEstimator:
         return float(np.arctan2(np.hypot(*self._up[:2]), self._up[2]))
 
     @property
-    def moved(self) -> float:
-        """How far it is from where it stood [m]."""
+    def displacement(self) -> float:
+        """Distance of the object from where it stood [m]."""
         return float(np.hypot(*(self._p_WB - self._before.p_WB)[:2]))
-
-    @property
-    def turned(self) -> float:
-        """By which it has turned about the vertical [rad]."""
-        return self._turned
 
 
 class LidSense(HandSense):
@@ -89,6 +85,7 @@ class LidSense(HandSense):
         handled: the lid.
 
     Attributes:
+        view: of the lid and its object.
         most_torque: with which the hand may turn the lid [N·m].
         torque: with which it does, about the vertical [N·m].
     """
@@ -99,24 +96,14 @@ class LidSense(HandSense):
         self._lid_way = way
         self.holding = way.grip.touching_fingers
         self._owner = handled.state.objects[handled.name]
-        self._view = LidEstimator(self._owner, handled.opened)
+        self.view = LidEstimator(self._owner, handled.opened)
         self.most_torque = np.inf
         self.torque = 0.0
-
-    @property
-    def lid(self) -> float:
-        """How far the lid is seen to be open."""
-        return self._view.lid
-
-    @property
-    def is_off(self) -> bool:
-        """Whether the lid is seen to be off."""
-        return self._view.is_off
 
     def step(self, q_arm: Array, q_hand: Array) -> None:
         """Commands joint angles, and takes in what is felt and seen then."""
         super().step(q_arm, q_hand)
-        self._view.update_from_camera(self._recorder.frames)
+        self.view.update_from_camera(self._recorder.frames)
         touch = self._recorder.touch
         if touch is None:
             return
@@ -134,14 +121,15 @@ class LidSense(HandSense):
         Raises:
             EarlyEndError: one was seen to be moved, or the cap turns too hard.
         """
-        view, name = self._view, self._owner.name
-        if abs(view.turned) > TURNS:
-            turned = np.degrees(view.turned)
+        view, name = self.view, self._owner.name
+        if abs(view.turn) > TURNS:
+            turned = np.degrees(view.turn)
             raise EarlyEndError("turned_off", f"the {name} turned along by {turned:.0f}°")
         if view.tilt > LEANS:
             raise EarlyEndError("tilted", f"the {name} leans by {np.degrees(view.tilt):.0f}°")
-        if view.moved > MOVES:
-            raise EarlyEndError("nudged", f"the {name} was moved by {1e3 * view.moved:.0f} mm")
+        if view.displacement > MOVES:
+            moved = 1e3 * view.displacement
+            raise EarlyEndError("nudged", f"the {name} was moved by {moved:.0f} mm")
         super().require_others()
         if abs(self.torque) > self.most_torque:
             torque = abs(self.torque)

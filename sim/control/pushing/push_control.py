@@ -46,13 +46,7 @@ class _Line:
         self._correction = np.zeros(3)
 
     def correction(self, step: Array, come: Array, period: float) -> Array:
-        """What is added to the command, shape (3,) [m].
-
-        Args:
-            step: by which the command advances, shape (3,) [m].
-            come: how far the fingertips have come, shape (3,) [m].
-            period: since the last step [s].
-        """
+        """Correction of a command that advances by a step; T has come so far, shape (3,) [m]."""
         self._across = self._across + step - (step @ self._along) * self._along
         off = come - (come @ self._along) * self._along - self._across
         wanted = self._correction - _HOLD * period * off
@@ -99,14 +93,7 @@ class PushControl(ForceController):
             self._step(command + off, self._u)
 
     def _speed(self, before: float, start: float, travel: float, measured: float) -> float:
-        """Largest speed now: slow until something moves, then up to the plan's, slow at the end.
-
-        Args:
-            before: the one of the step before [m/s].
-            start: while the object stands [m/s].
-            travel: of the fingertips [m].
-            measured: speed of the fingertips [m/s].
-        """
+        """Largest speed now: slow until something moves, then up to the plan's, slow at the end."""
         push = self.plan.push
         if travel < MOVED or (measured < _FOLLOWS * before and before > 2.0 * _SLOWEST):
             return start

@@ -16,8 +16,7 @@ import numpy as np
 
 from objectmodels.mechanics.tilt_limits import length_along
 from sim.control.pushing.force_control import ExecutionContext, ForceController
-from sim.control.pushing.push_guards import MOVED, TiltGuards
-from sim.control.pushing.tilt_estimator import TiltEstimator
+from sim.control.pushing.push_guards import MOVED, TiltEstimator, TiltGuards
 from sim.paths.fingertip_path import TiltArc
 from sim.traces.trace import EndReason
 

@@ -5,7 +5,7 @@ standard deviation in a push of 3.6 N, against 0.07 N). Objects are boxes, cylin
 that touch the table with small spheres at their support points (a solid yields one contact point
 only); the solid itself touches everything but the table.
 Lids are bodies of their own (`sim.worlds.drake.lid_bodies`), what a holder keeps is welded to the
-table. How bodies touch is in `sim.worlds.drake.contact_material`.
+table. How bodies touch is in `sim.worlds.drake.body_contacts`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from sim.rotations import Array
 from sim.standard_robot import ARM, HAND
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene, SceneObject
-from sim.worlds.drake.contact_material import ROUGH, surface
+from sim.worlds.drake.body_contacts import ROUGH, surface
 from sim.worlds.drake.lid_bodies import LidBody, add_lid, filter_lids
 
 if TYPE_CHECKING:

@@ -30,7 +30,7 @@ from objectmodels.geometry.base_shapes import Disc
 from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap
 from sim.rotations import Array, rot_z
 from sim.truth.scene_file import SceneObject
-from sim.worlds.drake.contact_material import surface
+from sim.worlds.drake.body_contacts import surface
 
 if TYPE_CHECKING:
     from pydrake.geometry import GeometryId, SceneGraph, Shape

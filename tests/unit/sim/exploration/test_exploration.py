@@ -15,7 +15,7 @@ from planner.types.actions import FaceName
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
 from sim.exploration.exploration_run import OPPOSITE, SPIRAL, Explorer, Touched
-from sim.exploration.touch_recording import Recording
+from sim.exploration.trial_extraction import Recording
 from sim.motion.robot_reach import ArmHandReach
 from sim.standard_robot import ARM, HAND
 from sim.traces.trace import EndReason

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from objectmodels import BoxModel
 from planner.types.actions import Push
 from planner.types.world_state import PlanarPose, SeenObject
-from sim.exploration.push_observation import EVEN, FORCE_SD, trial_from_push
+from sim.exploration.trial_extraction import EVEN, FORCE_SD, trial_from_push
 from sim.traces.trace import EndReason, Trace
 
 BOX = BoxModel(

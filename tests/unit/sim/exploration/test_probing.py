@@ -13,8 +13,7 @@ from planner.touch_experiments import Experiment, Kind, experiments
 from planner.types.world_state import PlanarPose, SeenObject, WorldState
 from sim import load_scene
 from sim.exploration.probe_control import probe
-from sim.exploration.touch_recording import Recording
-from sim.exploration.trial_extraction import extract_trials
+from sim.exploration.trial_extraction import Recording, extract_trials
 from sim.motion.robot_reach import ArmHandReach
 from sim.standard_robot import ARM, HAND
 from sim.truth.scene_file import Scene

@@ -12,8 +12,7 @@ from objectmodels import BoxModel
 from planner.touch_experiments import Experiment, experiments
 from planner.types.world_state import PlanarPose, SeenObject
 from sim import load_scene
-from sim.exploration.touch_recording import Recording
-from sim.exploration.trial_extraction import extract_trials, force_curve
+from sim.exploration.trial_extraction import Recording, extract_trials, force_curve
 from sim.hands.four_finger.hand_kinematics import TIP_RADIUS
 from sim.motion.robot_reach import ArmHandReach
 from sim.paths.fingertip_path import TiltArc

@@ -10,8 +10,7 @@ from sim import load_scene
 from sim.face_experiment import applied_force as appliedforce
 from sim.face_experiment.face_contact import Contact, TouchResult, Vector
 from sim.random_streams import RandomStream, source
-from sim.truth.scene_file import FrictionVariation, Hidden, Scene
-from sim.truth.world_sampling import sample_world
+from sim.truth.scene_file import FrictionVariation, Hidden, Scene, sample_world
 from sim.worlds.drake.single_object import single_object_world
 from sim.worlds.drake.world_variation import FrictionField
 

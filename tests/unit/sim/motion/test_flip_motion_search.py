@@ -156,7 +156,7 @@ def test_the_view_follows_what_is_seen() -> None:
     # After 60 frames an exponential mean has forgotten all but a millionth of the start.
     assert view.lid == pytest.approx(1.0, abs=1e-5)
     assert view.tilt == pytest.approx(0.1, abs=1e-5)
-    assert view.moved == pytest.approx(0.005, abs=1e-5)
+    assert view.displacement == pytest.approx(0.005, abs=1e-5)
 
 
 # -- in the simulated world ----------------------------------------------------------------------

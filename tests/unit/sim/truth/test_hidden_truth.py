@@ -7,8 +7,7 @@ import pytest
 
 from sim import load_scene
 from sim.truth.object_truth import Truth
-from sim.truth.scene_file import Hidden, Scene
-from sim.truth.world_sampling import sample_world
+from sim.truth.scene_file import Hidden, Scene, sample_world
 from sim.worlds.drake.drake_world import DrakeWorld
 
 SPREAD = Hidden(mass=0.10, friction=0.15, finger_friction=0.05, centre_of_mass_m=0.002)

@@ -1,4 +1,8 @@
-"""Who touches whom, told as events, and when the robot begins to touch an object.
+"""Contacts of bodies: their material, and the events in which they begin to touch.
+
+Drake combines two friction coefficients as 2ab/(a+b). Robot and table are given a huge one, so a
+pair's coefficient is twice the object's own: half of the true coefficient is written to it, and
+each object keeps its own friction against table and fingers.
 
 Bodies touch where their shapes overlap, as in the plant's own point contact. Asking for the shapes
 costs a twentieth of asking the plant for its contacts, since no forces are solved for.
@@ -11,11 +15,31 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.worlds.ports import BodyContact
+from sim.traces.trace import ContactEvent
 
 if TYPE_CHECKING:
+    from pydrake.geometry import ProximityProperties
     from pydrake.multibody.plant import MultibodyPlant
     from pydrake.systems.framework import Context
+
+ROUGH = 1e9  # with this coefficient on one side, a pair has twice the other side's
+_STIFFNESS, _DISSIPATION = 1e6, 20.0
+
+
+def surface(friction: float) -> ProximityProperties:
+    """Contact material of a body with a coefficient of friction."""
+    from pydrake.geometry import AddContactMaterial, ProximityProperties
+    from pydrake.multibody.plant import CoulombFriction
+
+    properties = ProximityProperties()
+    AddContactMaterial(
+        dissipation=_DISSIPATION,
+        point_stiffness=_STIFFNESS,
+        friction=CoulombFriction(friction, friction),
+        properties=properties,
+    )
+    return properties
+
 
 APART = 1.0
 """The robot touches an object anew if it did not for so long; less is one touch that chatters [s].
@@ -57,7 +81,7 @@ class ContactWatch:
         self._objects = frozenset(objects)
         self._owner = {name: name for name in objects} | dict(lids or {})
         self._untold = frozenset(self._standing())
-        self.events: list[BodyContact] = []
+        self.events: list[ContactEvent] = []
         self._touching: dict[tuple[str, str], float] = {}
         self._by_robot: dict[str, float] = {}
 
@@ -71,7 +95,7 @@ class ContactWatch:
         begun = []
         for pair in self._pairs(context):
             if time - self._touching.get(pair, -np.inf) > _SEPARATED:
-                self.events.append(BodyContact(time, *pair))
+                self.events.append(ContactEvent(time, *pair))
             self._touching[pair] = time
             touched = self._objects.intersection(self._owners(pair))
             if len(touched) == 1:
