@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
+from weakref import WeakMethod
 
 import numpy as np
 
@@ -26,7 +27,8 @@ class DrakeRobotPort:
         hand: on the arm.
         joint_names: of all joints, the arm's first.
         commanded: angles of arm and hand at the start, shapes (7,) and (12,) [rad].
-        move: commands angles in the world and lets a control period pass there.
+        move: commands angles in the world and lets a control period pass there; referred to weakly,
+            so that the world is freed with its last user.
         seed: of the world.
         gain_error: of the torque sensors.
     """
@@ -37,7 +39,7 @@ class DrakeRobotPort:
         hand: Hand,
         joint_names: tuple[str, ...],
         commanded: tuple[Array, Array],
-        move: Callable[[Array, Array], None],
+        move: WeakMethod[Callable[[Array, Array], None]],
         *,
         seed: int,
         gain_error: float,
@@ -83,8 +85,10 @@ class DrakeRobotPort:
 
     def step(self, q_arm: Array, q_hand: Array) -> None:
         """Commands joint angles and lets one control period pass; see `RobotPort`."""
+        move = self._move()
+        assert move is not None, "the world is kept as long as its robot moves"
         self.commanded = np.array(q_arm), np.array(q_hand)
-        self._move(*self.commanded)
+        move(*self.commanded)
 
     def arm_angles(self) -> Array:
         """Measured angles of the arm's joints, shape (7,) [rad]."""

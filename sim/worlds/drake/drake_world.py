@@ -9,6 +9,7 @@ Frames: W is the world, B an object.
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Protocol
 
@@ -99,7 +100,7 @@ class DrakeWorld:
             hand,
             tuple(joint.name() for joint in joints),
             (self._q_arm, self._q_hand),
-            self._move,
+            weakref.WeakMethod(self._move),
             seed=seed,
             gain_error=scene.torque_sensor.gain_error,
         )

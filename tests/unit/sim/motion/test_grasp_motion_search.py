@@ -15,7 +15,7 @@ from sim.motion.grasp_motion_search import GraspMotion
 from sim.motion.robot_reach import ArmHandReach
 from sim.standard_robot import ARM, HAND
 from tests.plans import NOTHING_POURED
-from tests.unit.sim.handling.table import CARTON, grasp, plan, scene, state
+from tests.unit.sim.grasp_table import CARTON, grasp, plan, scene, state
 
 REACH = ArmHandReach(scene().cell, ARM, HAND)
 LIFT, DOWN = LiftUp(height=0.12), SetDown()

@@ -17,7 +17,7 @@ from sim.motion.grasp_motion_search import GraspMotion
 from sim.motion.robot_reach import ArmHandReach
 from sim.standard_robot import ARM, HAND
 from sim.truth.scene_file import load_scene
-from tests.unit.sim.handling.table import CARTON, grasp, plan, scene, state
+from tests.unit.sim.grasp_table import CARTON, grasp, plan, scene, state
 from tests.unit.sim.motion.other_robots import SixJointArm, TwoFingerGripper
 
 GRIPPER: Hand = TwoFingerGripper()

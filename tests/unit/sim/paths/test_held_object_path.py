@@ -18,7 +18,7 @@ from sim.paths.held_object_path import (
 )
 from sim.rotations import axis_rotation
 from tests.plans import NOTHING_POURED
-from tests.unit.sim.handling.table import grasp, plan, state
+from tests.unit.sim.grasp_table import grasp, plan, state
 
 LIFT, DOWN = LiftUp(height=0.12), SetDown()
 POUR = PourOut(

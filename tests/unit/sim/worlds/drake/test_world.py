@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
 from pathlib import Path
 
 import numpy as np
@@ -152,3 +154,17 @@ def test_frames_of_a_recording(still: DrakeWorld) -> None:
     assert chosen[0] == 0
     assert chosen[-1] == len(trace.time) - 1
     np.testing.assert_allclose(np.diff(trace.time[chosen])[:-1], 0.1, atol=still.robot.period)
+
+
+def test_a_world_is_freed_with_its_last_user() -> None:
+    """Its port does not keep it: no cycle is left to the garbage collector."""
+    world = DrakeWorld(load_scene("kitchen"))
+    freed = weakref.ref(world)
+    gc.collect()
+    gc.disable()
+    try:
+        world.robot.step(*world.robot.commanded)
+        del world
+        assert freed() is None
+    finally:
+        gc.enable()

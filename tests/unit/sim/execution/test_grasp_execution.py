@@ -9,7 +9,7 @@ from planner.types.plan import Plan
 from sim.simulated_executor import SimulatedExecutor
 from sim.traces.trace import Trace
 from sim.truth.scene_file import Scene
-from tests.unit.sim.handling.table import MODELS, grasp, plan, scene
+from tests.unit.sim.grasp_table import MODELS, grasp, plan, scene
 
 pytestmark = pytest.mark.slow
 
