@@ -8,7 +8,7 @@ import numpy as np
 
 from sim.perception.fingertip_sensing import Touch, sense_touch
 from sim.rotations import quaternion
-from sim.traces.trace import Trace
+from sim.traces.trace import ContactEvent, Trace
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -119,7 +119,10 @@ class TraceRecorder:
             tips={finger: tips[:, i] for i, finger in enumerate(self.fingers)},
             felt={finger: forces[:, i] for i, finger in enumerate(self.fingers)},
             force_limit=np.array(self._limits),
-            contacts=tuple(self._observer.contacts[self._contacts :]),
+            contacts=tuple(
+                ContactEvent(contact.time, contact.body_a, contact.body_b)
+                for contact in self._observer.contacts[self._contacts :]
+            ),
             pushed=pushed,
             direction=direction_W,
             end=end,

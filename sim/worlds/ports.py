@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from planner.types.world_state import Colour
     from sim.cell.cell_description import CellDescription
     from sim.hands.hand_model import Angles
-    from sim.traces.trace import ContactEvent
     from sim.truth.object_truth import Truth
 
 
@@ -75,6 +74,15 @@ class Sample:
     spilled: float = 0.0
     lids: Mapping[str, float] = field(default_factory=dict)
     lid_poses: Mapping[str, Array] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class BodyContact:
+    """Two bodies that began to touch at `time` [s], by their names."""
+
+    time: float
+    body_a: str
+    body_b: str
 
 
 class RobotPort(Protocol):
@@ -149,7 +157,7 @@ class ObserverPort(Protocol):
         ...
 
     @property
-    def contacts(self) -> Sequence[ContactEvent]:
+    def contacts(self) -> Sequence[BodyContact]:
         """Touches of bodies, in order of time."""
         ...
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.traces.trace import ContactEvent
+from sim.worlds.ports import BodyContact
 
 if TYPE_CHECKING:
     from pydrake.geometry import ProximityProperties
@@ -81,7 +81,7 @@ class ContactWatch:
         self._objects = frozenset(objects)
         self._owner = {name: name for name in objects} | dict(lids or {})
         self._untold = frozenset(self._standing())
-        self.events: list[ContactEvent] = []
+        self.events: list[BodyContact] = []
         self._touching: dict[tuple[str, str], float] = {}
         self._by_robot: dict[str, float] = {}
 
@@ -95,7 +95,7 @@ class ContactWatch:
         begun = []
         for pair in self._pairs(context):
             if time - self._touching.get(pair, -np.inf) > _SEPARATED:
-                self.events.append(ContactEvent(time, *pair))
+                self.events.append(BodyContact(time, *pair))
             self._touching[pair] = time
             touched = self._objects.intersection(self._owners(pair))
             if len(touched) == 1:

@@ -19,7 +19,6 @@ from sim.arms.arm_kinematics import ArmKinematics
 from sim.hands.hand_model import Hand
 from sim.rotations import Array
 from sim.standard_robot import ARM, HAND
-from sim.traces.trace import ContactEvent
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene, sample_world
 from sim.worlds.drake.body_contacts import ContactWatch
@@ -29,7 +28,7 @@ from sim.worlds.drake.lid_mechanics import Lids
 from sim.worlds.drake.liquid_transfer import Liquid
 from sim.worlds.drake.vision_port import vision_port
 from sim.worlds.drake.world_variation import ShiftingContents, VaryingFriction
-from sim.worlds.ports import Sample
+from sim.worlds.ports import BodyContact, Sample
 
 if TYPE_CHECKING:
     from pydrake.multibody.plant import MultibodyPlant
@@ -112,7 +111,7 @@ class DrakeWorld:
             self._model.bodies,
             {each.body.name(): name for name, each in self._model.lids.items()},
         )
-        self.contacts: list[ContactEvent] = self._watch.events
+        self.contacts: list[BodyContact] = self._watch.events
         self._lids = Lids(self._model, root)
         self._liquid = Liquid(self._model, root, scene, self._lids.is_open)
         self._changes: tuple[Change, ...] = (
