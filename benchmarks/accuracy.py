@@ -17,8 +17,8 @@ import numpy as np
 from objectmodels import BoxModel, CylinderModel, ObjectModel, PrismModel
 from objectmodels.geometry.support_points import Support
 from objectmodels.mechanics.exact.exact_thresholds import BORDER
+from objectmodels.mechanics.friction_cone import contact_forces
 from objectmodels.mechanics.outcome_map import BAND
-from objectmodels.mechanics.worst_cases import contact_forces
 
 Generator = np.random.Generator
 

@@ -74,10 +74,7 @@ FORMER: dict[str, tuple[str, dict[str, str]]] = {
     "grammar.lexicon": ("grammar.words.lexicon", {}),
     "nlcontrol.exploring": ("nlcontrol.learning.exploration_session", {}),
     "objectmodels.identification.datafile": ("objectmodels.identification.logs.touch_log", {}),
-    "objectmodels.identification.recordings": (
-        "objectmodels.identification.logs.force_recordings",
-        {},
-    ),
+    "objectmodels.identification.recordings": ("objectmodels.identification.onset_detection", {}),
     "objectmodels.opening": ("objectmodels.containers.lid_forces", {}),
     "objectmodels.parameters": ("objectmodels.models.parameters", {}),
     "objectmodels.parts": ("objectmodels.models.object_parts", {}),

@@ -37,21 +37,17 @@ class Base(Protocol):
     @property
     def corners(self) -> Array:
         """Its corners, or evenly spread points of its rim, counter-clockwise, shape (k, 2) [m]."""
-        ...
 
     @property
     def uniform_radius(self) -> float:
         """Mean distance of its points from its centre: c̄ of uniform pressure [m]."""
-        ...
 
     @property
     def size(self) -> float:
         """Largest distance of its points from the origin [m]."""
-        ...
 
     def extent(self, normals: Array) -> Array:
         """Reach along unit vectors (..., 2), shape (...) [m]."""
-        ...
 
     def topple_force(
         self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0
@@ -65,18 +61,15 @@ class Base(Protocol):
             weight: G [N].
             shift: the centre of mass may be nearer to every edge by this, along x and y [m].
         """
-        ...
 
     def nearest_edge(self, q: Array) -> tuple[Array, NDArray[np.int64]]:
         """Outward normals (n, 2) of the edges nearest to points (n, 2), and their indices.
 
         The index is −1 on a round base.
         """
-        ...
 
     def facing_normal(self, direction: Array) -> Array:
         """Outward normal of the edge that looks most along a unit direction, shape (2,)."""
-        ...
 
     def topple_height(
         self, m: Array, e: Array, rise: Array, load: Array, shift: ArrayLike = 0.0
@@ -92,11 +85,9 @@ class Base(Protocol):
             load: G − F_z, shape (...) [N].
             shift: as in `topple`, times the weight [N·m].
         """
-        ...
 
     def quadrature_nodes(self) -> tuple[Array, Array]:
         """Points (k, 2) and weights (k,) of a quadrature over its area; the weights sum to one."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,23 +178,10 @@ class Polygon:
         """See `Base`."""
         return np.asarray((np.asarray(normals) @ self.vertices.T).max(axis=-1))
 
-    def topple_by_edge(
-        self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0
-    ) -> Array:
-        """Force at which it topples about each edge, shape (k, ...) [N]; see `Base.topple_force`.
-
-        s_k = (G d_k − n_k·m) / (n_k·e + w d_k), never if the denominator is not positive.
-        """
-        forces = []
-        for n, d in zip(self.normals, self.offsets, strict=True):
-            holding = weight * (d - np.abs(n) @ np.broadcast_to(shift, 2)) - dot(n, m)
-            forces.append(_first_crossing(np.maximum(holding, 0.0), dot(n, e) + w * d))
-        return np.stack(np.broadcast_arrays(*forces))
-
     def topple_force(
         self, m: Array, e: Array, w: Array, weight: float, shift: ArrayLike = 0.0
     ) -> Array:
-        """See `Base`."""
+        """Least of s_k = (G d_k − n_k·m) / (n_k·e + w d_k) over its edges; see `Base`."""
         least: Array | None = None
         for n, d in zip(self.normals, self.offsets, strict=True):
             holding = weight * (d - np.abs(n) @ np.broadcast_to(shift, 2)) - dot(n, m)

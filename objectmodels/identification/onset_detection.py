@@ -1,21 +1,30 @@
-"""Onset of motion of a pressed object, from force and travel over time.
+"""Onset of motion of a pressed object, from force and travel over time, and trials from that.
 
 Model: while the object stands, the pressing finger hardly moves and the force rises as the finger's
 stiffness is loaded; once it moves, the finger travels and the force stays (a slide) or falls slowly
 (a tilt). So the travel over time is two straight lines that meet at the onset. The force there is
 read off the line of the force over the travel afterwards; if the object stuck harder than it slides
 (static friction above kinetic), off the rise before it.
+
+In recordings places and forces are in the level axes that B had at their start. What moved is
+stated, or read off the object's tilt: force and place of the finger alone do not tell it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import radians
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.identification.trial import Moved, Trial, Vector
+
+if TYPE_CHECKING:
+    from objectmodels.geometry.mechanical import Mechanical
 
 LEAST_TRAVEL = 0.001
 """Travel after the onset that shows that the object moved [m]."""
@@ -28,6 +37,14 @@ _KINK = 3.0  # the finger is so many times as fast after the onset as before
 _AFTER = 0.010  # travel after the onset over which the force is fitted [m]
 _RISE = 0.4  # last share of the rise that is fitted before the onset
 _STICKS, _STICKS_SURELY = 0.03, 4.0  # a drop counts from this share and so many sd on
+
+LEAST_TILT = radians(2.0)
+"""A recording in which the object tilts by this is of a topple, else of a slide [rad]."""
+
+_WAY = 0.010  # travel after the onset over which direction and turn are taken [m]
+_LAST = 0.1  # share of a recording, at its end, over which a held tilt is averaged
+_FORCE_SHARE_SD = 0.01  # least standard deviation of a force as a share of it: tables are uneven
+_ANGLE_SD = radians(0.5)  # of a tilt at an instant
 
 
 @dataclass(frozen=True)
@@ -122,3 +139,140 @@ def _line_value(x: Array, y: Array, place: float) -> tuple[float, float]:
     variance = float(rest @ rest) / max(len(y) - 2, 1)
     inverse = np.linalg.pinv(A.T @ A)
     return float(solution[0]), float(np.sqrt(max(variance * inverse[0, 0], 0.0)))
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One touch over time.
+
+    Attributes:
+        time: of the n samples, shape (n,) [s].
+        force: f_BC on the object, shape (n, 3) [N].
+        tip: place of the fingertip's contact, shape (n, 3) [m].
+        yaw: turn of the object, counter-clockwise, shape (n,) [rad]; None if not recorded.
+        tilt: of the object, shape (n,) [rad]; None if not recorded.
+        moved: what moved, if it was stated.
+        repetition: as of `Trial`.
+        source: what to call it in messages.
+    """
+
+    time: Array
+    force: Array
+    tip: Array
+    yaw: Array | None = None
+    tilt: Array | None = None
+    moved: Moved | None = None
+    repetition: int = 0
+    source: str = "a recording"
+
+
+def trial_from_series(recording: Recording) -> tuple[Trial, Onset] | None:
+    """The trial at the onset of motion in a recording, and the onset; None if nothing moved.
+
+    Raises:
+        ModelError: `bad_array` if it is too short, or its times do not increase.
+    """
+    force, tip = recording.force, recording.tip
+    d = _push_direction(recording)
+    travel = (tip - tip[0]) @ d
+    onset = detect_onset(recording.time, force @ d, travel)
+    if not onset.moved:
+        return None
+    way = _samples_after_onset(travel, onset.index)
+    mean = force[way].mean(axis=0)
+    if mean @ d <= 0.0 or onset.force <= 0.0:
+        raise ModelError("bad_array", "the force is against the travel of the finger")
+    # The size is the onset's; what acts across the push is the mean on the way.
+    found = onset.force * mean / (mean @ d)
+    size = float(np.linalg.norm(found))
+    moved = recording.moved or ("topple" if _held_tilt(recording) else "slide")
+    rate, rate_sd = _turn_rate(recording, travel, way) if moved == "slide" else (None, None)
+    trial = Trial(
+        moved=moved,
+        point=vector_tuple(tip[onset.index]),
+        force=vector_tuple(found),
+        force_sd=float(np.hypot(onset.force_sd * size / onset.force, _FORCE_SHARE_SD * size)),
+        turn_rate=rate,
+        turn_rate_sd=rate_sd,
+        repetition=recording.repetition,
+        source=recording.source,
+    )
+    return trial, onset
+
+
+def tilted_trial(recording: Recording, onset: Trial, model: Mechanical) -> Trial | None:
+    """The balance at the end of a recording in which the object is held tilted, if it is one.
+
+    Args:
+        recording: with its tilt.
+        onset: its trial at the onset, a topple.
+        model: the object; its base has the edge about which it tilts.
+    """
+    if recording.tilt is None or onset.moved != "topple" or not _held_tilt(recording):
+        return None
+    last = slice(-max(int(_LAST * len(recording.time)), 3), None)
+    tilt = float(recording.tilt[last].mean())
+    force = recording.force[last].mean(axis=0)
+    u = np.array(onset.force[:2])
+    n = np.append(model.base.facing_normal(u / np.linalg.norm(u)), 0.0)
+    d = float(model.base.extent(n[:2]))
+    # The point of the object where the finger now is: turned back about the edge.
+    tip = recording.tip[last].mean(axis=0)
+    along, up = float(n @ tip) - d, float(tip[2])
+    back = along * np.cos(tilt) - up * np.sin(tilt)
+    height = along * np.sin(tilt) + up * np.cos(tilt)
+    point = tip + (back - along) * n + [0.0, 0.0, height - up]
+    scatter = float(recording.force[last].std(axis=0).max())
+    return replace(
+        onset,
+        point=vector_tuple(point),
+        force=vector_tuple(force),
+        force_sd=float(np.hypot(scatter, _FORCE_SHARE_SD * np.linalg.norm(force))),
+        tilt=tilt,
+        tilt_sd=_ANGLE_SD,
+        source=f"{onset.source}, held at {np.degrees(tilt):.0f}°",
+    )
+
+
+def _push_direction(recording: Recording) -> Array:
+    """Unit direction of the finger's travel, or of the mean force if it hardly travels."""
+    way = recording.tip[-1] - recording.tip[0]
+    if np.linalg.norm(way) < LEAST_TRAVEL:
+        way = recording.force.mean(axis=0)
+    length = float(np.linalg.norm(way))
+    if length == 0.0:
+        raise ModelError("bad_array", "there is neither force nor travel in it")
+    return np.asarray(way / length)
+
+
+def _samples_after_onset(travel: Array, begin: int) -> slice:
+    """Samples from the onset on, over the way that is looked at."""
+    beyond = np.flatnonzero(travel[begin:] > travel[begin] + _WAY)
+    return slice(begin, max(begin + int(beyond[0]) if beyond.size else len(travel), begin + 3))
+
+
+def _turn_rate(
+    recording: Recording, travel: Array, way: slice
+) -> tuple[float | None, float | None]:
+    """Slope of the turn over the travel after the onset, and its standard deviation [rad/m]."""
+    if recording.yaw is None:
+        return None, None
+    x, y = travel[way] - travel[way].mean(), recording.yaw[way] - recording.yaw[way].mean()
+    size = float(x @ x)
+    if size <= 0.0:
+        return None, None
+    rate = float(x @ y) / size
+    rest = y - rate * x
+    scatter = float(np.sqrt(rest @ rest / max(len(x) - 2, 1) / size))
+    # A small share of the whole angle's own error: cameras drift.
+    return rate, float(np.hypot(scatter, 0.2 * _ANGLE_SD / max(float(np.ptp(travel[way])), 1e-3)))
+
+
+def _held_tilt(recording: Recording) -> bool:
+    return recording.tilt is not None and float(recording.tilt[-1]) > LEAST_TILT
+
+
+def vector_tuple(values: Array) -> Vector:
+    """Three numbers of an array, shape (3,)."""
+    x, y, z = (float(v) for v in values)
+    return (x, y, z)

@@ -43,15 +43,12 @@ class MappedObject(Mechanical, Protocol):
         self, points: ArrayLike, directions: ArrayLike, *, exact: bool | Literal["border"]
     ) -> Thresholds:
         """See `ObjectModel.thresholds`."""
-        ...
 
     def likelihood(self, points: ArrayLike, directions: ArrayLike) -> Likelihood:
         """See `ObjectModel.likelihood`."""
-        ...
 
     def model_copy(self, *, update: dict[str, Any]) -> Self:
         """A copy with changed parameters."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 from statistics import NormalDist
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,16 +27,12 @@ from objectmodels.mechanics.push_thresholds import (
     topple_threshold,
     yaw_arm,
 )
-from objectmodels.mechanics.worst_cases import cone_directions, contact_forces
 
 if TYPE_CHECKING:
     from objectmodels.geometry.mechanical import Mechanical
 
 NODES = 128
 """Points of the Halton sequence that a probability is averaged over."""
-
-SEARCH_NODES, SEARCH_RING = 8, 16
-"""The same, and the directions on the outer ring, for finding the worst direction."""
 
 SAMPLES = 4000
 """Samples for a given force: a probability of one half is met to 0.008 (a standard deviation)."""
@@ -157,11 +153,11 @@ def _contact_blocks(p: Array, u: Array) -> list[tuple[Array, Array]]:
 
 def _at_onset(model: Mechanical, p: Array, u: Array, draw: Draws) -> tuple[Array, Array]:
     """Probabilities of sliding and of toppling first, shape (n,) each."""
-    slide, topple = _class_probabilities(model, p[:, None, :], u[:, None, :], draw)
+    slide, topple = class_probabilities(model, p[:, None, :], u[:, None, :], draw)
     return slide.mean(axis=-1), topple.mean(axis=-1)
 
 
-def _class_probabilities(model: Mechanical, p: Array, f: Array, draw: Draws) -> tuple[Array, Array]:
+def class_probabilities(model: Mechanical, p: Array, f: Array, draw: Draws) -> tuple[Array, Array]:
     """Probabilities over the friction alone, for each draw in the last axis."""
     topple = topple_threshold(model.base, p, f, draw.com, model.weight)
     arm = yaw_arm(p, f, draw.com)
@@ -217,40 +213,6 @@ def _sample_outcomes(model: Mechanical, p: Array, u: Array, force: float, seed: 
     slides = moves & (slide < topple)
     shares = ~moves, slides, moves & ~slides
     return np.stack([share.mean(axis=1) for share in shares], axis=1)
-
-
-def worst_probability(
-    model: Mechanical, p: Array, normals: Array, yaw: bool, outcome: Literal["slide", "topple"]
-) -> Array:
-    """Probability of an outcome at onset for the worst direction in the finger's cone, (n,).
-
-    Args:
-        model: the uncertain object.
-        p: contact points in B on side faces, shape (n, 3) [m].
-        normals: outward unit normals of the faces, shape (n, 3).
-        yaw: whether the object may turn as it slides.
-        outcome: what is asked for.
-    """
-    shares = cone_directions(p, normals, np.array(model.com), model.finger_friction, SEARCH_RING)
-    few, many = (draw_parameters(model, normal_nodes(k), yaw=yaw) for k in (SEARCH_NODES, NODES))
-    worst = np.empty(len(p))
-    for i in range(0, len(p), BLOCK):
-        block = slice(i, i + BLOCK)
-        q, n, tried = p[block], normals[block], shares[block]
-        rough = _direction_probability(model, q, n, tried, outcome, few)
-        chosen = tried[np.arange(len(q)), rough.argmin(axis=1)]
-        worst[block] = _direction_probability(model, q, n, chosen[:, None, :], outcome, many)[:, 0]
-    return worst
-
-
-def _direction_probability(
-    model: Mechanical, p: Array, normals: Array, shares: Array, outcome: str, draw: Draws
-) -> Array:
-    """Probability of an outcome for the directions of given shares (n, j, 2), shape (n, j)."""
-    tangential = shares[:, :, None, :] * draw.finger_friction[:, None]
-    f = contact_forces(normals[:, None, None, :], tangential)  # (n, j, k, 3)
-    slide, topple = _class_probabilities(model, p[:, None, None, :], f, draw)
-    return np.asarray((slide if outcome == "slide" else topple).mean(axis=-1))
 
 
 def normal_cdf(x: Array) -> Array:

@@ -22,7 +22,15 @@ if TYPE_CHECKING:
 
 
 def angle_of_no_return(model: Mechanical, direction: ArrayLike, sigmas: float) -> float:
-    """Angle atan(b / c_z) past which the object falls by itself [rad]."""
+    """Angle atan(b / c_z) past which the object falls by itself [rad].
+
+    Args:
+        model: the object.
+        direction: horizontal direction in B, shape (3,); it tips over the base edge that looks
+            most along it.
+        sigmas: take the centre of mass at so many standard deviations towards an earlier fall
+            (negative: towards a later one).
+    """
     n = _leading_edge(model, direction)
     b = float(model.base.extent(n)) - n @ np.array(model.com[:2])
     b -= sigmas * (np.abs(n) @ np.array(model.com_sd[:2]))
@@ -54,7 +62,14 @@ def largest_return(model: Mechanical, direction: ArrayLike, probability: float) 
 
 
 def topple_stroke(model: Mechanical, direction: ArrayLike, height: float, angle: float) -> float:
-    """Travel of the finger that tilts the object by an angle, whether it slips or sticks [m]."""
+    """Travel of the finger that tilts the object by an angle, whether it slips or sticks [m].
+
+    Args:
+        model: the object.
+        direction: horizontal direction of the push in B, shape (3,).
+        height: contact height on the face pushed [m].
+        angle: tilt to be reached [rad].
+    """
     if not 0.0 < height <= model.top:
         raise ModelError("bad_value", f"height {height} m is not on the object")
     if not 0.0 <= angle < np.pi / 2:
@@ -66,7 +81,7 @@ def topple_stroke(model: Mechanical, direction: ArrayLike, height: float, angle:
 def stroke_tilt(
     model: Mechanical, direction: ArrayLike, height: float, travel: float
 ) -> tuple[float, float]:
-    """Tilt after a travel of the finger, the smaller and the larger of two cases [rad]."""
+    """Tilts after a travel of the finger if it stays level or sticks, the smaller first [rad]."""
     if not 0.0 < height <= model.top:
         raise ModelError("bad_value", f"height {height} m is not on the object")
     if not 0.0 <= travel < np.inf:

@@ -18,8 +18,7 @@ from objectmodels.geometry.base_shapes import Array, Polygon
 from objectmodels.geometry.side_faces import AXES, Face
 from objectmodels.geometry.support_points import hull_polygon
 from objectmodels.geometry.vector_arrays import as_tuples
-from objectmodels.models.object_model import ObjectModel
-from objectmodels.models.resting_faces import Resting
+from objectmodels.models.object_model import ObjectModel, Resting
 
 SIDEWAYS = 0.5
 """Faces whose normal is at most 30° above or below the horizontal are sides."""

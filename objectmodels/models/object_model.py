@@ -7,11 +7,15 @@ without inertia, unless a method says otherwise.
 
 A kind of model is a subclass that says what shape it has: `footprint`, `top` and `faces` (see
 docs/models.md). Everything else follows from those and from the parameters.
+
+It may lie on another face than the one its model stands on. Frame N belongs to the face below, as B
+does to the base: origin at its centre on the table, z up. A pose of B picks the face.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Self
 
@@ -20,7 +24,7 @@ from numpy.typing import ArrayLike
 from pydantic import model_validator
 
 from objectmodels.errors import ModelError
-from objectmodels.geometry.base_shapes import Array, Base, Polygon
+from objectmodels.geometry.base_shapes import Array, Base
 from objectmodels.geometry.mechanical import Friction
 from objectmodels.geometry.side_faces import Face
 from objectmodels.geometry.support_points import carrying_base, friction_radius, is_within
@@ -33,9 +37,7 @@ from objectmodels.mechanics.push_outcomes import (
     closed_form_thresholds,
     size_and_direction,
 )
-from objectmodels.mechanics.push_thresholds import push_moment
 from objectmodels.models.parameters import RADIUS_SHARE_SD, Parameters
-from objectmodels.models.resting_faces import Resting, rest_on_face
 from objectmodels.models.vessel import Vessel
 
 if TYPE_CHECKING:
@@ -46,6 +48,9 @@ if TYPE_CHECKING:
 _OF_ITS_BASE = (
     "friction_radius", "friction_radius_sd", "correlations", "container", "lid", "grasp",
 )  # fmt: skip
+
+LEVEL = np.radians(10.0)
+"""An object lies on a face that is tilted by at most so much."""
 
 
 class ObjectModel(Parameters, ABC):
@@ -118,11 +123,10 @@ class ObjectModel(Parameters, ABC):
         for rest in self.rests:
             if rest.face == face:
                 return rest.model
-        names = ", ".join(rest.face for rest in self.rests)
         raise ModelError(
             "unknown_face",
             f"the {self.name} cannot rest on {face!r}",
-            suggestions=(f"it rests on: {names}",),
+            suggestions=(f"it rests on: {', '.join(rest.face for rest in self.rests)}",),
         )
 
     def resting_face(self, R_WB: ArrayLike) -> Resting:
@@ -134,7 +138,21 @@ class ObjectModel(Parameters, ABC):
         Raises:
             ModelError: `bad_array`; `not_resting` if no face of it is below.
         """
-        return rest_on_face(self, R_WB)
+        R = np.asarray(R_WB, dtype=np.float64)
+        orthogonal = R.shape == (3, 3) and np.allclose(R @ R.T, np.eye(3), atol=1e-6)
+        if not orthogonal or np.linalg.det(R) < 0:
+            raise ModelError("bad_array", "R_WB must be a rotation matrix, shape (3, 3)")
+        down = -R[2]  # W's downward direction in B
+        nearest = max(self.rests, key=lambda rest: float(rest.down @ down))
+        off = float(np.arccos(np.clip(nearest.down @ down, -1.0, 1.0)))
+        if off > LEVEL:
+            raise ModelError(
+                "not_resting",
+                f"the {self.name} does not lie on a face: it leans {np.degrees(off):.0f}° off "
+                f"{nearest.face!r}",
+                suggestions=(f"it rests on: {', '.join(rest.face for rest in self.rests)}",),
+            )
+        return nearest
 
     def _fields_on_face(self, **changes: object) -> dict[str, Any]:
         """Fields of a model that lies on another face: all but those stated for the base."""
@@ -157,18 +175,14 @@ class ObjectModel(Parameters, ABC):
         if np.isnan(known["friction_radius_sd"]):
             known["friction_radius_sd"] = RADIUS_SHARE_SD * known["friction_radius"]
         c = np.array(self.com)
+        needed = None
         if not is_within(base, c[None, :2], -1e-9 * base.size):
-            raise ModelError(
-                "bad_value",
-                f"found {list(self.com)}, expected a place over the base: it topples by itself",
-                path="com",
-            )
-        if not 0.0 < c[2] < self.top:
-            raise ModelError(
-                "bad_value",
-                f"found {list(self.com)}, expected a place inside the object, {self.top} m high",
-                path="com",
-            )
+            needed = "over the base: it topples by itself"
+        elif not 0.0 < c[2] < self.top:
+            needed = f"inside the object, {self.top} m high"
+        if needed:
+            found = f"found {list(self.com)}, expected a place {needed}"
+            raise ModelError("bad_value", found, path="com")
         if self.container is not None and self.container.mass >= self.mass:
             raise ModelError(
                 "bad_value",
@@ -232,18 +246,6 @@ class ObjectModel(Parameters, ABC):
 
         compute = tier.exact_near_the_border if exact == "border" else tier.exact_thresholds
         return compute(self, p, u, friction)
-
-    def topple_by_edge(self, points: ArrayLike, directions: ArrayLike) -> Array:
-        """Forces at which slow pushes would topple it about each edge of its base, (n, k) [N].
-
-        Raises:
-            ModelError: `bad_array`; `no_edges` on a round base.
-        """
-        p, u = checked_pairs(points, directions)
-        if not isinstance(self.base, Polygon):
-            raise ModelError("no_edges", f"the base of the {self.name} is round")
-        m = self.weight * np.array(self.com[:2])
-        return self.base.topple_by_edge(m, push_moment(p, u), u[:, 2], self.weight).T
 
     def predict(
         self,
@@ -362,37 +364,37 @@ class ObjectModel(Parameters, ABC):
         return integrate_stroke(self, points, normals, direction, travel)
 
     def angle_of_no_return(self, direction: ArrayLike, *, sigmas: float = 0.0) -> float:
-        """Tilt past which it falls by itself, when tipped along a horizontal direction [rad].
-
-        Args:
-            direction: horizontal direction in B, shape (3,); it tips over the base edge that looks
-                most along it.
-            sigmas: take the centre of mass at so many standard deviations towards an earlier
-                fall (negative: towards a later one).
-        """
+        """Tilt past which it falls by itself; see `tilt_limits.angle_of_no_return` [rad]."""
         return tilt_limits.angle_of_no_return(self, direction, sigmas)
 
     def topple_stroke(self, direction: ArrayLike, height: float, angle: float) -> float:
-        """Travel of a finger that tilts it by an angle, the larger of two cases [m].
-
-        Args:
-            direction: horizontal direction of the push in B, shape (3,).
-            height: contact height on the face pushed [m].
-            angle: tilt to be reached [rad].
-        """
+        """Travel of a finger that tilts it by an angle; see `tilt_limits.topple_stroke` [m]."""
         return tilt_limits.topple_stroke(self, direction, height, angle)
 
     def stroke_tilt(
         self, direction: ArrayLike, height: float, travel: float
     ) -> tuple[float, float]:
-        """Tilt to which a finger's travel brings it, if the finger stays level or sticks [rad].
-
-        Args:
-            direction: horizontal direction of the push in B, shape (3,).
-            height: contact height on the face pushed [m].
-            travel: of the finger [m].
-
-        Returns:
-            The smaller and the larger of the two.
-        """
+        """Tilts to which a finger's travel may bring it; see `tilt_limits.stroke_tilt` [rad]."""
         return tilt_limits.stroke_tilt(self, direction, height, travel)
+
+
+@dataclass(frozen=True)
+class Resting:
+    """A way in which an object lies.
+
+    Attributes:
+        face: name of the face that is below; `bottom` is the one that its model stands on.
+        model: what is believed of it as it lies there, in N.
+        R_BN: orientation of N in B, shape (3, 3).
+        p_BN: origin of N in B, shape (3,) [m].
+    """
+
+    face: str
+    model: ObjectModel
+    R_BN: Array
+    p_BN: Array
+
+    @property
+    def down(self) -> Array:
+        """Outward normal of the face below in B, shape (3,)."""
+        return -self.R_BN[:, 2]

@@ -14,9 +14,8 @@ from objectmodels.geometry.base_shapes import Array, Disc, Polygon
 from objectmodels.geometry.side_faces import AXES, Face, sides
 from objectmodels.geometry.vector_arrays import cross
 from objectmodels.models.convex_hull import HullModel
-from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.object_model import ObjectModel, Resting
 from objectmodels.models.parameters import Corners, Size
-from objectmodels.models.resting_faces import Resting
 
 # Rows are the new axes in the old frame: the named face comes to lie below.
 _TURNED: dict[str, Array] = {

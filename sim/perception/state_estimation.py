@@ -11,8 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from objectmodels.containers.lid_geometry import detached_lid
-from objectmodels.models.object_model import ObjectModel
-from objectmodels.models.resting_faces import LEVEL
+from objectmodels.models.object_model import LEVEL, ObjectModel
 from planner.types.world_state import PlanarPose, SeenObject
 from sim.cell.cell_description import CellDescription
 from sim.rotations import rot_z, yaw_of

@@ -18,7 +18,7 @@ from typing import Annotated, Literal, TypeVar
 import yaml
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
-from objectmodels.yaml_reader import parse_yaml
+from objectmodels.registry.model_files import parse_yaml
 from planner.types.defaults import DEFAULTS, Defaults, DefaultsError, changed
 from sim.cell.cell_description import (
     CellDescription,

@@ -14,7 +14,7 @@ from nlcontrol.cli import run
 from nlcontrol.learning.log_fitting import EXPERIMENTS
 from objectmodels import Registry
 from objectmodels.geometry.mechanical import UNCERTAIN
-from objectmodels.identification.logs import force_recordings, touch_log
+from objectmodels.identification.logs import touch_log
 
 ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "fitting.md").read_text(encoding="utf-8")
@@ -56,7 +56,7 @@ def test_the_python_of_the_guide(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_every_column_is_explained() -> None:
     rows, samples = GUIDE.split("## Recordings")
     assert {name for name in touch_log.COLUMNS if f"`{name}`" not in rows} == set()
-    assert {name for name in force_recordings.COLUMNS if f"`{name}`" not in samples} == set()
+    assert {name for name in touch_log.RECORDING_COLUMNS if f"`{name}`" not in samples} == set()
 
 
 def test_the_stated_defaults_are_those_of_the_code() -> None:

@@ -7,23 +7,33 @@ noise of forces and angles, which the fit enlarges if its residuals are larger.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import hypot, radians
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
-from objectmodels.errors import suggest
+from objectmodels.errors import ModelError, suggest
+from objectmodels.geometry.base_shapes import Array
 from objectmodels.identification.logs.csv_tables import Row, Table, read_table, short_quote
-from objectmodels.identification.logs.force_recordings import (
-    CONTACT,
-    FORCE,
-    read_recordings,
-    require_none,
+from objectmodels.identification.onset_detection import (
+    LEAST_SAMPLES,
+    LEAST_TRAVEL,
+    Recording,
+    tilted_trial,
+    trial_from_series,
+    vector_tuple,
 )
-from objectmodels.identification.plausibility_checks import contact_objection, force_objection
-from objectmodels.identification.trial import Moved, Trial, Vector
+from objectmodels.identification.trial import (
+    Moved,
+    Objection,
+    Trial,
+    Vector,
+    contact_objection,
+    force_objection,
+)
 from objectmodels.models.object_model import ObjectModel
 
 FORCE_SHARE = 0.02
@@ -32,6 +42,8 @@ FORCE_SHARE = 0.02
 ANGLE_SD = radians(0.5)
 """Standard deviation of a tilt or a turn, if none is stated [rad]."""
 
+CONTACT = ("x_m", "y_m", "z_m")
+FORCE = ("fx_n", "fy_n", "fz_n")
 DIRECTION = ("ux", "uy", "uz")
 NORMAL = ("nx", "ny", "nz")
 
@@ -47,6 +59,13 @@ _STRAIGHT = 0.01  # friction below which nothing is
 _FINEST = 1e-4  # no sensor of forces is better than this share
 _FINEST_ANGLE = 0.001  # and none of angles than this [°]
 _ROUNDED = 0.02  # a direction's length may be off by so much, then it is made one
+
+RECORDING_COLUMNS = (
+    "trial", "time_s", *FORCE, *CONTACT, "moved", "yaw_deg", "tilt_deg", "repetition", "note"
+)  # fmt: skip
+"""Columns that a table of recordings may have."""
+
+_LONGEST_RECORDING = 1000.0  # a recording that is longer has its times in milliseconds [s]
 
 
 @dataclass(frozen=True)
@@ -214,3 +233,116 @@ def _repetition_number(row: Row) -> int:
     if value != int(value) or not 0 <= value < 1e6:
         raise row.error("repetition", f"found {value:g}, expected a whole number from 0 on")
     return int(value)
+
+
+def read_recordings(table: Table, model: ObjectModel, prefix: str) -> tuple[list[Trial], list[str]]:
+    """The trials of a table of recordings, and what was left out of it and why.
+
+    Args:
+        table: a row for each sample; the samples of a trial in their order.
+        model: the object that was touched.
+        prefix: how trials' names begin in messages.
+
+    Raises:
+        ModelError: `bad_data`.
+    """
+    table.require_columns(("trial", "time_s", *FORCE, *CONTACT), RECORDING_COLUMNS)
+    if "moved" not in table.columns and "tilt_deg" not in table.columns:
+        raise table.error(
+            "lacks the column moved: force and place of the finger do not tell what moved",
+            "add `moved` (slide or topple), or the object's tilt_deg over time",
+        )
+    trials: list[Trial] = []
+    unused: list[str] = []
+    for label, rows in _by_trial(table).items():
+        recording = _recording_from(label, rows, prefix)
+        require_none(rows[0], contact_objection(model, vector_tuple(recording.tip[0])))
+        try:
+            found = trial_from_series(recording)
+        except ModelError as error:
+            raise rows[0].error("trial", f"trial {label}: {error.message}") from error
+        if found is None:
+            unused.append(
+                f"{recording.source}: nothing moved in it (the finger travelled less than "
+                f"{1e3 * LEAST_TRAVEL:.0f} mm with the force at its height)"
+            )
+            continue
+        trial, onset = found
+        largest = FORCE[int(np.argmax(np.abs(trial.force)))]
+        require_none(rows[onset.index], force_objection(model, trial), largest)
+        held = tilted_trial(recording, trial, model)
+        trials += [trial] if held is None else [trial, held]
+    return trials, unused
+
+
+def require_none(row: Row, objection: Objection | None, force: str = FORCE[0]) -> None:
+    """Raise an objection as an error of the row that it concerns.
+
+    Args:
+        row: where the measurement was read.
+        objection: to it, None if it is plausible.
+        force: column of the force, or of its largest component.
+
+    Raises:
+        ModelError: `bad_data`.
+    """
+    if objection is not None:
+        columns = dict(zip("xyz", CONTACT, strict=True)) | {
+            "force": force,
+            "force_sd": "force_sd_n",
+        }
+        raise row.error(columns[objection.quantity], objection.message, *objection.hints)
+
+
+def _by_trial(table: Table) -> Mapping[str, list[Row]]:
+    trials: dict[str, list[Row]] = {}
+    for row in table.rows:
+        if not row.text("trial"):
+            raise row.error("trial", "is required, but empty")
+        trials.setdefault(row.text("trial"), []).append(row)
+    return trials
+
+
+def _recording_from(label: str, rows: list[Row], prefix: str) -> Recording:
+    """One trial's rows as arrays."""
+    first = rows[0]
+    time = np.array([row.value("time_s") for row in rows])
+    for row, step in zip(rows[1:], np.diff(time), strict=True):
+        if step <= 0.0:
+            raise row.error("time_s", f"does not increase within trial {label}")
+    if time[-1] - time[0] > _LONGEST_RECORDING:
+        what = f"trial {label} lasts {time[-1] - time[0]:g} s"
+        raise rows[-1].error("time_s", what, "is it in milliseconds? the column is in seconds")
+    if len(rows) < LEAST_SAMPLES:
+        what = f"trial {label} has {len(rows)} samples, expected {LEAST_SAMPLES} or more"
+        raise first.error("trial", what)
+    for row in rows[1:]:
+        for column in ("moved", "repetition"):
+            if row.text(column) != first.text(column):
+                raise row.error(column, f"is not the same all through trial {label}")
+    moved = first.text("moved").casefold()
+    if moved not in ("slide", "topple") and (moved or not first.text("tilt_deg")):
+        found = short_quote(first.text("moved"))
+        raise first.error("moved", f"found {found}, expected slide or topple in a recording")
+    repetition = _repetition_number(first)
+    return Recording(
+        time=time,
+        force=np.array([row.vector(FORCE) for row in rows]),
+        tip=np.array([row.vector(CONTACT) for row in rows]),
+        yaw=_angle_column(rows, "yaw_deg", 180.0),
+        tilt=_angle_column(rows, "tilt_deg", 90.0),
+        moved=cast(Moved, moved) if moved else None,
+        repetition=repetition,
+        source=f"{prefix}trial {label}",
+    )
+
+
+def _angle_column(rows: list[Row], column: str, most: float) -> Array | None:
+    """A column of angles, counted from the first; None if it is empty there [rad]."""
+    if not rows[0].text(column):
+        return None
+    degrees = np.array([row.value(column) for row in rows])
+    for row, value in zip(rows, degrees, strict=True):
+        if abs(value) > most:
+            raise row.error(column, f"found {value:g}, expected −{most:g} to {most:g} degrees")
+    return np.asarray(np.unwrap(np.radians(degrees - degrees[0])))

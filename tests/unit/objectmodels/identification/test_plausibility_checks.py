@@ -7,7 +7,7 @@ import pytest
 
 from objectmodels import BoxModel
 from objectmodels.identification import Trial
-from objectmodels.identification.plausibility_checks import contact_objection, force_objection
+from objectmodels.identification.trial import contact_objection, force_objection
 
 BOX = BoxModel(
     name="b", size=(0.1, 0.1, 0.2), mass=1.0, friction=0.3, finger_friction=0.6, support="corners"

@@ -9,12 +9,12 @@ import pytest
 
 from objectmodels import BoxModel, ConeThresholds, ObjectModel, Registry
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.mechanics.friction_cone import contact_forces
 from objectmodels.mechanics.push_thresholds import (
     slide_threshold,
     topple_threshold,
     yaw_arm,
 )
-from objectmodels.mechanics.worst_cases import contact_forces
 
 ICE_TEA = BoxModel(
     name="b", size=(0.09, 0.09, 0.23), mass=0.9952, friction=0.378, finger_friction=0.45

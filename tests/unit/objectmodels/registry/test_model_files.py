@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from objectmodels import ModelError, Registry
-from objectmodels.registry.model_files import load_model, save_model
-from objectmodels.yaml_reader import MAX_BYTES, read_yaml
+from objectmodels.registry.model_files import MAX_BYTES, load_model, read_yaml, save_model
 
 GOOD = """\
 format: box/1
