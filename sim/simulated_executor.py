@@ -145,3 +145,13 @@ def simulation(executor: object) -> SimulatedExecutor:
     if not isinstance(executor, SimulatedExecutor):
         raise TypeError(f"{type(executor).__name__} does not simulate")
     return executor
+
+
+def fresh_robot(scene: Scene, seed: int) -> RobotSetup:
+    """The robot in a world of its own, in which nothing was done yet.
+
+    Args:
+        scene: the world as it is.
+        seed: of everything random.
+    """
+    return SimulatedExecutor(scene, seed=seed).setup

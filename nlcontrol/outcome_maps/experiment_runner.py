@@ -35,6 +35,7 @@ from nlcontrol.text_format import enumeration
 from sim.face_experiment import applied_force as appliedforce
 from sim.face_experiment.face_contact import Contact, Touch, TouchResult, Way
 from sim.face_experiment.finger_push import FingerTouch
+from sim.simulated_executor import fresh_robot
 from sim.truth.scene_file import Scene, built_in_scenes, load_scene
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ Believed = Mapping[str, "ObjectModel"]
 
 WAYS: Mapping[Way, Callable[[Believed], Touch]] = {
     "force": lambda believed: appliedforce.touch,
-    "robot": FingerTouch,
+    "robot": lambda believed: FingerTouch(believed, fresh_robot),
 }
 """The ways of pushing; a robot goes by what it believes, a force by nothing."""
 

@@ -9,7 +9,7 @@ then: a press is the last thing done in its world.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -26,17 +26,14 @@ from sim.exploration.probe_control import ProbeControl
 from sim.exploration.trial_extraction import Recording, force_curve
 from sim.face_experiment.face_contact import Contact, TouchResult
 from sim.motion.arm_configuration import UnreachableError
-from sim.motion.robot_reach import ArmHandReach
 from sim.perception.state_estimation import mean_poses
-from sim.standard_robot import ARM, HAND
 from sim.traces.trace import EndReason
 from sim.truth.observer import Observer
-from sim.worlds.drake.drake_world import DrakeWorld
+from sim.truth.scene_file import Scene, sample_world
 from sim.worlds.drake.vision_port import initial_frames
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
-    from sim.truth.scene_file import Scene
 
 _SQUARE = np.radians(1.0)  # from straight in; more is another push [rad]
 
@@ -47,28 +44,26 @@ class FingerTouch:
 
     Attributes:
         believed: the robot's models of all objects, by their names in the scene.
+        build: the robot in a fresh world of a scene and a seed.
     """
 
     believed: Mapping[str, ObjectModel]
+    build: Callable[[Scene, int], RobotSetup]
 
     def __call__(self, scene: Scene, contact: Contact, *, seed: int = 0) -> TouchResult:
         """Pushes once in a fresh world; see `Touch`."""
         normal = np.array(contact.normal)
         if abs(normal[2]) > np.sin(_SQUARE) or -normal @ contact.direction < np.cos(_SQUARE):
             return TouchResult(None, None, "the finger presses upright faces straight in only")
-        world, reach, state = (
-            DrakeWorld(scene, seed=seed),
-            ArmHandReach(scene.cell, ARM, HAND),
-            self._seen(scene, seed),
-        )
+        setup, state = self.build(scene, seed), self._seen(scene, seed)
         experiment = press_at(
-            state.objects[contact.object], np.array(contact.point), normal, reach.limits
+            state.objects[contact.object], np.array(contact.point), normal, setup.reach.limits
         )
-        recording = _press(experiment, RobotSetup(world.robot, world, reach), state)
+        recording = _press(experiment, setup, state)
         if not len(recording.time):
             return TouchResult(None, None, recording.detail)
-        poses = np.array([sample.poses[contact.object] for sample in world.history])
-        seen = Observer(world.scene).judge(contact.object, poses)
+        poses = np.array([sample.poses[contact.object] for sample in setup.observer.history])
+        seen = Observer(sample_world(scene, seed)).judge(contact.object, poses)
         if seen.outcome == "none":
             return TouchResult(None, None, recording.detail)
         onset = force_curve(recording).onset

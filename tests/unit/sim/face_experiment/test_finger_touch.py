@@ -12,11 +12,12 @@ from sim import load_scene
 from sim.face_experiment import applied_force as appliedforce
 from sim.face_experiment.face_contact import Contact
 from sim.face_experiment.finger_push import FingerTouch
+from sim.simulated_executor import fresh_robot
 from sim.truth.scene_file import Scene
 
 SCENE = load_scene("kitchen")
 BELIEVED = Controller(SCENE).models
-FINGER = FingerTouch(BELIEVED)
+FINGER = FingerTouch(BELIEVED, fresh_robot)
 LOW = Contact("coffee box", "front", (-0.031, 0.03, 0.05), (-1.0, 0.0, 0.0), (1.0, 0.0, 0.0))
 HIGH = dataclasses.replace(LOW, point=(-0.031, 0.0, 0.16))
 
