@@ -3,12 +3,13 @@
     python docs/draw_architecture.py
 
 Rooms are read from the folders, their order from the import contracts in `pyproject.toml`, so that
-the picture shows what is there. The numbers of the way stand here, their meaning in
+the picture shows what is there. The numbers of the way are those of the table in
 `docs/architecture.md`.
 """
 
 from __future__ import annotations
 
+import re
 import tomllib
 from html import escape
 from pathlib import Path
@@ -24,31 +25,19 @@ BANDS = (
     ("objectmodels", "physics of an object", ""),
     ("grammar", "words to frames", ""),
 )
-# The steps of a sentence by the room that does them, as docs/architecture.md counts them.
-WAY = {
-    "nlcontrol.session": "1 4 8",
-    "grammar.words": "2",
-    "grammar.phrases": "2",
-    "grammar.clauses": "2",
-    "nlcontrol.references": "3",
-    "planner.problem": "5",
-    "planner.pushing": "6",
-    "planner.grasping": "6",
-    "objectmodels.mechanics": "6",
-    "sim.motion": "7",
-    "sim.execution": "9",
-    "sim.control": "9",
-    "sim.worlds": "9",
-    "sim.perception": "4 10",
-    "nlcontrol.learning": "10",
-    "nlcontrol.checks": "11",
-    "nlcontrol.results": "12",
-    "nlcontrol.reports": "12",
-}
-
 WIDTH, COLUMNS, BOX_HEIGHT, GAP, MARGIN, LABEL = 1000, 6, 34, 8, 12, 150
 BOX_WIDTH = (WIDTH - LABEL - MARGIN - (COLUMNS - 1) * GAP) / COLUMNS
 COLOURS = ("#dce9f7", "#e3f1dd", "#fdf0d5", "#f6e0dd", "#ece3f3")
+
+
+def steps() -> dict[str, str]:
+    """The numbers of the steps of a sentence by the room that does them, from the page's table."""
+    page = (ROOT / "docs" / "architecture.md").read_text("utf-8")
+    found: dict[str, list[str]] = {}
+    for number, modules in re.findall(r"^\| (\d+) \| .* \| (.*) \|$", page, re.M):
+        for room in dict.fromkeys(re.findall(r"`(\w+/\w+)/", modules)):
+            found.setdefault(room.replace("/", "."), []).append(number)
+    return {room: " ".join(numbers) for room, numbers in found.items()}
 
 
 def rooms(package: str) -> list[str]:
@@ -75,7 +64,7 @@ def draw() -> str:
         for i, name in enumerate(names):
             x = LABEL + i % COLUMNS * (BOX_WIDTH + GAP)
             y = top + GAP + i // COLUMNS * (BOX_HEIGHT + GAP)
-            shapes += _box(x, y, name, WAY.get(f"{package}.{name}", ""))
+            shapes += _box(x, y, name, steps().get(f"{package}.{name}", ""))
         top += height + 2
         if seam:
             top += 18
