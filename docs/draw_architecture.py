@@ -51,6 +51,7 @@ def rooms(package: str) -> list[str]:
 def draw() -> str:
     """The picture as SVG text."""
     shapes: list[str] = []
+    numbers = steps()
     top = float(MARGIN)
     for (package, purpose, seam), colour in zip(BANDS, COLOURS, strict=True):
         names = rooms(package)
@@ -64,7 +65,7 @@ def draw() -> str:
         for i, name in enumerate(names):
             x = LABEL + i % COLUMNS * (BOX_WIDTH + GAP)
             y = top + GAP + i // COLUMNS * (BOX_HEIGHT + GAP)
-            shapes += _box(x, y, name, steps().get(f"{package}.{name}", ""))
+            shapes += _box(x, y, name, numbers.get(f"{package}.{name}", ""))
         top += height + 2
         if seam:
             top += 18

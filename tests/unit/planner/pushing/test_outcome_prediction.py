@@ -118,7 +118,7 @@ def test_contacts_far_from_toppling_are_not_looked_at_again(
     room: float, looks: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cone = SimpleNamespace(slide_margin=np.array([room * 4.0]), slide_max=np.array([4.0]))
-    contact: Any = SimpleNamespace(fingers=1, index=0, among=SimpleNamespace(cone=cone))
+    contact: Any = SimpleNamespace(index=0, among=SimpleNamespace(fingers=1, cone=cone))
     step = PushStep("slide", 0.0, 0.1)
     topples = SimpleNamespace(outcome=np.array(["topple"]))
     monkeypatch.setattr(outcome_prediction, "_thresholds_over_cone", lambda *_: topples)
