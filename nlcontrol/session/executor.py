@@ -39,7 +39,6 @@ class Perception(Protocol):
             models: what is believed of every object, by its name in the cell.
             duration: over which camera frames are averaged [s].
         """
-        ...
 
 
 class Executor(Perception, Protocol):
@@ -56,17 +55,14 @@ class Executor(Perception, Protocol):
     @property
     def robot(self) -> Robot:
         """Arm and hand, as the planner asks for them."""
-        ...
 
     @property
     def time(self) -> float:
         """The robot's time [s]."""
-        ...
 
     @property
     def held(self) -> Held | None:
         """What the hand holds, as the robot knows; None if nothing."""
-        ...
 
     def execute(
         self,
@@ -81,7 +77,6 @@ class Executor(Perception, Protocol):
             models: what is believed of every object, by its name in the cell.
             progress: called while something happens.
         """
-        ...
 
     def watch(self, name: str, duration: float = LOOK) -> Trace:
         """Looks at the table while nothing is done.
@@ -90,7 +85,6 @@ class Executor(Perception, Protocol):
             name: of the object that the trace is about.
             duration: how long to look [s].
         """
-        ...
 
     def touch(
         self, experiment: Experiment, state: WorldState, progress: Progress | None = None
@@ -102,7 +96,6 @@ class Executor(Perception, Protocol):
             state: what is believed, from a look since which nothing has moved.
             progress: called while something happens.
         """
-        ...
 
 
 class Planner(Protocol):
@@ -120,4 +113,3 @@ class Planner(Protocol):
         notify: Callable[[str], None] = lambda _: None,
     ) -> PlanningResult:
         """A plan that satisfies a frame, or why there is none; see `planner.plan`."""
-        ...

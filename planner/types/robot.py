@@ -111,23 +111,18 @@ class Robot(Protocol):
     @property
     def limits(self) -> RobotLimits:
         """Figures of arm and hand."""
-        ...
 
     def reach(self, push: Push, state: WorldState, effort: ReachEffort = "usual") -> ReachAnswer:
         """Answer whether the hand can make a push, all of its way free."""
-        ...
 
     def estimate_reach(self, push: Push, state: WorldState) -> float:
         """Room to the joint limits at a glance [rad]; a push without any may still be possible."""
-        ...
 
     def grasp(self, width: float, *, pinch: bool = False) -> Grip | None:
         """Grip of the hand about a width [m], or about a knob or a cap; None if there is none."""
-        ...
 
     def reach_plan(self, plan: Plan, state: WorldState) -> ReachAnswer:
         """Answer whether arm and hand can carry out a plan, all of its way free."""
-        ...
 
 
 class NoRobot:

@@ -75,17 +75,14 @@ class TouchExecutor(Protocol):
     @property
     def robot(self) -> Robot:
         """Reach of arm and hand."""
-        ...
 
     def look(self, models: Mapping[str, ObjectModel]) -> WorldState:
         """What the robot believes now, with models of the objects by their names."""
-        ...
 
     def touch(
         self, experiment: Experiment, state: WorldState, progress: Progress | None = None
     ) -> Recording:
         """Carries out a touch experiment from a state since which nothing has moved."""
-        ...
 
 
 class Explorer:

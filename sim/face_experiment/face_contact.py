@@ -64,4 +64,3 @@ class Touch(Protocol):
             contact: where and which way.
             seed: of everything random.
         """
-        ...

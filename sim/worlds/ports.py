@@ -101,17 +101,14 @@ class RobotPort(Protocol):
     @property
     def time(self) -> float:
         """Time since the start [s]."""
-        ...
 
     @property
     def commanded(self) -> tuple[Array, Array]:
         """Angles last commanded to arm and hand, shapes (7,) and (12,) [rad]."""
-        ...
 
     @property
     def torque_noise(self) -> float:
         """Standard deviation of a torque sensor's reading in a control step [N·m]."""
-        ...
 
     def step(self, q_arm: Array, q_hand: Array) -> None:
         """Commands joint angles and lets one control period pass.
@@ -123,11 +120,9 @@ class RobotPort(Protocol):
 
     def arm_angles(self) -> Array:
         """Measured angles of the arm's joints, shape (7,) [rad]."""
-        ...
 
     def finger_angles(self, finger: str) -> Angles:
         """Measured angles of a finger's independent joints [rad]."""
-        ...
 
     def finger_torques(self, finger: str) -> Array:
         """Measured torques of a finger's joints, shape (3,) [N·m].
@@ -135,11 +130,9 @@ class RobotPort(Protocol):
         They are means of the samples since the last control step. The torque of the middle joint
         drives the distal joint too.
         """
-        ...
 
     def frames(self) -> list[Frame]:
         """Camera frames that arrived since the last call."""
-        ...
 
 
 class ObserverPort(Protocol):
@@ -154,13 +147,10 @@ class ObserverPort(Protocol):
     @property
     def history(self) -> Sequence[Sample]:
         """The world at the start and after every control step."""
-        ...
 
     @property
     def contacts(self) -> Sequence[BodyContact]:
         """Touches of bodies, in order of time."""
-        ...
 
     def truth_now(self, name: str) -> Truth:
         """How an object is at this time."""
-        ...

@@ -44,7 +44,6 @@ class Change(Protocol):
 
     def present(self, name: str, truth: Truth) -> Truth:
         """The truth of an object, as it is now."""
-        ...
 
 
 class DrakeWorld:
