@@ -37,7 +37,7 @@ from nlcontrol.learning.learning_reports import ExplorationReport
 from nlcontrol.learning.lessons import apply_lesson
 from nlcontrol.reports.exploration_report import with_truth
 from objectmodels import ObjectModel
-from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification import initial_belief
 from sim.exploration.exploration_run import Explorer, Touched
 from sim.simulated_executor import simulation

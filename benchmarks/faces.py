@@ -55,7 +55,7 @@ def compared(
 
 def row(model: str, found: Comparison, seconds: float) -> str:
     """One line of the table."""
-    agree, count = int(found.agrees.sum()), int(found.compared.sum())
+    agree, count = int(found.agrees.sum()), int(found.is_comparable.sum())
     return (
         f"| {found.object} | {model} | {len(found.results)} | {agree} of {count}, "
         f"{100 * (found.agreement or 0.0):.1f} % | {100 * (found.median_error or 0.0):.2f} % "

@@ -120,7 +120,7 @@ class LidBench:
     @property
     def lid(self) -> float:
         """How far the lid is open now."""
-        return self._lids.opened()[self._item.name]
+        return self._lids.lid_openings()[self._item.name]
 
     def flip(self, end: float, start: float = 0.0) -> Opened:
         """Moves a flip lid by its tab from one angle to another [rad]."""
@@ -235,7 +235,7 @@ def _furnished(
 ) -> Standing:
     """Table, object, lid and fingertip, finalised."""
     table = add_table(plant, scene)
-    bare = item.model_copy(update={"truth": item.truth.uncovered})
+    bare = item.model_copy(update={"truth": item.truth.without_lid})
     body, solid, feet = add_object(plant, bare)
     lid = add_lid(plant, item, body, solid)
     assert lid is not None

@@ -183,7 +183,7 @@ def known_error(raised: Exception) -> ControlError | None:
     return ControlError(info)
 
 
-def described(raised: Exception) -> ErrorInfo:
+def exception_info(raised: Exception) -> ErrorInfo:
     """Any exception as data: a known error, or a defect with the place where it arose.
 
     NLCONTROL_DEBUG shows a defect's traceback on standard error.
@@ -203,7 +203,7 @@ def described(raised: Exception) -> ErrorInfo:
 
 
 @contextmanager
-def translated() -> Iterator[None]:
+def known_errors_raised() -> Iterator[None]:
     """Turns the stages' own exceptions into `ControlError`; a defect passes as it is."""
     try:
         yield

@@ -30,7 +30,7 @@ def home() -> str:
     return os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
 
 
-def found(name: str) -> str | None:
+def package_path(name: str) -> str | None:
     """The folder or file that `import name` takes, without importing it; None if there is none."""
     spec = importlib.util.find_spec(name)
     if spec is None:
@@ -40,10 +40,10 @@ def found(name: str) -> str | None:
     return os.path.realpath(spec.origin) if spec.origin else None
 
 
-def misplaced() -> Iterator[tuple[str, str | None]]:
+def misplaced_packages() -> Iterator[tuple[str, str | None]]:
     """Each sibling package that is not the one beside nlcontrol, with what is found instead."""
     for name in SIBLINGS:
-        path = found(name)
+        path = package_path(name)
         if path != os.path.join(home(), name):
             yield name, path
 
@@ -54,7 +54,7 @@ def refuse_shadowed() -> None:
     Raises:
         ImportError: names the package, what was found in its place, and where ours lies.
     """
-    for name, path in misplaced():
+    for name, path in misplaced_packages():
         ours = os.path.join(home(), name)
         if path is None:
             raise ImportError(

@@ -241,7 +241,7 @@ def _with(scene: Scene, name: str, model: ObjectModel, off: Array) -> Scene:
             "friction_table": truth.friction_table * friction,
             "friction_finger": truth.friction_finger * finger,
         }
-    ).shifted(off[4:])
+    ).with_shift(off[4:])
     objects = tuple(
         item.model_copy(update={"truth": changed}) if item.name == name else item
         for item in scene.objects

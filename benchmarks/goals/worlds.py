@@ -186,7 +186,7 @@ def true(model: ObjectModel, rng: Generator) -> Truth:
             "friction_finger": model.finger_friction * (1.0 + FINGER_FRICTION * finger),
         }
     )
-    return changed.shifted([CENTRE_OF_MASS * s for s in shift])
+    return changed.with_shift([CENTRE_OF_MASS * s for s in shift])
 
 
 def as_believed(model: ObjectModel) -> Truth:

@@ -20,7 +20,7 @@ import click
 
 from nlcontrol import __version__
 from nlcontrol.cli.console.console_output import print_error
-from nlcontrol.errors import INTERNAL, OK, USAGE, ErrorInfo, described
+from nlcontrol.errors import INTERNAL, OK, USAGE, ErrorInfo, exception_info
 
 INTERRUPTED = 130  # what shells expect after control-C
 
@@ -117,6 +117,6 @@ def _print_usage_error(raised: click.UsageError, as_json: bool) -> int:
 
 def _print_failure(raised: Exception, as_json: bool) -> int:
     """The last resort: a known error, or a defect with the place where it arose."""
-    info = described(raised)
+    info = exception_info(raised)
     print_error(info, as_json=as_json)
     return info.status.exit

@@ -23,7 +23,7 @@ from nlcontrol.learning.learning_reports import ExplorationReport, TouchMade
 from nlcontrol.learning.lessons import SPREAD, apply_lesson
 from nlcontrol.learning.log_fitting import correlations, fitted_parameter
 from objectmodels.errors import ModelError
-from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification.belief_update import initial_belief as guessed
 from objectmodels.identification.closed_form_estimates import (
     Estimates,

@@ -18,7 +18,7 @@ import numpy as np
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.learning.learning_reports import Change, Lesson
 from objectmodels.errors import ModelError
-from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification.parameter_coordinates import (
     container_with_mass,
     container_with_volume,

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from nlcontrol.learning.learning_reports import FitReport, FittedParameter
 from objectmodels import ModelError, ObjectModel, Provenance
-from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification.identifiability import UNKNOWN
 from objectmodels.identification.joint_fit import Fit, fit
 from objectmodels.identification.logs.touch_log import FORCE_SHARE, Reading, read_data

@@ -63,7 +63,7 @@ class Record:
         _require_head(content, path)
         self._known: dict[str, TouchResult] = {}
         for number, text in enumerate(content[: self._size].splitlines()[1:], start=2):
-            line = _parsed(text, path, number)
+            line = _parse_line(text, path, number)
             self._known[line.key] = TouchResult(line.outcome, line.force, line.detail)
 
     @property
@@ -133,14 +133,14 @@ def _version(head: bytes) -> str | None:
     return str(said.get("schema_version", "1"))
 
 
-def _parsed(text: bytes, path: Path, number: int) -> _Line:
+def _parse_line(text: bytes, path: Path, number: int) -> _Line:
     try:
         return _Line.model_validate_json(text)
     except ValidationError as raised:
-        raise _damaged(path, number, raised.errors(include_url=False)[0]) from raised
+        raise _damage_error(path, number, raised.errors(include_url=False)[0]) from raised
 
 
-def _damaged(path: Path, number: int, fault: Any) -> ControlError:
+def _damage_error(path: Path, number: int, fault: Any) -> ControlError:
     where = ".".join(str(part) for part in fault["loc"])
     return error(
         "bad_record",

@@ -28,7 +28,7 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 from nlcontrol import __version__
-from nlcontrol.errors import error, translated
+from nlcontrol.errors import error, known_errors_raised
 from nlcontrol.outcome_maps.experiment_record import Record
 from nlcontrol.references.object_names import Candidate, find_by_name
 from nlcontrol.text_format import enumeration
@@ -81,7 +81,7 @@ def object_on_table(
         )
     if found:
         return next(item for item in cell.objects if item.name == found[0].name)
-    with translated():
+    with known_errors_raised():
         model = registry.find_one(name)
     raise error(
         "not_on_table",

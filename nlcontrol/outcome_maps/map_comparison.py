@@ -68,19 +68,19 @@ class Comparison:
         return int((self.outcome == "").sum())
 
     @cached_property
-    def compared(self) -> NDArray[np.bool_]:
+    def is_comparable(self) -> NDArray[np.bool_]:
         """Contacts whose classes are compared, shape (n,)."""
         return np.asarray((self.outcome != "") & (self.chart.outcome != "undecided"))
 
     @cached_property
     def agrees(self) -> NDArray[np.bool_]:
         """Those of them where the classes are the same, shape (n,)."""
-        return np.asarray(self.compared & (self.outcome == self.chart.outcome))
+        return np.asarray(self.is_comparable & (self.outcome == self.chart.outcome))
 
     @property
     def agreement(self) -> float | None:
         """Share of the compared contacts that agree; None if there are none."""
-        count = int(self.compared.sum())
+        count = int(self.is_comparable.sum())
         return float(self.agrees.sum() / count) if count else None
 
     @cached_property
@@ -116,7 +116,7 @@ def contacts_of(chart: OutcomeMap, name: str, face: str) -> list[Contact]:
 
 def agreement_text(found: Comparison) -> str:
     """How far an experiment and the prediction agree, in a sentence."""
-    share, median, compared = found.agreement, found.median_error, int(found.compared.sum())
+    share, median, compared = found.agreement, found.median_error, int(found.is_comparable.sum())
     undecided = len(found.results) - compared - found.left_out
     classes = "at none of 0" if share is None else f"at {100 * share:.1f} % of {compared}"
     forces = "none" if median is None else f"median error {100 * median:.1f} %"
@@ -170,7 +170,12 @@ def comparison_document(experiments: Sequence[Comparison]) -> dict[str, Any]:
 def _document(found: Comparison) -> dict[str, Any]:
     predicted = maps.map_document(found.chart, found.face)
     rows = zip(
-        predicted["contacts"], found.results, found.compared, found.agrees, found.error, strict=True
+        predicted["contacts"],
+        found.results,
+        found.is_comparable,
+        found.agrees,
+        found.error,
+        strict=True,
     )
     return predicted | {
         "object": found.object,
@@ -178,7 +183,7 @@ def _document(found: Comparison) -> dict[str, Any]:
         "scene": found.scene,
         "by": found.by,
         "seed": found.seed,
-        "compared": int(found.compared.sum()),
+        "compared": int(found.is_comparable.sum()),
         "agreement": found.agreement,
         "median_force_error": found.median_error,
         "contacts": [

@@ -54,12 +54,12 @@ class _Spots:
         return float(np.max(self.force, where=np.isfinite(self.force), initial=0.0))
 
 
-def _predicted(chart: OutcomeMap, shaded: bool) -> _Spots:
+def _predicted_spots(chart: OutcomeMap, shaded: bool) -> _Spots:
     opacity = _opacity(chart, shaded)
     return _Spots(chart.lateral, chart.height, chart.outcome, chart.force, opacity)
 
 
-def _measured(found: Comparison) -> _Spots:
+def _measured_spots(found: Comparison) -> _Spots:
     chart, opaque = found.chart, np.full(len(found.results), _OPAQUE)
     return _Spots(chart.lateral, chart.height, found.outcome, found.force, opaque)
 
@@ -83,12 +83,12 @@ def save_map(
     if solid:
         _draw_solid(figure, chart, shaded)
     else:
-        axes, spots = figure.add_subplot(), _predicted(chart, shaded)
+        axes, spots = figure.add_subplot(), _predicted_spots(chart, shaded)
         largest = spots.largest or 1.0
         _draw_flat(axes, chart.face, spots, largest)
         axes.set_ylabel("height above the table [mm]")
         axes.set_xlabel("along the face, seen from outside [mm]")
-        _explain(figure, axes, chart, shaded=shaded, largest=largest, crossed=_crossed(spots))
+        _explain(figure, axes, chart, shaded=shaded, largest=largest, crossed=_has_crosses(spots))
     figure.suptitle(f"{chart.model.name}, {face} face", fontsize=12, fontweight="bold")
     _save(figure, path)
 
@@ -104,8 +104,8 @@ def save_comparison(experiments: Sequence[Comparison], path: Path, *, shaded: bo
     from matplotlib.figure import Figure
 
     first = experiments[0]
-    chart, predicted = first.chart, _predicted(first.chart, shaded)
-    panels = {_TITLES[found.by]: _measured(found) for found in experiments}
+    chart, predicted = first.chart, _predicted_spots(first.chart, shaded)
+    panels = {_TITLES[found.by]: _measured_spots(found) for found in experiments}
     panels["prediction"] = predicted
     width = 2.4 + 22.0 * len(panels) * chart.face.width
     figure = Figure(
@@ -120,7 +120,7 @@ def save_comparison(experiments: Sequence[Comparison], path: Path, *, shaded: bo
     row[0].set_ylabel("height above the table [mm]")
     _explain(
         figure, row[-1], chart, shaded=shaded, largest=largest,
-        crossed=any(_crossed(spots) for spots in panels.values()),
+        crossed=any(_has_crosses(spots) for spots in panels.values()),
         left_out=any(found.left_out for found in experiments), above=_agreements(experiments),
     )  # fmt: skip
     figure.suptitle(
@@ -151,7 +151,7 @@ def _opacity(chart: OutcomeMap, shaded: bool) -> NDArray[np.float64]:
     return np.asarray(np.clip(_FADED + (1.0 - _FADED) * (2.0 * sure - 1.0), _FADED, 1.0))
 
 
-def _crossed(spots: _Spots) -> bool:
+def _has_crosses(spots: _Spots) -> bool:
     return bool((spots.outcome == "none").any())
 
 

@@ -74,7 +74,7 @@ class Inquiry:
         return f"on its {self.face_name} face{aside}, {quantity(self.height, 'm')} above the table"
 
     @property
-    def considered(self) -> Considered:
+    def push_in_answer(self) -> Considered:
         """The push as an answer tells it."""
         if self.direction is None:
             u = -np.array(self.face.points_at([self.lateral], [self.height])[1][0])
@@ -88,7 +88,7 @@ class Inquiry:
             force=self.force,
         )
 
-    def predicted(self) -> PushPrediction:
+    def push_prediction(self) -> PushPrediction:
         """What the push will do, by the code behind `nlcontrol predict`."""
         return predict_push(
             self.target.model,
@@ -123,7 +123,7 @@ def target_of(frame: g.Frame, state: WorldState) -> SeenObject:
     return state.objects[frame.object.id]
 
 
-def inquiry(frame: g.Frame, state: WorldState, defaults: Defaults) -> Inquiry:
+def push_asked_about(frame: g.Frame, state: WorldState, defaults: Defaults) -> Inquiry:
     """The push of a question.
 
     Raises:

@@ -24,7 +24,7 @@ from nlcontrol.plan_text import (
     steps_text,
 )
 from nlcontrol.questions.answer import Answer, likelihood
-from nlcontrol.questions.asked_push import inquiry, target_of
+from nlcontrol.questions.asked_push import push_asked_about, target_of
 from nlcontrol.questions.push_questions import most_favourable
 from nlcontrol.text_format import quantity
 from planner import plan
@@ -127,9 +127,9 @@ def spill_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answe
         heading = HEADINGS[frame.goal.direction or "away"]
         found = f"Tilted by {quantity(angle, 'rad')} {phrase(heading)}"
         return _spill_text(target, angle, heading, found, 1.0, defaults)
-    push = most_favourable(inquiry(frame, state, defaults), "tips", defaults)
-    p = push.predicted().probability["topple"]
-    heading = push.considered.heading or 0.0
+    push = most_favourable(push_asked_about(frame, state, defaults), "tips", defaults)
+    p = push.push_prediction().probability["topple"]
+    heading = push.push_in_answer.heading or 0.0
     start = f"Pushed {push.where}"
     if p < 0.5:
         text = (
@@ -142,11 +142,11 @@ def spill_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answe
             numbers={"spilled": 0.0, "topple_probability": p},
             probability=p,
             yes=False,
-            push=push.considered,
+            push=push.push_in_answer,
         )
     fallen = f"{start}, the {target.name} would topple (probability {likelihood(p)}); on its side"
     told = _spill_text(target, _ON_ITS_SIDE, heading, fallen, p, defaults)
-    return told.model_copy(update={"push": push.considered})
+    return told.model_copy(update={"push": push.push_in_answer})
 
 
 def _require_container(target: SeenObject, frame: g.Frame) -> None:

@@ -25,7 +25,7 @@ EVERYTHING = ("mass", "friction", "size")
 """What is told if a question names no property."""
 
 
-def value(frame: g.Frame, state: WorldState, position_sd: float) -> Answer:
+def property_answer(frame: g.Frame, state: WorldState, position_sd: float) -> Answer:
     """The believed values that a question asks for.
 
     Args:

@@ -17,7 +17,7 @@ from pydantic import BaseModel, ConfigDict
 from nlcontrol.errors import error
 from nlcontrol.json_document import Document
 from objectmodels import Face, ObjectModel
-from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.mechanics.outcome_probability import SMALLEST_SHARE
 from planner.geometry.directions import HEADINGS, heading_of
 

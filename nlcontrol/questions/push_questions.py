@@ -16,7 +16,7 @@ import numpy as np
 
 from grammar.frames import command as g
 from nlcontrol.questions.answer import DOES, Answer, Chart, force_text, likelihood
-from nlcontrol.questions.asked_push import Inquiry, inquiry, outcome_of, wanted_event
+from nlcontrol.questions.asked_push import Inquiry, outcome_of, push_asked_about, wanted_event
 from nlcontrol.questions.push_prediction import (
     CERTAIN,
     PushPrediction,
@@ -56,7 +56,7 @@ def figures(found: PushPrediction) -> dict[str, float]:
 def how_hard(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
     """The force at which an event begins, or up to which the object stays as it is."""
     event, kept = wanted_event(frame), {clause.kind for clause in frame.constraints}
-    push = replace(inquiry(frame, state, defaults), force=None)
+    push = replace(push_asked_about(frame, state, defaults), force=None)
     if frame.event is None and "no_slide" in kept:
         return _up_to(push, ("slide", "topple"), defaults)
     if event == "stays_upright" or (frame.event is None and kept & {"no_topple", "no_tilt"}):
@@ -66,7 +66,7 @@ def how_hard(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
 
 def _needed_force(push: Inquiry, event: g.Event) -> Answer:
     """The least force that makes the event happen, or that something else comes first."""
-    found = push.predicted()
+    found = push.push_prediction()
     first, other = in_turn(found)
     outcome = first if event == "moves" else outcome_of(event)
     p, name = found.probability[outcome], push.target.name
@@ -86,7 +86,7 @@ def _needed_force(push: Inquiry, event: g.Event) -> Answer:
             numbers=figures(found),
             probability=p,
             yes=False,
-            push=push.considered,
+            push=push.push_in_answer,
         )
     text = (
         f"It takes {force_text(value, sd)} to {_verb(event, name)}, pushed {push.where}: "
@@ -100,7 +100,7 @@ def _needed_force(push: Inquiry, event: g.Event) -> Answer:
         numbers=numbers,
         probability=p,
         yes=True,
-        push=push.considered,
+        push=push.push_in_answer,
     )
 
 
@@ -118,7 +118,7 @@ def _range(value: float, sd: float | None) -> dict[str, float]:
 
 def _without_toppling(push: Inquiry, defaults: Defaults) -> Answer:
     """Up to which force it stays upright; however hard it is pushed, if it is sure to slide."""
-    found = push.predicted()
+    found = push.push_prediction()
     p = found.probability["topple"]
     if p > 1.0 - defaults.probability:
         return _up_to(push, ("topple",), defaults)
@@ -133,17 +133,17 @@ def _without_toppling(push: Inquiry, defaults: Defaults) -> Answer:
         text=text,
         numbers=figures(found),
         probability=1.0 - p,
-        push=push.considered,
+        push=push.push_in_answer,
     )
 
 
 def _up_to(push: Inquiry, outcomes: tuple[str, ...], defaults: Defaults) -> Answer:
     """The force up to which outcomes are as improbable as a plan must have them."""
-    found, sigmas = push.predicted(), NormalDist().inv_cdf(defaults.probability)
+    found, sigmas = push.push_prediction(), NormalDist().inv_cdf(defaults.probability)
     thresholds = [needed_force(found, outcome) for outcome in outcomes]
     sure = [force - sigmas * (sd or 0.0) for force, sd in thresholds if force is not None]
     most = max(min(sure, default=0.0), 0.0)
-    at_most = replace(push, force=most).predicted().probability
+    at_most = replace(push, force=most).push_prediction().probability
     p = 1.0 - sum(at_most[outcome] for outcome in outcomes)
     stays = "stays upright" if outcomes == ("topple",) else "stays where it is"
     first, other = in_turn(found)
@@ -153,7 +153,9 @@ def _up_to(push: Inquiry, outcomes: tuple[str, ...], defaults: Defaults) -> Answ
         f"{threshold(found, other, force_text, only=True)}."
     )
     numbers = figures(found) | {"force": most}
-    return Answer(query="how_hard", text=text, numbers=numbers, probability=p, push=push.considered)
+    return Answer(
+        query="how_hard", text=text, numbers=numbers, probability=p, push=push.push_in_answer
+    )
 
 
 @dataclass(frozen=True)
@@ -175,7 +177,7 @@ class Places:
 
 def where_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
     """The places of a face where an event is sure, with the map that shows them."""
-    event, push = wanted_event(frame), inquiry(frame, state, defaults)
+    event, push = wanted_event(frame), push_asked_about(frame, state, defaults)
     found = event_places(push, event, defaults.probability)
     numbers = {"probability": defaults.probability} | _flip(push)
     if found.sure.any():
@@ -187,7 +189,7 @@ def where_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answe
         numbers=numbers,
         probability=float(found.likely.max(initial=0.0)),
         yes=bool(found.sure.any()),
-        push=push.considered.model_copy(update={"height": None}),
+        push=push.push_in_answer.model_copy(update={"height": None}),
         chart=Chart(object=push.target.name, face=push.face_name),
         map=found.chart,
     )

@@ -22,14 +22,14 @@ from nlcontrol.questions.answer import (
     force_text,
     likelihood,
 )
-from nlcontrol.questions.asked_push import EVENTS, Inquiry, inquiry, target_of
+from nlcontrol.questions.asked_push import EVENTS, Inquiry, push_asked_about, target_of
 from nlcontrol.questions.grasp_questions import (
     asks_for_hand,
     hand_answer,
     possible_answer,
     spill_answer,
 )
-from nlcontrol.questions.property_values import value
+from nlcontrol.questions.property_values import property_answer
 from nlcontrol.questions.push_prediction import (
     SURE,
     PushPrediction,
@@ -86,7 +86,7 @@ def answer(
         case "where":
             return where_answer(frame, state, defaults)
         case "value":
-            return value(frame, state, position_sd)
+            return property_answer(frame, state, position_sd)
         case "affordances":
             return _affordances(frame, state, reach(), defaults)
         case _:
@@ -103,8 +103,8 @@ def answer(
 def _predict(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
     """What a push would do and, if it asks so, whether an event would come."""
     goal_event = EVENTS.get(frame.goal.kind, "moves")
-    push = most_favourable(inquiry(frame, state, defaults), goal_event, defaults)
-    found = push.predicted()
+    push = most_favourable(push_asked_about(frame, state, defaults), goal_event, defaults)
+    found = push.push_prediction()
     turns = _turns(push, found)
     with_force = "" if push.force is None else f" with {force_text(push.force)}"
     start = f"Pushed{with_force} {push.where}"
@@ -128,7 +128,7 @@ def _predict(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
         numbers=figures(found),
         probability=p,
         yes=yes,
-        push=push.considered,
+        push=push.push_in_answer,
     )
 
 

@@ -50,7 +50,7 @@ class Sheet:
         font = FontProperties(size=size, weight="bold" if bold else "normal")
         return float(self._renderer.get_text_width_height_descent(text, font, False)[0]) / _DPI
 
-    def wrapped(self, text: str, width: float, size: float, *, bold: bool = False) -> list[str]:
+    def lines_of(self, text: str, width: float, size: float, *, bold: bool = False) -> list[str]:
         """The lines of a text that is not to be longer than `width` [in].
 
         A word that is too long by itself is divided.

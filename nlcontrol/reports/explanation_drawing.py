@@ -83,7 +83,7 @@ def save_explanation(result: Result, path: Path) -> None:
         for group in groups(members):
             y = _group(sheet, group, y) + _GROUP_GAP
     if (last := filler(rows)) is not None:
-        for line in sheet.wrapped(last, _WIDTH - 2 * _EDGE, _BODY):
+        for line in sheet.lines_of(last, _WIDTH - 2 * _EDGE, _BODY):
             sheet.write(_EDGE, y + 0.08, line, _BODY, _GREY, fontstyle="italic")
             y += line_height(_BODY)
     sheet.save(path, y + 0.22)
@@ -98,7 +98,7 @@ def _sentence(sheet: Sheet, text: str, rows: Sequence[Row], y: float) -> float:
         start = text.index(word, start)
         colour = _colour_at(rows, start, start + len(word))
         bold = colour != _GREY
-        for piece in sheet.wrapped(word, ends - _EDGE, _TITLE, bold=bold):
+        for piece in sheet.lines_of(word, ends - _EDGE, _TITLE, bold=bold):
             length = sheet.length(piece, _TITLE, bold=bold)
             if x > _EDGE and x + length > ends:
                 x, y = _EDGE, y + line_height(_TITLE)
@@ -143,8 +143,8 @@ class _Cell(NamedTuple):
 def _cell(sheet: Sheet, row: Row) -> _Cell:
     name = f"✗ {row.parameter}" if row.problem else row.parameter
     room = _PARAMETER.width - 2 * _PAD
-    lines = sheet.wrapped(name, _NAME - _PAD, _BODY) if name else []
-    value = sheet.wrapped(row.value, room - (_NAME if name else 0.0), _BODY, bold=bool(name))
+    lines = sheet.lines_of(name, _NAME - _PAD, _BODY) if name else []
+    value = sheet.lines_of(row.value, room - (_NAME if name else 0.0), _BODY, bold=bool(name))
     return _Cell(row, lines, value)
 
 
@@ -152,9 +152,9 @@ def _group(sheet: Sheet, group: Group, top: float) -> float:
     """One part of a frame, from its words to its parameters; returns where it ends."""
     colour = _RED if any(row.problem for row in group.rows) else _COLOURS[group.part]
     cells = [_cell(sheet, row) for row in group.rows if row.parameter or row.value]
-    words = sheet.wrapped(group.words or NOT_SAID, _WORDS.width - 2 * _PAD, _BODY, bold=True)
+    words = sheet.lines_of(group.words or NOT_SAID, _WORDS.width - 2 * _PAD, _BODY, bold=True)
     detail = group.field.removeprefix(f"{group.part}: ")
-    field = sheet.wrapped(detail, _FRAME.width - 2 * _PAD, _SMALL)
+    field = sheet.lines_of(detail, _FRAME.width - 2 * _PAD, _SMALL)
     word_height = len(words) * line_height(_BODY) + 2 * _PAD
     field_height = line_height(_BODY) + len(field) * line_height(_SMALL) + 2 * _PAD
     cells_height = sum(cell.height + _GAP for cell in cells) - _GAP

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from grammar.frames.command import Command, Frame
-from nlcontrol.errors import ControlError, error, translated
+from nlcontrol.errors import ControlError, error, known_errors_raised
 from nlcontrol.references.object_names import Candidate
 from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve_references
 from nlcontrol.results.result import Result, with_
@@ -66,7 +66,7 @@ class Controller:
         seed: int = 0,
         defaults: Defaults | None = None,
     ) -> None:
-        with translated():
+        with known_errors_raised():
             if executor is None:
                 from sim.simulated_executor import SimulatedExecutor
 
@@ -99,7 +99,7 @@ class Controller:
         Raises:
             ControlError: it is not understood.
         """
-        with translated():
+        with known_errors_raised():
             return self._parser.parse(text)
 
     @cached_property
@@ -166,7 +166,7 @@ class Controller:
         Raises:
             ControlError: `unknown_object`.
         """
-        with translated():
+        with known_errors_raised():
             known = {item.casefold(): item for item in self.cell.names}
             here = known.get(name.casefold())
             model = None if here else self.registry.find_one(name)

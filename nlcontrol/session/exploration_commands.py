@@ -84,7 +84,7 @@ def requested_parameters(frame: g.Frame) -> tuple[str, ...]:
     other = next((name for name in which if name not in BY_TOUCH), None)
     if other is not None:
         what = other.replace("_", " ")
-        raise _unsupported(
+        raise _unsupported_error(
             frame,
             f"touching an object does not tell its {what}",
             f"finding out the {what} of objects",
@@ -93,7 +93,7 @@ def requested_parameters(frame: g.Frame) -> tuple[str, ...]:
     clause = next((c for c in frame.constraints if c.kind not in _KEPT), None)
     if clause is not None:
         what = clause.kind.replace("_", " ")
-        raise _unsupported(
+        raise _unsupported_error(
             frame,
             f"touches that find something out do not keep the clause {what}",
             f"keeping {what} while exploring",
@@ -103,7 +103,7 @@ def requested_parameters(frame: g.Frame) -> tuple[str, ...]:
     return tuple(named) or EVERYTHING
 
 
-def _unsupported(frame: g.Frame, message: str, capability: str, hint: str) -> ControlError:
+def _unsupported_error(frame: g.Frame, message: str, capability: str, hint: str) -> ControlError:
     spans = frame.goal.spans or frame.spans
     return ControlError(
         ErrorInfo(
@@ -213,7 +213,7 @@ def weigh_by_lifting(
         ControlError: the reason for which it cannot be lifted; `unsupported` if more than its
             weight is asked; `not_explorable` if it was not held.
     """
-    plan = _planned(controller, name, frame)
+    plan = _lift_and_return(controller, name, frame)
     model = controller.models[name]
     trace = controller.execute(plan, progress)
     felt, found = felt_weight(plan, trace), weight_from_grasp(plan, model, trace)
@@ -239,7 +239,7 @@ def weigh_by_lifting(
     )
 
 
-def _planned(controller: Explorer, name: str, frame: g.Frame) -> Plan:
+def _lift_and_return(controller: Explorer, name: str, frame: g.Frame) -> Plan:
     """Up, and down again where it stood."""
     goal = frame.goal
     if isinstance(goal, g.Parameters) and not set(goal.which) <= {"mass"}:

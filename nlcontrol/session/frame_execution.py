@@ -57,9 +57,9 @@ def run_command(
     result = with_(result, frames=command.frames)
     for index, frame in enumerate(command.frames):
         if frame.action == "explore" or (not plan_only and _to_be_found_out(controller, frame)):
-            result = _explored(controller, index, frame, result, plan_only, progress)
+            result = _explore_frame(controller, index, frame, result, plan_only, progress)
         elif frame.query is not None:
-            result = _answered(controller, index, frame, result)
+            result = _answer_question(controller, index, frame, result)
         else:
             result = FrameRun(controller, index, frame, progress).run(result, plan_only)
         if result.error or result.status == "planned":
@@ -73,7 +73,7 @@ def run_command(
     return result
 
 
-def _answered(controller: Controller, index: int, frame: g.Frame, result: Result) -> Result:
+def _answer_question(controller: Controller, index: int, frame: g.Frame, result: Result) -> Result:
     """The result with the answer to one more question."""
     step = Step(frame=index, status="failed")
     try:
@@ -81,9 +81,9 @@ def _answered(controller: Controller, index: int, frame: g.Frame, result: Result
         step = step.model_copy(update={"basis": Basis.of(frame, state, controller.defaults)})
         answer = controller.answer(frame, state)
     except ControlError as raised:
-        return _ended(result, step, _unanswered(raised.info), raised.info)
+        return _result_with_step(result, step, _unanswered_status(raised.info), raised.info)
     step = step.model_copy(update={"answer": answer})
-    return _ended(with_(result, answer=answer), step, "answered")
+    return _result_with_step(with_(result, answer=answer), step, "answered")
 
 
 def _to_be_found_out(controller: Controller, frame: g.Frame) -> bool:
@@ -95,7 +95,7 @@ def _to_be_found_out(controller: Controller, frame: g.Frame) -> bool:
     return model is not None and is_unknown(frame, model, controller.defaults.known_to)
 
 
-def _explored(
+def _explore_frame(
     controller: Controller,
     index: int,
     frame: g.Frame,
@@ -112,13 +112,13 @@ def _explored(
         step = step.model_copy(update={"basis": Basis.of(frame, state, controller.defaults)})
         if plan_only:
             note = exploration_notice(controller, frame, state)
-            return _ended(with_(result, notes=(*result.notes, note)), step, "planned")
+            return _result_with_step(with_(result, notes=(*result.notes, note)), step, "planned")
         found, answer = explore_parameters(controller, frame, progress)
     except ControlError as raised:
-        return _ended(result, step, _unanswered(raised.info), raised.info)
+        return _result_with_step(result, step, _unanswered_status(raised.info), raised.info)
     step = step.model_copy(update={"exploration": found and found.report, "answer": answer})
     result = with_(result, answer=answer, trace=found and found.trace)
-    return _ended(result, step, "done" if frame.query is None else "answered")
+    return _result_with_step(result, step, "done" if frame.query is None else "answered")
 
 
 class FrameRun:
@@ -157,10 +157,10 @@ class FrameRun:
                     notify=self._notify,
                 )
             except ControlError as raised:
-                return _ended(result, self.step, "unsupported", raised.info)
+                return _result_with_step(result, self.step, "unsupported", raised.info)
             if isinstance(made, Refusal):
                 if attempt == 0:
-                    return _ended(result, self.step, made.status, refusal_error(made))
+                    return _result_with_step(result, self.step, made.status, refusal_error(made))
                 self._note(stuck=made.message)
                 break
             if isinstance(made, Reached):
@@ -177,13 +177,13 @@ class FrameRun:
                     result, planned=result.planned + 1, defaults=result.defaults + made.defaults
                 )
             if plan_only:
-                return _ended(result, self.step, "planned")
+                return _result_with_step(result, self.step, "planned")
             if self._carried_out(made, state):
                 break
             previous = made if made.pushes else None
         if plan_only:
-            return _ended(result, self.step, "planned")
-        return self._checked(self._traced(result))
+            return _result_with_step(result, self.step, "planned")
+        return self._check_frame(self._result_with_trace(result))
 
     def _budget(self, made: Plan) -> int:
         """Pushes, or tries of a hand, that may be made; what is to be quick is not corrected."""
@@ -268,14 +268,14 @@ class FrameRun:
         models |= beliefs_after_grasp(made, models, trace)
         return trace.end not in TRIED_AGAIN
 
-    def _traced(self, result: Result) -> Result:
+    def _result_with_trace(self, result: Result) -> Result:
         """The result with everything that happened for this frame."""
         execution = summary(join_traces(self.traces))
         self._note(execution=execution)
         before = [result.trace] if result.trace is not None else []
         return with_(result, trace=join_traces([*before, *self.traces]), execution=execution)
 
-    def _checked(self, result: Result) -> Result:
+    def _check_frame(self, result: Result) -> Result:
         trace = join_traces(self.traces)
         checks = self.controller.check(self.frame, trace)
         self._note(checks=checks)
@@ -284,8 +284,10 @@ class FrameRun:
         if missed:
             from nlcontrol.checks.frame_checks import not_held
 
-            return _ended(result, self.step, "failed", not_held(missed, trace, self.step.stuck))
-        return _ended(result, self.step, "done")
+            return _result_with_step(
+                result, self.step, "failed", not_held(missed, trace, self.step.stuck)
+            )
+        return _result_with_step(result, self.step, "done")
 
 
 def _spent(made: Plan, times: int) -> str:
@@ -300,7 +302,7 @@ FAILURES: frozenset[EndReason] = frozenset(
 """Ends of a push after which another contact is tried, where there is one."""
 
 
-def _ended(
+def _result_with_step(
     result: Result, step: Step, status: ResultStatus, reason: ErrorInfo | None = None
 ) -> Result:
     """The result with the end of one more step."""
@@ -310,7 +312,7 @@ def _ended(
     )
 
 
-def _unanswered(info: ErrorInfo) -> ResultStatus:
+def _unanswered_status(info: ErrorInfo) -> ResultStatus:
     """Status of a question that has no answer."""
     if info.code == "unsupported":
         return "unsupported"

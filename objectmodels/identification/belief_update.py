@@ -26,7 +26,7 @@ import numpy as np
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification.least_squares import damped_step, require_possible
 from objectmodels.identification.measurement_model import Balance, Linear
 from objectmodels.identification.parameter_coordinates import (

@@ -26,7 +26,7 @@ import numpy as np
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification.measurement_model import Balance, tilt_arms
 from objectmodels.identification.parameter_coordinates import COM_X, MASS
 from objectmodels.identification.trial import Statistics, Trial

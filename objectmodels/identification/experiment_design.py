@@ -20,7 +20,7 @@ import numpy as np
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification.belief_update import belief_of
 from objectmodels.identification.identifiability import require_names
 from objectmodels.identification.measurement_model import Balance

@@ -16,7 +16,7 @@ import numpy as np
 
 from objectmodels.errors import ModelError, suggest
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification.measurement_model import Balance, Linear
 from objectmodels.identification.parameter_coordinates import (
     COM_X,

@@ -25,7 +25,7 @@ import numpy as np
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.geometry.support_points import Support, friction_radius
 from objectmodels.identification.identifiability import identifiable_parameters
 from objectmodels.identification.least_squares import (

@@ -24,7 +24,7 @@ from objectmodels.geometry.base_shapes import Array
 from objectmodels.identification.trial import Moved, Trial, Vector
 
 if TYPE_CHECKING:
-    from objectmodels.geometry.mechanical import Mechanical
+    from objectmodels.geometry.pushed_body import PushedBody
 
 LEAST_TRAVEL = 0.001
 """Travel after the onset that shows that the object moved [m]."""
@@ -200,7 +200,7 @@ def trial_from_series(recording: Recording) -> tuple[Trial, Onset] | None:
     return trial, onset
 
 
-def tilted_trial(recording: Recording, onset: Trial, model: Mechanical) -> Trial | None:
+def tilted_trial(recording: Recording, onset: Trial, model: PushedBody) -> Trial | None:
     """The balance at the end of a recording in which the object is held tilted, if it is one.
 
     Args:

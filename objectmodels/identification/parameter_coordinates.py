@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.object_parts import Container
 

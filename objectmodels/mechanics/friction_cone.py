@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from objectmodels.geometry.mechanical import Mechanical
+    from objectmodels.geometry.pushed_body import PushedBody
 
     Index = NDArray[np.int64]
 
@@ -91,7 +91,7 @@ class Case:
     weight: float
 
     @classmethod
-    def from_model(cls, model: Mechanical, sigmas: float, *, yaw: bool = True) -> Case:
+    def from_model(cls, model: PushedBody, sigmas: float, *, yaw: bool = True) -> Case:
         """The object that slides late and topples early (σ > 0), or the other way round (σ < 0).
 
         Without yaw it may only slide straight: its friction radius is infinite.
@@ -248,7 +248,7 @@ class ConeThresholds:
     critical_height: Array
     slides_most: Array
     topples_most: Array
-    _contacts: tuple[Mechanical, Array, Array, bool] = field(repr=False)
+    _contacts: tuple[PushedBody, Array, Array, bool] = field(repr=False)
 
     @cached_property
     def probability_slide(self) -> Array:
@@ -265,7 +265,7 @@ class ConeThresholds:
 
 
 def cone_thresholds(
-    model: Mechanical, p: Array, normals: Array, sigmas: float, yaw: bool
+    model: PushedBody, p: Array, normals: Array, sigmas: float, yaw: bool
 ) -> ConeThresholds:
     """See `ObjectModel.cone_thresholds`, which checks its arguments."""
     # All but the topple threshold is the same for every height over one point of the base.
@@ -361,7 +361,7 @@ def _contact_height(height: Array, top: float) -> Array:
 
 
 def worst_probability(
-    model: Mechanical, p: Array, normals: Array, yaw: bool, outcome: Literal["slide", "topple"]
+    model: PushedBody, p: Array, normals: Array, yaw: bool, outcome: Literal["slide", "topple"]
 ) -> Array:
     """Probability of an outcome at onset for the worst direction in the finger's cone, (n,).
 
@@ -385,7 +385,7 @@ def worst_probability(
 
 
 def _direction_probability(
-    model: Mechanical, p: Array, normals: Array, shares: Array, outcome: str, draw: Draws
+    model: PushedBody, p: Array, normals: Array, shares: Array, outcome: str, draw: Draws
 ) -> Array:
     """Probability of an outcome for the directions of given shares (n, j, 2), shape (n, j)."""
     tangential = shares[:, :, None, :] * draw.finger_friction[:, None]

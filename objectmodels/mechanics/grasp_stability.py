@@ -36,7 +36,7 @@ from objectmodels.mechanics.outcome_probability import (
 from objectmodels.mechanics.push_thresholds import GRAVITY
 
 if TYPE_CHECKING:
-    from objectmodels.geometry.mechanical import Mechanical
+    from objectmodels.geometry.pushed_body import PushedBody
 
 STRONGEST = 1e4
 """Squeeze beyond which none is looked for [N]."""
@@ -185,7 +185,7 @@ class Lifted:
         acceleration: largest one of the hand, in any direction [m/s²].
     """
 
-    model: Mechanical
+    model: PushedBody
     contacts: Contacts
     p_BG: Array
     R_BG: Array

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.mechanical import Mechanical
+from objectmodels.geometry.pushed_body import PushedBody
 from objectmodels.geometry.side_faces import Face
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ MOST_EXACT = 5_000
 """Maps of more contacts take the exact tier only where the closed form may have the wrong class."""
 
 
-class MappedObject(Mechanical, Protocol):
+class MappedObject(PushedBody, Protocol):
     """An object of which a map can be made: it answers with exact thresholds and probabilities."""
 
     def thresholds(

@@ -20,7 +20,7 @@ import numpy as np
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.mechanics.push_thresholds import (
     critical_friction,
     slide_threshold,
@@ -29,7 +29,7 @@ from objectmodels.mechanics.push_thresholds import (
 )
 
 if TYPE_CHECKING:
-    from objectmodels.geometry.mechanical import Mechanical
+    from objectmodels.geometry.pushed_body import PushedBody
 
 NODES = 128
 """Points of the Halton sequence that a probability is averaged over."""
@@ -88,7 +88,7 @@ class Draws:
 _CONDITIONS = ("com_x", "com_y", "friction_radius", "finger_friction")
 
 
-def draw_parameters(model: Mechanical, z: Array, *, yaw: bool = True) -> Draws:
+def draw_parameters(model: PushedBody, z: Array, *, yaw: bool = True) -> Draws:
     """Parameters at standard normal deviates z, shape (k, 4): com x, com y, radius, finger.
 
     Without yaw the friction radius is infinite.
@@ -115,7 +115,7 @@ def _triangular_root(correlation: Array) -> Array:
     return np.asarray(np.linalg.cholesky(shifted), dtype=np.float64)
 
 
-def _drawn_inside(model: Mechanical, com: Array) -> Array:
+def _drawn_inside(model: PushedBody, com: Array) -> Array:
     """Centres of mass (k, 2) drawn back along rays from the origin until they are on the base."""
     length = np.hypot(*com.T)
     rays = com / np.maximum(length, 1e-300)[:, None]
@@ -126,7 +126,7 @@ def _drawn_inside(model: Mechanical, com: Array) -> Array:
 
 
 def outcome_likelihood(
-    model: Mechanical, p: Array, u: Array, force: float | None = None, seed: int = 0
+    model: PushedBody, p: Array, u: Array, force: float | None = None, seed: int = 0
 ) -> Likelihood:
     """See `ObjectModel.likelihood`, which checks its arrays."""
     if force is None:
@@ -151,13 +151,13 @@ def _contact_blocks(p: Array, u: Array) -> list[tuple[Array, Array]]:
     return [(p[i : i + BLOCK], u[i : i + BLOCK]) for i in starts]
 
 
-def _at_onset(model: Mechanical, p: Array, u: Array, draw: Draws) -> tuple[Array, Array]:
+def _at_onset(model: PushedBody, p: Array, u: Array, draw: Draws) -> tuple[Array, Array]:
     """Probabilities of sliding and of toppling first, shape (n,) each."""
     slide, topple = class_probabilities(model, p[:, None, :], u[:, None, :], draw)
     return slide.mean(axis=-1), topple.mean(axis=-1)
 
 
-def class_probabilities(model: Mechanical, p: Array, f: Array, draw: Draws) -> tuple[Array, Array]:
+def class_probabilities(model: PushedBody, p: Array, f: Array, draw: Draws) -> tuple[Array, Array]:
     """Probabilities over the friction alone, for each draw in the last axis."""
     topple = topple_threshold(model.base, p, f, draw.com, model.weight)
     arm = yaw_arm(p, f, draw.com)
@@ -186,7 +186,7 @@ class Sample:
     com: Array
 
 
-def sample_parameters(model: Mechanical, samples: int, seed: int) -> Sample:
+def sample_parameters(model: PushedBody, samples: int, seed: int) -> Sample:
     """Draws all uncertain parameters of an object."""
     z = np.random.default_rng(seed).standard_normal((samples, len(UNCERTAIN)))
     mean = model.means
@@ -201,7 +201,7 @@ def sample_parameters(model: Mechanical, samples: int, seed: int) -> Sample:
     )
 
 
-def _sample_outcomes(model: Mechanical, p: Array, u: Array, force: float, seed: int) -> Array:
+def _sample_outcomes(model: PushedBody, p: Array, u: Array, force: float, seed: int) -> Array:
     """Shares of none, slide, topple among samples of all parameters, shape (n, 3)."""
     drawn = sample_parameters(model, SAMPLES, seed)
     weight, com = drawn.weight, drawn.com

@@ -23,7 +23,7 @@ from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.vector_arrays import cross, left_of, rotate
 
 if TYPE_CHECKING:
-    from objectmodels.geometry.mechanical import Mechanical
+    from objectmodels.geometry.pushed_body import PushedBody
 
 STEPS = 200
 """Steps of the integration over a stroke; the pose's error is then below 1 µm for 0.2 m."""
@@ -53,7 +53,7 @@ class Stroke:
 
 
 def integrate_stroke(
-    model: Mechanical, points: ArrayLike, normals: ArrayLike, direction: ArrayLike, travel: float
+    model: PushedBody, points: ArrayLike, normals: ArrayLike, direction: ArrayLike, travel: float
 ) -> Stroke:
     """See `ObjectModel.stroke`."""
     p, n, d = _checked_stroke(points, normals, direction, travel)
@@ -106,7 +106,7 @@ def _checked_stroke(
     return p[..., :2].copy(), level, d[:, :2].copy()
 
 
-def touched_faces(model: Mechanical, places: Array, normals: Array) -> Array:
+def touched_faces(model: PushedBody, places: Array, normals: Array) -> Array:
     """Of each touched face: where along it the contact is, half its width, curvature; (n, 3).
 
     Args:
@@ -136,7 +136,7 @@ def touched_faces(model: Mechanical, places: Array, normals: Array) -> Array:
 class _Pushes:
     """The equations of motion of n strokes with k fingers."""
 
-    def __init__(self, model: Mechanical, p: Array, n: Array, d: Array, face: Array) -> None:
+    def __init__(self, model: PushedBody, p: Array, n: Array, d: Array, face: Array) -> None:
         self.c, self.radius = np.array(model.com[:2]), model.friction_radius
         self.mu = model.finger_friction
         self.p, self.inward, self.d, self.face = p, -n, d, face

@@ -31,7 +31,7 @@ from objectmodels.mechanics.push_thresholds import (
 )
 
 if TYPE_CHECKING:
-    from objectmodels.geometry.mechanical import Friction, Mechanical
+    from objectmodels.geometry.pushed_body import Friction, PushedBody
 
 UNDECIDED = 1e-9
 """Relative band in which two thresholds count as equal: the outcome is then `slide+topple`."""
@@ -179,7 +179,7 @@ class Prediction:
 
 
 def closed_form_thresholds(
-    model: Mechanical, p: Array, u: Array, friction: Friction = "static"
+    model: PushedBody, p: Array, u: Array, friction: Friction = "static"
 ) -> Thresholds:
     """Thresholds of the closed form; see `ObjectModel.thresholds`, which checks its arguments.
 
@@ -225,7 +225,7 @@ class SuddenPush:
     angular: Array
 
 
-def sudden_push(model: Mechanical, p: Array, f: Array) -> SuddenPush:
+def sudden_push(model: PushedBody, p: Array, f: Array) -> SuddenPush:
     """See `ObjectModel.sudden`, which checks its arguments."""
     force, u = size_and_direction(f)
     t = closed_form_thresholds(model, p, u)

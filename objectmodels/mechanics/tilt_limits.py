@@ -18,10 +18,10 @@ from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
 
 if TYPE_CHECKING:
-    from objectmodels.geometry.mechanical import Mechanical
+    from objectmodels.geometry.pushed_body import PushedBody
 
 
-def angle_of_no_return(model: Mechanical, direction: ArrayLike, sigmas: float) -> float:
+def angle_of_no_return(model: PushedBody, direction: ArrayLike, sigmas: float) -> float:
     """Angle atan(b / c_z) past which the object falls by itself [rad].
 
     Args:
@@ -39,7 +39,7 @@ def angle_of_no_return(model: Mechanical, direction: ArrayLike, sigmas: float) -
     return atan2(max(b, 0.0), max(c_z, 0.0))
 
 
-def return_probability(model: Mechanical, direction: ArrayLike, angle: float) -> float:
+def return_probability(model: PushedBody, direction: ArrayLike, angle: float) -> float:
     """Probability that the object falls back onto its base from a tilt of that angle [rad].
 
     It does while b − c_z tan θ is positive, which is normal as b and c_z are.
@@ -50,7 +50,7 @@ def return_probability(model: Mechanical, direction: ArrayLike, angle: float) ->
     return NormalDist().cdf(left / unsure) if unsure > 0.0 else float(left > 0.0)
 
 
-def largest_return(model: Mechanical, direction: ArrayLike, probability: float) -> float:
+def largest_return(model: PushedBody, direction: ArrayLike, probability: float) -> float:
     """Largest tilt from which it falls back with at least a probability above a half [rad]."""
     b, b_sd, c_z, c_z_sd = _weight_lever(model, direction)
     z = NormalDist().inv_cdf(probability)
@@ -61,7 +61,7 @@ def largest_return(model: Mechanical, direction: ArrayLike, probability: float) 
     return atan2(b * b - (z * b_sd) ** 2, b * c_z + z * root)
 
 
-def topple_stroke(model: Mechanical, direction: ArrayLike, height: float, angle: float) -> float:
+def topple_stroke(model: PushedBody, direction: ArrayLike, height: float, angle: float) -> float:
     """Travel of the finger that tilts the object by an angle, whether it slips or sticks [m].
 
     Args:
@@ -79,7 +79,7 @@ def topple_stroke(model: Mechanical, direction: ArrayLike, height: float, angle:
 
 
 def stroke_tilt(
-    model: Mechanical, direction: ArrayLike, height: float, travel: float
+    model: PushedBody, direction: ArrayLike, height: float, travel: float
 ) -> tuple[float, float]:
     """Tilts after a travel of the finger if it stays level or sticks, the smaller first [rad]."""
     if not 0.0 < height <= model.top:
@@ -117,20 +117,20 @@ def stroke_stuck(height: float, length: float, angle: float) -> float:
     return height * sin(angle) + length * (1.0 - cos(angle))
 
 
-def length_along(model: Mechanical, direction: ArrayLike) -> float:
+def length_along(model: PushedBody, direction: ArrayLike) -> float:
     """From the leading edge to the side behind, which may stand out beyond the base [m]."""
     n = _leading_edge(model, direction)
     return float(model.base.extent(n)) + float((model.outline @ -n).max())
 
 
-def _weight_lever(model: Mechanical, direction: ArrayLike) -> tuple[float, float, float, float]:
+def _weight_lever(model: PushedBody, direction: ArrayLike) -> tuple[float, float, float, float]:
     """Lengths b and c_z, each with its standard deviation [m]."""
     n = _leading_edge(model, direction)
     b = float(model.base.extent(n)) - float(n @ np.array(model.com[:2]))
     return b, float(np.hypot(*(n * model.com_sd[:2]))), model.com[2], model.com_sd[2]
 
 
-def _leading_edge(model: Mechanical, direction: ArrayLike) -> Array:
+def _leading_edge(model: PushedBody, direction: ArrayLike) -> Array:
     """Outward normal of the base edge that looks most along a horizontal direction, (2,)."""
     u = np.asarray(direction, dtype=np.float64)
     if u.shape not in ((2,), (3,)) or not np.isfinite(u).all() or not u[:2].any():

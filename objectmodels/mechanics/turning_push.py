@@ -35,7 +35,7 @@ from objectmodels.geometry.vector_arrays import (
 )
 
 if TYPE_CHECKING:
-    from objectmodels.geometry.mechanical import Mechanical
+    from objectmodels.geometry.pushed_body import PushedBody
     from objectmodels.geometry.side_faces import Face
 
 Vector3 = tuple[float, float, float]
@@ -111,7 +111,7 @@ class TurningPush:
 
 
 def turning_motion(
-    model: Mechanical,
+    model: PushedBody,
     points: ArrayLike,
     normals: ArrayLike,
     slants: ArrayLike,
@@ -162,7 +162,7 @@ def turning_motion(
 
 
 def best_turn(
-    model: Mechanical,
+    model: PushedBody,
     face: Face,
     angle: float,
     height: float,
@@ -220,7 +220,7 @@ def best_turn(
 
 
 def learned_radius(
-    model: Mechanical, point: ArrayLike, direction: ArrayLike, pose: ArrayLike
+    model: PushedBody, point: ArrayLike, direction: ArrayLike, pose: ArrayLike
 ) -> float:
     """The friction radius that a push has shown which turned the object [m].
 
@@ -259,7 +259,7 @@ class _Contacts:
         r: contacts from the centre of mass, shape (n, 2) [m].
     """
 
-    def __init__(self, model: Mechanical, points: ArrayLike, normals: ArrayLike) -> None:
+    def __init__(self, model: PushedBody, points: ArrayLike, normals: ArrayLike) -> None:
         p, n = checked_pairs(points, normals)
         require_normals(n)
         self._model = model
@@ -289,7 +289,7 @@ class _Contacts:
         return np.asarray((force[:, 0] > 0.0) & (np.abs(force[:, 1]) <= mu * force[:, 0]))
 
 
-def _shifted_radius(model: Mechanical, sigmas: float) -> float:
+def _shifted_radius(model: PushedBody, sigmas: float) -> float:
     """The friction radius with so many deviations more, or less if negative [m].
 
     No pressure turns harder than that of an object which stands on its corners.

@@ -25,7 +25,7 @@ from pydantic import model_validator
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array, Base
-from objectmodels.geometry.mechanical import Friction
+from objectmodels.geometry.pushed_body import Friction
 from objectmodels.geometry.side_faces import Face
 from objectmodels.geometry.support_points import carrying_base, friction_radius, is_within
 from objectmodels.geometry.vector_arrays import checked_pairs, require_normals, require_units

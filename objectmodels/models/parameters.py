@@ -22,7 +22,7 @@ from pydantic import (
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.mechanical import UNCERTAIN, Friction
+from objectmodels.geometry.pushed_body import UNCERTAIN, Friction
 from objectmodels.geometry.support_points import Support
 from objectmodels.geometry.vector_arrays import as_tuple, as_tuples
 from objectmodels.mechanics.push_thresholds import GRAVITY

@@ -36,7 +36,7 @@ _IN_THE_WAY = ("impossible", "blocked")  # refusals that a place near by may avo
 
 
 @dataclass(frozen=True)
-class DeadEnd:
+class FailedStrategy:
     """A strategy that found no plan.
 
     Attributes:
@@ -50,12 +50,12 @@ class DeadEnd:
     decides: bool
 
 
-def deciding_refusal(so_far: Sequence[DeadEnd]) -> Refusal:
+def deciding_refusal(so_far: Sequence[FailedStrategy]) -> Refusal:
     """The refusal of the last dead end that decides."""
     return [end.refusal for end in so_far if end.decides][-1]
 
 
-def _was_denied(so_far: Sequence[DeadEnd]) -> bool:
+def _was_denied(so_far: Sequence[FailedStrategy]) -> bool:
     """True if the hand did not get to something that is usually tried."""
     return so_far[0].denied
 
@@ -70,10 +70,10 @@ class PlanningStrategy(ABC):
     is_precise = True
 
     @abstractmethod
-    def applies(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> bool:
+    def applies(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> bool:
         """Return True if it may find a plan where those before did not."""
 
-    def relax(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> PushProblem:
+    def relax(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> PushProblem:
         """The problem that it solves in place of the one that is posed."""
         return problem
 
@@ -97,7 +97,7 @@ class PlanningStrategy(ABC):
 class NominalPlan(PlanningStrategy):
     """As usual."""
 
-    def applies(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> bool:
+    def applies(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> bool:
         """Always."""
         return True
 
@@ -105,11 +105,11 @@ class NominalPlan(PlanningStrategy):
 class ExhaustiveReach(PlanningStrategy):
     """More contacts, for which the robot looks longer."""
 
-    def applies(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> bool:
+    def applies(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> bool:
         """Return True if the hand did not get to something."""
         return _was_denied(so_far)
 
-    def relax(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> PushProblem:
+    def relax(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> PushProblem:
         """The problem with more effort."""
         last = problem.defaults
         effort = replace(
@@ -128,12 +128,12 @@ class ExhaustiveReach(PlanningStrategy):
 class RelaxedProbability(PlanningStrategy):
     """The probability that what is left of a plan must have."""
 
-    def applies(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> bool:
+    def applies(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> bool:
         """Return True if a plan was begun, and its rest is not sure enough."""
         begun = problem.previous is not None
         return begun and deciding_refusal(so_far).reason == "too_uncertain"
 
-    def relax(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> PushProblem:
+    def relax(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> PushProblem:
         """The problem with less probability, and with the effort of the strategy before."""
         if _was_denied(so_far):
             problem = ExhaustiveReach().relax(problem, so_far)
@@ -147,13 +147,13 @@ class ObliquePush(PlanningStrategy):
 
     is_precise = False
 
-    def applies(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> bool:
+    def applies(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> bool:
         """Return True if the hand did not get to something, or has little time."""
         pressed = _was_denied(so_far) or problem.motion.duration is not None
         goal = problem.goal
         return pressed and bool(goal.aims) and not goal.rotates and 2 in problem.contact.fingers
 
-    def relax(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> PushProblem:
+    def relax(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> PushProblem:
         """The problem with two fingertips that may push obliquely."""
         effort = replace(problem.effort, oblique=True, thorough=True)
         return replace(problem, effort=effort, contact=replace(problem.contact, fingers=(2,)))
@@ -164,14 +164,14 @@ class RelaxedGoal(PlanningStrategy):
 
     is_precise = False
 
-    def applies(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> bool:
+    def applies(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> bool:
         """Return True if something stands in the way of what is to be begun."""
         free_hand = not _was_denied(so_far) and problem.motion.duration is None
         obstructed = deciding_refusal(so_far).reason in _IN_THE_WAY
         new = problem.previous is None and bool(problem.goal.aims)
         return new and free_hand and obstructed and any(True for _ in nearly_goal_poses(problem))
 
-    def relax(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> PushProblem:
+    def relax(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> PushProblem:
         """The problem with those poses, straight to which it goes."""
         goal = replace(problem.goal, aims=tuple(dict(nearly_goal_poses(problem))))
         return replace(problem, goal=goal, effort=replace(problem.effort, direct=True))
@@ -190,11 +190,11 @@ class OtherFall(PlanningStrategy):
 
     is_precise = False
 
-    def applies(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> bool:
+    def applies(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> bool:
         """Return True if the object is to fall or to tilt."""
         return not problem.goal.aims
 
-    def relax(self, problem: PushProblem, so_far: Sequence[DeadEnd]) -> PushProblem:
+    def relax(self, problem: PushProblem, so_far: Sequence[FailedStrategy]) -> PushProblem:
         """The problem for which the robot looks longer."""
         return replace(problem, effort=replace(problem.effort, thorough=True))
 
@@ -226,7 +226,7 @@ def plan_pushes(
     Raises:
         NoPlanError: none finds one.
     """
-    so_far: list[DeadEnd] = []
+    so_far: list[FailedStrategy] = []
     for strategy in STRATEGIES:
         if not strategy.applies(problem, so_far):
             continue
@@ -238,7 +238,7 @@ def plan_pushes(
             made = strategy.plan(relaxed, search)
         except NoPlanError as error:
             decides = strategy.decides(error.refusal)
-            so_far.append(DeadEnd(error.refusal, search.was_denied, decides))
+            so_far.append(FailedStrategy(error.refusal, search.was_denied, decides))
             continue
         if isinstance(made, Plan) and not strategy.is_precise:
             why = f"another way, since {deciding_refusal(so_far).message}"

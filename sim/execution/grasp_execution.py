@@ -206,7 +206,7 @@ class GraspExecution:
         self._recorder.phase = "settle"
         self._motion.wait(SETTLE)
         R_WP, p_WP = self._way.mount.palm_poses(self._port.commanded[0])
-        R_PB, p_PG = self._sense.seen or (self._way.R_BP.T, self._way.grip.middle)
+        R_PB, p_PG = self._sense.remembered_pose or (self._way.R_BP.T, self._way.grip.middle)
         base = p_WP + R_WP @ (p_PG - R_PB @ np.array(self._grasp.p_BG))
         turned = {
             "closing_W": tuple(R_WP[:, 0].tolist()),

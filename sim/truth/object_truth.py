@@ -84,7 +84,7 @@ class Truth(Part):
         if self.support_m is not None and len(self.support_m) < 3:
             raise ValueError("support_m needs three points or more")
         if self.lid is not None and not (
-            self.lid.mass < self.mass_kg and self._contains(self.uncovered.centre_of_mass)
+            self.lid.mass < self.mass_kg and self._contains(self.without_lid.centre_of_mass)
         ):
             raise ValueError("mass_kg and centre_of_mass_m include those of the lid")
         return self
@@ -112,7 +112,7 @@ class Truth(Part):
         outline = Polygon.convex(self.outline)
         return bool((outline.normals @ [x, y] < outline.offsets).all() and 0 < z < self.height)
 
-    def shifted(self, shift: ArrayLike) -> Truth:
+    def with_shift(self, shift: ArrayLike) -> Truth:
         """The same with its centre of mass moved, by a half or less where it would fall over.
 
         Args:
@@ -151,7 +151,7 @@ class Truth(Part):
         return Polygon.convex(self.outline) if self.radius_m is None else Disc(self.radius_m)
 
     @property
-    def uncovered(self) -> Truth:
+    def without_lid(self) -> Truth:
         """What stays of it without its lid, which is a body of its own."""
         if self.lid is None:
             return self

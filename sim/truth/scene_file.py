@@ -286,6 +286,6 @@ def sample_world(scene: Scene, seed: int) -> Scene:
             litres = truth.container.contents_l * (1.0 + hidden.mass * mass)
             container = truth.container.model_copy(update={"contents_l": litres})
             truth = truth.model_copy(update={"container": container})
-        shifted = truth.shifted([hidden.centre_of_mass_m * z for z in shift])
+        shifted = truth.with_shift([hidden.centre_of_mass_m * z for z in shift])
         objects.append(item.model_copy(update={"truth": shifted}))
     return scene.model_copy(update={"objects": tuple(objects), "hidden": Hidden()})

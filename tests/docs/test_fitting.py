@@ -13,7 +13,7 @@ import pytest
 from nlcontrol.cli import run
 from nlcontrol.learning.log_fitting import EXPERIMENTS
 from objectmodels import Registry
-from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification.logs import touch_log
 
 ROOT = Path(__file__).parents[2]

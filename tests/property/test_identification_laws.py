@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from objectmodels import BoxModel
-from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification import Trial, estimates_from_trials, fit
 from tests.unit.objectmodels.identification.touching import everything, touched
 

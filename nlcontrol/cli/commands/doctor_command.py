@@ -14,7 +14,7 @@ import click
 
 from nlcontrol.cli.console.console_output import json_option, print_json
 from nlcontrol.errors import INTERNAL, OK
-from nlcontrol.package_imports import misplaced
+from nlcontrol.package_imports import misplaced_packages
 
 _EGL_VENDORS = (Path("/usr/share/glvnd/egl_vendor.d"), Path("/etc/glvnd/egl_vendor.d"))
 
@@ -62,7 +62,7 @@ def examine_all() -> Iterator[Finding]:
     yield Finding(
         "Python", sys.version_info >= (3, 11), True, version, "nlcontrol needs Python 3.11 or newer"
     )
-    wrong = [f"{name} is {path or 'missing'}" for name, path in misplaced()]
+    wrong = [f"{name} is {path or 'missing'}" for name, path in misplaced_packages()]
     yield Finding(
         "packages", not wrong, True, "; ".join(wrong) or "all five beside each other", "rename it"
     )

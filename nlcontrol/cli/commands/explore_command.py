@@ -82,7 +82,7 @@ def command(
     from nlcontrol.learning.model_store import rename_model, storage_path, store_model
     from nlcontrol.outcome_maps.experiment_runner import object_on_table
     from nlcontrol.reports.exploration_report import report_lines, with_truth
-    from objectmodels.geometry.mechanical import UNCERTAIN
+    from objectmodels.geometry.pushed_body import UNCERTAIN
     from objectmodels.registry.model_files import save_model
     from sim.simulated_executor import simulation
 

@@ -17,12 +17,12 @@ def defaults(scene: str, settings: Settings, as_json: bool) -> int:
     """List every default with its value: what --set takes, and `defaults` in a scene file."""
     from dataclasses import asdict
 
-    from nlcontrol.errors import translated
+    from nlcontrol.errors import known_errors_raised
     from planner.types.defaults import changed, table
     from planner.types.defaults import settings as listed
     from sim.truth.scene_file import load_scene
 
-    with translated():
+    with known_errors_raised():
         found = changed(load_scene(scene).defaults, dict(settings))
     document = {"defaults": [asdict(setting) for setting in listed(found)]}
     return print_answer(document, table(found), as_json=as_json)

@@ -19,7 +19,7 @@ import click
 from nlcontrol.cli.console.command_options import Settings, open_controller, world_options
 from nlcontrol.cli.console.console_output import Narrator, print_skipped_with_words
 from nlcontrol.cli.console.prompt_lines import prompt_lines
-from nlcontrol.errors import OK, described
+from nlcontrol.errors import OK, exception_info
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
@@ -90,7 +90,7 @@ def _answer_line(conversation: Conversation, text: str, plan_only: bool) -> Resu
         return None
     except Exception as raised:
         begun = conversation.controller.empty_result(text)
-        return begun.model_copy(update={"error": described(raised)})
+        return begun.model_copy(update={"error": exception_info(raised)})
 
 
 def _print_answer(result: Result, as_json: bool) -> None:

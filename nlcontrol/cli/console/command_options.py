@@ -70,12 +70,12 @@ def open_controller(scene: str, seed: int, settings: Settings) -> Controller:
     Raises:
         ControlError: the scene cannot be read, or a default is none.
     """
-    from nlcontrol.errors import translated
+    from nlcontrol.errors import known_errors_raised
     from nlcontrol.session.controller import Controller
     from planner.types.defaults import changed
     from sim.truth.scene_file import load_scene
 
-    with translated():
+    with known_errors_raised():
         loaded = load_scene(scene)
         defaults = changed(loaded.defaults, dict(settings))
     return Controller(loaded, seed=seed, defaults=defaults)
@@ -127,7 +127,7 @@ class ParameterNames(click.ParamType[tuple[str, ...]]):
     ) -> tuple[str, ...]:
         """Read the names; `centre_of_mass` stands for its three coordinates."""
         from objectmodels.errors import suggest
-        from objectmodels.geometry.mechanical import UNCERTAIN
+        from objectmodels.geometry.pushed_body import UNCERTAIN
 
         if isinstance(value, tuple):
             return value

@@ -43,7 +43,7 @@ from objectmodels.mechanics.push_thresholds import (
 )
 
 if TYPE_CHECKING:
-    from objectmodels.geometry.mechanical import Friction, Mechanical
+    from objectmodels.geometry.pushed_body import Friction, PushedBody
 
 BORDER = 0.4
 """Relative distance of the closed form's thresholds within which its class may be wrong."""
@@ -115,7 +115,7 @@ class ExactThresholds(Thresholds):
         return np.asarray(np.column_stack((zero, omega, v, zero[:, 0])) / h[:, None])
 
 
-def exact_thresholds(model: Mechanical, p: Array, u: Array, friction: Friction) -> ExactThresholds:
+def exact_thresholds(model: PushedBody, p: Array, u: Array, friction: Friction) -> ExactThresholds:
     """See `ObjectModel.thresholds`, which checks its arguments."""
     c, weight, mu = np.array(model.com), model.weight, model.friction_coefficient(friction)
     points, weights = support_points(model.support, model.footprint)
@@ -165,7 +165,7 @@ class Answer:
     motion: Array
 
 
-def exact_near_the_border(model: Mechanical, p: Array, u: Array, friction: Friction) -> Thresholds:
+def exact_near_the_border(model: PushedBody, p: Array, u: Array, friction: Friction) -> Thresholds:
     """Thresholds of the closed form, exact where its two lie within `BORDER` of each other."""
     t = closed_form_thresholds(model, p, u, friction)
     with np.errstate(invalid="ignore"):

@@ -78,7 +78,7 @@ class HandMotion:
                 torques.append(self._recorder.torques)
         self._recorder.zero = np.mean(torques, axis=0)
         self.zero_samples = len(torques)
-        self._sense.untouched()
+        self._sense.zero_forces()
 
     def close(self) -> None:
         """The fingertips a little nearer to each other, for one control step."""

@@ -113,7 +113,7 @@ class HandSense:
             if other != name and seen.attitude is None
         }
         self._stood = dict(self._others)
-        self.untouched()
+        self.zero_forces()
         self.frames = 0
         self._now: tuple[Array, Array] | None = None
         self._first: tuple[Array, Array] | None = None
@@ -193,7 +193,7 @@ class HandSense:
         """From now on it is to stay in the hand as it is, or as it was seen before."""
         self._first = self._now if R_PB is None or p_PG is None else (R_PB, p_PG)
 
-    def untouched(self) -> None:
+    def zero_forces(self) -> None:
         """Nothing is felt: the sensors' zero was taken."""
         self.thumb = self.fingers = 0.0
         self.weighs(0.0)
@@ -220,7 +220,7 @@ class HandSense:
         self._now, self.frames = None, 0
 
     @property
-    def seen(self) -> tuple[Array, Array] | None:
+    def remembered_pose(self) -> tuple[Array, Array] | None:
         """R_PB and p_PG as it was remembered; None of a lid, which the camera does not show so."""
         return self._first
 

@@ -65,11 +65,11 @@ class Follower:
         self.turned = 0.0
         self.tilt = np.zeros(2)
 
-    def moved(self, time: float, tip: Array) -> None:
+    def update_from_tip(self, time: float, tip: Array) -> None:
         """Takes the midpoint of the fingertips in W, shape (3,) [m], at a time [s]."""
         self._tips.append((time, tip[:2]))
 
-    def seen(self, time: float, pose: SeenPose) -> None:
+    def update_from_camera(self, time: float, pose: SeenPose) -> None:
         """Takes what a frame showed at a time [s]; those from before the touch tell nothing.
 
         Frames come in the order of their times.
@@ -154,9 +154,9 @@ class LimitGuards:
             felt: force along the vector, filtered [N].
             frames: that arrived since the last call.
         """
-        self.follower.moved(time, tip)
+        self.follower.update_from_tip(time, tip)
         for frame in frames:
-            self.follower.seen(frame.time, frame.poses[self._push.object])
+            self.follower.update_from_camera(frame.time, frame.poses[self._push.object])
         return (
             self._event(felt)
             or self._too_close()

@@ -93,7 +93,7 @@ def add_plant(
     bodies = {}
     lids = {}
     for item in scene.objects:
-        bare = item.model_copy(update={"truth": item.truth.uncovered})
+        bare = item.model_copy(update={"truth": item.truth.without_lid})
         body, solid, feet[item.name] = add_object(plant, bare)
         bodies[item.name] = body
         solids.append(solid)

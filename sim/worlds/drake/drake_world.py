@@ -173,7 +173,7 @@ class DrakeWorld:
     @property
     def lids(self) -> dict[str, float]:
         """How far each lid truly is open now, as in `Trace.lids`; for an observer."""
-        return self._lids.opened()
+        return self._lids.lid_openings()
 
     def truth_now(self, name: str) -> Truth:
         """How an object is at this time; for an observer, never for the robot.
@@ -193,7 +193,7 @@ class DrakeWorld:
             poses[name] = np.concatenate([X_WB.rotation().ToQuaternion().wxyz(), p_WB])
             self._poses[name] = (X_WB.rotation().matrix(), p_WB)
         joints = self._plant.GetPositions(self._context)[self._places]
-        lids = self._lids.opened()
+        lids = self._lids.lid_openings()
         self.history.append(
             Sample(
                 self.time,
@@ -206,7 +206,7 @@ class DrakeWorld:
             )
         )
         self._vision.observe(self.time, self._poses, lids, self._lids.loose())
-        frames = self._vision.arrived(self.time)
+        frames = self._vision.take_arrived_frames(self.time)
         self.robot.update(self.time, joints, self._mean_torques, frames)
         self._touched = self._watch.note(self.time, self._context)
 

@@ -79,7 +79,7 @@ class Lids:
         del name
         return truth
 
-    def opened(self) -> dict[str, float]:
+    def lid_openings(self) -> dict[str, float]:
         """How far each lid is open, as in `sim.traces.trace.Trace.lids`."""
         return {
             name: float(np.linalg.norm(self._from_seat(each).translation()))

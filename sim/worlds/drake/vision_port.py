@@ -97,7 +97,7 @@ class VisionPort:
                 Frame(time, time + self.vision.delay_s, seen, opened, self._colours)
             )
 
-    def arrived(self, time: float) -> list[Frame]:
+    def take_arrived_frames(self, time: float) -> list[Frame]:
         """Frames that can be read by `time` and were not read before."""
         ready = []
         while self._frames and self._frames[0].arrival <= time + _SAME_TIME:
@@ -147,7 +147,7 @@ def initial_frames(scene: Scene, seconds: float, *, seed: int) -> list[Frame]:
     for tick in itertools.count():
         time = tick / scene.control_rate_hz
         port.observe(time, poses)
-        frames += port.arrived(time)
+        frames += port.take_arrived_frames(time)
         if frames and time + _SAME_TIME > seconds:
             break
     return frames

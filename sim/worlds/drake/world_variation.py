@@ -175,9 +175,9 @@ class ShiftingContents:
         for name in touched:
             truth = self._truths[name]
             shift = truth.contents_shift_m * clipped_normal(self._rng, 3)
-            self._present[name] = truth.shifted(shift)
+            self._present[name] = truth.with_shift(shift)
             self._model.bodies[name].SetSpatialInertiaInBodyFrame(
-                self._context, inertia(self._present[name].uncovered)
+                self._context, inertia(self._present[name].without_lid)
             )
 
     def present(self, name: str, truth: Truth) -> Truth:

@@ -73,7 +73,7 @@ def test_what_was_not_carried_out_is_left_out_and_told() -> None:
     results[:3] = [TouchResult(None, None, why) for why in ("too far", "too low", "too low")]
     found = compared(results)
     assert (found.agreement, found.left_out) == (1.0, 3)
-    assert not found.compared[:3].any()
+    assert not found.is_comparable[:3].any()
     assert "same class at 100.0 % of" in agreement_text(found)
     undecided = (found.chart.outcome[3:] == "undecided").sum()
     assert f"({undecided} undecided)" in agreement_text(found)

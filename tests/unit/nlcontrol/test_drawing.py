@@ -107,10 +107,10 @@ def test_an_unknown_format(kitchen: Controller, tmp_path: Path) -> None:
 def test_words_are_broken_where_they_do_not_fit() -> None:
     sheet = Sheet(10.0)
     text = "one two " + "x" * 100
-    lines = sheet.wrapped(text, 1.0, 10.0)
+    lines = sheet.lines_of(text, 1.0, 10.0)
     assert all(sheet.length(line, 10.0) <= 1.0 for line in lines)
     assert "".join(lines).replace(" ", "") == text.replace(" ", "")
-    assert sheet.wrapped("", 1.0, 10.0) == [""]
+    assert sheet.lines_of("", 1.0, 10.0) == [""]
 
 
 ROWS = (

@@ -8,7 +8,14 @@ import pytest
 
 from grammar import ParseError
 from nlcontrol import errors
-from nlcontrol.errors import ControlError, ErrorInfo, error, known_error, refusal_error, translated
+from nlcontrol.errors import (
+    ControlError,
+    ErrorInfo,
+    error,
+    known_error,
+    known_errors_raised,
+    refusal_error,
+)
 from objectmodels import ModelError
 from planner.types.refusal import Refusal, RefusalReason
 from sim import SceneError
@@ -48,12 +55,12 @@ def test_the_stages_own_exceptions(raised: Exception, exit_status: int, http: in
 
 def test_a_defect_is_no_known_error_and_passes_through() -> None:
     assert known_error(ValueError("boom")) is None
-    with pytest.raises(ValueError, match="boom"), translated():
+    with pytest.raises(ValueError, match="boom"), known_errors_raised():
         raise ValueError("boom")
 
 
 def test_translated_keeps_the_cause() -> None:
-    with pytest.raises(ControlError) as raised, translated():
+    with pytest.raises(ControlError) as raised, known_errors_raised():
         raise ParseError("unknown_verb", "no such verb", (0, 4))
     assert isinstance(raised.value.__cause__, ParseError)
     assert raised.value.info.span == (0, 4)

@@ -17,7 +17,7 @@ from nlcontrol.learning.lessons import (
     parameter_changes,
 )
 from objectmodels import BoxModel
-from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification import Trial
 from objectmodels.identification.belief_update import SURPRISING
 from objectmodels.mechanics.turning_push import turning_motion

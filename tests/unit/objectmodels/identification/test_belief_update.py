@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from objectmodels import ModelError, ObjectModel
-from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification import (
     Candidate,
     Trial,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from objectmodels import CylinderModel, ModelError, PrismModel
-from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification import (
     Estimates,
     Trial,

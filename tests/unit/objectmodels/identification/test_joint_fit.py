@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from objectmodels import CylinderModel, ModelError
-from objectmodels.geometry.mechanical import UNCERTAIN
+from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.geometry.support_points import Support
 from objectmodels.identification import Trial, fit
 from tests.unit.objectmodels.identification.touching import (

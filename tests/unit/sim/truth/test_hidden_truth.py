@@ -63,9 +63,9 @@ def test_the_world_is_as_drawn(scene: Scene) -> None:
 
 def test_nothing_is_shifted_so_far_that_it_falls() -> None:
     post = Truth(size_m=(0.02, 0.02, 0.3), mass_kg=1.0, friction_table=0.3, friction_finger=0.5)
-    assert post.shifted([0.004, 0.0, 0.0]).centre_of_mass == (0.004, 0.0, 0.15)
-    assert post.shifted([0.016, 0.0, 0.0]).centre_of_mass == (0.008, 0.0, 0.15)
-    assert post.shifted([0.05, 0.0, 0.0]) == post
+    assert post.with_shift([0.004, 0.0, 0.0]).centre_of_mass == (0.004, 0.0, 0.15)
+    assert post.with_shift([0.016, 0.0, 0.0]).centre_of_mass == (0.008, 0.0, 0.15)
+    assert post.with_shift([0.05, 0.0, 0.0]) == post
     tripod = post.model_copy(update={"support_m": ((0.01, 0.0), (-0.005, 0.008), (-0.005, -0.008))})
     # Half of it would still lie beyond the two feet on that side.
-    assert tripod.shifted([-0.012, 0.0, 0.0]).centre_of_mass == (-0.003, 0.0, 0.15)
+    assert tripod.with_shift([-0.012, 0.0, 0.0]).centre_of_mass == (-0.003, 0.0, 0.15)

@@ -114,7 +114,7 @@ def test_what_the_camera_is_wrong_about_it_stays_wrong_about() -> None:
         port = VisionPort(vision, poses, seed=seed)
         for tick in range(3):
             port.observe(tick * PERIOD, poses)
-        frames = port.arrived(1.0)
+        frames = port.take_arrived_frames(1.0)
         for name in poses:
             seen = [frame.poses[name] for frame in frames]
             np.testing.assert_array_equal(seen[0].p_WB, seen[-1].p_WB)

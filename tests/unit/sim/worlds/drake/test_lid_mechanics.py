@@ -59,12 +59,12 @@ def test_traces_of_lids_are_joined(trace: Trace) -> None:
 def test_mass_and_centre_of_mass_include_the_lid(pantry: Scene) -> None:
     cup = pantry.object("ice tea cup").truth
     assert cup.lid is not None
-    left = cup.uncovered
+    left = cup.without_lid
     assert left.lid is None
     assert left.mass_kg + cup.lid.mass == pytest.approx(cup.mass_kg)
     moment = left.mass_kg * left.centre_of_mass[2] + cup.lid.mass * (0.12 + 0.0015)
     assert moment == pytest.approx(cup.mass_kg * cup.centre_of_mass[2])
-    assert left.uncovered is left
+    assert left.without_lid is left
     with pytest.raises(SceneError, match="mass_kg"):
         parse_scene(
             "version: 1\nname: x\nrobot: {home_deg: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]}\n"
@@ -107,7 +107,9 @@ def _seen_off(scene: Scene, X_WL: tuple[np.ndarray, np.ndarray]) -> dict[str, Se
     }
     for k in range(100):
         port.observe(0.01 * k, poses, {"jar": 0.2}, {"jar": X_WL})
-    return estimate_objects(scene.cell, port.arrived(2.0), Controller(scene=scene).models)
+    return estimate_objects(
+        scene.cell, port.take_arrived_frames(2.0), Controller(scene=scene).models
+    )
 
 
 def test_a_lid_that_is_off_is_seen_where_it_lies(pantry: Scene) -> None:
@@ -131,7 +133,7 @@ def test_noise_on_lids_leaves_that_on_poses_as_it_was(pantry: Scene) -> None:
     bare = pantry.model_copy(
         update={
             "objects": tuple(
-                item.model_copy(update={"truth": item.truth.uncovered}) for item in pantry.objects
+                item.model_copy(update={"truth": item.truth.without_lid}) for item in pantry.objects
             )
         }
     )

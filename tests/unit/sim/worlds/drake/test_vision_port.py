@@ -24,7 +24,9 @@ def test_frames_come_late_and_at_their_rate() -> None:
     arrivals = []
     for tick in range(101):
         port.observe(tick * PERIOD, _still())
-        arrivals += [(tick * PERIOD, frame.time) for frame in port.arrived(tick * PERIOD)]
+        arrivals += [
+            (tick * PERIOD, frame.time) for frame in port.take_arrived_frames(tick * PERIOD)
+        ]
     assert len(arrivals) == 20
     for now, taken in arrivals:
         assert now - taken == pytest.approx(vision.delay_s, abs=1e-9)
@@ -36,7 +38,7 @@ def test_noise_of_the_frames() -> None:
     seen = []
     for tick in range(2000):
         port.observe(tick * PERIOD, _still())
-        seen += [frame.poses["box"] for frame in port.arrived(tick * PERIOD)]
+        seen += [frame.poses["box"] for frame in port.take_arrived_frames(tick * PERIOD)]
     positions = np.array([pose.p_WB for pose in seen])
     yaws = np.array([np.arctan2(pose.R_WB[1, 0], pose.R_WB[0, 0]) for pose in seen])
     # Of 2000 samples the standard deviation is known to 1.6 %; 6 % is four times that.

@@ -1,6 +1,6 @@
 """The object as the mechanics knows it: figures, base and beliefs, in frame B.
 
-The closed forms and the exact tier take anything that fits `Mechanical`; the models of
+The closed forms and the exact tier take anything that fits `PushedBody`; the models of
 `objectmodels.models` do.
 """
 
@@ -17,10 +17,10 @@ from objectmodels.geometry.support_points import Support
 Friction = Literal["static", "kinetic"]
 
 UNCERTAIN = ("mass", "friction", "finger_friction", "friction_radius", "com_x", "com_y", "com_z")
-"""Names of the uncertain parameters, in the order of `Mechanical.means`."""
+"""Names of the uncertain parameters, in the order of `PushedBody.means`."""
 
 
-class Mechanical(Protocol):
+class PushedBody(Protocol):
     """A rigid object that stands on a table, with what is not known of it."""
 
     @property
