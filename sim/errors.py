@@ -1,4 +1,4 @@
-"""What the caller of this package did wrong, or what the machine lacks."""
+"""Errors of this package's callers, and of machines that lack something."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from sim.rotations import Array
 
 @unique
 class RandomStream(IntEnum):
-    """What is drawn at random."""
+    """Things that are drawn at random."""
 
     VISION_NOISE = 1
     TORQUE_NOISE = 2

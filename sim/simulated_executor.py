@@ -35,12 +35,9 @@ if TYPE_CHECKING:
 class SimulatedExecutor:
     """A robot in a simulated world, which is built when something first moves.
 
-    Args:
+    Attributes:
         scene: the world as it is.
         seed: of everything random; the same seed gives the same trace.
-
-    Attributes:
-        scene, seed: as given.
         cell: what the robot is told.
     """
 
@@ -50,11 +47,7 @@ class SimulatedExecutor:
 
     @classmethod
     def open(cls, scene: str | Path | Scene, *, seed: int = 0) -> SimulatedExecutor:
-        """The executor of a scene.
-
-        Args:
-            scene: name of a built-in scene, path of a scene file, or a scene.
-            seed: of everything random.
+        """The executor of a scene, of a built-in one by its name, or of a scene file.
 
         Raises:
             SceneError: the scene cannot be read.
@@ -148,10 +141,5 @@ def simulation(executor: object) -> SimulatedExecutor:
 
 
 def fresh_robot(scene: Scene, seed: int) -> RobotSetup:
-    """The robot in a world of its own, in which nothing was done yet.
-
-    Args:
-        scene: the world as it is.
-        seed: of everything random.
-    """
+    """The robot in a world of its own, in which nothing was done yet."""
     return SimulatedExecutor(scene, seed=seed).setup

@@ -1,1 +1,1 @@
-"""What a robot is told of its cell: mount, home, table, sensor data sheets."""
+"""Description of a robot's cell: mount, home, table, sensor data sheets."""

@@ -1,4 +1,4 @@
-"""What a robot is told of its cell: what stands there, the table, its mount and its sensors.
+"""Description of a robot's cell: what stands there, the table, its mount and its sensors.
 
 It holds nothing of how the objects really are; `sim.truth.scene_file` adds that. A real robot's
 cell is described in the same way.
@@ -53,7 +53,7 @@ class Table(Part):
 
 
 class RobotMount(Part):
-    """How the arm is mounted, and where it waits.
+    """The arm's mount, and where the arm waits.
 
     Attributes:
         base_m: position of the arm's base in W.

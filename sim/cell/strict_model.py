@@ -1,4 +1,4 @@
-"""What the parts of a scene file are made of: strict, frozen models and ranges of numbers."""
+"""Parts of a scene file: strict, frozen models and ranges of numbers."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ def watch(recorder: TraceRecorder, duration: float) -> list[Frame]:
     """Waits and returns the camera frames that arrive meanwhile.
 
     Args:
-        recorder: through which the robot is stepped.
+        recorder: of the robot.
         duration: how long [s]; longer if no frame arrives.
     """
     port = recorder.port
@@ -92,14 +92,7 @@ def look_around(
     tell: Progress,
     held: Held | None = None,
 ) -> WorldState:
-    """Looks at the table and returns where everything stands.
-
-    Args:
-        recorder: through which the robot is stepped.
-        models: what the robot believes of every object, by its name in the scene.
-        tell: progress.
-        held: what the hand holds.
-    """
+    """Looks at the table and returns where everything stands, what is held with it."""
     port = recorder.port
     tell("look", port.time, "looking where everything stands")
     recorder.phase = "look"

@@ -46,18 +46,7 @@ _PRESSES = 0.4  # or with so much less [N]
 
 
 class GraspExecution:
-    """One plan of the whole hand.
-
-    Args:
-        handled: what is held, and the plan.
-        recorder: through which the robot is stepped.
-        way: of arm and hand.
-        tell: progress.
-        holding: what the hand holds already.
-
-    Attributes:
-        holding: what it holds now, where that lasts.
-    """
+    """One plan of the whole hand, whose `holding` is what the hand holds, where that lasts."""
 
     def __init__(
         self,
@@ -107,7 +96,7 @@ class GraspExecution:
             self._keep()
 
     def _senses(self) -> HandSense:
-        """What is felt and seen of what is held."""
+        """The senses of what is held."""
         p_BG = np.array(self._grasp.p_BG)
         handled = self._handled
         return HandSense(self._recorder, self._way.mount, handled.name, p_BG, handled.state)

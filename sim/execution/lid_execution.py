@@ -130,17 +130,7 @@ def flip_over(
     models: Mapping[str, ObjectModel],
     tell: Progress,
 ) -> Trace:
-    """Carries out a plan whose only step flips a lid.
-
-    Args:
-        plan: what to do.
-        setup: the robot.
-        models: what the robot believes of every object, by its name in the scene.
-        tell: progress.
-
-    Returns:
-        What happened, also if it ended early.
-    """
+    """Carries out a plan whose only step flips a lid, as `plan_execution.execute` does."""
     (step,) = plan.steps
     assert isinstance(step, FlipOver), "a lid is flipped over"
     towards = np.array([np.cos(step.heading), np.sin(step.heading), 0.0])

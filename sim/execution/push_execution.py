@@ -34,17 +34,7 @@ if TYPE_CHECKING:
 
 
 class PushExecution:
-    """The hand's way to a contact and back.
-
-    Args:
-        push: where the fingertips touch and which way they go then.
-        setup: the robot.
-        models: what the robot believes of every object, by its name in the scene.
-        tell: progress.
-
-    Attributes:
-        recorder: of everything from the start on.
-    """
+    """The hand's way to the contact of a push and back; `recorder` records all of it."""
 
     def __init__(
         self,

@@ -52,12 +52,12 @@ class Touched:
 
     @property
     def experiment(self) -> Experiment:
-        """What was tried."""
+        """The experiment that was tried."""
         return self.recording.experiment
 
     @property
     def as_meant(self) -> bool:
-        """Whether it showed what it was to show."""
+        """True if it showed what it was to show."""
         return self.recording.end == "stroke" and bool(self.trials)
 
 
@@ -137,16 +137,9 @@ class Explorer:
                 self._first(kind, _sides(kind, repetition), repetition)
 
     def touch(self, kind: Kind, face: FaceName, repetition: int, lateral: float = 0.0) -> bool:
-        """One touch.
+        """One touch at a side; returns whether it showed what it was to show.
 
-        Args:
-            kind: which experiment.
-            face: at which side.
-            repetition: number that its trials bear.
-            lateral: which end of the side, if it is off-centre: its sign counts.
-
-        Returns:
-            Whether it showed what it was to show.
+        The sign of `lateral` says at which end of the side, if it is off-centre.
         """
         if (kind, face) in self._given_up:
             return False

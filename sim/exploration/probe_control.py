@@ -127,10 +127,6 @@ def _touched(
 class ProbeControl(TouchControl):
     """One touch, from before the face until the hand holds still at its end.
 
-    Args:
-        experiment: what is tried.
-        recorder, stance, way, tell: as for every touch.
-
     Attributes:
         gives_way: time constant with which forces along the face are given way to [s].
     """
@@ -308,7 +304,7 @@ class ProbeControl(TouchControl):
         return None
 
     def _at_stop(self) -> bool:
-        """Whether the finger is bent back as far as it goes."""
+        """True if the finger is bent back as far as it goes."""
         (finger,) = self.stance.posture.pushing
         return self.stance.mount.hand.is_at_stop(self.recorder.port.finger_angles(finger))
 
@@ -331,7 +327,7 @@ class ProbeControl(TouchControl):
         return self._slid(*self._lately(), self._views)
 
     def _slid(self, seen: float, own: float, views: Sized) -> tuple[EndReason, str] | None:
-        """Whether much less of a tilt is seen in so many frames than the fingertip has gone."""
+        """The end if much less of a tilt is seen in some frames than the fingertip has gone."""
         noise = np.radians(self.recorder.port.cell.vision.angle_noise_deg)
         unsure = _SLIDES_SURELY * float(noise) / np.sqrt(max(len(views), 1))
         if own - seen > max((1.0 - _SLIDES_SHARE) * own, unsure, _LEAST_SHORT):
@@ -347,7 +343,7 @@ class ProbeControl(TouchControl):
     # -- the record ------------------------------------------------------------------------------
 
     def recording(self, end: EndReason, detail: str, before: PlanarPose) -> Recording:
-        """What was felt and seen."""
+        """The record of what was felt and seen."""
         name = self.experiment.push.object
         port, vision = self.recorder.port, self.recorder.port.cell.vision
         noise = self.stance.force_noise_gain(self._u) * port.torque_noise

@@ -135,12 +135,7 @@ def force_curve(recording: Recording) -> Curve:
 
 
 def extract_trials(recording: Recording, *, repetition: int = 0) -> tuple[Trial, ...]:
-    """Trials that a touch showed; none if nothing moved.
-
-    Args:
-        recording: of the touch.
-        repetition: number that the trials bear.
-    """
+    """Trials that a touch showed, with the number of its repetition; none if nothing moved."""
     if len(recording.time) < LEAST_SAMPLES or recording.moved is None:
         return ()
     source = recording.experiment.name
@@ -275,13 +270,7 @@ _SHOWS: dict[str, Moved] = {
 
 
 def trial_from_push(push: Push, target: SeenObject, trace: Trace) -> Trial | None:
-    """Trial that an ordinary push showed; None if that is not clear.
-
-    Args:
-        push: what was carried out.
-        target: the object as it was seen before.
-        trace: of the push.
-    """
+    """Trial that a push showed of an object that was seen before; None if that is not clear."""
     pushing = trace.phase == "push"
     moved = _SHOWS.get(trace.end)
     unfallen = trace.end == "stroke" and push.ends_on == "toppled"

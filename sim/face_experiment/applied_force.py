@@ -52,13 +52,7 @@ _FEWEST = 4  # steps that the line needs; a body that breaks away in fewer has n
 
 
 def touch(scene: Scene, contact: Contact, *, seed: int = 0) -> TouchResult:
-    """Pushes an object by a force alone; a `sim.face_experiment.face_contact.Touch`.
-
-    Args:
-        scene: the world as it is.
-        contact: where and which way.
-        seed: of what the scene hides or leaves to chance.
-    """
+    """Pushes an object by a force alone; a `sim.face_experiment.face_contact.Touch`."""
     world = single_object_world(scene, contact.object, seed)
     observer = Observer(world.scene, bound=BOUND)
     truth = observer.truth(contact.object)
@@ -81,7 +75,7 @@ def touch(scene: Scene, contact: Contact, *, seed: int = 0) -> TouchResult:
 
 
 def _meets(truth: Truth, contact: Contact) -> bool:
-    """Whether the line of the push goes through the object."""
+    """True if the line of the push goes through the object."""
     p, u = np.array(contact.point), np.array(contact.direction)
     sides = Polygon.convex(truth.outline)
     normals = np.vstack((np.pad(sides.normals, ((0, 0), (0, 1))), [[0, 0, 1], [0, 0, -1]]))

@@ -21,7 +21,7 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Contact:
-    """Where and which way an object is pushed; B is its frame in the scene.
+    """Place and direction of a push on an object; B is its frame in the scene.
 
     Attributes:
         object: its name in the scene.
@@ -40,7 +40,7 @@ class Contact:
 
 @dataclass(frozen=True)
 class TouchResult:
-    """What a push did.
+    """The outcome of a push.
 
     Attributes:
         outcome: what the observer saw move first; None if the push could not be carried out.
@@ -57,10 +57,4 @@ class Touch(Protocol):
     """A way of pushing."""
 
     def __call__(self, scene: Scene, contact: Contact, *, seed: int) -> TouchResult:
-        """Pushes once in a fresh world.
-
-        Args:
-            scene: the world as it is.
-            contact: where and which way.
-            seed: of everything random.
-        """
+        """Pushes once in a fresh world of a scene and a seed."""

@@ -71,7 +71,7 @@ class FingerTouch:
         return TouchResult(seen.outcome, felt, recording.detail)
 
     def _seen(self, scene: Scene, seed: int) -> WorldState:
-        """What the robot believes after its first look."""
+        """The robot's beliefs after its first look."""
         poses = mean_poses(initial_frames(scene, LOOK, seed=seed))
         return WorldState(
             {n: SeenObject.lying(n, pose, self.believed[n]) for n, pose in poses.items()}

@@ -80,14 +80,7 @@ class FlipConfiguration:
 
 
 class FlipMotionSearch:
-    """The search for one flip.
-
-    Args:
-        mount: of the arm.
-        step: what is to be done.
-        name: of the object with the lid.
-        state: what is believed.
-    """
+    """The search for one flip of the lid of an object."""
 
     def __init__(self, mount: Mount, step: FlipOver, name: str, state: WorldState) -> None:
         self._mount = mount

@@ -55,9 +55,6 @@ class ReachabilityMap:
     the arm has with the best of some hands, an empty table taken for granted. A sample of the hands
     and every other elbow angle tell that. Cells are looked at when they are first asked for, and
     kept for all robots mounted alike; what is kept changes the time of an answer, never the answer.
-
-    Args:
-        mount: of the arm.
     """
 
     def __init__(self, mount: Mount) -> None:
@@ -107,12 +104,6 @@ def reachability_map(robot: RobotMount, arm: ArmKinematics, hand: Hand) -> Reach
 
 class ArmHandReach:
     """Arm and hand of a cell, as the planner asks for them (`planner.types.robot.Robot`).
-
-    Args:
-        cell: where the arm is mounted.
-        arm: its kinematics.
-        hand: on its flange.
-        effort: that a search makes.
 
     Attributes:
         limits: figures of arm and hand.

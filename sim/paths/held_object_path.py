@@ -1,4 +1,4 @@
-"""What a hand holds, and its way, leg after leg.
+"""The object that a hand holds, and its way, leg after leg.
 
 A lid that comes off is held by its knob or its rim, from above. The hand treats it as an upright
 cylinder of its own, on the object's top or where it lies aside; its frame stands at the middle of
@@ -342,13 +342,7 @@ def lip_point(held: SeenObject, lean_B: Array) -> Array:
 def upright_again(
     done: Sequence[HeldSegment], leg: HeldSegment, share: float
 ) -> tuple[HeldSegment, ...]:
-    """The way back upright after pouring.
-
-    Args:
-        done: legs that were made.
-        leg: the last one, which may have been stopped.
-        share: of it that was made.
-    """
+    """The way back upright after legs that were made, and a share of the last one."""
     R_WB, _ = leg.poses_at(np.array([share]))
     here = leg.start + share * (leg.end - leg.start)
     rest = replace(leg, R_WB=R_WB[0], start=here, end=leg.start, turn=-share * leg.turn)

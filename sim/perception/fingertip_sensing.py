@@ -1,4 +1,4 @@
-"""What the robot feels with its pushing fingers: where the tips are and what they press.
+"""Sensing with the pushing fingers: where the tips are and what they press.
 
 Model: a fingertip touches with the point of its sphere that faces the object, and its joints'
 torques balance the force there: τ = Jᵀ f, J at that point and not at the sphere's centre.
@@ -40,7 +40,7 @@ class Touch:
 def sense_touch(
     port: RobotPort, mount: Mount, fingers: tuple[str, ...], inward_W: Array, torques: Array
 ) -> Touch:
-    """Where the pushing fingers are and what they press, by their joints' sensors.
+    """Places of the pushing fingertips and what they press, by their joints' sensors.
 
     Args:
         port: of the robot.

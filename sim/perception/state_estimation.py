@@ -1,4 +1,4 @@
-"""Where everything stands, estimated from camera frames.
+"""Estimates of where everything stands, from camera frames.
 
 Frames: W is the world, B an object.
 """
@@ -37,12 +37,7 @@ def estimate_objects(
 ) -> dict[str, SeenObject]:
     """The objects of a cell as the robot knows them from frames in which everything stands still.
 
-    A lid that is off is one more object.
-
-    Args:
-        cell: what the robot is told of its objects.
-        frames: at least one.
-        models: what the robot believes of every object.
+    There must be a frame, and a believed model of every object; a lid that is off is one more.
     """
     seen = list(frames)
     poses, lids, colours = mean_poses(seen), mean_lids(seen), seen[-1].colours
@@ -67,7 +62,7 @@ def estimate_objects(
 
 
 def _lid_at(frames: list[Frame], name: str, pose: PlanarPose) -> tuple[float, float, float] | None:
-    """Where a lid that is off lies; None if it does not lie level."""
+    """Place of a lid that is off; None if it does not lie level."""
     if pose.attitude is not None:
         return None
     heights = [frame.poses[name].p_WB[2] for frame in frames if name in frame.poses]

@@ -55,7 +55,7 @@ class ContactEvent:
 
 @dataclass(frozen=True)
 class Trace:
-    """What an execution did, sampled n times.
+    """The record of an execution, sampled n times.
 
     Attributes:
         time: shape (n,) [s].

@@ -1,4 +1,4 @@
-"""How an object of the simulated world really is: shape, mass, friction, contents.
+"""The truth of an object of the simulated world: shape, mass, friction, contents.
 
 Frame: B is the object's frame at the centre of its base.
 """
@@ -23,7 +23,7 @@ _RIM_POINTS = 16
 
 
 class Truth(Part):
-    """How an object really is; only the simulated world and an observer of it may read this.
+    """The truth of an object; only the simulated world and an observer of it may read this.
 
     Its shape is one of three: a box (`size_m`), an upright cylinder (`radius_m`, `height_m`) or a
     prism over a convex polygon (`corners_m`, `height_m`).
@@ -152,7 +152,7 @@ class Truth(Part):
 
     @property
     def without_lid(self) -> Truth:
-        """What stays of it without its lid, which is a body of its own."""
+        """The same without its lid, which is a body of its own."""
         if self.lid is None:
             return self
         left = self.mass_kg - self.lid.mass
@@ -171,7 +171,7 @@ class Truth(Part):
 
 
 def _surrounded(point: Point2, points: tuple[Point2, ...]) -> bool:
-    """Whether a point lies inside the hull of others: no half plane at it is free of them."""
+    """True if a point lies inside the hull of others: no half plane at it is free of them."""
     x, y = (np.array(points) - point).T
     angles = np.sort(np.arctan2(y, x))
     return bool(np.diff(angles, append=angles[0] + 2.0 * np.pi).max() < np.pi)

@@ -33,7 +33,7 @@ BOUND = 1e-3
 
 @dataclass(frozen=True)
 class Verdict:
-    """What an object did, sampled n times.
+    """The motion of an object, sampled n times.
 
     Attributes:
         outcome: what moved first, or `none`.
@@ -61,7 +61,7 @@ class Observer:
         self._bound = bound
 
     def truth(self, name: str) -> Truth:
-        """How an object really is, for reports.
+        """The truth of an object, for reports.
 
         Raises:
             KeyError: there is no object of that name.
@@ -69,7 +69,7 @@ class Observer:
         return self._scene.object(name).truth
 
     def judge(self, name: str, poses: Array) -> Verdict:
-        """What an object did first, compared with where it was at the first sample.
+        """The first motion of an object, compared with where it was at the first sample.
 
         Args:
             name: of the object.

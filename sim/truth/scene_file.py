@@ -56,7 +56,7 @@ class SceneObject(CellObject):
 
 
 class FrictionVariation(Part):
-    """How friction on the table differs from what an object's truth says; see `world_variation`.
+    """Spread of the friction on the table about an object's own; see `world_variation`.
 
     Attributes:
         over_table: relative standard deviation from place to place.
@@ -86,7 +86,7 @@ class ScaledTorqueSensor(TorqueSensor):
 
 
 class Hidden(Part):
-    """How far the truth of a world lies from what the file says, drawn from the world's seed.
+    """Spread of the truth of a world about what the file says, drawn from the world's seed.
 
     Attributes:
         mass, friction, finger_friction: relative standard deviations.
@@ -262,10 +262,6 @@ def sample_world(scene: Scene, seed: int) -> Scene:
     scene's plus σ z along each axis of B, with z normal and clipped at two. Contents are as much
     more or less as the mass is. Six numbers are drawn for each object, in the order of the file,
     whatever their σ.
-
-    Args:
-        scene: as its file has it.
-        seed: of the world.
     """
     hidden = scene.hidden
     if hidden == Hidden():

@@ -95,13 +95,7 @@ def _placed(trace: Trace, name: str, sample: int) -> RigidTransform:
 
 
 def save_replay(trace: Trace, scene: Scene, path: Path | str) -> None:
-    """Writes a replay of a trace.
-
-    Args:
-        trace: what happened.
-        scene: in which it happened.
-        path: of the HTML file.
-    """
+    """Writes a replay of a trace and its scene to an HTML file."""
     from pydrake.geometry import Meshcat, MeshcatParams, MeshcatVisualizer, MeshcatVisualizerParams
 
     with _quiet():  # it reports an address that is gone before anybody could open it

@@ -47,13 +47,7 @@ class Part:
 
 
 def parts(trace: Trace, scene: Scene, sample: int) -> Iterator[Part]:
-    """All liquid at a sample of a trace.
-
-    Args:
-        trace: what happened.
-        scene: in which it happened.
-        sample: its index.
-    """
+    """All liquid at a sample of a trace."""
     for name, volumes in trace.contents.items():
         vessel = scene.object(name).truth.vessel
         assert vessel is not None

@@ -44,12 +44,7 @@ def missing_libraries() -> tuple[str, ...]:
 
 
 def save_picture(trace: Trace, scene: Scene, path: Path | str) -> None:
-    """Writes a picture of a trace.
-
-    Args:
-        trace: what happened.
-        scene: in which it happened.
-        path: of the picture; `.png` for four moments side by side, `.gif` for a moving picture.
+    """Writes a picture of a trace: `.png` of four moments side by side, or a moving `.gif`.
 
     Raises:
         PictureError: another kind, or the machine cannot draw.

@@ -104,7 +104,7 @@ def samples(trace: Trace, rate: float) -> list[int]:
 
 
 def view(trace: Trace, at: Array, off: Array) -> tuple[Array, Array]:
-    """Where an eye is and what it looks at: nearer to what a whole hand does than to a push.
+    """Places of an eye and of what it looks at: nearer to what a whole hand does than to a push.
 
     Args:
         trace: what is looked at.

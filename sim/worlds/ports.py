@@ -153,4 +153,4 @@ class ObserverPort(Protocol):
         """Touches of bodies, in order of time."""
 
     def truth_now(self, name: str) -> Truth:
-        """How an object is at this time."""
+        """The truth of an object at this time."""

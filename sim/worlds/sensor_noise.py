@@ -1,4 +1,4 @@
-"""What the joints' sensors tell of what is true: noise, steps, bias and gain.
+"""Noise of the joints' sensors: what they show of what is true, by steps, bias and gain.
 
 Model: a sensor shows round(((1 + gain error) x + bias + noise) / resolution) · resolution. The
 noise is white and drawn for every sample, the bias is constant for each joint of a world. The true
@@ -62,14 +62,7 @@ class TorqueReadings:
 
 
 class JointReadings:
-    """The joints' position sensors of a world.
-
-    Args:
-        sensor: how good they are.
-        arm_joints: number of the joints that are the arm's; they come first.
-        joints: number of all.
-        seed: of the world.
-    """
+    """The position sensors of the joints of a world, of which so many first are the arm's."""
 
     def __init__(self, sensor: JointSensor, arm_joints: int, joints: int, seed: int) -> None:
         def each(arm: float, finger: float) -> Array:
@@ -82,7 +75,7 @@ class JointReadings:
         self._offset *= source(seed, RandomStream.JOINT_OFFSET).standard_normal(joints)
 
     def read(self, angles: Array) -> Array:
-        """What is shown of true angles, shape (n,) [rad]."""
+        """The angles that are shown for true ones, shape (n,) [rad]."""
         noise = self._noise * self._rng.standard_normal(len(self._noise))
         return self._rounded(angles + self._offset + noise)
 

@@ -46,15 +46,7 @@ _PALM = 0.15  # way of the fingertip that a whole turn of the palm takes as long
 
 
 class FlipControl:
-    """One flip, from before the lid until the hand is back there.
-
-    Args:
-        step: what to do.
-        recorder: through which the robot is stepped.
-        stance: of arm and hand.
-        target: the object, as it was seen.
-        tell: progress.
-    """
+    """One flip, from before the lid of an object that was seen until the hand is back there."""
 
     def __init__(
         self,

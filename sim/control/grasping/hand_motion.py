@@ -1,4 +1,4 @@
-"""How the hand moves about something, holds it, and finds back.
+"""Motions of the hand about something that it holds, and back.
 
 Arm and hand are joint impedances; what is commanded is where their springs rest. The finger springs
 are wound up by Jᵀf/k to exert a force f: the squeeze, and what bears the weight, so that the object
@@ -41,11 +41,6 @@ _PRESSES = 2.0  # force down on what is held at which it stands on something [N]
 class HandMotion:
     """Motions of arm and hand about one object.
 
-    Args:
-        recorder: through which the robot is stepped.
-        way: of arm and hand.
-        sense: of what is held.
-
     Attributes:
         opening: how far each fingertip stands off its side [m].
         wound: squeeze for which the finger springs are wound up [N].
@@ -69,7 +64,7 @@ class HandMotion:
     # -- the hand -------------------------------------------------------------------------------
 
     def feel_nothing(self) -> None:
-        """What the torque sensors read while the open hand hangs still is their zero."""
+        """Takes what the torque sensors read while the open hand hangs still as their zero."""
         self._recorder.fingers = self._way.mount.hand.grasp_fingers
         torques = []
         for k in range(round(PAUSE / self._port.period)):
@@ -112,7 +107,7 @@ class HandMotion:
         self.bears = True
 
     def holding(self, held: Held, R_PB: Array, p_PG: Array) -> Holding:
-        """What lasts of it until the next plan; see `Holding`."""
+        """The part of it that lasts until the next plan."""
         return Holding(
             held=held,
             zero=np.asarray(self._recorder.zero),
@@ -179,12 +174,7 @@ class HandMotion:
                 break
 
     def back_to(self, place: int, *, stop: bool = False) -> None:
-        """Back along the way that it came.
-
-        Args:
-            place: in `came`.
-            stop: where what is held stands on something.
-        """
+        """Back along the way that it came, to a place in `came`; may stop as `swing` does."""
         poses = np.array([self._port.commanded[0], *self.came[: place - 1 if place else None : -1]])
         del self.came[place + 1 :]
         before = len(self.came)

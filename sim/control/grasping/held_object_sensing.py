@@ -1,4 +1,4 @@
-"""What the robot feels and sees of what it holds.
+"""Sensing of what the robot holds, by its fingers and the camera.
 
 The finger joints' torques tell how hard thumb and fingers press and what hangs on them; the camera
 tells, late and noisily, whether the object stays where it is in the hand, and whether the others
@@ -56,7 +56,7 @@ _KEPT = 1.0  # time for which the hand's poses are kept; frames are not later [s
 
 @dataclass(frozen=True, eq=False)
 class Holding:
-    """What lasts of a grasp from one execution to the next.
+    """The part of a grasp that lasts from one execution to the next.
 
     Attributes:
         held: what is held, as plans know it.
@@ -83,7 +83,7 @@ class HandSense:
     """Feels and sees while something is done with the whole hand.
 
     Args:
-        recorder: through which the robot is stepped.
+        recorder: of the robot.
         mount: of the arm.
         name: of what is handled.
         p_BG: middle of the grasp in B, shape (3,) [m].
@@ -177,7 +177,7 @@ class HandSense:
                 )
 
     def _see_held(self, time: float, seen: SeenPose) -> None:
-        """Where it is in the hand, by a frame."""
+        """Takes in where it is in the hand, by a frame."""
         _, R_WP, p_WP = min(self._past, key=lambda past: abs(past[0] - time))
         R_PB = R_WP.T @ seen.R_WB
         p_PG = R_WP.T @ (seen.p_WB + seen.R_WB @ self._p_BG - p_WP)
@@ -199,20 +199,16 @@ class HandSense:
         self.weighs(0.0)
 
     def weighs(self, weight: float) -> None:
-        """What hangs on the fingers is known [N]."""
+        """Takes the weight that hangs on the fingers as known [N]."""
         self.weight = self.weight_soon = weight
         self._fall = 0.0
 
     def weight_ahead(self, seconds: float) -> float:
-        """What the weight will be if it goes on to fall as it does [N].
-
-        Args:
-            seconds: from now [s].
-        """
+        """Weight after some time [s] if it goes on to fall as it does [N]."""
         return self.weight - self._fall * (WEIGHED + seconds)
 
     def holds(self, squeeze: float) -> bool:
-        """Whether the fingers feel something that they hold with a squeeze [N]."""
+        """True if the fingers feel something that they hold with a squeeze [N]."""
         return self.squeeze >= _LOOSE * squeeze
 
     def forget(self) -> None:
@@ -226,7 +222,7 @@ class HandSense:
 
     @property
     def slip(self) -> tuple[float, float]:
-        """How far it has slipped in the hand [m], and turned [rad]."""
+        """Distance by which it has slipped in the hand [m], and its turn there [rad]."""
         if self._first is None or self._now is None:
             return 0.0, 0.0
         (R_0, p_0), (R, p) = self._first, self._now
@@ -236,10 +232,7 @@ class HandSense:
     # -- guards ---------------------------------------------------------------------------------
 
     def require_held(self, squeeze: float) -> None:
-        """The object is in the hand as it was.
-
-        Args:
-            squeeze: with which it is held [N].
+        """Requires that an object held with a squeeze [N] is in the hand as it was.
 
         Raises:
             EarlyEndError: it slipped, or is not there any more.
@@ -257,7 +250,7 @@ class HandSense:
             )
 
     def require_others(self) -> None:
-        """All other objects stand where they stood.
+        """Requires that all other objects stand where they stood.
 
         Raises:
             EarlyEndError: one was seen to be moved.

@@ -33,11 +33,7 @@ _LID_SHARE, _POSE_SHARE = 0.3, 0.2  # weights of a new frame
 
 
 class LidEstimator:
-    """A lid and its object as they are seen.
-
-    Args:
-        target: the object as it was seen before.
-        lid: how far its lid was open then.
+    """A lid and its object as they are seen, from how they were seen before.
 
     Attributes:
         lid: how far it is open.
@@ -79,11 +75,6 @@ class LidEstimator:
 class LidSense(HandSense):
     """Feels and sees while a lid is held.
 
-    Args:
-        recorder: through which the robot is stepped.
-        way: of arm and hand.
-        handled: the lid.
-
     Attributes:
         view: of the lid and its object.
         most_torque: with which the hand may turn the lid [N·m].
@@ -116,7 +107,7 @@ class LidSense(HandSense):
         self.torque += share * (float(turning.sum()) - self.torque)
 
     def require_others(self) -> None:
-        """The object whose lid it is stays where it stands, and so do all others.
+        """Requires that the object whose lid it is stays where it stands, as all others.
 
         Raises:
             EarlyEndError: one was seen to be moved, or the cap turns too hard.

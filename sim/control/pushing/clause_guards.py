@@ -1,4 +1,4 @@
-"""What ends a push before its stroke: the limits of the sentence, and the event it waits for.
+"""Ends of a push before its stroke: the limits of the sentence, and the event it waits for.
 
 Model: between late and noisy camera frames the pushed object goes with the fingertips; how it lies
 to them and how it is turned are filtered. Other objects stand where they were seen at first. A
@@ -45,7 +45,7 @@ _SURELY_MOVED = 5.0 * MOVED  # travel of the fingertips that no deflection expla
 
 
 class Follower:
-    """Where a pushed object is now, by late frames and by the fingertips that it goes with.
+    """Place of a pushed object now, by late frames and by the fingertips that it goes with.
 
     Args:
         seen: the object in the look before.
@@ -88,12 +88,12 @@ class Follower:
 
     @property
     def travel(self) -> Array:
-        """How far the fingertips have come in W since the touch, shape (2,) [m]."""
+        """Way of the fingertips in W since the touch, shape (2,) [m]."""
         return np.asarray(self._tips[-1][1] - self._first)
 
     @property
     def displacement(self) -> Array:
-        """How far the object has come in W since it was seen first, shape (2,) [m]."""
+        """Way of the object in W since it was seen first, shape (2,) [m]."""
         return self.travel + self.slipped
 
     @property

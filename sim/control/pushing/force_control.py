@@ -1,4 +1,4 @@
-"""What planned motions under force have in common: a plan, beliefs, and the law of their advance.
+"""Planned motions under force: their plan, beliefs, and the law of their advance.
 
 Law: from the touch on, the command advances at
 
@@ -51,16 +51,7 @@ class MotionEstimator(Protocol):
 
 @dataclass(frozen=True)
 class ExecutionContext:
-    """What a planned motion is to do, and with what.
-
-    Attributes:
-        plan: what to do.
-        recorder: through which the robot is stepped.
-        stance: of arm and hand.
-        way: of the fingertips.
-        state: what is believed.
-        tell: progress.
-    """
+    """A planned motion: the stance of arm and hand, the fingertips' way, what is believed."""
 
     plan: Plan
     recorder: TraceRecorder
@@ -71,14 +62,7 @@ class ExecutionContext:
 
 
 class ForceController(TouchControl, ABC):
-    """One planned motion, from before a face to its end: first `touch`, then `act`.
-
-    Args:
-        errand: what to do, and with what.
-
-    Attributes:
-        plan: of the errand.
-    """
+    """One planned motion, from before a face to its end: first `touch`, then `act`."""
 
     def __init__(self, errand: ExecutionContext) -> None:
         self.plan = plan = errand.plan

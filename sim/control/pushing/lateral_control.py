@@ -49,7 +49,7 @@ _LEAST, _MOST = 0.25, 2.0  # values that m may take
 
 @dataclass(frozen=True)
 class Pushed:
-    """What the robot believes of an object for steering.
+    """The robot's beliefs about an object that it steers.
 
     Attributes:
         depth: distance d from the touched face to the object's middle, along the normal [m].
@@ -173,7 +173,7 @@ class LateralController:
 
     @property
     def travelled_distance(self) -> float:
-        """How far the middle has come along the push since the touch [m]."""
+        """Way of the middle along the push since the touch [m]."""
         return float(self._middle[0] - self._first)
 
     def update_from_tip(self, time: float, tip: Array) -> None:

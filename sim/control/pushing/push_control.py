@@ -34,7 +34,7 @@ _CENTRE_SD = 0.002  # of the centre of friction along the face, from friction th
 
 
 class _Line:
-    """Where the fingertips were led across a push, and what brings them back there.
+    """The line along which fingertips were led across a push, and the way back onto it.
 
     Args:
         along: unit direction of the push in W, shape (3,).
@@ -110,7 +110,7 @@ class PushControl(ForceController):
         return np.array([-self._u[1], self._u[0]])
 
     def _led(self, follower: Follower) -> tuple[float, float]:
-        """How far an object has come that two fingers square up [m], and their path's slope.
+        """Way of an object that two fingers square up [m], and their path's slope.
 
         Its middle swings aside while it does.
         """

@@ -120,7 +120,7 @@ class TurnControl(ForceController):
         )
 
     def _rate(self) -> float:
-        """How far it turns per travel of the contact, as the object's model has it [rad/m]."""
+        """Turn per travel of the contact, as the object's model has it [rad/m]."""
         inward, u = self.way.inward, self._direction
         slant = float(np.arctan2(inward[0] * u[1] - inward[1] * u[0], inward @ u))
         turn = self.plan.push.turn

@@ -1,4 +1,4 @@
-"""How far an object has turned while one fingertip pushes it around.
+"""Estimate of the turn of an object while one fingertip pushes it around.
 
 Model: the fingertip sticks to the object and moves in a direction that is fixed in B, so the object
 turns at a constant rate κ per travel s of the contact (see `objectmodels.mechanics.turning_push`);
@@ -31,7 +31,7 @@ _RATE_DOUBT = 0.4  # share of the rate that is not known at first
 
 @dataclass(frozen=True)
 class TurnedObject:
-    """What the robot believes when the finger begins to push.
+    """The robot's beliefs when the finger begins to push.
 
     Attributes:
         yaw: of the object as seen before [rad].
@@ -110,7 +110,7 @@ class TurnEstimator:
 
     @property
     def slip(self) -> float:
-        """How far the contact is along the face from where it was to be, along ẑ × inward [m]."""
+        """Offset of the contact along the face from where it was to be, along ẑ × inward [m]."""
         return float(self._x[2])
 
     def update_from_tip(self, time: float, tip: Array) -> None:

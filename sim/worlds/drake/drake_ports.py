@@ -109,7 +109,7 @@ class DrakeRobotPort:
 
 
 def _finger_places(hand: Hand, arm_joints: int) -> tuple[dict[str, slice], dict[str, slice]]:
-    """Where each finger's independent joints stand among all angles and among the torques."""
+    """Places of each finger's independent joints among all angles and among the torques."""
     angles, torques = {}, {}
     angle, torque = arm_joints, 0
     for finger, resting in hand.resting.angles.items():

@@ -49,15 +49,9 @@ class Change(Protocol):
 class DrakeWorld:
     """A scene in Drake, that moves on when the robot's controller makes a step.
 
-    Args:
-        scene: what its file says.
-        seed: of everything random.
-        arm: of the robot.
-        hand: on the arm.
-
     Attributes:
-        scene: what is true in this world; see `sim.truth.scene_file`.
-        seed: as given.
+        scene: what is true in this world; see `sim.truth.scene_file.sample_world`.
+        seed: of everything random.
         robot: the port of its robot, which knows no truth.
         history: what happened, a sample per control step.
         contacts: touches, in order of time.
@@ -172,11 +166,11 @@ class DrakeWorld:
 
     @property
     def lids(self) -> dict[str, float]:
-        """How far each lid truly is open now, as in `Trace.lids`; for an observer."""
+        """True opening of each lid now, as in `Trace.lids`; for an observer."""
         return self._lids.lid_openings()
 
     def truth_now(self, name: str) -> Truth:
-        """How an object is at this time; for an observer, never for the robot.
+        """The truth of an object at this time; for an observer, never for the robot.
 
         It differs from `scene` by the place where it stands and by the touch that began last.
         """
@@ -228,14 +222,7 @@ def integrated_torques(
 
 
 def world_changes(model: Standing, root: Context, scene: Scene, seed: int) -> Iterable[Change]:
-    """What changes in a scene; nothing of it costs any time where nothing does.
-
-    Args:
-        model: the objects.
-        root: context of the diagram.
-        scene: what is true.
-        seed: of the world.
-    """
+    """The changes in a true scene; they cost no time where nothing changes."""
     variation = scene.table.friction_variation
     if variation.over_table > 0.0 or variation.per_trial > 0.0:
         yield VaryingFriction(model, root, scene, seed)

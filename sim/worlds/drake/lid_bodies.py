@@ -83,14 +83,7 @@ class LidBody:
 def add_lid(
     plant: MultibodyPlant, item: SceneObject, body: RigidBody, solid: GeometryId
 ) -> LidBody | None:
-    """Adds the lid of an object, closed; None if it has none.
-
-    Args:
-        plant: not yet finalised.
-        item: the object.
-        body: its body.
-        solid: its collision geometry.
-    """
+    """Adds the lid of an object with a body and a solid, closed; None if it has none."""
     from pydrake.math import RigidTransform
 
     lid = item.truth.lid
@@ -269,15 +262,7 @@ def filter_lids(
     table: GeometryId,
     feet: list[GeometryId],
 ) -> None:
-    """Lids touch all but their own object, one that may lie about the table with its feet only.
-
-    Args:
-        scene_graph: of the plant.
-        bodies: the lids.
-        robot: the robot's geometries.
-        table: the table's.
-        feet: those on which the objects stand.
-    """
+    """Lids touch all but their own object, one that may lie about the table with its feet only."""
     from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
 
     every = list(bodies)

@@ -35,12 +35,7 @@ _UPRIGHT = np.cos(np.radians(6.0))
 
 
 class Lids:
-    """Keeps the lids of a world as they are.
-
-    Args:
-        model: of the world.
-        root: its context, in which lids are let go.
-    """
+    """Keeps the lids of a world as they are, in the root context of its diagram."""
 
     def __init__(self, model: Standing, root: Context) -> None:
         self._plant, self._scene_graph = model.plant, model.scene_graph
@@ -80,7 +75,7 @@ class Lids:
         return truth
 
     def lid_openings(self) -> dict[str, float]:
-        """How far each lid is open, as in `sim.traces.trace.Trace.lids`."""
+        """Opening of each lid, as in `sim.traces.trace.Trace.lids`."""
         return {
             name: float(np.linalg.norm(self._from_seat(each).translation()))
             if name in self._off and isinstance(each.lid, LiftOffLid)
@@ -89,7 +84,7 @@ class Lids:
         }
 
     def is_open(self, name: str) -> bool:
-        """Whether the opening of an object with a lid is free."""
+        """True if the opening of an object with a lid is free."""
         each = self._lids[name]
         if isinstance(each.lid, FlipLid):
             return bool(self._moved(each) > _FREE)
@@ -139,7 +134,7 @@ class Lids:
         return bool(np.hypot(x, y) < SEATED and z < _ON_TOP and upright)
 
     def _is_touched(self, each: LidBody) -> bool:
-        """Whether anything but objects touches a lid."""
+        """True if anything but objects touches a lid."""
         results = self._plant.get_contact_results_output_port().Eval(self._context)
         contacts = map(results.point_pair_contact_info, range(results.num_point_pair_contacts()))
         pairs = ({contact.bodyA_index(), contact.bodyB_index()} for contact in contacts)
@@ -176,7 +171,7 @@ class Lids:
             body.SetSpatialInertiaInBodyFrame(self._context, inertia)
 
     def _touch_own(self, each: LidBody, *, touches: bool) -> None:
-        """Whether a lid touches its own object; one that is on is held to it by its joint."""
+        """Lets a lid touch its own object or not; one that is on is held to it by its joint."""
         from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
 
         pair = GeometrySet([*each.solids, *each.feet]), GeometrySet([each.own])

@@ -65,12 +65,6 @@ class _Filled:
 class Liquid:
     """Keeps the contents of all containers.
 
-    Args:
-        model: of the world.
-        root: its context, in which inertias are changed.
-        scene: what is true.
-        is_open: whether the lid of an object with a lid leaves its opening free.
-
     Attributes:
         contents: per container, volume in it [m³].
         spilled: volume that ran out and into none of them [m³].
@@ -121,7 +115,7 @@ class Liquid:
         return self._filled[name].truth.lid is not None and not self._is_open(name)
 
     def _run(self, name: str, poses: Mapping[str, tuple[Array, Array]]) -> None:
-        """What runs out of a container in a step, and where it goes."""
+        """Lets run out of a container what does so in a step, into what catches it."""
         filled = self._filled[name]
         R_WB, p_WB = poses[name]
         still = not filled.restless and _near(filled.up, R_WB[2])
@@ -193,7 +187,7 @@ class Liquid:
 
 
 def lean_of(R_WB: Array) -> tuple[float, float]:
-    """How far a body leans, and to which direction in its x, y [rad]."""
+    """Lean of a body, and its direction in the body's x, y [rad]."""
     return _lean(R_WB[2])
 
 

@@ -113,12 +113,7 @@ class VisionPort:
 
 
 def vision_port(scene: Scene, *, seed: int) -> VisionPort:
-    """The vision port of the world of a seed.
-
-    Args:
-        scene: what is true.
-        seed: of the world.
-    """
+    """The vision port of the world of a seed."""
     lids = {item.name: item.truth.lid for item in scene.objects if item.truth.lid is not None}
     colours = {item.name: item.truth.colour for item in scene.objects}
     return VisionPort(scene.vision, scene.names, lids, colours, seed=seed)
@@ -129,11 +124,6 @@ def initial_frames(scene: Scene, seconds: float, *, seed: int) -> list[Frame]:
 
     No simulation is made for them. A world of the same seed shows the same, but for the
     micrometres by which objects settle.
-
-    Args:
-        scene: where things stand.
-        seconds: how long to look [s].
-        seed: of the world.
     """
     port = vision_port(scene, seed=seed)
     poses = {

@@ -42,12 +42,7 @@ _MOVED, _TURNED = 1e-4, 1e-3  # an object that moved less has its feet where the
 
 
 class FrictionField:
-    """How much rougher than on average the table is at a place.
-
-    Args:
-        table: its size, its spread of friction and the length over which that varies.
-        seed: of the world.
-    """
+    """Friction of a table at its places, relative to the mean over it."""
 
     def __init__(self, table: VaryingTable, seed: int) -> None:
         rng = source(seed, RandomStream.TABLE_FRICTION)
@@ -65,11 +60,7 @@ class FrictionField:
         self._mean = float(np.exp(self._log_sd * standard).mean())
 
     def at(self, p_W: Array) -> Array:
-        """Friction at places, relative to the table's mean.
-
-        Args:
-            p_W: places in W's x, y, shape (..., 2) [m].
-        """
+        """Relative friction at places in W's x, y, shape (...) for shape (..., 2) [m]."""
         standard = (self._sum(p_W) - self._middle) / self._scale
         return np.asarray(np.exp(self._log_sd * standard) / self._mean)
 
@@ -78,14 +69,7 @@ class FrictionField:
 
 
 class VaryingFriction:
-    """Keeps the friction of all feet at what it is where they stand.
-
-    Args:
-        model: of the world.
-        root: its context, in which friction is changed.
-        scene: what is true.
-        seed: of the world.
-    """
+    """Keeps the friction of all feet at what it is where they stand."""
 
     def __init__(self, model: Standing, root: Context, scene: Scene, seed: int) -> None:
         self._model = model
@@ -153,14 +137,7 @@ def _moved(before: tuple[Array, Array], now: tuple[Array, Array]) -> bool:
 
 
 class ShiftingContents:
-    """Draws where contents lie.
-
-    Args:
-        model: of the world.
-        root: its context, in which the inertia is changed.
-        scene: what is true.
-        seed: of the world.
-    """
+    """Draws where contents lie."""
 
     def __init__(self, model: Standing, root: Context, scene: Scene, seed: int) -> None:
         self._model = model
