@@ -65,7 +65,7 @@ class ActionReader:
             _with_stop_as_constraint(self._parts), thing, self._lexicon, self._sentence
         )
         verb, name, spans, rest = self._find_verb(self._head, rest)
-        result, rest, event, asked = self._result_and_event(rest, thing, verb)
+        result, rest, event, asked = self._result_and_event(rest, thing)
         if self._query in _ASK_FOR_EVENTS and event is None:
             constraints, event, asked = _without_stops(constraints)
         goal = self._goal_of_parts(verb, name, result, rest, thing, spans[0])
@@ -110,37 +110,29 @@ class ActionReader:
         return goal.model_copy(update={"spans": tuple(sorted((*goal.spans, result.span)))})
 
     def _result_and_event(
-        self, rest: Parts, thing: ph.Thing, verb: Verb
+        self, rest: Parts, thing: ph.Thing
     ) -> tuple[ph.Result | None, Parts, g.Event | None, g.Spans]:
         """Find the wanted result, or the event that a question asks about, with its words."""
         event = next((each.event for each in self._asks if each.event), None)
-        said = tuple(p.span for p in rest if isinstance(p, ph.Result | ph.Purpose))
-        result, rest, asked = self._wanted_result(rest, thing, self._query, verb)
-        return result, rest, event or asked, said if asked else ()
-
-    def _wanted_result(
-        self, rest: Parts, thing: ph.Thing, query: g.Query | None, verb: Verb
-    ) -> tuple[ph.Result | None, Parts, g.Event | None]:
-        """Find the wanted result; in a question it is the event that is asked about."""
         results = [p for p in rest if isinstance(p, ph.Result | ph.Purpose)]
         rest = [p for p in rest if not isinstance(p, ph.Result | ph.Purpose)]
         if not results:
-            return None, rest, None
+            return None, rest, event, ()
         if len(results) > 1:
             raise unexpected_part(results[1], self._sentence)
         part = results[0]
         mention = part.subject if isinstance(part, ph.Result) else part.thing
         require_same(mention, thing, part, self._sentence)
         before = isinstance(part, ph.Purpose) and part.before
-        if query in _ASK_FOR_EVENTS and part.event in _EVENTS:
-            return None, rest, cast(g.Event, part.event)
-        if query or before or part.event == "stays_upright":
+        if self._query in _ASK_FOR_EVENTS and part.event in _EVENTS:
+            return None, rest, event or cast(g.Event, part.event), (part.span,)
+        if self._query or before or part.event == "stays_upright":
             raise unexpected_part(part, self._sentence)
         if isinstance(part, ph.Purpose):
             part = ph.Result(part.span, part.event, thing)
         elif part.amount:
             rest.append(ph.Amount(part.span, part.amount))
-        return part, rest, None
+        return part, rest, event, ()
 
     def _of_a_part(self, goal: g.Goal, thing: ph.Thing) -> tuple[g.Goal, ph.Thing]:
         """Takes "the lid of the cup", when it is opened, for a part of the cup."""

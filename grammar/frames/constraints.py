@@ -48,70 +48,75 @@ class BaseConstraint(Part):
     words: ClassVar[Words]
 
 
-class NoTopple(BaseConstraint):
+class PlainConstraint(BaseConstraint):
+    """A constraint without a value."""
+
+    kind: str
+    spans: Spans = ()
+
+
+class Limit(BaseConstraint):
+    """A constraint by a quantity, in the unit of its words."""
+
+    kind: str
+    value: Positive
+    spans: Spans = ()
+
+
+class NoTopple(PlainConstraint):
     """The object comes to rest on its base."""
 
     words: ClassVar[Words] = Words("AVOIDING", event="tips", limit="max_tilt")
     kind: Literal["no_topple"] = "no_topple"
-    spans: Spans = ()
 
 
-class NoTilt(BaseConstraint):
+class NoTilt(PlainConstraint):
     """The object's base stays on the table."""
 
     words: ClassVar[Words] = Words("AVOIDING", event="tilts", limit="max_tilt")
     kind: Literal["no_tilt"] = "no_tilt"
-    spans: Spans = ()
 
 
-class NoTurn(BaseConstraint):
+class NoTurn(PlainConstraint):
     """The object does not turn about the vertical."""
 
     words: ClassVar[Words] = Words("AVOIDING", event="turns", limit="max_turn")
     kind: Literal["no_turn"] = "no_turn"
-    spans: Spans = ()
 
 
-class NoSlide(BaseConstraint):
+class NoSlide(PlainConstraint):
     """The object does not slide."""
 
     words: ClassVar[Words] = Words("AVOIDING", event="slides", limit="max_distance")
     kind: Literal["no_slide"] = "no_slide"
-    spans: Spans = ()
 
 
-class NoLift(BaseConstraint):
+class NoLift(PlainConstraint):
     """The object stays on the table."""
 
     words: ClassVar[Words] = Words("AVOIDING")
     kind: Literal["no_lift"] = "no_lift"
-    spans: Spans = ()
 
 
-class NoSpill(BaseConstraint):
+class NoSpill(PlainConstraint):
     """Nothing leaves the object."""
 
     words: ClassVar[Words] = Words("AVOIDING")
     kind: Literal["no_spill"] = "no_spill"
-    spans: Spans = ()
 
 
-class MaxTilt(BaseConstraint):
+class MaxTilt(Limit):
     """The object tilts by `value` at most [rad]."""
 
     words: ClassVar[Words] = Words(phrase="without tilting it more than {}", unit="rad")
     kind: Literal["max_tilt"] = "max_tilt"
-    value: Positive
-    spans: Spans = ()
 
 
-class MaxTurn(BaseConstraint):
+class MaxTurn(Limit):
     """The object turns about the vertical by `value` at most [rad]."""
 
     words: ClassVar[Words] = Words(phrase="without turning it more than {}", unit="rad")
     kind: Literal["max_turn"] = "max_turn"
-    value: Positive
-    spans: Spans = ()
 
 
 class NoTouch(BaseConstraint):
@@ -124,117 +129,95 @@ class NoTouch(BaseConstraint):
     spans: Spans = ()
 
 
-class MaxForce(BaseConstraint):
+class MaxForce(Limit):
     """The force on the object stays below `value` [N]."""
 
     words: ClassVar[Words] = Words(phrase="with at most {}", unit="N")
     kind: Literal["max_force"] = "max_force"
-    value: Positive
-    spans: Spans = ()
 
 
-class MinForce(BaseConstraint):
+class MinForce(Limit):
     """The force on the object reaches `value` [N]."""
 
     words: ClassVar[Words] = Words(phrase="with at least {}", unit="N")
     kind: Literal["min_force"] = "min_force"
-    value: Positive
-    spans: Spans = ()
 
 
-class Force(BaseConstraint):
+class Force(Limit):
     """The object is pushed with `value` [N]."""
 
     words: ClassVar[Words] = Words(phrase="with {}", unit="N")
     kind: Literal["force"] = "force"
-    value: Positive
-    spans: Spans = ()
 
 
-class MaxSpeed(BaseConstraint):
+class MaxSpeed(Limit):
     """The object moves no faster than `value` [m/s]."""
 
     words: ClassVar[Words] = Words(phrase="at most {}", unit="m/s")
     kind: Literal["max_speed"] = "max_speed"
-    value: Positive
-    spans: Spans = ()
 
 
-class MinSpeed(BaseConstraint):
+class MinSpeed(Limit):
     """The object moves at least at `value` [m/s]."""
 
     words: ClassVar[Words] = Words(phrase="at least {}", unit="m/s")
     kind: Literal["min_speed"] = "min_speed"
-    value: Positive
-    spans: Spans = ()
 
 
-class Speed(BaseConstraint):
+class Speed(Limit):
     """The object moves at `value` [m/s]."""
 
     words: ClassVar[Words] = Words(phrase="at {}", unit="m/s")
     kind: Literal["speed"] = "speed"
-    value: Positive
-    spans: Spans = ()
 
 
-class MaxDuration(BaseConstraint):
+class MaxDuration(Limit):
     """It is done within `value` [s]."""
 
     words: ClassVar[Words] = Words(phrase="in at most {}", unit="s")
     kind: Literal["max_duration"] = "max_duration"
-    value: Positive
-    spans: Spans = ()
 
 
-class Duration(BaseConstraint):
+class Duration(Limit):
     """It takes `value` [s]."""
 
     words: ClassVar[Words] = Words(phrase="for {}", unit="s")
     kind: Literal["duration"] = "duration"
-    value: Positive
-    spans: Spans = ()
 
 
-class MaxDistance(BaseConstraint):
+class MaxDistance(Limit):
     """The object moves no farther than `value` [m]."""
 
     words: ClassVar[Words] = Words(phrase="without moving it more than {}", unit="m")
     kind: Literal["max_distance"] = "max_distance"
-    value: Positive
-    spans: Spans = ()
 
 
-class Gentle(BaseConstraint):
+class Gentle(PlainConstraint):
     """Little force and a low speed."""
 
     words: ClassVar[Words] = Words("MANNER")
     kind: Literal["gentle"] = "gentle"
-    spans: Spans = ()
 
 
-class Hard(BaseConstraint):
+class Hard(PlainConstraint):
     """Much force."""
 
     words: ClassVar[Words] = Words("MANNER")
     kind: Literal["hard"] = "hard"
-    spans: Spans = ()
 
 
-class Slow(BaseConstraint):
+class Slow(PlainConstraint):
     """A low speed."""
 
     words: ClassVar[Words] = Words("MANNER")
     kind: Literal["slow"] = "slow"
-    spans: Spans = ()
 
 
-class Fast(BaseConstraint):
+class Fast(PlainConstraint):
     """A high speed."""
 
     words: ClassVar[Words] = Words("MANNER")
     kind: Literal["fast"] = "fast"
-    spans: Spans = ()
 
 
 class ContactRegion(BaseConstraint):

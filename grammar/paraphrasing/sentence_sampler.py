@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from decimal import Decimal
 from random import Random
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar, cast, get_args
 
 from grammar.clauses.consistency import first_contradiction
 from grammar.frames import command as g
@@ -22,15 +22,12 @@ from grammar.words.lexicon import Lexicon, default_lexicon
 T = TypeVar("T")
 
 NOUNS = ("box", "mug", "ice tea box", "soup can", "jar", "tea tin", "bottle", "block")
-_DIRECTIONS: tuple[g.Direction, ...] = ("away", "toward", "left", "right")
+_DIRECTIONS: tuple[g.Direction, ...] = get_args(g.Direction)
 _RELATIONS: tuple[g.Relation, ...] = (
     "next_to", "left_of", "right_of", "in_front_of", "behind", "touching", "on",
 )  # fmt: skip
 _GAPS = ("next_to", "left_of", "right_of", "in_front_of", "behind")
-_REGIONS: tuple[g.TableRegion, ...] = (
-    "center", "edge", "left_edge", "right_edge", "front_edge", "back_edge", "corner",
-    "front_left_corner", "front_right_corner", "back_left_corner", "back_right_corner",
-)  # fmt: skip
+_REGIONS: tuple[g.TableRegion, ...] = get_args(g.TableRegion)
 _FRACTIONS = (0.25, 0.5, 0.75, 1 / 3, 2 / 3)
 _PROPERTIES = ("mass", "friction", "height", "width", "length", "size", "centre_of_mass",
                "fill")  # fmt: skip
@@ -290,14 +287,9 @@ class Sampler:
     def _draw_command(self) -> g.Frame:
         action = self._pick((*_SHIFTING, *_SHIFTING, "turn", "tilt", "topple", "lift", "place",
                              "open", "close", "pour", "explore", "hand_over"))  # fmt: skip
-        return g.Frame.model_validate(
-            {
-                "action": action,
-                "object": self._draw_object(),
-                "goal": self._draw_goal(action),
-                "constraints": self._draw_constraints(),
-            }
-        )
+        thing, goal = self._draw_object(), self._draw_goal(action)
+        constraints = self._draw_constraints()
+        return g.Frame(action=cast(Any, action), object=thing, goal=goal, constraints=constraints)
 
     def _draw_handling(self) -> g.Frame:
         """A command that does more than find something out."""
@@ -306,11 +298,9 @@ class Sampler:
         return frame
 
     def _draw_question(self) -> g.Frame:
-        query = self._pick(("predict", "possible", "how_hard", "where", "why", "value",
-                            "affordances"))  # fmt: skip
+        query = self._pick(get_args(g.Query))
         if query == "value":
-            which = (self._pick(_PROPERTIES),)
-            goal = g.Parameters(which=which)
+            goal = g.Parameters(which=(self._pick(_PROPERTIES),))
             return g.Frame(query="value", object=self._draw_object(), goal=goal)
         if query == "affordances":
             return g.Frame(query="affordances", object=self._draw_object())
@@ -324,9 +314,9 @@ class Sampler:
         event = self._pick(events) if asked else None
         stops = query in ("how_hard", "where")
         kept = tuple(c for c in frame.constraints if not (stops and isinstance(c, g.Until)))
-        update = {"query": query, "event": event, "constraints": kept}
         negated = query == "why" and self._rng.random() < 0.5
-        return frame.model_copy(update={**update, "negated": negated})
+        update = {"query": query, "event": event, "constraints": kept, "negated": negated}
+        return frame.model_copy(update=update)
 
     def _draw_remark(self) -> g.Frame:
         dialogue = self._pick(("undo", "stop", "repeat", "more", "correct"))

@@ -6,47 +6,47 @@ Quantities are in SI units and radians; spans are columns of the sentence as giv
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import dataclass_transform
 
 from grammar.frames import command as g
 
 
+@dataclass_transform(frozen_default=True)
 @dataclass(frozen=True)
 class Part:
-    """A phrase of the sentence; `span` is where it stands."""
+    """A phrase of the sentence; `span` is where it stands. Its kinds are frozen dataclasses too."""
 
     span: g.Span
+
+    def __init_subclass__(cls) -> None:
+        dataclass(frozen=True)(cls)
 
 
 # --- what holds the sentence together ---------------------------------------------------------
 
 
-@dataclass(frozen=True)
 class Separator(Part):
     """A comma, a full stop, or a word that joins: `and`, `or`, `but`."""
 
     word: str
 
 
-@dataclass(frozen=True)
 class Next(Part):
     """Then; first."""
 
     word: str
 
 
-@dataclass(frozen=True)
 class Filler(Part):
     """Words without a meaning of their own, and whether they may stand anywhere (please)."""
 
     anywhere: bool
 
 
-@dataclass(frozen=True)
 class Me(Part):
     """The person who speaks, as the one to whom something is handed."""
 
 
-@dataclass(frozen=True)
 class There(Part):
     """There: a place that only the situation names."""
 
@@ -54,7 +54,6 @@ class There(Part):
 # --- the verb and things ----------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
 class Verb(Part):
     """A verb in its base form, without its particle.
 
@@ -69,7 +68,6 @@ class Verb(Part):
     completed: g.Span | None = None
 
 
-@dataclass(frozen=True)
 class Thing(Part):
     """A named object, or "it"; `span` is the name's, without the article."""
 
@@ -77,19 +75,16 @@ class Thing(Part):
     contents: bool = False
 
 
-@dataclass(frozen=True)
 class ThatIs(Part):
     """Words such as "that is": a place follows that distinguishes the object."""
 
 
-@dataclass(frozen=True)
 class Side(Part):
     """On the left: tells the object from others."""
 
     quality: g.Quality
 
 
-@dataclass(frozen=True)
 class Particle(Part):
     """A word that belongs to the verb, or means a direction: over, up, down.
 
@@ -101,7 +96,6 @@ class Particle(Part):
     optional: bool = False
 
 
-@dataclass(frozen=True)
 class Diagonal(Part):
     """Diagonally: two directions are to follow."""
 
@@ -109,7 +103,6 @@ class Diagonal(Part):
 # --- what should become of it -----------------------------------------------------------------
 
 
-@dataclass(frozen=True)
 class Direction(Part):
     """A direction; `implied` if it follows from the side that is touched."""
 
@@ -117,28 +110,24 @@ class Direction(Part):
     implied: bool = False
 
 
-@dataclass(frozen=True)
 class Heading(Part):
     """A direction as an angle, counter-clockwise from straight ahead [rad]."""
 
     value: float
 
 
-@dataclass(frozen=True)
 class Toward(Part):
     """A target to move towards."""
 
     target: g.ObjectRef | g.TableRegion
 
 
-@dataclass(frozen=True)
 class AwayFrom(Part):
     """A part of the table to move away from."""
 
     region: g.TableRegion
 
 
-@dataclass(frozen=True)
 class Place(Part):
     """A place; the relation is one of the contract's, or `from`, `away_from`, `to`."""
 
@@ -146,14 +135,12 @@ class Place(Part):
     reference: tuple[g.ObjectRef, ...] | g.Point | g.TableRegion
 
 
-@dataclass(frozen=True)
 class Into(Part):
     """The object to pour into."""
 
     target: g.ObjectRef
 
 
-@dataclass(frozen=True)
 class Length(Part):
     """A distance [m], or measured in objects; `most` is the other end of a range."""
 
@@ -162,7 +149,6 @@ class Length(Part):
     most: float | None = None
 
 
-@dataclass(frozen=True)
 class Angle(Part):
     """An angle [rad]."""
 
@@ -170,14 +156,12 @@ class Angle(Part):
     bound: g.Bound
 
 
-@dataclass(frozen=True)
 class Amount(Part):
     """A little, a lot."""
 
     value: str
 
 
-@dataclass(frozen=True)
 class Share(Part):
     """Half of the way, all the way; or, of a liquid, half of it."""
 
@@ -185,14 +169,12 @@ class Share(Part):
     of_way: bool
 
 
-@dataclass(frozen=True)
 class Volume(Part):
     """A volume of a liquid [m³]."""
 
     value: float
 
 
-@dataclass(frozen=True)
 class Full(Part):
     """Until it is half full: a share of what can be filled, and of what this is said."""
 
@@ -200,33 +182,28 @@ class Full(Part):
     subject: Thing | None = None
 
 
-@dataclass(frozen=True)
 class FilledWith(Part):
     """The liquid to fill with."""
 
     thing: Thing
 
 
-@dataclass(frozen=True)
 class Lid(Part):
     """A part of an object that is opened or closed, by its name."""
 
     value: str
 
 
-@dataclass(frozen=True)
 class Table(Part):
     """On the table, of something that is put there."""
 
 
-@dataclass(frozen=True)
 class Method(Part):
     """By lifting it: how something is found out."""
 
     value: g.Method
 
 
-@dataclass(frozen=True)
 class Sense(Part):
     """Clockwise or not."""
 
@@ -236,7 +213,6 @@ class Sense(Part):
 # --- constraints ------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
 class Constraint(Part):
     """A constraint, whole in itself; `subject` is what it says this of, if it names it."""
 
@@ -244,7 +220,6 @@ class Constraint(Part):
     subject: Thing | None = None
 
 
-@dataclass(frozen=True)
 class Avoid(Part):
     """An event that must not happen.
 
@@ -261,7 +236,6 @@ class Avoid(Part):
     further: bool = False
 
 
-@dataclass(frozen=True)
 class FurtherNoTouch(Part):
     """… or touching the mug; `either` if it says "or"."""
 
@@ -269,7 +243,6 @@ class FurtherNoTouch(Part):
     either: bool
 
 
-@dataclass(frozen=True)
 class Result(Part):
     """A wanted event: "so that it falls over"."""
 
@@ -281,7 +254,6 @@ class Result(Part):
 # --- questions and remarks --------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
 class Ask(Part):
     """The opening of a question.
 
@@ -302,12 +274,10 @@ class Ask(Part):
     negated: bool = False
 
 
-@dataclass(frozen=True)
 class If(Part):
     """If, when: the action that is asked about follows."""
 
 
-@dataclass(frozen=True)
 class Purpose(Part):
     """To make it slide; `before` if it is about what must not yet happen ("before it tips")."""
 
@@ -316,7 +286,6 @@ class Purpose(Part):
     before: bool = False
 
 
-@dataclass(frozen=True)
 class Explore(Part):
     """Find out how heavy it is."""
 
@@ -324,14 +293,12 @@ class Explore(Part):
     thing: Thing
 
 
-@dataclass(frozen=True)
 class Remark(Part):
     """A remark: undo that, again, no."""
 
     dialogue: g.Dialogue
 
 
-@dataclass(frozen=True)
 class NotThis(Part):
     """Not the mug: what was not meant."""
 
