@@ -16,11 +16,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from grammar.frames import command as g
-from planner.problem.frame_interpretation import grasp_problem, interpret_frame
+from planner.problem.frame_interpretation import grasp_problem, interpret_frame, require_upright
 from planner.problem.place_regions import region
 from planner.problem.planning_problem import is_handled
 from planner.pushing.strategies import plan_pushes
-from planner.refusals import push_refusals as refusals
+from planner.refusals.refusal_builder import no_plan
 from planner.types.defaults import DEFAULTS, Defaults
 from planner.types.plan import Plan, PlanningResult, Reached
 from planner.types.refusal import Alternatives, NoPlanError
@@ -62,9 +62,8 @@ def plan(
                 raise grasps.first
         problem = interpret_frame(frame, state, defaults, robot, previous=previous, failed=failed)
         if state.held is not None:
-            raise NoPlanError(refusals.hand_not_free(state.held.name))
-        if problem.target.lies_on != "bottom":
-            raise NoPlanError(refusals.object_lies(problem.target))
+            raise no_plan("hand_not_free", object=state.held.name)
+        require_upright(problem.target)
         return plan_pushes(problem, notify)
     except NoPlanError as error:
         return error.refusal

@@ -20,8 +20,8 @@ from nlcontrol.questions.push_prediction import PushPrediction, predict_push
 from nlcontrol.text_format import quantity
 from planner.affordances import pushed_face
 from planner.geometry.directions import FACE_HEADINGS, HEADINGS, heading_of, unit
-from planner.problem.frame_interpretation import interpret_frame
-from planner.refusals import push_refusals as refusals
+from planner.problem.frame_interpretation import interpret_frame, require_upright
+from planner.refusals.refusal_builder import no_plan
 from planner.types.refusal import NoPlanError
 
 if TYPE_CHECKING:
@@ -134,7 +134,7 @@ def push_asked_about(frame: g.Frame, state: WorldState, defaults: Defaults) -> I
     try:
         asked = interpret_frame(_as_command(frame), state, defaults)
         if target.lies_on == "nothing flat":
-            raise NoPlanError(refusals.object_lies(target))
+            require_upright(target)
         face_name, face, heading = _touched_face(asked, target)
     except NoPlanError as refused:
         raise ControlError(refusal_error(refused.refusal)) from refused
@@ -196,7 +196,8 @@ def _touched_face(asked: PushProblem, target: SeenObject) -> tuple[FaceName, Fac
         into = HEADINGS["away"] if asked.goal.heading is None else asked.goal.heading
     found = pushed_face(target, into)
     if found is None or asked.contact.face not in (None, found[0]):
-        raise NoPlanError(refusals.no_side(target, asked.contact.face, asked.contact.spans))
+        where = "side" if asked.contact.face is None else f"{asked.contact.face} face"
+        raise no_plan("no_side", spans=asked.contact.spans, object=target.name, where=where)
     return *found, heading
 
 

@@ -25,8 +25,8 @@ from objectmodels.geometry.side_faces import Face
 from objectmodels.models.object_parts import LiftOffLid, ScrewCap
 from planner.geometry.footprints import footprint, overlaps
 from planner.problem.planning_problem import GraspProblem
-from planner.refusals import grasp_refusals as refusals
 from planner.refusals.refusal_builder import no_plan
+from planner.types.refusal import NoPlanError
 from planner.types.robot import Grip, Robot
 from planner.types.world_state import SeenObject, WorldState
 
@@ -123,9 +123,7 @@ def body_candidates(problem: GraspProblem) -> list[Candidate]:
     grips = [(pair, robot.grasp(pair.width)) for pair in sides if _fits(pair.width, robot)]
     closing = [(pair, grip) for pair, grip in grips if grip is not None]
     if not closing:
-        raise refusals.not_that_wide(
-            target.name, [pair.width for pair in sides], _grasp_widths(robot)
-        )
+        raise _not_that_wide(f"the {target.name}", [pair.width for pair in sides], robot)
     found: list[Candidate] = []
     # Where neither level nor upright fingers find room, those that come down askew may.
     for pitches in (_SQUARE, _ASKEW):
@@ -159,7 +157,7 @@ def lid_candidates(
     radius, low, high = held_part(target, lid)
     grip = robot.grasp(2.0 * radius, pinch=True) if _fits(2.0 * radius, robot) else None
     if grip is None:
-        raise refusals.not_that_wide(target.name, [2.0 * radius], _grasp_widths(robot), part="lid")
+        raise _not_that_wide(f"the {target.name}'s lid", [2.0 * radius], robot)
     # The fingertips stay above what a knob stands on, and below its upper end.
     height = max(0.5 * (low + high), low + grip.ahead + _OVER)
     if height > high - _BORDER:
@@ -196,6 +194,17 @@ def _grasp_widths(robot: Robot) -> tuple[float, float]:
 def _fits(width: float, robot: Robot) -> bool:
     narrowest, widest = _grasp_widths(robot)
     return narrowest <= width <= widest
+
+
+def _not_that_wide(part: str, widths: list[float], robot: Robot) -> NoPlanError:
+    """Dead end since the hand does not close about an object, or about its lid."""
+    if not widths:
+        return no_plan("no_two_sides", part=part)
+    narrowest, widest = _grasp_widths(robot)
+    wide = min(widths) > widest
+    width = min(widths) if wide else max(widths)
+    numbers = {"width": width, "widest": widest, "narrowest": narrowest}
+    return no_plan("too_wide" if wide else "too_narrow", numbers, part=part)
 
 
 def _opposite_sides(target: SeenObject) -> Iterator[_Sides]:

@@ -13,6 +13,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_model import ObjectModel
 from planner.grasping.grasp_sampling import Candidate
 from planner.problem.planning_problem import GraspProblem
-from planner.refusals import grasp_refusals as refusals
+from planner.refusals.reach_refusals import no_grasp_reached
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Action, Aim, Grasp, GraspAction, GraspPrediction, Limits, Vector3
 from planner.types.plan import DefaultUsed, Plan, PlanTask
@@ -196,27 +197,31 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
 
 def _too_heavy(problem: GraspProblem, candidate: Candidate, wanted: float) -> NoPlanError:
     """Dead end since it takes more squeeze than there is."""
-    model, has = problem.target.model, candidate.grip.strongest
+    model, has, force = problem.target.model, candidate.grip.strongest, problem.force
     numbers = {"needed_force": wanted, "strongest": has, "friction": friction(model)}
-    bears = math.inf if model.grasp is None or candidate.part == "lid" else model.grasp.crush
-    return refusals.too_heavy(
-        problem.goal.doing,
-        problem.target.name,
-        numbers,
-        width=candidate.width,
-        crush=bears,
-        allowed=problem.force.max,
-        spans=problem.force.spans,
-    )
+    words: dict[str, Any] = {
+        "doing": problem.goal.doing,
+        "object": problem.target.name,
+        "width": candidate.width,
+    }
+    crush = _crush_force(model, candidate)
+    if force.max <= min(has, crush):
+        numbers = {"allowed_force": force.max, **numbers}
+        return no_plan("squeeze_not_allowed", numbers, spans=force.spans, **words)
+    if crush < has:
+        return no_plan("bears_no_squeeze", {"crush": crush, **numbers}, **words)
+    return no_plan("squeeze_not_there", numbers, **words)
 
 
 def strongest(problem: GraspProblem, candidate: Candidate) -> float:
     """Largest squeeze that hand, object and sentence allow [N]."""
-    allowed = min(candidate.grip.strongest, problem.force.max)
-    graspable = problem.target.model.grasp
-    if candidate.part == "lid" or graspable is None:
-        return allowed
-    return min(allowed, graspable.crush)
+    crush = _crush_force(problem.target.model, candidate)
+    return min(candidate.grip.strongest, problem.force.max, crush)
+
+
+def _crush_force(model: ObjectModel, candidate: Candidate) -> float:
+    """Squeeze that an object bears [N]; a lid bears any."""
+    return math.inf if model.grasp is None or candidate.part == "lid" else model.grasp.crush
 
 
 class _GraspBeliefs:
@@ -350,7 +355,7 @@ def first_reachable_plan(
         asked = problem.effort.probability
         numbers = {"probability": unlikely.probability, "asked_probability": asked}
         raise no_plan("unlikely_grasp", numbers, doing=doing, object=name)
-    raise refusals.no_reach(doing, name, answers, held=problem.state.held is not None)
+    raise no_grasp_reached(doing, name, answers, held=problem.state.held is not None)
 
 
 def _plan_with_grasp(

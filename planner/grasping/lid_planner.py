@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -33,7 +34,6 @@ from planner.grasping.grasp_selection import (
     stable_grasps,
 )
 from planner.problem.planning_problem import GraspProblem
-from planner.refusals import grasp_refusals as refusals
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import (
     Action,
@@ -113,17 +113,14 @@ def is_open(seen: SeenObject, defaults: Defaults) -> bool:
 
 
 def _plan_flip(problem: GraspProblem, lid: FlipLid, action: PlanTask, end: float) -> Plan:
-    target, d = problem.target, problem.defaults
+    target = problem.target
     start = target.lid or 0.0
     arc = flip(target.model, lid, start=start, end=end, fixed=target.fixed)
     if arc.largest_force > problem.force.max:
         numbers = {"needed_force": arc.largest_force, "allowed_force": problem.force.max}
         doing, spans = problem.goal.doing, problem.force.spans
         raise no_plan("flip_not_allowed", numbers, spans=spans, doing=doing, object=target.name)
-    if arc.least_margin < d.lid_reserve:
-        raise refusals.gives_way(problem.goal.doing, target, arc, d.lid_reserve)
-    if arc.probability < d.probability:
-        raise refusals.may_give_way(problem.goal.doing, target, arc, problem.effort.probability)
+    _require_stand(problem, arc)
     step = FlipOver(
         start=start,
         end=end,
@@ -139,6 +136,38 @@ def _plan_flip(problem: GraspProblem, lid: FlipLid, action: PlanTask, end: float
         defaults=(used,) if action == "open" else (),
     )
     return first_reachable_plan(problem, action, [(None, draft)], 1)
+
+
+def _require_stand(problem: GraspProblem, arc: FlipArc) -> None:
+    """Make sure that the standing object resists until its lid has moved all the way.
+
+    Raises:
+        NoPlanError: it would slide or topple, or may as its parameters are not known well enough.
+    """
+    near, target, d = arc.weakest_index, problem.target, problem.defaults
+    forces = {
+        "lid_force": float(arc.force[near]),
+        "largest_lid_force": arc.largest_force,
+        "slide_force": float(arc.slide[near]),
+        "topple_force": float(arc.topple[near]),
+        "angle": float(arc.angles[near]),
+    }
+    numbers = {name: value for name, value in forces.items() if math.isfinite(value)}
+    slides = forces["slide_force"] < forces["topple_force"]
+    words: dict[str, Any] = {
+        "doing": problem.goal.doing,
+        "object": target.name,
+        "mass": target.model.mass,
+        "verb": "slides" if slides else "tips",
+        "limit": forces["slide_force" if slides else "topple_force"],
+    }
+    if arc.least_margin < d.lid_reserve:
+        numbers["margin"] = arc.least_margin
+        raise no_plan("gives_way", numbers, reserve=d.lid_reserve, **words)
+    if arc.probability < d.probability:
+        asked = problem.effort.probability
+        sure = {"probability": arc.probability, "asked_probability": asked}
+        raise no_plan("may_give_way", {**numbers, **sure}, **words)
 
 
 def _force_limit(problem: GraspProblem, arc: FlipArc) -> float:
@@ -233,11 +262,20 @@ def _plan_screw_on(problem: GraspProblem, cap: ScrewCap, seen: float) -> Plan:
 
 
 def _require_still(problem: GraspProblem, found: Loosening) -> None:
-    """The object stays where it is while its lid comes off."""
+    """Make sure that the object stays where it is while its lid comes off.
+
+    Raises:
+        NoPlanError: it would be lifted or turned, or may as what is believed is not sure enough.
+    """
+    name, asked = problem.target.name, problem.effort.probability
+    screwed = isinstance(problem.target.model.lid, ScrewCap)
+    numbers = {"needed": found.needed, "held": found.held, "margin": found.margin}
     if found.margin < problem.defaults.lid_reserve:
-        raise refusals.comes_along(problem.target, found)
-    if found.probability < problem.effort.probability:
-        raise refusals.may_come_along(problem.target, found, problem.effort.probability)
+        raise no_plan("turned_along" if screwed else "pulled_along", numbers, object=name)
+    if found.probability < asked:
+        numbers |= {"probability": found.probability, "asked_probability": asked}
+        code = "may_be_turned_along" if screwed else "may_be_pulled_along"
+        raise no_plan(code, numbers, object=name)
 
 
 def _cap_holds(problem: GraspProblem, cap: ScrewCap) -> list[StableGrasp]:

@@ -30,7 +30,6 @@ from planner.grasping.grasp_selection import (
 from planner.problem.goal_poses import GoalPoses, find_goal_poses, pose_as_aim
 from planner.problem.place_regions import object_at
 from planner.problem.planning_problem import GraspProblem, value_in_bound
-from planner.refusals import grasp_refusals as refusals
 from planner.refusals.refusal_builder import Spans, no_plan
 from planner.types.actions import Action, Aim, Carry, LiftUp, SetDown
 from planner.types.plan import DefaultUsed, Plan, PlanTask
@@ -169,9 +168,9 @@ def require_room(problem: GraspProblem, there: SeenObject, near: dict[str, float
     for name, seen in problem.others.items():
         apart = min(problem.clearance(seen), _CLOSER * near.get(name, np.inf))
         if gap(own, footprint(seen)) < max(apart, kept.get(name, 0.0)):
-            raise refusals.no_place(f"the {problem.target.name}", name)
+            raise no_plan("place_taken", what=f"the {problem.target.name}", other=name)
     if room_to_edge(own, problem.state.table, problem.defaults.clearance) < 0.0:
-        raise refusals.no_place(f"the {problem.target.name}", None)
+        raise no_plan("table_ends", what=f"the {problem.target.name}")
 
 
 def _draft_to(problem: GraspProblem, aim: Aim, found: GoalPoses) -> MotionDraft:

@@ -35,7 +35,6 @@ from planner.grasping.grasp_selection import (
 )
 from planner.grasping.lid_planner import is_open
 from planner.problem.planning_problem import GraspProblem
-from planner.refusals import grasp_refusals as refusals
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Action, Aim, Carry, PourOut, PourPrediction, SetDown
 from planner.types.defaults import Defaults
@@ -364,7 +363,10 @@ def amount(problem: GraspProblem, source: Hollow, into: Hollow, goal: g.Pour) ->
     if goal.fill is not None and wanted < _DROP:
         return None
     if wanted > room:
-        raise refusals.does_not_fit(into.seen.name, wanted, room, has, goal.spans)
+        numbers = {"volume": wanted, "room": max(room, 0.0), "contents": has}
+        code = "does_not_fit" if has > room else "all_does_not_fit"
+        words = {"into": into.seen.name, "fits": min(numbers["room"], has)}
+        raise no_plan(code if room > 0.0 else "is_full", numbers, spans=goal.spans, **words)
     if wanted > has:
         numbers = {"volume": wanted, "contents": has}
         raise no_plan("not_so_much", numbers, spans=goal.spans, object=problem.target.name)

@@ -21,8 +21,7 @@ from planner.problem.contact_heights import (
 )
 from planner.problem.planning_problem import GoalT, GraspProblem, PlanningProblem, PushProblem
 from planner.problem.tilt_goals import almost_tips, spill_tilt
-from planner.refusals.push_refusals import not_capable, unsupported_while
-from planner.refusals.refusal_builder import no_plan
+from planner.refusals.refusal_builder import no_plan, not_capable, unsupported_while
 from planner.types.actions import Aim
 from planner.types.refusal import NoPlanError
 

@@ -9,7 +9,7 @@ from grammar.frames import command as g
 from objectmodels.models.object_parts import FlipLid
 from planner.geometry.directions import FACE_OF_PUSH, HEADINGS
 from planner.problem.planning_problem import GoalT, GraspProblem, PlanningProblem, PushProblem
-from planner.refusals.push_refusals import not_capable, unsupported_while
+from planner.refusals.refusal_builder import not_capable, unsupported_while
 from planner.types.defaults import Defaults
 
 Band = tuple[float, float, str]

@@ -15,12 +15,9 @@ from planner.problem import planning_problem
 from planner.problem.constraint_limits import apply_constraint, grasp_limits
 from planner.problem.goal_poses import find_goal_poses
 from planner.problem.tilt_goals import tilt_goal
-from planner.refusals import push_refusals as refusals
-from planner.refusals.push_refusals import not_capable
-from planner.refusals.refusal_builder import no_plan
+from planner.refusals.refusal_builder import no_plan, not_capable
 from planner.types.defaults import Defaults
 from planner.types.plan import DefaultUsed, Plan
-from planner.types.refusal import NoPlanError
 from planner.types.robot import FailedPush, NoRobot, Robot
 from planner.types.world_state import SeenObject, WorldState
 
@@ -155,8 +152,19 @@ def _target_of_hand(frame: g.Frame, state: WorldState) -> SeenObject:
     # A hand that holds an object has none left for its lid.
     by_lid = isinstance(frame.goal, g.Open | g.Close)
     if held is not None and (held.name != name or by_lid):
-        raise NoPlanError(refusals.hand_not_free(held.name))
+        raise no_plan("hand_not_free", object=held.name)
     target = state.objects[name]
-    if target.lies_on != "bottom":
-        raise NoPlanError(refusals.object_lies(target))
+    require_upright(target)
     return target
+
+
+def require_upright(target: SeenObject) -> None:
+    """Make sure that an object stands on its base.
+
+    Raises:
+        NoPlanError: it lies on another face, or on none.
+    """
+    face = target.lies_on
+    if face != "bottom":
+        side = face if face.startswith(("face", "nothing")) else f"its {face} side"
+        raise no_plan("lies", object=target.name, side=side)

@@ -19,8 +19,7 @@ from planner.geometry.directions import FACE_OF_PUSH, HEADINGS, bisector, headin
 from planner.geometry.footprints import footprint, free_travel, gap, travel_to_edge
 from planner.problem.place_regions import Array, Beside, Between, region, share_of_way, table_region
 from planner.problem.planning_problem import GoalT, PlanningProblem, PushGoal, value_in_bound
-from planner.refusals.push_refusals import not_capable
-from planner.refusals.refusal_builder import no_plan
+from planner.refusals.refusal_builder import no_plan, not_capable
 from planner.types.actions import Aim
 from planner.types.defaults import Defaults
 from planner.types.plan import DefaultUsed

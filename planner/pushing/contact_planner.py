@@ -25,9 +25,10 @@ from planner.pushing.contact_diagnosis import contact_refusal, require_place
 from planner.pushing.contact_sampling import Contact, Contacts, rate_contacts
 from planner.pushing.search_budget import ContactQueries, ReachSearch
 from planner.pushing.touchable_sides import push_direction, require_room, touchable_sides
-from planner.refusals import push_refusals as refusals
+from planner.refusals.reach_refusals import no_push_reached
+from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import FALLING, Push, PushAction, Vector3
-from planner.types.refusal import Alternatives, NoPlanError, Refusal
+from planner.types.refusal import Alternatives, NoPlanError
 
 _OF_A_CASE = 0.6  # share of the contacts asked for that may be equally sure
 _FLAT = math.radians(85.0)  # a box that leans so far lies
@@ -113,11 +114,12 @@ def _best_candidate(
                 )
     target, force = problem.target, problem.force
     if queries.denied:
-        raise NoPlanError(refusals.no_reach(target, queries.denied))
+        raise no_push_reached(target.name, queries.denied)
     if least < force.min:
-        raise NoPlanError(refusals.too_light(target, least, force.min, force.spans))
+        numbers = {"needed_force": least, "min_force": force.min}
+        raise no_plan("too_light", numbers, spans=force.spans, object=target.name)
     if math.isfinite(least) and not doubted:
-        raise NoPlanError(_too_weak(problem, step, least))
+        raise _too_weak(problem, step, least)
     raise NoPlanError(contact_refusal(problem, step, sides))
 
 
@@ -133,9 +135,8 @@ def _in_time(problem: PushProblem, step: PushStep) -> PushProblem:
     fastest = motion.speed if said else defaults.speed_most
     least = defaults.push_overhead + step.distance / fastest
     if least > motion.duration:
-        raise NoPlanError(
-            refusals.too_slow(problem.target, step.distance, least, motion.duration, motion.spans)
-        )
+        numbers, name = {"least_time": least, "max_time": motion.duration}, problem.target.name
+        raise no_plan("too_slow", numbers, spans=motion.spans, object=name, distance=step.distance)
     needed = step.distance / (motion.duration - defaults.push_overhead)
     return replace(problem, motion=replace(motion, speed=max(motion.speed, needed)))
 
@@ -162,10 +163,16 @@ def _strong_enough(
     return strong, least
 
 
-def _too_weak(problem: PushProblem, step: PushStep, least: float) -> Refusal:
+def _too_weak(problem: PushProblem, step: PushStep, least: float) -> NoPlanError:
+    """Dead end since more force is needed than the sentence allows, or than the fingers have."""
     force, allowed = problem.force, _largest_force(problem, max(problem.contact.fingers))
-    return refusals.too_weak(
-        problem.target, step.outcome, least, allowed, said=force.max <= allowed, spans=force.spans
+    said = force.max <= allowed
+    return no_plan(
+        "force_not_allowed" if said else "force_not_there",
+        {"needed_force": least, "allowed_force": allowed},
+        spans=force.spans if said else (),
+        object=problem.target.name,
+        doing="sliding" if step.outcome == "slide" else "toppling",
     )
 
 

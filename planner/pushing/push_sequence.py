@@ -21,10 +21,10 @@ from planner.problem.planning_problem import PushProblem, PushStep
 from planner.pushing import push_paths, turn_planner
 from planner.pushing.contact_planner import PushCandidate, best_push
 from planner.pushing.search_budget import ReachSearch
-from planner.refusals import push_refusals as refusals
+from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Aim, Push
 from planner.types.plan import Reached
-from planner.types.refusal import Alternatives, NoPlanError, Refusal
+from planner.types.refusal import Alternatives, NoPlanError
 from planner.types.world_state import SeenObject
 
 _PATHS = 5  # free ways for which the hand's reach is asked
@@ -35,6 +35,7 @@ _CLOSER = 0.7  # share of a gap that is asked for that is kept on the way
 _NEAR = 0.02  # what is nearer to its aim is not led around anything [m]
 _PARTED = 0.12  # a leg longer than this may be made by several pushes [m]
 _TURNS = 12  # ways to part a turn for which it is asked
+_LEAST = 0.01  # a shorter way is not worth proposing [m]
 _CLOSE = 0.004  # what is nearer is corrected by a push right there, or counts as there [m]
 _SQUARED_UP = math.radians(6.0)  # a turn up to this is made while the object is pushed straight
 _SQUARE = math.radians(0.2)  # a turn below this is not
@@ -126,7 +127,7 @@ class PushSequencePlanner:
         """The pushes that turn an object, and the object after them."""
         problem = self._problem
         if 1 not in problem.contact.fingers:
-            raise NoPlanError(refusals.turned_by_one(target, problem.contact.spans))
+            raise no_plan("turned_by_one", spans=problem.contact.spans, object=target.name)
         blocked: NoPlanError | None = None
         strokes = Alternatives()
         for steps in self._turn_sequences(target, turn):
@@ -134,7 +135,8 @@ class PushSequencePlanner:
                 target, steps, problem.state, self._apart, problem.defaults.clearance
             )
             if met is not None:
-                blocked = blocked or NoPlanError(refusals.turn_blocked(target, met))
+                where = "over the table's edge" if met == "table" else f"into the {met}"
+                blocked = blocked or no_plan("turn_blocked", object=target.name, where=where)
                 continue
             with strokes:
                 return self._stroke_pushes(target, steps)
@@ -142,7 +144,7 @@ class PushSequencePlanner:
                 break
         if strokes:
             raise strokes.last
-        raise blocked or NoPlanError(refusals.cannot_turn(target))
+        raise blocked or no_plan("cannot_turn", object=target.name)
 
     def _turn_sequences(
         self, target: SeenObject, turn: float
@@ -218,7 +220,7 @@ class PushSequencePlanner:
             # Paths that come later are longer.
             if attempts.last.refusal.reason == "out_of_time":
                 raise attempts.last
-        raise attempts.first if attempts else NoPlanError(self._path_refusal(target))
+        raise attempts.first if attempts else self._dead_end(target)
 
     def _paths_to_aim(self, target: SeenObject) -> Iterator[tuple[push_paths.PathSegment, ...]]:
         """Paths to the aim: straight to it, around what stands there, and with a side step."""
@@ -263,30 +265,30 @@ class PushSequencePlanner:
             met = push_paths.first_stop(target, path[:-1], state, self._apart, margin)
         return met or push_paths.first_stop(target, path, state, self._clearances, margin)
 
-    def _path_refusal(self, target: SeenObject) -> Refusal:
-        """Refusal since something stands in all paths: that of the first, the shortest."""
+    def _dead_end(self, target: SeenObject) -> NoPlanError:
+        """Dead end since something stands in all paths: that of the first, the shortest."""
         path = next(self._paths_to_aim(target), None)
         if path is None:
-            return refusals.no_way(target)
+            return no_plan("no_way", object=target.name)
         met = self._first_stop(target, path)
         assert met is not None, "a free path would have been taken"
         distance = sum(segment.distance for segment in path)
-        bounded = math.isfinite(self._problem.goal.distance)
+        # What is to be brought to a place would not be there after a shorter way.
+        so_far = met.free > _LEAST and math.isfinite(self._problem.goal.distance)
         if met.other is None:
-            return refusals.off_the_table(target, distance, met.free, bounded=bounded)
-        other = self._problem.state.objects[met.other]
-        return refusals.in_the_way(target, other, distance, met.free, bounded=bounded)
+            numbers = {"room": max(met.free, 0.0), "distance": distance}
+            code = "off_the_table_so_far" if so_far else "off_the_table"
+            return no_plan(code, numbers, object=target.name)
+        numbers = {"free": met.free, "distance": distance}
+        code = "in_the_way_so_far" if so_far else "in_the_way"
+        return no_plan(code, numbers, object=target.name, other=met.other)
 
     def _path_pushes(
         self, target: SeenObject, path: tuple[push_paths.PathSegment, ...]
     ) -> list[PushCandidate]:
         """A push for each segment, or for parts of it where the hand cannot make it at one go."""
         problem = self._problem
-        motion = problem.motion
-        if motion.duration is not None and len(path) > 1:
-            raise NoPlanError(
-                refusals.several_pushes(target, len(path), motion.duration, motion.spans)
-            )
+        require_one_push(problem, len(path))
         segment, rest = path[0], path[1:]
         attempt = Alternatives()
         with attempt:
@@ -294,7 +296,7 @@ class PushSequencePlanner:
         if attempt:
             reason = attempt.first.refusal.reason
             far = segment.distance > _PARTED and reason in ("out_of_reach", "blocked")
-            whole = motion.duration is not None or problem.goal.until == "moves"
+            whole = problem.motion.duration is not None or problem.goal.until == "moves"
             if whole or not far:
                 raise attempt.first
             half = replace(segment, distance=0.5 * segment.distance)
@@ -324,6 +326,18 @@ class PushSequencePlanner:
 def _path_cost(path: tuple[push_paths.PathSegment, ...]) -> float:
     """Length of a path, and what its pushes cost [m]."""
     return sum(segment.distance for segment in path) + push_paths.ANOTHER_PUSH * len(path)
+
+
+def require_one_push(problem: PushProblem, pushes: int) -> None:
+    """Make sure that there is time: the hand goes around the object between two pushes.
+
+    Raises:
+        NoPlanError: several pushes are needed, and the sentence limits their time.
+    """
+    motion = problem.motion
+    if motion.duration is not None and pushes > 1:
+        numbers = {"pushes": float(pushes), "max_time": motion.duration}
+        raise no_plan("several_pushes", numbers, spans=motion.spans, object=problem.target.name)
 
 
 def path_clearances(problem: PushProblem) -> dict[str, float]:

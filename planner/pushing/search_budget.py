@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 
 from planner.problem.planning_problem import PushProblem
-from planner.refusals import push_refusals as refusals
+from planner.refusals.reach_refusals import search_given_up
 from planner.types.actions import Push, Vector3
-from planner.types.refusal import NoPlanError
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import WorldState
 
@@ -41,8 +40,7 @@ class ReachSearch:
             NoPlanError: the budget is used up.
         """
         if len(self._answers) == self._problem.effort.questions:
-            refusal = refusals.given_up(self._problem.target, self._answers)
-            raise NoPlanError(refusal, ends_search=True)
+            raise search_given_up(self._problem.target.name, self._answers)
         answer = self._failed_before(push) or self._robots_answer(push, state)
         self._answers.append(answer)
         return answer

@@ -20,10 +20,10 @@ from planner.geometry.directions import unit
 from planner.problem.goal_poses import pose_as_aim
 from planner.problem.planning_problem import PushProblem
 from planner.pushing.contact_planner import PushCandidate
-from planner.pushing.push_sequence import PushSequencePlanner
+from planner.pushing.push_sequence import PushSequencePlanner, require_one_push
 from planner.pushing.search_budget import ReachSearch
 from planner.pushing.topple_planner import TopplePlanner
-from planner.refusals import push_refusals as refusals
+from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Aim, Limits, Push
 from planner.types.plan import Plan, PlanTask, Reached
 from planner.types.refusal import Alternatives, NoPlanError, Refusal
@@ -269,10 +269,7 @@ def _plan_to_an_aim(problem: PushProblem, search: ReachSearch) -> Plan | Reached
 def _joint_plan(problem: PushProblem, found: list[PushCandidate], aim: Aim | None = None) -> Plan:
     """Pushes one after another as a plan."""
     target, motion = problem.target, problem.motion
-    if motion.duration is not None and len(found) > 1:
-        raise NoPlanError(
-            refusals.several_pushes(target, len(found), motion.duration, motion.spans)
-        )
+    require_one_push(problem, len(found))
     # At least so likely, however the outcomes hang together; those of equal pushes are equal.
     doubts: dict[tuple[object, ...], float] = {}
     for each in found:
@@ -280,8 +277,8 @@ def _joint_plan(problem: PushProblem, found: list[PushCandidate], aim: Aim | Non
         doubts[each.event] = max(doubt, doubts.get(each.event, 0.0))
     probability = max(1.0 - sum(doubts.values()), 0.0)
     if probability < problem.effort.probability:
-        asked = problem.effort.probability
-        raise NoPlanError(refusals.unlikely_pushes(target, len(found), probability, asked))
+        numbers = {"probability": probability, "asked_probability": problem.effort.probability}
+        raise no_plan("unlikely_pushes", numbers, object=target.name, pushes=len(found))
     first, *later = pushes = [each.push for each in found]
     # What must be done in time is pushed faster than by default.
     if any(push.speed != motion.speed for push in pushes):

@@ -24,9 +24,9 @@ from planner.pushing.push_paths import (
 from planner.pushing.push_sequence import PushSequencePlanner, path_clearances
 from planner.pushing.search_budget import ReachSearch
 from planner.pushing.touchable_sides import straightest_side
-from planner.refusals import push_refusals as refusals
+from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Aim, Push
-from planner.types.refusal import Alternatives, NoPlanError
+from planner.types.refusal import Alternatives
 from planner.types.world_state import SeenObject
 
 _ASKEW = math.radians(5.0)  # a fall less askew than this is not made straighter
@@ -67,9 +67,9 @@ class TopplePlanner:
             if abs(askew) < _ASKEW or contact.face is not None or contact.region is not None:
                 raise direct.first
         if contact.region is not None:
-            raise NoPlanError(
-                refusals.turned_first(problem.target, askew, contact.region, contact.spans)
-            )
+            numbers, name = {"obliqueness": abs(askew)}, problem.target.name
+            where = contact.region
+            raise no_plan("turn_first", numbers, spans=contact.spans, object=name, region=where)
         return self._pushes_after_turn(askew)
 
     def other_pushes(self) -> list[PushCandidate]:
@@ -115,7 +115,7 @@ class TopplePlanner:
             or problem.contact.face is not None
             or abs(obliqueness(problem.target, heading)) > largest
         ):
-            raise NoPlanError(refusals.no_way(problem.target))
+            raise no_plan("no_way", object=problem.target.name)
         step = replace(self._step, side=straightest_side(problem.target, heading))
         return [best_push(problem, step, self._search)]
 
@@ -126,7 +126,7 @@ class TopplePlanner:
         problem, contact = self._problem, self._problem.contact
         bound = contact.face or contact.region or self._step.tilt is not None
         if bound or problem.motion.duration:
-            raise NoPlanError(refusals.no_way(problem.target))
+            raise no_plan("no_way", object=problem.target.name)
         few = replace(problem, effort=replace(problem.effort, contacts=_CONTACTS))
         kept = path_clearances(problem)
         margin = problem.defaults.clearance + _FORESIGHT
@@ -140,7 +140,7 @@ class TopplePlanner:
                     self._step, outcome="slide", heading=segment.heading, distance=segment.distance
                 )
                 return [best_push(few, aside, self._search), then]
-        raise places.first if places else NoPlanError(refusals.no_way(problem.target))
+        raise places.first if places else no_plan("no_way", object=problem.target.name)
 
 
 def _segments_aside(target: SeenObject) -> Iterator[PathSegment]:

@@ -14,8 +14,7 @@ from planner.geometry.footprints import footprint, landing_strip, overlaps, trav
 from planner.problem.planning_problem import PushProblem, PushStep, Side
 from planner.problem.tilt_goals import require_free_tilt
 from planner.pushing.push_paths import largest_obliqueness
-from planner.refusals import push_refusals as refusals
-from planner.types.refusal import NoPlanError
+from planner.refusals.refusal_builder import no_plan
 from planner.types.world_state import SeenObject
 
 UNCLEAR_FACE = math.radians(40.0)
@@ -43,9 +42,11 @@ def touchable_sides(problem: PushProblem, step: PushStep) -> list[Side]:
                 continue
         sides.append(Side(face, heading_of(-outward)))
     if not sides and unclear is not None:
-        raise NoPlanError(refusals.unclear_face(target, face_said, unclear, spans))
+        turned = {"turned": unclear}
+        raise no_plan("face_not_clear", turned, spans=spans, object=target.name, face=face_said)
     if not sides:
-        raise NoPlanError(refusals.no_side(target, face_said, spans))
+        where = "side" if face_said is None else f"{face_said} face"
+        raise no_plan("no_side", spans=spans, object=target.name, where=where)
     if step.heading is None:
         return sides
     return [_square_enough(problem, step, sides, step.heading)]
@@ -62,16 +63,14 @@ def _square_enough(problem: PushProblem, step: PushStep, sides: list[Side], head
     if step.outcome == "topple":
         largest = 0.5 * problem.defaults.side_tolerance
     if abs(oblique) > largest:
-        raise NoPlanError(
-            refusals.too_oblique(
-                target,
-                contact.face,
-                phrase(heading),
-                phrase(side.heading),
-                oblique,
-                largest,
-                contact.spans,
-            )
+        raise no_plan(
+            "oblique_face" if contact.face else "oblique",
+            {"obliqueness": abs(oblique), "largest_obliqueness": largest},
+            spans=contact.spans,
+            object=target.name,
+            face=f"its {contact.face} face" if contact.face else "its nearest face",
+            direction=phrase(heading),
+            square=phrase(side.heading),
         )
     return side
 
@@ -116,9 +115,9 @@ def require_room(problem: PushProblem, step: PushStep, side: Side) -> None:
 
 def _require_landing(problem: PushProblem, u: np.ndarray) -> None:
     target = problem.target
-    strip = landing_strip(target, u)
+    strip, height = landing_strip(target, u), {"height": target.model.top}
     if travel_to_edge(strip, problem.state.table, u[:2], 0.0) < problem.defaults.clearance:
-        raise NoPlanError(refusals.falls_off(target))
+        raise no_plan("falls_off", height, object=target.name)
     for other in problem.others.values():
         if overlaps(strip, footprint(other), problem.clearance(other)):
-            raise NoPlanError(refusals.falls_on(target, other))
+            raise no_plan("falls_on", height, object=target.name, other=other.name)

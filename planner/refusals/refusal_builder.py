@@ -84,6 +84,17 @@ def refusal(
     )
 
 
+def not_capable(capability: str, message: str, spans: Spans, *instead: str) -> NoPlanError:
+    """Dead end because this robot, or this version, lacks a capability."""
+    words: dict[str, Any] = {"capability": capability, "message": message}
+    return no_plan("not_capable", spans=spans, instead=instead, **words)
+
+
+def unsupported_while(what: str, doing: str, spans: Spans) -> NoPlanError:
+    """Dead end because no hand of this version does something meanwhile."""
+    return no_plan("not_while", spans=spans, what=what, doing=doing)
+
+
 def no_plan(
     code: str, numbers: Mapping[str, float] | None = None, *, spans: Spans = (), **words: Any
 ) -> NoPlanError:

@@ -1,0 +1,54 @@
+"""Refusals since the hand does not get there, by the first obstacle that stands in its way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from planner.refusals.refusal_builder import no_plan
+from planner.types.refusal import NoPlanError
+
+if TYPE_CHECKING:
+    from planner.types.robot import ReachAnswer
+
+
+def no_push_reached(name: str, answers: Sequence[ReachAnswer]) -> NoPlanError:
+    """Dead end since contacts exist on an object, but the hand gets to none of them."""
+    last, words = _obstacle(answers, object=name)
+    numbers = {"ways": float(len(answers)), **last.numbers}
+    return no_plan("pushes_blocked" if words["blocker"] else "no_push_reached", numbers, **words)
+
+
+def search_given_up(name: str, answers: Sequence[ReachAnswer]) -> NoPlanError:
+    """Dead end since the search ended before the hand could make a whole way."""
+    failed = [answer for answer in answers if not answer.ok]
+    _, words = _obstacle(failed, object=name)
+    numbers = {"looks": float(len(answers)), "out_of_reach": float(len(failed))}
+    code = "search_blocked" if words["blocker"] else "search_given_up"
+    return NoPlanError(no_plan(code, numbers, **words).refusal, ends_search=True)
+
+
+def no_grasp_reached(
+    doing: str, name: str, answers: Sequence[ReachAnswer], *, held: bool
+) -> NoPlanError:
+    """Dead end since there are ways with a whole hand, but it cannot make them."""
+    last, words = _obstacle(answers, object=name, doing=doing)
+    code = "grasps_blocked" if words["blocker"] else "no_grasp_reached"
+    if held:
+        code = "blocked_in_hand" if words["blocker"] else "no_reach_in_hand"
+    one = len(answers) == 1
+    return no_plan(
+        code,
+        {"ways": float(len(answers)), **last.numbers},
+        are="is" if one else "are",
+        number="one way" if one else f"{len(answers)} ways",
+        **words,
+    )
+
+
+def _obstacle(answers: Sequence[ReachAnswer], **words: Any) -> tuple[ReachAnswer, dict[str, Any]]:
+    """The first answer that names an obstacle, else the first; and the words of a refusal."""
+    blocked = (each for each in answers if each.reason == "obstacle" and each.blocker)
+    found = next(blocked, None)
+    last = found or answers[0]
+    return last, {**words, "last": last.message, "blocker": found and found.blocker}
