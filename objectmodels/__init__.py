@@ -7,55 +7,36 @@ from typing import TYPE_CHECKING
 from objectmodels.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from objectmodels.errors import ModelError, suggest
-    from objectmodels.geometry.base_shapes import Base, Disc, Polygon
-    from objectmodels.geometry.side_faces import Face, sides
-    from objectmodels.mechanics.friction_cone import ConeThresholds
-    from objectmodels.mechanics.push_outcomes import Prediction, Thresholds
-    from objectmodels.models.convex_hull import HullModel
-    from objectmodels.models.object_model import ObjectModel
-    from objectmodels.models.parameters import Provenance
-    from objectmodels.models.upright_solids import BoxModel, CylinderModel, PrismModel
-    from objectmodels.registry.model_registry import Registry
-
-__all__ = [
-    "Base",
-    "BoxModel",
-    "ConeThresholds",
-    "CylinderModel",
-    "Disc",
-    "Face",
-    "HullModel",
-    "ModelError",
-    "ObjectModel",
-    "Polygon",
-    "Prediction",
-    "PrismModel",
-    "Provenance",
-    "Registry",
-    "Thresholds",
-    "sides",
-    "suggest",
-]
+    from objectmodels.errors import ModelError as ModelError
+    from objectmodels.errors import suggest as suggest
+    from objectmodels.geometry.base_shapes import Base as Base
+    from objectmodels.geometry.base_shapes import Disc as Disc
+    from objectmodels.geometry.base_shapes import Polygon as Polygon
+    from objectmodels.geometry.side_faces import Face as Face
+    from objectmodels.geometry.side_faces import sides as sides
+    from objectmodels.mechanics.friction_cone import ConeThresholds as ConeThresholds
+    from objectmodels.mechanics.push_outcomes import Prediction as Prediction
+    from objectmodels.mechanics.push_outcomes import Thresholds as Thresholds
+    from objectmodels.models.convex_hull import HullModel as HullModel
+    from objectmodels.models.object_model import ObjectModel as ObjectModel
+    from objectmodels.models.parameters import Provenance as Provenance
+    from objectmodels.models.upright_solids import BoxModel as BoxModel
+    from objectmodels.models.upright_solids import CylinderModel as CylinderModel
+    from objectmodels.models.upright_solids import PrismModel as PrismModel
+    from objectmodels.registry.model_registry import Registry as Registry
 
 _HOMES = {
-    "Base": "objectmodels.geometry.base_shapes",
-    "BoxModel": "objectmodels.models.upright_solids",
-    "ConeThresholds": "objectmodels.mechanics.friction_cone",
-    "CylinderModel": "objectmodels.models.upright_solids",
-    "Disc": "objectmodels.geometry.base_shapes",
-    "Face": "objectmodels.geometry.side_faces",
-    "HullModel": "objectmodels.models.convex_hull",
-    "ModelError": "objectmodels.errors",
-    "ObjectModel": "objectmodels.models.object_model",
-    "Polygon": "objectmodels.geometry.base_shapes",
-    "Prediction": "objectmodels.mechanics.push_outcomes",
-    "PrismModel": "objectmodels.models.upright_solids",
-    "Provenance": "objectmodels.models.parameters",
-    "Registry": "objectmodels.registry.model_registry",
-    "Thresholds": "objectmodels.mechanics.push_outcomes",
-    "sides": "objectmodels.geometry.side_faces",
-    "suggest": "objectmodels.errors",
+    "errors": ["ModelError", "suggest"],
+    "geometry.base_shapes": ["Base", "Disc", "Polygon"],
+    "geometry.side_faces": ["Face", "sides"],
+    "mechanics.friction_cone": ["ConeThresholds"],
+    "mechanics.push_outcomes": ["Prediction", "Thresholds"],
+    "models.convex_hull": ["HullModel"],
+    "models.object_model": ["ObjectModel"],
+    "models.parameters": ["Provenance"],
+    "models.upright_solids": ["BoxModel", "CylinderModel", "PrismModel"],
+    "registry.model_registry": ["Registry"],
 }
 
+__all__ = [name for names in _HOMES.values() for name in names]
 __getattr__ = lazy_names(__name__, _HOMES)

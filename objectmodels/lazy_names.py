@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 
-def lazy_names(package: str, homes: Mapping[str, str]) -> Callable[[str], object]:
+def lazy_names(package: str, homes: Mapping[str, Sequence[str]]) -> Callable[[str], object]:
     """The `__getattr__` of a package that gives names of its modules to others.
 
     Args:
         package: its `__name__`.
-        homes: the module that defines each name.
+        homes: module of the package → names that it defines.
     """
 
     def load(name: str) -> object:
-        if name not in homes:
+        home = next((module for module, names in homes.items() if name in names), None)
+        if home is None:
             raise AttributeError(f"module {package!r} has no attribute {name!r}", name=name)
-        value: object = getattr(importlib.import_module(homes[name]), name)
+        value: object = getattr(importlib.import_module(f"{package}.{home}"), name)
         setattr(sys.modules[package], name, value)
         return value
 

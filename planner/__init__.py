@@ -7,20 +7,15 @@ from typing import TYPE_CHECKING
 from objectmodels.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from planner.planning import plan
-    from planner.types.plan import Plan
-    from planner.types.refusal import Refusal
-
-__all__ = [
-    "Plan",
-    "Refusal",
-    "plan",
-]
+    from planner.planning import plan as plan
+    from planner.types.plan import Plan as Plan
+    from planner.types.refusal import Refusal as Refusal
 
 _HOMES = {
-    "Plan": "planner.types.plan",
-    "Refusal": "planner.types.refusal",
-    "plan": "planner.planning",
+    "planning": ["plan"],
+    "types.plan": ["Plan"],
+    "types.refusal": ["Refusal"],
 }
 
+__all__ = [name for names in _HOMES.values() for name in names]
 __getattr__ = lazy_names(__name__, _HOMES)

@@ -10,35 +10,24 @@ from typing import TYPE_CHECKING
 from objectmodels.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from sim.errors import PictureError, SceneError, SimError
-    from sim.simulated_executor import SimulatedExecutor
-    from sim.traces.trace import Trace
-    from sim.truth.scene_file import Scene, load_scene
-    from sim.views.html_replay import save_replay
-    from sim.views.trace_picture import save_picture
-
-__all__ = [
-    "PictureError",
-    "Scene",
-    "SceneError",
-    "SimError",
-    "SimulatedExecutor",
-    "Trace",
-    "load_scene",
-    "save_picture",
-    "save_replay",
-]
+    from sim.errors import PictureError as PictureError
+    from sim.errors import SceneError as SceneError
+    from sim.errors import SimError as SimError
+    from sim.simulated_executor import SimulatedExecutor as SimulatedExecutor
+    from sim.traces.trace import Trace as Trace
+    from sim.truth.scene_file import Scene as Scene
+    from sim.truth.scene_file import load_scene as load_scene
+    from sim.views.html_replay import save_replay as save_replay
+    from sim.views.trace_picture import save_picture as save_picture
 
 _HOMES = {
-    "PictureError": "sim.errors",
-    "Scene": "sim.truth.scene_file",
-    "SceneError": "sim.errors",
-    "SimError": "sim.errors",
-    "SimulatedExecutor": "sim.simulated_executor",
-    "Trace": "sim.traces.trace",
-    "load_scene": "sim.truth.scene_file",
-    "save_picture": "sim.views.trace_picture",
-    "save_replay": "sim.views.html_replay",
+    "errors": ["PictureError", "SceneError", "SimError"],
+    "simulated_executor": ["SimulatedExecutor"],
+    "traces.trace": ["Trace"],
+    "truth.scene_file": ["Scene", "load_scene"],
+    "views.html_replay": ["save_replay"],
+    "views.trace_picture": ["save_picture"],
 }
 
+__all__ = [name for names in _HOMES.values() for name in names]
 __getattr__ = lazy_names(__name__, _HOMES)

@@ -7,73 +7,54 @@ from typing import TYPE_CHECKING
 from objectmodels.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from objectmodels.identification.belief_update import (
-        Update,
-        belief_after_trial,
-        initial_belief,
-        update_belief,
+    from objectmodels.identification.belief_update import Update as Update
+    from objectmodels.identification.belief_update import belief_after_trial as belief_after_trial
+    from objectmodels.identification.belief_update import initial_belief as initial_belief
+    from objectmodels.identification.belief_update import update_belief as update_belief
+    from objectmodels.identification.closed_form_estimates import Estimates as Estimates
+    from objectmodels.identification.closed_form_estimates import (
+        estimates_by_repetition as estimates_by_repetition,
     )
     from objectmodels.identification.closed_form_estimates import (
-        Estimates,
-        estimates_by_repetition,
-        estimates_from_trials,
-        repetition_table,
+        estimates_from_trials as estimates_from_trials,
     )
+    from objectmodels.identification.closed_form_estimates import (
+        repetition_table as repetition_table,
+    )
+    from objectmodels.identification.experiment_design import Candidate as Candidate
+    from objectmodels.identification.experiment_design import Worth as Worth
+    from objectmodels.identification.experiment_design import is_precise_enough as is_precise_enough
     from objectmodels.identification.experiment_design import (
-        Candidate,
-        Worth,
-        is_precise_enough,
-        parameter_precisions,
-        rank_candidates,
+        parameter_precisions as parameter_precisions,
     )
-    from objectmodels.identification.joint_fit import Fit, fit
-    from objectmodels.identification.onset_detection import Onset, detect_onset
-    from objectmodels.identification.trial import Moved, Statistics, Trial
-
-__all__ = [
-    "Candidate",
-    "Estimates",
-    "Fit",
-    "Moved",
-    "Onset",
-    "Statistics",
-    "Trial",
-    "Update",
-    "Worth",
-    "belief_after_trial",
-    "detect_onset",
-    "estimates_by_repetition",
-    "estimates_from_trials",
-    "fit",
-    "initial_belief",
-    "is_precise_enough",
-    "parameter_precisions",
-    "rank_candidates",
-    "repetition_table",
-    "update_belief",
-]
+    from objectmodels.identification.experiment_design import rank_candidates as rank_candidates
+    from objectmodels.identification.joint_fit import Fit as Fit
+    from objectmodels.identification.joint_fit import fit as fit
+    from objectmodels.identification.onset_detection import Onset as Onset
+    from objectmodels.identification.onset_detection import detect_onset as detect_onset
+    from objectmodels.identification.trial import Moved as Moved
+    from objectmodels.identification.trial import Statistics as Statistics
+    from objectmodels.identification.trial import Trial as Trial
 
 _HOMES = {
-    "Candidate": "objectmodels.identification.experiment_design",
-    "Estimates": "objectmodels.identification.closed_form_estimates",
-    "Fit": "objectmodels.identification.joint_fit",
-    "Moved": "objectmodels.identification.trial",
-    "Onset": "objectmodels.identification.onset_detection",
-    "Statistics": "objectmodels.identification.trial",
-    "Trial": "objectmodels.identification.trial",
-    "Update": "objectmodels.identification.belief_update",
-    "Worth": "objectmodels.identification.experiment_design",
-    "detect_onset": "objectmodels.identification.onset_detection",
-    "estimates_from_trials": "objectmodels.identification.closed_form_estimates",
-    "estimates_by_repetition": "objectmodels.identification.closed_form_estimates",
-    "fit": "objectmodels.identification.joint_fit",
-    "initial_belief": "objectmodels.identification.belief_update",
-    "parameter_precisions": "objectmodels.identification.experiment_design",
-    "rank_candidates": "objectmodels.identification.experiment_design",
-    "is_precise_enough": "objectmodels.identification.experiment_design",
-    "repetition_table": "objectmodels.identification.closed_form_estimates",
-    "update_belief": "objectmodels.identification.belief_update",
-    "belief_after_trial": "objectmodels.identification.belief_update",
+    "belief_update": ["Update", "belief_after_trial", "initial_belief", "update_belief"],
+    "closed_form_estimates": [
+        "Estimates",
+        "estimates_by_repetition",
+        "estimates_from_trials",
+        "repetition_table",
+    ],
+    "experiment_design": [
+        "Candidate",
+        "Worth",
+        "is_precise_enough",
+        "parameter_precisions",
+        "rank_candidates",
+    ],
+    "joint_fit": ["Fit", "fit"],
+    "onset_detection": ["Onset", "detect_onset"],
+    "trial": ["Moved", "Statistics", "Trial"],
 }
 
+__all__ = [name for names in _HOMES.values() for name in names]
 __getattr__ = lazy_names(__name__, _HOMES)
