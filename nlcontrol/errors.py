@@ -11,11 +11,16 @@ import os
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import Field
+
+from nlcontrol.json_document import DocumentPart
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from grammar.frames.command import Span
     from planner.types.refusal import Refusal
 
 OK, INTERNAL, USAGE, NOT_UNDERSTOOD, NO_PLAN, NOT_HELD = range(6)
@@ -77,7 +82,7 @@ FAMILIES: dict[str, Status] = {"sentence": _SENTENCE, "model": _CALLER, "scene":
 """Status of a code that is not in `CODES`, by the stage that raised it."""
 
 
-class ErrorInfo(BaseModel):
+class ErrorInfo(DocumentPart):
     """An error as data, the `error` of every JSON document.
 
     Attributes:
@@ -92,14 +97,12 @@ class ErrorInfo(BaseModel):
         family: the stage that raised it.
     """
 
-    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
-
     code: str
     message: str
     span: tuple[int, int] | None = None
     spans: tuple[tuple[int, int], ...] = ()
     suggestions: tuple[str, ...] = ()
-    numbers: dict[str, float] = {}
+    numbers: dict[str, float] = Field(default={})
     capability: str | None = None
     path: str | None = None
     family: str | None = None
@@ -133,13 +136,29 @@ def error(
     code: str,
     message: str,
     *,
-    span: tuple[int, int] | None = None,
+    span: Span | None = None,
     suggestions: tuple[str, ...] = (),
+    numbers: dict[str, float] | None = None,
+    capability: str | None = None,
 ) -> ControlError:
     """An error of the front itself; the code must stand in the table."""
     if code not in CODES:
         raise KeyError(code)
-    return ControlError(ErrorInfo(code=code, message=message, span=span, suggestions=suggestions))
+    return ControlError(
+        ErrorInfo(
+            code=code,
+            message=message,
+            span=span,
+            suggestions=suggestions,
+            numbers=numbers or {},
+            capability=capability,
+        )
+    )
+
+
+def whole_span(spans: Sequence[Span]) -> Span | None:
+    """The place in a sentence from the first word of some spans to their last; None without any."""
+    return (min(s for s, _ in spans), max(e for _, e in spans)) if spans else None
 
 
 def known_error(raised: Exception) -> ControlError | None:
@@ -152,35 +171,21 @@ def known_error(raised: Exception) -> ControlError | None:
     from planner.types.defaults import DefaultsError
     from sim.errors import SimError
 
-    if isinstance(raised, ParseError):
-        info = ErrorInfo(
-            code=raised.code,
-            message=raised.message,
-            span=raised.span,
-            spans=raised.spans if len(raised.spans) > 1 else (),
-            suggestions=raised.suggestions,
-            family="sentence",
-        )
-    elif isinstance(raised, ModelError):
-        info = ErrorInfo(
-            code=raised.code,
-            message=raised.message,
-            suggestions=raised.suggestions,
-            path=raised.path,
-            family="model",
-        )
-    elif isinstance(raised, SimError):
-        info = ErrorInfo(
-            code=raised.code,
-            message=raised.message,
-            suggestions=raised.suggestions,
-            family="scene",
-        )
-    elif isinstance(raised, DefaultsError):
-        info = ErrorInfo(code="bad_default", message=str(raised), suggestions=raised.suggestions)
-    else:
-        return None
-    return ControlError(info)
+    about: dict[str, Any]
+    match raised:
+        case DefaultsError():
+            return error("bad_default", str(raised), suggestions=raised.suggestions)
+        case ParseError(span=span, spans=spans):
+            several = spans if len(spans) > 1 else ()
+            about = {"family": "sentence", "span": span, "spans": several}
+        case ModelError(path=path):
+            about = {"family": "model", "path": path}
+        case SimError():
+            about = {"family": "scene"}
+        case _:
+            return None
+    common = {"message": raised.message, "suggestions": raised.suggestions}
+    return ControlError(ErrorInfo(code=raised.code, **common, **about))
 
 
 def exception_info(raised: Exception) -> ErrorInfo:
@@ -216,11 +221,10 @@ def known_errors_raised() -> Iterator[None]:
 
 def refusal_error(refusal: Refusal) -> ErrorInfo:
     """A refusal of the planner as the `error` of a result."""
-    spans = refusal.spans
     return ErrorInfo(
         code=refusal.reason,
         message=refusal.message,
-        span=(min(s for s, _ in spans), max(e for _, e in spans)) if spans else None,
+        span=whole_span(refusal.spans),
         suggestions=refusal.suggestions,
         numbers=refusal.numbers,
         capability=refusal.capability,

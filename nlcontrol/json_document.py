@@ -9,7 +9,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from pydantic import BaseModel, field_validator
+from pydantic import BaseModel, ConfigDict, field_validator
 
 SCHEMA_VERSION = "2.0"
 """Version of the form; documents that bear none are of version 1."""
@@ -26,12 +26,20 @@ def document_text(content: Mapping[str, Any], indent: int | None = 2) -> str:
     return json.dumps(document, indent=indent, ensure_ascii=False, allow_nan=False)
 
 
+class DocumentPart(BaseModel):
+    """Part of a document: nothing unknown, nothing changed later, and finite numbers."""
+
+    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
+
+
 class Document(BaseModel):
     """Answer that programs save and read back.
 
     Attributes:
         schema_version: of the form in which it stands.
     """
+
+    model_config = ConfigDict(defer_build=True, frozen=True)
 
     schema_version: str = SCHEMA_VERSION
 

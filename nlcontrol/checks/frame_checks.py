@@ -20,7 +20,7 @@ from nlcontrol.checks.constraint_checks import CONSTRAINTS, others
 from nlcontrol.checks.evidence import Evidence
 from nlcontrol.checks.goal_checks import GOALS
 from nlcontrol.checks.verdicts import HAND_ENDS, PLANNED_ENDS, Check, object_name
-from nlcontrol.errors import error
+from nlcontrol.errors import error, whole_span
 from planner.types.defaults import DEFAULTS, Defaults
 
 if TYPE_CHECKING:
@@ -110,5 +110,5 @@ def _uncheckable(what: str, spans: g.Spans) -> Exception:
         "uncheckable",
         f"this version cannot check '{what.replace('_', ' ')}' after the execution, "
         "so it does not execute it",
-        span=(spans[0][0], spans[-1][1]) if spans else None,
+        span=whole_span(spans),
     )

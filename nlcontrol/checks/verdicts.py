@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal, Protocol
 
-from pydantic import BaseModel, ConfigDict
-
 from grammar.frames.command import Spans
+from nlcontrol.json_document import DocumentPart
 
 if TYPE_CHECKING:
     from planner.problem.place_regions import Measure
@@ -33,7 +32,7 @@ class Clause(Protocol):
         """The words it comes from."""
 
 
-class Check(BaseModel):
+class Check(DocumentPart):
     """What one clause asked and what was measured, in SI units.
 
     Attributes:
@@ -48,8 +47,6 @@ class Check(BaseModel):
         unit: of the three values.
         ok: whether it holds.
     """
-
-    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
     clause: str
     spans: Spans = ()

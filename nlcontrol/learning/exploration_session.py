@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 from datetime import date
 from typing import TYPE_CHECKING
 
-from nlcontrol.errors import ControlError, ErrorInfo, error
+from nlcontrol.errors import ControlError, error
 from nlcontrol.learning.learning_reports import ExplorationReport, TouchMade
 from nlcontrol.learning.lessons import SPREAD, apply_lesson
 from nlcontrol.learning.log_fitting import correlations, fitted_parameter
@@ -250,8 +250,7 @@ def _fitted(model: ObjectModel, trials: Sequence[Trial], explorer: Explorer, *, 
 
 
 def _untold(message: str, explorer: Explorer, *hints: str) -> ControlError:
-    suggestions = (*hints, *explorer.given_up)
-    return ControlError(ErrorInfo(code="not_explorable", message=message, suggestions=suggestions))
+    return error("not_explorable", message, suggestions=(*hints, *explorer.given_up))
 
 
 def _with_provenance(found: Fit, scene: str, seed: int) -> ObjectModel:

@@ -10,7 +10,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from nlcontrol.json_document import Document
+from nlcontrol.json_document import Document, DocumentPart
 from nlcontrol.text_format import with_sd_text
 from objectmodels.identification.trial import Statistics
 
@@ -23,7 +23,7 @@ _METRES = {
 _MOVED, _SURER = 0.3, 0.8  # a change is told from this on: in standard deviations, and their ratio
 
 
-class Change(BaseModel):
+class Change(DocumentPart):
     """One parameter before and after.
 
     Attributes:
@@ -31,8 +31,6 @@ class Change(BaseModel):
         before, before_sd: what was believed, and its standard deviation [SI].
         after, after_sd: what is believed now.
     """
-
-    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
     parameter: str
     before: float
@@ -58,7 +56,7 @@ class Change(BaseModel):
         return f"{self.parameter.replace('_', ' ')} {before} → {after}{unit}"
 
 
-class Lesson(BaseModel):
+class Lesson(DocumentPart):
     """What one push taught, or what hung on the fingers.
 
     Attributes:
@@ -70,8 +68,6 @@ class Lesson(BaseModel):
         why: in words, if so.
         changes: of what is believed.
     """
-
-    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
     object: str
     moved: Literal["slide", "topple", "slip", "lift", "none"]
@@ -139,8 +135,6 @@ class FitReport(Document):
         instead_of: where the model comes from whose place the saved one takes, if it takes one.
     """
 
-    model_config = ConfigDict(defer_build=True, frozen=True)
-
     ok: bool = True
     object: str
     files: tuple[str, ...]
@@ -197,8 +191,6 @@ class ExplorationReport(Document):
         truth: how the object really is, if an observer was asked.
         saved: file of the fitted model, if it was kept; `instead_of` whose place it takes.
     """
-
-    model_config = ConfigDict(defer_build=True, frozen=True)
 
     ok: bool = True
     object: str

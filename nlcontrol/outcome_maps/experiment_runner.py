@@ -22,7 +22,7 @@ from concurrent.futures import (
     ProcessPoolExecutor,
     as_completed,
 )
-from contextlib import contextmanager
+from contextlib import nullcontext
 from dataclasses import asdict
 from importlib.metadata import version
 from typing import TYPE_CHECKING
@@ -30,7 +30,7 @@ from typing import TYPE_CHECKING
 from nlcontrol import __version__
 from nlcontrol.errors import error, known_errors_raised
 from nlcontrol.outcome_maps.experiment_record import Record
-from nlcontrol.references.object_names import Candidate, find_by_name
+from nlcontrol.references.object_names import find_by_name, names_on_table
 from nlcontrol.text_format import enumeration
 from sim.face_experiment import applied_force as appliedforce
 from sim.face_experiment.face_contact import Contact, Touch, TouchResult, Way
@@ -69,11 +69,7 @@ def object_on_table(
     Raises:
         ControlError: `ambiguous_object`, `unknown_object` or `not_on_table`.
     """
-    on_table = [
-        Candidate(item.name, (item.name, *item.synonyms, item.model, *models[item.name].synonyms))
-        for item in cell.objects
-    ]
-    found = find_by_name(name, on_table)
+    found = find_by_name(name, names_on_table(cell.objects, models))
     if len(found) > 1:
         names = tuple(candidate.name for candidate in found)
         raise error(
@@ -169,7 +165,7 @@ class FaceExperiment:
     ) -> Iterator[tuple[str, TouchResult]]:
         """Results as they come, kept before they are handed on."""
         lost: BrokenExecutor | None = None
-        with _lent(executor) if executor else _processes(workers) as pool:
+        with nullcontext(executor) if executor else _processes(workers) as pool:
             futures: dict[Future[TouchResult], str] = {}
             try:
                 for key, contact in self.missing.items():
@@ -194,11 +190,6 @@ class FaceExperiment:
                 "a process that carried out pushes has ended",
                 suggestions=("run it again with --record: what was done is kept there",),
             ) from lost
-
-
-@contextmanager
-def _lent(executor: Executor) -> Iterator[Executor]:
-    yield executor
 
 
 def _processes(workers: int | None) -> ProcessPoolExecutor:

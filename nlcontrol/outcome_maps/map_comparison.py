@@ -9,7 +9,6 @@ own beside the same prediction.
 
 from __future__ import annotations
 
-import csv
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -202,17 +201,10 @@ def _document(found: Comparison) -> dict[str, Any]:
 
 def save_table(experiments: Sequence[Comparison], path: Path) -> None:
     """Writes comparisons as CSV: one row for each push, units in the header."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(
-            ("by", "lateral_m", "height_m", "x_m", "y_m", "z_m", "measured_outcome",
-             "measured_force_n", "outcome", "force_n", "slide_n", "topple_n", "agrees",
-             "force_error")
-        )  # fmt: skip
-        for found in experiments:
-            for row in _document(found)["contacts"]:
-                writer.writerow(
-                    (found.by, row["lateral"], row["height"], *row["point"],
-                     row["measured_outcome"], row["measured_force"], row["outcome"], row["force"],
-                     row["slide"], row["topple"], row["agrees"], row["force_error"])
-                )  # fmt: skip
+    measured = ("measured_outcome", "measured_force")
+    predicted = ("outcome", "force", "slide", "topple")
+    maps.write_rows(
+        ({"by": found.by} | row for found in experiments for row in _document(found)["contacts"]),
+        ("by", *maps.PLACE, *measured, *predicted, "agrees", "force_error"),
+        path,
+    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,14 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from objectmodels.mechanics.outcome_map import OutcomeMap
+
+PLACE = ("lateral", "height", "x", "y", "z")
+"""Columns of a table that say where a contact is."""
+
+UNITS = dict.fromkeys(PLACE, "_m") | dict.fromkeys(
+    ("force", "slide", "topple", "measured_force"), "_n"
+)
+"""Ends of the headers of columns that have a unit: metres and newtons."""
 
 LETTERS = {"slide": "s", "topple": "T", "undecided": "?", "none": "·"}
 
@@ -53,18 +61,24 @@ def _finite(value: float) -> float | None:
 
 def save_table(chart: OutcomeMap, face: str, path: Path) -> None:
     """Writes the map as CSV: one row for each contact, units in the header."""
-    rows = map_document(chart, face)["contacts"]
+    columns = ("outcome", "force", "slide", "topple", "probability_slide", "probability_topple")
+    write_rows(map_document(chart, face)["contacts"], (*PLACE, *columns), path)
+
+
+def write_rows(rows: Iterable[dict[str, Any]], columns: Sequence[str], path: Path) -> None:
+    """Writes contacts as CSV, a row for each.
+
+    Args:
+        rows: the contacts of documents.
+        columns: what to write of each; `UNITS` completes the headers.
+        path: where to.
+    """
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(
-            ("lateral_m", "height_m", "x_m", "y_m", "z_m", "outcome", "force_n", "slide_n",
-             "topple_n", "probability_slide", "probability_topple")
-        )  # fmt: skip
+        writer.writerow([column + UNITS.get(column, "") for column in columns])
         for row in rows:
-            writer.writerow(
-                (row["lateral"], row["height"], *row["point"], row["outcome"], row["force"],
-                 row["slide"], row["topple"], row["probability_slide"], row["probability_topple"])
-            )  # fmt: skip
+            cells = row | dict(zip("xyz", row["point"], strict=True))
+            writer.writerow([cells[column] for column in columns])
 
 
 def legend(chart: OutcomeMap) -> str:

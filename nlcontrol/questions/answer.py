@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 from pydantic.json_schema import SkipJsonSchema
 
 from grammar.frames.command import Query
+from nlcontrol.json_document import DocumentPart
 from objectmodels.mechanics.outcome_map import OutcomeMap
 from sim.cell.strict_model import AsItIs
 
@@ -33,7 +34,7 @@ DOES = {
 """Events and outcomes as what "it" does."""
 
 
-class Chart(BaseModel):
+class Chart(DocumentPart):
     """Which outcome map shows an answer.
 
     Attributes:
@@ -41,13 +42,11 @@ class Chart(BaseModel):
         face: the face, as the robot calls it.
     """
 
-    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid")
-
     object: str
     face: str
 
 
-class Considered(BaseModel):
+class Considered(DocumentPart):
     """The push that a question is about.
 
     Attributes:
@@ -58,8 +57,6 @@ class Considered(BaseModel):
         force: of the push [N]; None if the question leaves it open.
     """
 
-    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
-
     face: str
     height: float | None
     lateral: float = 0.0
@@ -67,7 +64,7 @@ class Considered(BaseModel):
     force: float | None = None
 
 
-class Answer(BaseModel):
+class Answer(DocumentPart):
     """The answer to one question, or to a remark.
 
     Attributes:
@@ -85,12 +82,10 @@ class Answer(BaseModel):
         map: that map; not a part of the JSON document.
     """
 
-    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
-
     query: Query | None = None
     text: str
     lines: tuple[str, ...] = ()
-    numbers: dict[str, float] = {}
+    numbers: dict[str, float] = Field(default={})
     probability: float | None = None
     yes: bool | None = None
     reason: str | None = None

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from grammar.frames import command as g
-from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error
+from nlcontrol.errors import ControlError, error, refusal_error, whole_span
 from nlcontrol.questions.answer import Considered
 from nlcontrol.questions.push_prediction import PushPrediction, predict_push
 from nlcontrol.text_format import quantity
@@ -140,7 +140,15 @@ def push_asked_about(frame: g.Frame, state: WorldState, defaults: Defaults) -> I
         raise ControlError(refusal_error(refused.refusal)) from refused
     low, high = max(asked.contact.low, face.bottom), min(asked.contact.high, face.top)
     if low > high:
-        raise ControlError(_not_on_it(asked, target, face_name, face))
+        raise error(
+            "impossible",
+            f"no place on the {face_name} face of the {target.name} is "
+            f"{asked.contact.region}: it reaches from {quantity(face.bottom, 'm')} to "
+            f"{quantity(face.top, 'm')} above the table",
+            span=whole_span(asked.contact.spans),
+            suggestions=("leave out where to touch it",),
+            numbers={"lowest": face.bottom, "highest": face.top},
+        )
     return Inquiry(
         target=target,
         face_name=face_name,
@@ -207,35 +215,14 @@ def _along(
     """A heading in W as a direction in B that must press on the face."""
     u = target.pose.R_WB.T @ unit(heading)
     if u @ np.array(face.normal) >= 0.0:
-        raise ControlError(
-            ErrorInfo(
-                code="impossible",
-                message=f"a push in that direction does not press on the {face_name} face",
-                span=_span(asked),
-                suggestions=("leave out where to touch it",),
-            )
+        raise error(
+            "impossible",
+            f"a push in that direction does not press on the {face_name} face",
+            span=whole_span(asked.contact.spans),
+            suggestions=("leave out where to touch it",),
         )
     x, y, z = u.tolist()
     return x, y, z
-
-
-def _not_on_it(
-    asked: PushProblem, target: SeenObject, face_name: FaceName, face: Face
-) -> ErrorInfo:
-    return ErrorInfo(
-        code="impossible",
-        message=f"no place on the {face_name} face of the {target.name} is "
-        f"{asked.contact.region}: it reaches from {quantity(face.bottom, 'm')} to "
-        f"{quantity(face.top, 'm')} above the table",
-        span=_span(asked),
-        suggestions=("leave out where to touch it",),
-        numbers={"lowest": face.bottom, "highest": face.top},
-    )
-
-
-def _span(asked: PushProblem) -> g.Span | None:
-    spans = asked.contact.spans
-    return (min(s for s, _ in spans), max(e for _, e in spans)) if spans else None
 
 
 def _sense(frame: g.Frame) -> Literal["left", "right"] | None:

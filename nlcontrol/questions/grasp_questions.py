@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from grammar.frames import command as g
-from nlcontrol.errors import ControlError, ErrorInfo
+from nlcontrol.errors import error
 from nlcontrol.plan_text import (
     deciding_figures,
     grasp_text,
@@ -151,14 +151,12 @@ def spill_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answe
 
 def _require_container(target: SeenObject, frame: g.Frame) -> None:
     if target.model.vessel is None:
-        raise ControlError(
-            ErrorInfo(
-                code="unsupported",
-                message=f"the model of the {target.name} does not say that it holds anything",
-                span=frame.object.spans[0] if frame.object and frame.object.spans else None,
-                capability=f"knowing what is in the {target.name}",
-                suggestions=("add a `container` block to its model",),
-            )
+        raise error(
+            "unsupported",
+            f"the model of the {target.name} does not say that it holds anything",
+            span=frame.object.spans[0] if frame.object and frame.object.spans else None,
+            capability=f"knowing what is in the {target.name}",
+            suggestions=("add a `container` block to its model",),
         )
 
 

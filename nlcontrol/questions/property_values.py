@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
-from nlcontrol.errors import ControlError, ErrorInfo
+from nlcontrol.errors import ControlError, error, whole_span
 from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.asked_push import target_of
 from nlcontrol.text_format import enumeration, quantity, with_sd_text
@@ -61,14 +61,12 @@ def _unknown(name: str, target: SeenObject, spans: g.Spans) -> ControlError:
     words = f"the {name.replace('_', ' ')} of objects"
     if name == "fill":
         words = f"what is in the {target.name}"
-    return ControlError(
-        ErrorInfo(
-            code="unsupported",
-            message=f"the model of the {target.name} does not say {words}",
-            span=(min(s for s, _ in spans), max(e for _, e in spans)) if spans else None,
-            capability=f"knowing {words}",
-            suggestions=(f"ask for one of: {known}",),
-        )
+    return error(
+        "unsupported",
+        f"the model of the {target.name} does not say {words}",
+        span=whole_span(spans),
+        capability=f"knowing {words}",
+        suggestions=(f"ask for one of: {known}",),
     )
 
 

@@ -78,8 +78,6 @@ class PushPrediction(Document):
         text: all of it in words.
     """
 
-    model_config = ConfigDict(defer_build=True, frozen=True)
-
     object: str
     push: AskedPush
     outcome: str

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import get_args
 
-from grammar.frames.command import ObjectRef, Quality, Relation, Span
-from nlcontrol.errors import ControlError, error
+from grammar.frames.command import ObjectRef, Quality, Relation
+from nlcontrol.errors import ControlError, error, whole_span
 from nlcontrol.references.object_attributes import SHADES
 from nlcontrol.references.object_names import Candidate, distinguishing_words, name_words
 from nlcontrol.text_format import enumeration
@@ -62,7 +62,7 @@ def ambiguity_error(
     return error(
         "ambiguous_object",
         f"{fits}; say which: {enumeration(told, 'or')}",
-        span=reference_span(ref),
+        span=whole_span(ref.spans),
         suggestions=tuple(offered),
     )
 
@@ -110,10 +110,3 @@ def reference_text(ref: ObjectRef) -> str:
         other.text if other.pronoun else f"the {reference_text(other)}" for other in ref.reference
     ]
     return f"{ref.text} {place} {enumeration(others)}"
-
-
-def reference_span(ref: ObjectRef) -> Span | None:
-    """Place of a reference in the sentence, from its first word to its last."""
-    if not ref.spans:
-        return None
-    return min(s for s, _ in ref.spans), max(e for _, e in ref.spans)

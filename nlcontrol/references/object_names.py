@@ -8,7 +8,7 @@ the robot's, since no scene says how the object is turned.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -20,6 +20,7 @@ from planner.geometry.directions import face_name
 
 if TYPE_CHECKING:
     from objectmodels import Face, ObjectModel
+    from sim.cell.cell_description import CellObject
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,16 @@ class Candidate:
 
     name: str
     names: tuple[str, ...]
+
+
+def names_on_table(
+    objects: Iterable[CellObject], models: Mapping[str, ObjectModel]
+) -> list[Candidate]:
+    """The names of a cell's objects: its own, their synonyms, and those of their models."""
+    return [
+        Candidate(item.name, (item.name, *item.synonyms, item.model, *models[item.name].synonyms))
+        for item in objects
+    ]
 
 
 def find_by_name(text: str, candidates: Iterable[Candidate]) -> list[Candidate]:

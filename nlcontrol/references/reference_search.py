@@ -16,13 +16,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from grammar.frames.command import ObjectRef, Quality
-from nlcontrol.errors import ControlError, error
+from nlcontrol.errors import ControlError, error, whole_span
 from nlcontrol.references.disambiguation_text import (
     COLOURS,
     GENERIC,
     ambiguity_error,
     reference_noun,
-    reference_span,
     reference_text,
 )
 from nlcontrol.references.object_attributes import in_relation, with_attribute
@@ -99,7 +98,7 @@ def find_object(
         raise error(
             "unknown_object",
             f"there is no '{reference_text(ref)}' on the table; there is: {enumeration(there)}",
-            span=reference_span(ref),
+            span=whole_span(ref.spans),
             suggestions=tuple(f"the {name}" for name in there),
         )
     if len(found) > 1:
@@ -176,7 +175,7 @@ def _first_spoken_of(spoken: Sequence[str], ref: ObjectRef, around: Surroundings
         raise error(
             "no_antecedent",
             f"'{ref.text}' — nothing was spoken of yet",
-            span=reference_span(ref),
+            span=whole_span(ref.spans),
             suggestions=around.names,
         )
     return spoken[0]
@@ -197,7 +196,7 @@ def _model_elsewhere(ref: ObjectRef, around: Surroundings, alone: bool) -> str:
     raise error(
         "unknown_object",
         f"there is no '{ref.text}' on the table; there is: {_names_on_table(around)}",
-        span=reference_span(ref),
+        span=whole_span(ref.spans),
         suggestions=(f"did you mean '{guess}'?",) if guess else around.names,
     )
 
@@ -221,7 +220,7 @@ def _require_no_more_than_a_name(ref: ObjectRef, around: Surroundings, *, misspe
         found = find_by_name(name, around.on_table)
         if not found or not (meant or (len(found) == 1 and not misspelt)):
             continue
-        whole = reference_span(ref)
+        whole = whole_span(ref.spans)
         exact = whole is not None and whole[1] - whole[0] == len(ref.text)
         raise error(
             "unknown_object",
@@ -235,7 +234,7 @@ def _not_on_table(what: str, ref: ObjectRef, around: Surroundings) -> ControlErr
     return error(
         "not_on_table",
         f"{what} is known, but there is none on the table; there is: {_names_on_table(around)}",
-        span=reference_span(ref),
+        span=whole_span(ref.spans),
         suggestions=around.names,
     )
 

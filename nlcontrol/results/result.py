@@ -6,14 +6,14 @@ import math
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 from pydantic.json_schema import SkipJsonSchema
 
 from grammar.frames.command import Frame
 from nlcontrol.checks import trace_measures as measures
 from nlcontrol.checks.verdicts import Check
 from nlcontrol.errors import OK, ErrorInfo
-from nlcontrol.json_document import Document, document_text
+from nlcontrol.json_document import Document, DocumentPart, document_text
 from nlcontrol.learning.learning_reports import ExplorationReport, Lesson
 from nlcontrol.questions.answer import Answer
 from planner.explanation.push_explanation import Basis
@@ -29,7 +29,7 @@ ResultStatus = Literal[
 ]  # fmt: skip
 
 
-class Execution(BaseModel):
+class Execution(DocumentPart):
     """A trace in a few numbers, for those who read the result as JSON.
 
     Attributes:
@@ -41,8 +41,6 @@ class Execution(BaseModel):
         largest_tilt: on the way [rad].
         largest_force: felt along the push, averaged against the sensors' noise [N].
     """
-
-    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
     end: str
     detail: str
@@ -68,7 +66,7 @@ def summary(trace: Trace) -> Execution:
     )
 
 
-class Step(BaseModel):
+class Step(DocumentPart):
     """What came of one frame of a sentence.
 
     Attributes:
@@ -87,8 +85,6 @@ class Step(BaseModel):
         error: why it went no further.
         basis: what was known then; not a part of the JSON document.
     """
-
-    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
     frame: int
     status: ResultStatus

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from grammar.frames.command import Command, Frame
 from nlcontrol.errors import ControlError, error, known_errors_raised
-from nlcontrol.references.object_names import Candidate
+from nlcontrol.references.object_names import names_on_table
 from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve_references
 from nlcontrol.results.result import Result, with_
 from nlcontrol.session.executor import Executor, Planner, Progress
@@ -124,13 +124,7 @@ class Controller:
         Raises:
             ControlError: `unknown_object`, `ambiguous_object`, `not_on_table` or `no_antecedent`.
         """
-        on_table = [
-            Candidate(
-                item.name,
-                (item.name, *item.synonyms, item.model, *self.models[item.name].synonyms),
-            )
-            for item in self.cell.objects
-        ]
+        on_table = names_on_table(self.cell.objects, self.models)
         return resolve_references(command, on_table, tuple(self.registry), self.look, context)
 
     def look(self) -> WorldState:

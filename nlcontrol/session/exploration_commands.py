@@ -10,10 +10,10 @@ down where it stood. What was believed before, perhaps from tilting it, stands b
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
-from nlcontrol.errors import ControlError, ErrorInfo, error, refusal_error
+from nlcontrol.errors import ControlError, error, refusal_error, whole_span
 from nlcontrol.learning.exploration_session import (
     CENTRE_OF_MASS,
     Exploration,
@@ -32,29 +32,10 @@ from planner.types.plan import Plan
 from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
-    from nlcontrol.session.executor import Executor, Progress
+    from nlcontrol.session.controller import Controller
+    from nlcontrol.session.executor import Progress
     from objectmodels import ObjectModel
-    from planner.types.defaults import Defaults
-    from planner.types.plan import PlanningResult
     from planner.types.world_state import WorldState
-    from sim.traces.trace import Trace
-
-
-class Explorer(Protocol):
-    """What finds something out: a `nlcontrol.session.controller.Controller`."""
-
-    executor: Executor
-    models: dict[str, ObjectModel]
-    defaults: Defaults
-
-    def answer(self, frame: g.Frame) -> Answer:
-        """The answer to a question."""
-
-    def plan(self, frame: g.Frame) -> PlanningResult:
-        """What satisfies a frame, or why nothing does."""
-
-    def execute(self, plan: Plan, progress: Progress | None = None) -> Trace:
-        """Carries out a plan."""
 
 
 BY_TOUCH: dict[str, tuple[str, ...]] = {
@@ -104,16 +85,8 @@ def requested_parameters(frame: g.Frame) -> tuple[str, ...]:
 
 
 def _unsupported_error(frame: g.Frame, message: str, capability: str, hint: str) -> ControlError:
-    spans = frame.goal.spans or frame.spans
-    return ControlError(
-        ErrorInfo(
-            code="unsupported",
-            message=message,
-            span=(min(s for s, _ in spans), max(e for _, e in spans)) if spans else None,
-            capability=capability,
-            suggestions=(hint,),
-        )
-    )
+    span = whole_span(frame.goal.spans or frame.spans)
+    return error("unsupported", message, span=span, capability=capability, suggestions=(hint,))
 
 
 def is_unknown(frame: g.Frame, model: ObjectModel, known: float) -> bool:
@@ -132,7 +105,7 @@ def is_unknown(frame: g.Frame, model: ObjectModel, known: float) -> bool:
 
 
 def explore_parameters(
-    controller: Explorer, frame: g.Frame, progress: Progress | None
+    controller: Controller, frame: g.Frame, progress: Progress | None
 ) -> tuple[Exploration | None, Answer]:
     """Touches an object until what a sentence asks is known, and tells it.
 
@@ -167,7 +140,7 @@ def explore_parameters(
     return found, controller.answer(question).model_copy(update={"lines": lines})
 
 
-def exploration_notice(controller: Explorer, frame: g.Frame, state: WorldState) -> str:
+def exploration_notice(controller: Controller, frame: g.Frame, state: WorldState) -> str:
     """What would be done, in a sentence.
 
     Raises:
@@ -184,7 +157,7 @@ def exploration_notice(controller: Explorer, frame: g.Frame, state: WorldState) 
     )
 
 
-def _on_table(controller: Explorer, frame: g.Frame) -> str:
+def _on_table(controller: Controller, frame: g.Frame) -> str:
     """Name of the object in the scene."""
     name = frame.object.id if frame.object else None
     if name is None or name not in controller.executor.cell.names:
@@ -199,7 +172,7 @@ def asks_for_lifting(frame: g.Frame) -> bool:
 
 
 def weigh_by_lifting(
-    controller: Explorer, name: str, frame: g.Frame, progress: Progress | None
+    controller: Controller, name: str, frame: g.Frame, progress: Progress | None
 ) -> Answer:
     """Lifts an object, weighs it, and sets it down.
 
@@ -239,18 +212,16 @@ def weigh_by_lifting(
     )
 
 
-def _lift_and_return(controller: Explorer, name: str, frame: g.Frame) -> Plan:
+def _lift_and_return(controller: Controller, name: str, frame: g.Frame) -> Plan:
     """Up, and down again where it stood."""
     goal = frame.goal
     if isinstance(goal, g.Parameters) and not set(goal.which) <= {"mass"}:
-        raise ControlError(
-            ErrorInfo(
-                code="unsupported",
-                message="lifting an object tells its weight, and nothing else of it",
-                span=goal.spans[0] if goal.spans else None,
-                capability="finding out more than the weight by lifting",
-                suggestions=("find it out by tilting it",),
-            )
+        raise error(
+            "unsupported",
+            "lifting an object tells its weight, and nothing else of it",
+            span=goal.spans[0] if goal.spans else None,
+            capability="finding out more than the weight by lifting",
+            suggestions=("find it out by tilting it",),
         )
     lift = g.Frame(action="lift", object=frame.object, goal=g.Lift(amount="little"))
     made = controller.plan(lift)

@@ -14,6 +14,7 @@ from pydantic import BaseModel
 
 from grammar.frames import command as g
 from grammar.frames.conflicts import FORBIDS, FORBIDS_BELOW, HOW_FAR, SAME_MATTER
+from nlcontrol.errors import whole_span
 
 Part = TypeVar("Part", bound=BaseModel)
 Rename = Callable[[g.ObjectRef], g.ObjectRef]
@@ -78,7 +79,7 @@ def correct_frame(
     instead, found = said.object, []
 
     def in_place(ref: g.ObjectRef) -> g.ObjectRef:
-        if _covers(ref, wrong):
+        if whole_span(ref.spans) == wrong:
             found.append(ref)
             return instead
         return by_name(ref)
@@ -100,11 +101,6 @@ def _names_for_kept(frame: g.Frame, said: g.Frame) -> Rename:
         return instead if ref == own or stands_for_it else by_name(ref)
 
     return rename
-
-
-def _covers(ref: g.ObjectRef, span: g.Span) -> bool:
-    starts, ends = [s for s, _ in ref.spans], [e for _, e in ref.spans]
-    return bool(ref.spans) and (min(starts), max(ends)) == span
 
 
 # --- what is kept ----------------------------------------------------------------------------

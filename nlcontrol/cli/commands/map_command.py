@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -159,21 +160,14 @@ def _answer_map(
     solid: bool, shaded: bool, as_json: bool,
 ) -> int:  # fmt: skip
     from nlcontrol.outcome_maps import outcome_map_table as maps
-
-    def draw(path: Path) -> None:
-        from nlcontrol.outcome_maps.outcome_map_drawing import save_map
-
-        save_map(chart, face, path, solid=solid, shaded=shaded)
-
-    def tabulate(path: Path) -> None:
-        maps.save_table(chart, face, path)
+    from nlcontrol.outcome_maps.outcome_map_drawing import save_map
 
     return _write_and_print(
         maps.map_document(chart, face),
         maps.map_lines(chart, face),
         outputs,
-        draw,
-        tabulate,
+        partial(save_map, chart, face, solid=solid, shaded=shaded),
+        partial(maps.save_table, chart, face),
         as_json,
     )
 
@@ -182,21 +176,14 @@ def _answer_comparison(
     found: tuple[Comparison, ...], outputs: tuple[Path, ...], *, shaded: bool, as_json: bool
 ) -> int:
     from nlcontrol.outcome_maps import map_comparison as comparison
-
-    def draw(path: Path) -> None:
-        from nlcontrol.outcome_maps.outcome_map_drawing import save_comparison
-
-        save_comparison(found, path, shaded=shaded)
-
-    def tabulate(path: Path) -> None:
-        comparison.save_table(found, path)
+    from nlcontrol.outcome_maps.outcome_map_drawing import save_comparison
 
     return _write_and_print(
         comparison.comparison_document(found),
         comparison.comparison_lines(found),
         outputs,
-        draw,
-        tabulate,
+        partial(save_comparison, found, shaded=shaded),
+        partial(comparison.save_table, found),
         as_json,
     )
 
@@ -209,7 +196,7 @@ def _write_and_print(
     tabulate: Callable[[Path], None],
     as_json: bool,
 ) -> int:
-    """Write the files and prints the answer."""
+    """Write the files and print the answer."""
     for output in outputs:
         with replace_file(output) as path:
             if output.suffix in _PICTURES:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -47,41 +48,18 @@ def _sentence_options(command: Command) -> Command:
 @_sentence_options
 @click.option("--plan-only", is_flag=True, help="Stop before anything is executed.")
 @click.option("--replay", type=FILE, help="Write a replay of the run, one HTML file.")
-def say(
-    sentence: str,
-    as_json: bool,
-    scene: str,
-    seed: int,
-    settings: Settings,
-    explain: bool,
-    picture: Path | None,
-    plan_only: bool,
-    replay: Path | None,
-) -> int:
+def say(plan_only: bool, replay: Path | None, **options: Any) -> int:
     """Do what SENTENCE says, in simulation, and check every clause of it; or answer it."""
     if plan_only and replay:
         raise click.UsageError("--replay needs a run; leave out --plan-only")
-    require_writable(replay)
-    require_writable(picture)
-    controller = open_controller(scene, seed, settings)
-    return _answer_sentence(controller, sentence, as_json, explain, picture, plan_only, replay)
+    return _answer_sentence(**options, plan_only=plan_only, replay=replay)
 
 
 @click.command()
 @_sentence_options
-def plan(
-    sentence: str,
-    as_json: bool,
-    scene: str,
-    seed: int,
-    settings: Settings,
-    explain: bool,
-    picture: Path | None,
-) -> int:
+def plan(**options: Any) -> int:
     """Plan what SENTENCE says: where and how hard to push, and what that will do."""
-    require_writable(picture)
-    controller = open_controller(scene, seed, settings)
-    return _answer_sentence(controller, sentence, as_json, explain, picture, True, None)
+    return _answer_sentence(**options, plan_only=True, replay=None)
 
 
 @click.command()
@@ -133,14 +111,21 @@ def sample(count: int, seed: int, nouns: tuple[str, ...], as_json: bool) -> int:
 
 
 def _answer_sentence(
-    controller: Controller,
+    *,
     sentence: str,
+    scene: str,
+    seed: int,
+    settings: Settings,
     as_json: bool,
     explain: bool,
     picture: Path | None,
     plan_only: bool,
     replay: Path | None,
 ) -> int:
+    """Carry out, plan or answer a sentence, write its files and print the result."""
+    require_writable(replay)
+    require_writable(picture)
+    controller = open_controller(scene, seed, settings)
     print_skipped_with_words(controller.registry.problems)
     with Narrator() as narrate:
         result = controller.say(sentence, plan_only=plan_only, progress=narrate)
@@ -183,32 +168,35 @@ def _write_files(
 ) -> dict[str, str]:
     """Write the files that were asked for, as far as the sentence got."""
     files: dict[str, str] = {}
-    if replay and result.trace:
-        from sim import save_replay
-        from sim.simulated_executor import simulation
+    for what, path in (("replay", replay), ("picture", picture)):
+        if path is None:
+            continue
+        if save := _writer(controller, result, what, explain=explain):
+            with replace_file(path) as temporary:
+                save(temporary)
+            files[what] = str(path)
+    return files
 
-        with replace_file(replay) as temporary:
-            save_replay(result.trace, simulation(controller.executor).scene, temporary)
-        files["replay"] = str(replay)
-    if picture and explain and result.frames:
+
+def _writer(
+    controller: Controller, result: Result, what: str, *, explain: bool
+) -> Callable[[Path], None] | None:
+    """Function that writes a replay or a picture of a result; None if there is nothing to show."""
+    answer = result.answer
+    if what == "picture" and explain and result.frames:
         from nlcontrol.reports.explanation_drawing import save_explanation
 
-        with replace_file(picture) as temporary:
-            save_explanation(result, temporary)
-        files["picture"] = str(picture)
-    elif picture and result.trace:
-        from sim import save_picture
+        return partial(save_explanation, result)
+    if result.trace:
+        from sim import save_picture, save_replay
         from sim.simulated_executor import simulation
 
-        with replace_file(picture) as temporary:
-            save_picture(result.trace, simulation(controller.executor).scene, temporary)
-        files["picture"] = str(picture)
-    elif picture and result.answer and result.answer.chart and result.answer.map:
+        save = save_replay if what == "replay" else save_picture
+        return partial(save, result.trace, simulation(controller.executor).scene)
+    if what == "picture" and answer and answer.chart and answer.map:
         from nlcontrol.outcome_maps.outcome_map_drawing import save_map
 
-        with replace_file(picture) as temporary:
-            save_map(result.answer.map, result.answer.chart.face, temporary)
-        files["picture"] = str(picture)
-    elif picture and result.plan:
+        return partial(save_map, answer.map, answer.chart.face)
+    if what == "picture" and result.plan:
         raise click.UsageError("--picture of a plan needs --explain")
-    return files
+    return None

@@ -81,8 +81,6 @@ def open_controller(scene: str, seed: int, settings: Settings) -> Controller:
     return Controller(loaded, seed=seed, defaults=defaults)
 
 
-Function = TypeVar("Function", bound=Callable[..., Any])
-
 face_option = click.option(
     "--face",
     default="front",
@@ -145,7 +143,7 @@ class ParameterNames(click.ParamType[tuple[str, ...]]):
         return tuple(dict.fromkeys(names))
 
 
-def keep_options(function: Function) -> Function:
+def keep_options(command: Command) -> Command:
     """Add the options that keep a fitted model: `--save` and `--output`."""
     output = click.option("--output", type=FILE, help="Write the fitted model to a file (.yaml).")
     save = click.option(
@@ -157,7 +155,7 @@ def keep_options(function: Function) -> Function:
         help="Keep the fitted model among your own, under its name or another: the robot goes by "
         "it.",
     )
-    return save(output(function))
+    return save(output(command))
 
 
 def open_registry() -> Registry:

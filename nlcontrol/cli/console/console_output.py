@@ -8,15 +8,12 @@ import sys
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from nlcontrol.errors import OK, ErrorInfo, error
 from nlcontrol.json_document import document_text
-
-if TYPE_CHECKING:
-    from types import TracebackType
 
 FILE = click.Path(dir_okay=False, path_type=Path)
 """The type of an option that names a file."""
@@ -168,12 +165,7 @@ class Progress:
             self._bar.start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        raised: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         if self._bar is not None:
             self._bar.stop()
 
