@@ -20,15 +20,7 @@ def axis_rotation(axis: ArrayLike, angle: ArrayLike) -> Array:
     """
     a = np.asarray(axis, dtype=float)
     t = np.asarray(angle, dtype=float)[..., None, None]
-    zero = np.zeros(a.shape[:-1])
-    K = np.stack(
-        [
-            np.stack([zero, -a[..., 2], a[..., 1]], axis=-1),
-            np.stack([a[..., 2], zero, -a[..., 0]], axis=-1),
-            np.stack([-a[..., 1], a[..., 0], zero], axis=-1),
-        ],
-        axis=-2,
-    )
+    K = cross(np.eye(3), a[..., None, :])
     return np.asarray(np.eye(3) + np.sin(t) * K + (1.0 - np.cos(t)) * (K @ K))
 
 
@@ -82,6 +74,12 @@ def quaternion(R: Array) -> Array:
     longest = np.einsum("...ii->...i", rows).argmax(axis=-1)[..., None, None]
     q = np.take_along_axis(rows, longest, axis=-2)[..., 0, :]
     return np.asarray(q / np.linalg.norm(q, axis=-1, keepdims=True))
+
+
+def from_quaternion(q: Array) -> Array:
+    """Rotations of unit quaternions (w, x, y, z), shape (..., 3, 3) for shape (..., 4)."""
+    K = cross(np.eye(3), q[..., None, 1:])
+    return np.asarray(np.eye(3) + 2.0 * (q[..., :1, None] * K + K @ K))
 
 
 def yaw_of(R: ArrayLike) -> Array:

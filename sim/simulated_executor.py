@@ -116,9 +116,10 @@ class SimulatedExecutor:
 
     def watch(self, name: str, duration: float = LOOK) -> Trace:
         """Looks at the table while nothing is done; see `Executor.watch`."""
-        from sim.execution.plan_execution import watch
-
-        return watch(self.setup, name, duration)
+        ahead = np.array([1.0, 0.0, 0.0])
+        recorder = self.setup.recorder(-ahead)
+        watch(recorder, duration)
+        return recorder.trace(name, ahead, end="reached", detail="there was nothing to be done")
 
     def touch(
         self, experiment: Experiment, state: WorldState, progress: Progress | None = None

@@ -129,8 +129,8 @@ class JointSensor(Part):
     finger_offset_rad: NonNegative = 0.0
 
 
-class CellDescription(Part):
-    """Everything that a robot is told before it looks.
+class CellParts(Part):
+    """The parts of a cell, which its description and its truth have alike.
 
     Attributes:
         name: for reports.
@@ -156,3 +156,7 @@ class CellDescription(Part):
     def names(self) -> tuple[str, ...]:
         """Names of the objects, in their order."""
         return tuple(item.name for item in self.objects)
+
+
+class CellDescription(CellParts):
+    """Everything that a robot is told before it looks."""

@@ -100,12 +100,6 @@ def look_around(
     return WorldState(estimate_objects(port.cell, frames, models), held=held)
 
 
-def hold_still(recorder: TraceRecorder, seconds: float) -> None:
-    """Leaves arm and hand where they are commanded to be, for some time [s]."""
-    for _ in range(round(seconds / recorder.port.period)):
-        recorder.step(*recorder.port.commanded)
-
-
 def transit(
     recorder: TraceRecorder, posture: Posture, way: Iterable[Array], tell: Progress
 ) -> list[Array]:
@@ -146,7 +140,8 @@ def return_home(
         move_joints(recorder, q, rest if q is came[0] else recorder.port.commanded[1])
     tell("settle", recorder.port.time, "letting everything come to rest")
     recorder.phase = "settle"
-    hold_still(recorder, settle)
+    for _ in range(round(settle / recorder.port.period)):
+        recorder.step(*recorder.port.commanded)
 
 
 def straight_line(start: Array, goal: Array, period: float) -> Iterator[Array]:

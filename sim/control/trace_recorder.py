@@ -11,7 +11,7 @@ from sim.rotations import quaternion
 from sim.traces.trace import ContactEvent, Trace
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from numpy.typing import ArrayLike
 
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from sim.rotations import Array
     from sim.traces.trace import EndReason
     from sim.worlds.ports import Frame, ObserverPort, RobotPort, SeenPose
+
+_SWINGING = 0.1  # of a pause, until the hand hangs still [s]
 
 
 class TraceRecorder:
@@ -86,6 +88,24 @@ class TraceRecorder:
         self._touches.append(self.touch)
         self._seen.append(self._newest)
         self._seen_lids.append(self._newest_lids)
+
+    def take_zero(self, pause: float, hang_still: Callable[[], None]) -> int:
+        """Takes what the torque sensors read while the hand hangs still as their zero.
+
+        Args:
+            pause: time for which it does; at first it still swings [s].
+            hang_still: its command for a control step.
+
+        Returns:
+            The number of steps over which the zero was taken.
+        """
+        torques = []
+        for k in range(round(pause / self.port.period)):
+            hang_still()
+            if k * self.port.period >= _SWINGING:
+                torques.append(self.torques)
+        self.zero = np.mean(torques, axis=0)
+        return len(torques)
 
     def trace(self, pushed: str, direction_W: Array, *, end: EndReason, detail: str) -> Trace:
         """Everything since the start as a trace.

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from objectmodels.models.object_parts import LiftOffLid
-from planner.types.actions import Action, FlipOver, LiftUp, PutOn, SetDown, TurnCap
+from planner.types.actions import Action, FlipOver, LiftUp, PutOn, TurnCap
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import SeenObject
@@ -22,7 +22,7 @@ from sim.control.grasping.flip_control import FlipControl
 from sim.control.grasping.lid_sensing import LidSense
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.trace_recorder import TraceRecorder
-from sim.execution.grasp_execution import GraspExecution
+from sim.execution.grasp_execution import SETTLE, GraspExecution
 from sim.motion.arm_configuration import UnreachableError
 from sim.motion.flip_motion_search import FlipConfiguration
 from sim.paths.held_object_path import THREAD, HeldSegment
@@ -54,14 +54,9 @@ class LidExecution(GraspExecution):
             self._turn(step, legs)
         elif isinstance(step, PutOn):
             self._put_on(step, legs[0])
-        elif isinstance(step, SetDown):
-            self._set_down(legs[0])
         else:
-            for leg in legs:
-                self._motion.go(leg)
-        if isinstance(step, LiftUp):
-            self._require_off(step)
-        elif isinstance(step, TurnCap | PutOn) and step is self._plan.steps[-1]:
+            super()._make(step, legs)
+        if isinstance(step, TurnCap | PutOn) and step is self._plan.steps[-1]:
             self._motion.let_go()
             self._holds = False
         if isinstance(step, PutOn):
@@ -89,7 +84,7 @@ class LidExecution(GraspExecution):
         seen = np.degrees(self._feels.view.lid - before)
         raise EarlyEndError("missed", f"the cap is seen turned by {seen:.0f}° only")
 
-    def _require_off(self, step: LiftUp) -> None:
+    def _hold_up(self, step: LiftUp) -> None:
         """Requires that the lid came along; raises `EarlyEndError` if it is seen where it was."""
         self._motion.wait(max(step.hold, _LOOKS))
         seen, lid = self._feels.view.lid, self._handled.state.objects[self._handled.name].model.lid
@@ -118,10 +113,6 @@ class LidExecution(GraspExecution):
         # Fingers that press while they open would drag it along.
         _, (here,) = down.poses_at(np.array([made]))
         self._motion.go(replace(leg, start=here, speed=_SLOWLY))
-
-
-SETTLE = 0.5
-"""Time that everything gets to come to rest [s]."""
 
 
 def flip_over(

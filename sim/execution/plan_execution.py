@@ -15,10 +15,8 @@ import numpy as np
 
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
-from sim.cell.cell_description import LOOK
 from sim.collision.collision_scene import SPARE
 from sim.control.free_motion import Progress, look_around, silent
-from sim.control.free_motion import watch as watch_frames
 from sim.control.pushing.force_control import ExecutionContext, ForceController
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.pushing.push_control import PushControl
@@ -75,20 +73,6 @@ def execute(
     execution.come_home(SETTLE.get(end, SETTLE["stroke"]))
     push = plan.push
     return execution.recorder.trace(push.object, np.array(push.direction_W), end=end, detail=detail)
-
-
-def watch(setup: RobotSetup, name: str, duration: float = LOOK) -> Trace:
-    """A look at the table during which nothing is done.
-
-    Args:
-        setup: the robot.
-        name: of the object that it is about.
-        duration: how long to look [s].
-    """
-    ahead = np.array([1.0, 0.0, 0.0])
-    recorder = setup.recorder(-ahead)
-    watch_frames(recorder, duration)
-    return recorder.trace(name, ahead, end="reached", detail="there was nothing to be done")
 
 
 def _push(plan: Plan, execution: PushExecution, tell: Progress) -> tuple[EndReason, str]:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import functools
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from importlib.resources.abc import Traversable
 from typing import Protocol
 
@@ -104,29 +104,17 @@ class PostureSet:
         return len(self.which)
 
     def __getitem__(self, chosen: NDArray[np.bool_] | NDArray[np.intp] | slice) -> PostureSet:
-        return PostureSet(
-            self.postures,
-            self.which[chosen],
-            self.R_DP[chosen],
-            self.strength[chosen],
-            self.centres[chosen],
-            self.radii[chosen],
-            self.palm[chosen],
-        )
+        each = (getattr(self, field.name)[chosen] for field in fields(self)[1:])
+        return PostureSet(self.postures, *each)
 
     def posture_at(self, index: int) -> Posture:
         """Posture of one of them."""
         return self.postures[int(self.which[index])]
 
-    @property
-    def tip_count(self) -> int:
-        """Number of fingers that push."""
-        return len(self.postures[0].pushing)
-
     @functools.cached_property
     def lowest_points(self) -> Array:
         """Height of the lowest point but the pushing tips above T, shape (n,) [m]."""
-        tips = self.tip_count
+        tips = len(self.postures[0].pushing)
         below = self.centres[:, :-tips, 2] - self.radii[:, :-tips]
         return np.asarray(below.min(axis=1, initial=np.inf))
 

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from sim.rotations import Array, from_quaternion, yaw_of
 
 EndReason = Literal[
     "stroke",  # the stroke was travelled
@@ -122,8 +122,7 @@ class Trace:
 
     def seen_turn(self, name: str) -> float:
         """Angle by which the robot saw it turn, counter-clockwise, less than half a turn [rad]."""
-        w, x, y, z = self.seen[name][:, :4].T
-        heading = np.exp(1j * np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+        heading = np.exp(1j * yaw_of(from_quaternion(self.seen[name][:, :4])))
         first, last = self._still
         return float(np.angle(heading[last].mean() / heading[first].mean()))
 
@@ -141,8 +140,7 @@ class Trace:
 
     def yaw(self, name: str) -> Array:
         """Heading of B_x over time, relative to the start and unwrapped, shape (n,) [rad]."""
-        w, x, y, z = self.poses[name][:, :4].T
-        heading = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y**2 + z**2))
+        heading = yaw_of(from_quaternion(self.poses[name][:, :4]))
         return np.asarray(np.unwrap(heading) - heading[0])
 
     def push_force(self) -> Array:

@@ -20,7 +20,7 @@ from typing import Literal
 
 import numpy as np
 
-from sim.rotations import Array
+from sim.rotations import Array, from_quaternion
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene
 
@@ -92,15 +92,6 @@ class Observer:
 
 def _corners(outline: tuple[tuple[float, float], ...], poses: Array) -> Array:
     """Places of the base's corners in W, shape (n, k, 3)."""
-    w, x, y, z = poses[:, :4].T[..., None]
-    a, b = np.array(outline).T
-    # The first two columns of R_WB, since the base lies in the plane z = 0 of B.
-    p_BC_W = np.stack(
-        [
-            (1.0 - 2.0 * (y * y + z * z)) * a + 2.0 * (x * y - w * z) * b,
-            2.0 * (x * y + w * z) * a + (1.0 - 2.0 * (x * x + z * z)) * b,
-            2.0 * (x * z - w * y) * a + 2.0 * (y * z + w * x) * b,
-        ],
-        axis=-1,
-    )
-    return np.asarray(poses[:, None, 4:] + p_BC_W)
+    p_BC = np.pad(np.array(outline), ((0, 0), (0, 1)))
+    R_WB = from_quaternion(poses[:, :4])
+    return np.asarray(poses[:, None, 4:] + p_BC @ np.swapaxes(R_WB, -1, -2))

@@ -23,11 +23,9 @@ from planner.types.defaults import DEFAULTS, Defaults, DefaultsError, changed
 from sim.cell.cell_description import (
     CellDescription,
     CellObject,
-    JointSensor,
-    RobotMount,
+    CellParts,
     Table,
     TorqueSensor,
-    Vision,
 )
 from sim.cell.strict_model import AsItIs, Fraction, NonNegative, Part, Spread
 from sim.errors import SceneError
@@ -108,30 +106,21 @@ def _defaults(value: object) -> object:
     return changed(DEFAULTS, value)
 
 
-class Scene(Part):
-    """A simulated world.
+class Scene(CellParts):
+    """A simulated world; in its file `models` are relative to it.
 
     Attributes:
         version: of the file's format.
-        name: for reports.
         time_step_s: of the simulation.
-        control_rate_hz: of the robot's control loop.
         hidden: how worlds of this scene differ from it and from each other.
         defaults: what a clause means when a sentence does not say more; in the file by the names of
             `planner.types.defaults`.
-        models: model files, or folders of them, that belong to the scene; relative to its file.
     """
 
     version: Literal[1]
-    name: str
-    robot: RobotMount
     table: VaryingTable = VaryingTable()
-    vision: Vision = Vision()
     torque_sensor: ScaledTorqueSensor = ScaledTorqueSensor()
-    joint_sensor: JointSensor = JointSensor()
     time_step_s: Annotated[float, Field(gt=0, le=0.005)] = 0.002
-    control_rate_hz: Annotated[float, Field(ge=20, le=1000)] = 100.0
-    models: tuple[str, ...] = ()
     hidden: Hidden = Hidden()
     defaults: Annotated[Defaults, AsItIs(), BeforeValidator(_defaults)] = DEFAULTS
     objects: tuple[SceneObject, ...]
@@ -154,33 +143,25 @@ class Scene(Part):
         return by_name[name]
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the objects, in the order of the file."""
-        return tuple(o.name for o in self.objects)
-
-    @property
     def cell(self) -> CellDescription:
         """The part of the scene that the robot is told."""
-        return CellDescription(
-            name=self.name,
-            objects=tuple(_public(CellObject, item) for item in self.objects),
-            robot=self.robot,
+        objects = tuple(_public(CellObject, item) for item in self.objects)
+        sensor = _public(TorqueSensor, self.torque_sensor)
+        return _public(
+            CellDescription,
+            self,
+            objects=objects,
             table=_public(Table, self.table),
-            vision=self.vision,
-            torque_sensor=_public(TorqueSensor, self.torque_sensor),
-            joint_sensor=self.joint_sensor,
-            control_rate_hz=self.control_rate_hz,
-            models=self.models,
-            defaults=self.defaults,
+            torque_sensor=sensor,
         )
 
 
 _PublicPart = TypeVar("_PublicPart", bound=Part)
 
 
-def _public(kind: type[_PublicPart], part: Part) -> _PublicPart:
-    """The fields of a part that its public kind has."""
-    return kind(**{name: getattr(part, name) for name in kind.model_fields})
+def _public(kind: type[_PublicPart], part: Part, **parts: object) -> _PublicPart:
+    """The fields of a part that its public kind has, some of them replaced by public parts."""
+    return kind(**{name: getattr(part, name) for name in kind.model_fields} | parts)
 
 
 def built_in_scenes() -> tuple[str, ...]:

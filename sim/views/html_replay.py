@@ -14,11 +14,10 @@ from sim.rotations import Array
 from sim.traces.trace import Trace
 from sim.truth.scene_file import Scene
 from sim.views.liquid_view import COLOUR, parts, triangles
-from sim.views.trace_scene import TraceScene, samples, view
+from sim.views.trace_scene import TraceScene, rigid_transform, samples, view
 
 if TYPE_CHECKING:
     from pydrake.geometry import Meshcat
-    from pydrake.math import RigidTransform
     from pydrake.systems.framework import DiagramBuilder
 
     from sim.worlds.drake.drake_plant import Plant
@@ -58,7 +57,9 @@ class _Liquid:
         for part in parts(trace, self._scene, sample):
             folder = f"/liquid/{part.name}/{part.of}"
             if part.of == "level":
-                self._meshcat.SetTransform(folder, _placed(trace, part.name, sample), now)
+                self._meshcat.SetTransform(
+                    folder, rigid_transform(trace.poses[part.name][sample]), now
+                )
             visible.add(self._form(folder, part.pieces))
         for path in visible - self._visible:
             self._meshcat.SetProperty(path, "visible", True, now)
@@ -83,15 +84,6 @@ class _Liquid:
 
 def _alike(before: Array, now: Array) -> bool:
     return before.shape == now.shape and bool(np.abs(before - now).max() < _SAME)
-
-
-def _placed(trace: Trace, name: str, sample: int) -> RigidTransform:
-    from pydrake.common.eigen_geometry import Quaternion
-    from pydrake.math import RigidTransform, RotationMatrix
-
-    pose = trace.poses[name][sample]
-    wxyz = pose[:4] / np.linalg.norm(pose[:4])
-    return RigidTransform(RotationMatrix(Quaternion(wxyz)), pose[4:])
 
 
 def save_replay(trace: Trace, scene: Scene, path: Path | str) -> None:

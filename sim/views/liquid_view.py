@@ -15,7 +15,7 @@ import numpy as np
 
 from objectmodels.containers.pour_dynamics import exit_velocity, fall_time
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from sim.rotations import Array
+from sim.rotations import Array, from_quaternion
 from sim.worlds.drake.liquid_transfer import lean_of
 
 if TYPE_CHECKING:
@@ -74,17 +74,15 @@ def triangles(pieces: Sequence[Array]) -> tuple[Array, Array]:
 
 
 def _pose(trace: Trace, name: str, sample: int) -> tuple[Array, Array]:
-    from scipy.spatial.transform import Rotation
-
     pose = trace.poses[name][sample]
-    return Rotation.from_quat(pose[[1, 2, 3, 0]]).as_matrix(), pose[4:]
+    return from_quaternion(pose[:4] / np.linalg.norm(pose[:4])), pose[4:]
 
 
 def _standing(vessel: Vessel, volume: float, R_WB: Array) -> Array:
     """Corners of what of a cavity is below the level, in B."""
     ring = vessel.section.corners
     low, high = (np.column_stack([ring, np.full(len(ring), z)]) for z in (vessel.floor, vessel.top))
-    level = float(vessel.surface_level(min(volume, vessel.capacity), *lean_of(R_WB)))
+    level = float(vessel.surface_level(min(volume, vessel.capacity), *lean_of(R_WB[2])))
     starts = np.concatenate([low, high, low])
     ends = np.concatenate([np.roll(low, -1, axis=0), np.roll(high, -1, axis=0), high])
     a, b = starts @ R_WB[2] - level, ends @ R_WB[2] - level
@@ -101,7 +99,7 @@ def _landing_height(trace: Trace, scene: Scene, source: str, sample: int) -> flo
             vessel = scene.object(name).truth.vessel
             assert vessel is not None
             R_WB, p_WB = _pose(trace, name, sample)
-            return float(p_WB[2] + vessel.surface_level(volumes[sample], *lean_of(R_WB)))
+            return float(p_WB[2] + vessel.surface_level(volumes[sample], *lean_of(R_WB[2])))
     return 0.0
 
 
@@ -110,7 +108,7 @@ def _stream(
 ) -> tuple[Array, ...]:
     """A stream from the lip down to a height."""
     R_WB, p_WB = X_WB
-    tilt, heading = lean_of(R_WB)
+    tilt, heading = lean_of(R_WB[2])
     p_WL = p_WB + R_WB @ vessel.lip_point(heading)
     head = max(float(vessel.liquid_head(volume, tilt, heading)), 1e-4)
     ahead, down = (float(v) for v in exit_velocity(head, tilt))

@@ -56,14 +56,16 @@ class TraceScene:
             plant.GetJointByName(name).set_angle(context, angle)
         for name, body in self._model.bodies.items():
             if body.is_floating_base_body():  # one in a holder stays where it is
-                plant.SetFreeBodyPose(context, body, _pose(trace.poses[name][sample]))
+                plant.SetFreeBodyPose(context, body, rigid_transform(trace.poses[name][sample]))
         for name, lid in self._model.lids.items():
             if name not in trace.lids:
                 continue  # nobody looked: it stays closed
             if lid.seat is None:
                 lid.joint.set_angle(context, trace.lids[name][sample])
             else:
-                plant.SetFreeBodyPose(context, lid.body, _pose(trace.lid_poses[name][sample]))
+                plant.SetFreeBodyPose(
+                    context, lid.body, rigid_transform(trace.lid_poses[name][sample])
+                )
 
     def fill(self, trace: Trace, sample: int) -> None:
         """Shows a camera the liquid as it was at a sample of a trace."""
@@ -88,7 +90,7 @@ class TraceScene:
                 self._liquid.append(graph.RegisterGeometry(context, source, frame, drawn))
 
 
-def _pose(row: Array) -> RigidTransform:
+def rigid_transform(row: Array) -> RigidTransform:
     """Pose of a row of a trace: quaternion (w, x, y, z) and position."""
     from pydrake.common.eigen_geometry import Quaternion
     from pydrake.math import RigidTransform, RotationMatrix

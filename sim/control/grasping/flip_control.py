@@ -39,7 +39,6 @@ _REACHED = np.radians(2.0)  # seen angle from the end that counts as the end
 _FOLLOWS = np.radians(15.0)  # how far a lid that follows is seen behind the finger
 _BAND = 0.2  # share of the force limit over which the speed falls to zero
 _FILTER = 0.04  # time constant of the felt force [s]
-_SWINGING = 0.1  # of the pause, until the hand hangs still [s]
 _STUCK = 0.8  # time at the force limit after which it does not move [s]
 _WAIT = 0.6  # for the camera, once the finger is at its end [s]
 _PALM = 0.15  # way of the fingertip that a whole turn of the palm takes as long as [m]
@@ -76,7 +75,8 @@ class FlipControl:
         self._recorder.phase = "lid"
         self._recorder.force_limit = self._step.force_limit
         self._recorder.inward = self._into(self._step.start)
-        self._zero()
+        self._recorder.take_zero(PAUSE, lambda: self._command(*self._at))
+        self._felt = 0.0
         start = np.array([self._step.start])
         self._go(self._stance.hands.path.points[1], 0.0, 2.0 * TOUCH_SPEED)
         self._go(self._lid.tip_centres(start)[0], 0.0, TOUCH_SPEED)
@@ -168,16 +168,6 @@ class FlipControl:
         return np.asarray(self._stance.R_WE @ self._lid.lid_normals(np.array([angle]))[0])
 
     # -- steps ----------------------------------------------------------------------------------
-
-    def _zero(self) -> None:
-        """Hangs still, and takes what the torque sensors read then as their zero."""
-        torques = []
-        for k in range(round(PAUSE / self._period)):
-            self._command(*self._at)
-            if k * self._period >= _SWINGING:
-                torques.append(self._recorder.torques)
-        self._recorder.zero = np.mean(torques, axis=0)
-        self._felt = 0.0
 
     def _go(self, point: Array, share: float, speed: float) -> None:
         """Straight to a point of E, the palm turning along."""

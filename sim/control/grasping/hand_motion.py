@@ -66,13 +66,7 @@ class HandMotion:
     def feel_nothing(self) -> None:
         """Takes what the torque sensors read while the open hand hangs still as their zero."""
         self._recorder.fingers = self._way.mount.hand.grasp_fingers
-        torques = []
-        for k in range(round(PAUSE / self._port.period)):
-            self.stay()
-            if k * self._port.period >= 0.2 * PAUSE:
-                torques.append(self._recorder.torques)
-        self._recorder.zero = np.mean(torques, axis=0)
-        self.zero_samples = len(torques)
+        self.zero_samples = self._recorder.take_zero(PAUSE, self.stay)
         self._sense.zero_forces()
 
     def close(self) -> None:

@@ -21,7 +21,7 @@ from planner.types.actions import Push
 from planner.types.world_state import SeenObject, WorldState
 from sim.cell.cell_description import Vision
 from sim.control.pushing.push_guards import MOVED
-from sim.rotations import Array, wrap, yaw_of
+from sim.rotations import Array, rot_z, wrap, yaw_of
 from sim.traces.trace import EndReason
 from sim.worlds.ports import Frame, SeenPose
 
@@ -100,8 +100,7 @@ class Follower:
     def footprint(self) -> Array:
         """Corners of what it covers of the table in W, shape (k, 2) [m]."""
         middle = self._seen.pose.p_WB[:2]
-        c, s = np.cos(self.turned), np.sin(self.turned)
-        turned = (footprint(self._seen) - middle) @ np.array([[c, s], [-s, c]])
+        turned = (footprint(self._seen) - middle) @ rot_z(-self.turned)[:2, :2]
         return np.asarray(turned + middle + self.displacement)
 
 

@@ -34,7 +34,6 @@ SETTING_OFF = 0.006
 """Travel at first in which fingers set in motion feel themselves, and no face is expected [m]."""
 
 _ACCELERATION = 0.1  # of the hand at an object [m/s²]
-_SWINGING = 0.1  # of the pause, until the hand hangs still [s]
 _FILTER = 0.04  # time constant of the felt force [s]
 _NOISES = 6.0  # standard deviations of noise that do not count as a touch
 _SEEN_SHARE = 0.35  # weight of a new camera frame in the seen tilt
@@ -106,7 +105,8 @@ class TouchControl:
         self.recorder.phase = "touch"
         self.recorder.force_limit = self._touch_force
         self._share = self._touch_share()
-        self._zero()
+        self.recorder.take_zero(self.pause, lambda: self._step(self.way.start, self.way.inward))
+        self._forces = np.zeros_like(self._forces)
         travel, speed, most = 0.0, 0.0, STANDOFF + TOUCH_BEYOND
         while travel < SETTING_OFF or not self._touched():
             if travel > most:
@@ -119,16 +119,6 @@ class TouchControl:
     def _faster(self, before: float, most: float, acceleration: float = _ACCELERATION) -> float:
         """A speed that rises to the most, a control step after it was another."""
         return min(most, before + acceleration * self._period)
-
-    def _zero(self) -> None:
-        """Hangs still, and takes what the torque sensors read then as their zero."""
-        torques = []
-        for k in range(round(self.pause / self._period)):
-            self._step(self.way.start, self.way.inward)
-            if k * self._period >= _SWINGING:
-                torques.append(self.recorder.torques)
-        self.recorder.zero = np.mean(torques, axis=0)
-        self._forces = np.zeros_like(self._forces)
 
     def _touch_share(self) -> float:
         """Weight of a new sample with which the noise stays well below the touch force."""

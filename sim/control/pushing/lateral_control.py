@@ -26,7 +26,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.rotations import Array, wrap, yaw_of
+from sim.rotations import Array, rot_z, wrap, yaw_of
 from sim.worlds.ports import SeenPose
 
 _STEPS = 20  # of the remaining way in the least squares
@@ -96,8 +96,7 @@ class Pushed:
     def middle(self, heading: float, contact: float) -> tuple[Array, Array]:
         """The middle from the tip in D, shape (2,) [m], and its derivatives by θ and s, (2, 2)."""
         normal = heading - self.curvature * contact
-        c, s = np.cos(normal), np.sin(normal)
-        R = np.array([[c, -s], [s, c]])
+        R = rot_z(normal)[:2, :2]
         ahead, aside = self.depth + self.tip_radius, -self.flatness * contact
         by_normal = R @ np.array([-aside, ahead])
         by_contact = -self.curvature * by_normal - self.flatness * R[:, 1]
@@ -141,8 +140,7 @@ class LateralController:
         deviations: tuple[float, float, float, float],
         camera: tuple[float, float],
     ) -> None:
-        c, s = np.cos(direction), np.sin(direction)
-        self._R_DW = np.array([[c, s], [-s, c]])
+        self._R_DW = rot_z(-direction)[:2, :2]
         self._direction = direction
         self._pushed = pushed
         self._way_weight = 1.0 / min(_ON_THE_WAY, _OF_LIMIT * limit) / np.sqrt(_STEPS)

@@ -191,37 +191,20 @@ class TiltGuards(Guards):
     Args:
         plan: what was to happen.
         period: of a control step [s].
+        view: of the tilt.
     """
 
-    def __init__(self, plan: Plan, period: float) -> None:
+    def __init__(self, plan: Plan, period: float, view: TiltEstimator) -> None:
         super().__init__(plan, period)
+        self._view = view
         safe = _SAFE_SHARE * plan.push.prediction.stay_on_base_angle
         self._farthest = min(safe, plan.push.limits.tilt or np.inf)
         self._longest = min(self._longest, plan.push.limits.duration or np.inf)
 
-    def tilt_end(
-        self, elapsed: float, travel: float, felt: float, view: TiltEstimator
-    ) -> tuple[EndReason, str] | None:
-        """Why the tilt ends before the asked angle; None if it goes on.
-
-        Args:
-            elapsed: since its start [s].
-            travel: of the fingertips along the vector [m].
-            felt: force along the vector, filtered [N].
-            view: of the tilt.
-        """
-        self._measure(travel)
-        return (
-            self._leans(view, travel)
-            or self._force(elapsed, travel, felt)
-            or self._too_fast()
-            or self._contact_lost(travel, felt)
-            or self._too_long(elapsed)
-        )
-
-    def _leans(self, view: TiltEstimator, travel: float) -> tuple[EndReason, str] | None:
-        if view.tilt > self._farthest:
-            return "tilted", f"it leans by {np.degrees(view.tilt):.1f}°, more than it may"
+    def _stroke(self, travel: float, tilt: float) -> tuple[EndReason, str] | None:
+        view = self._view
+        if tilt > self._farthest:
+            return "tilted", f"it leans by {np.degrees(tilt):.1f}°, more than it may"
         short = max((1.0 - _SLIDES_SHARE) * view.own, _SURELY * view.unsure)
         if -view.correction > short or travel > self._push.stroke:
             return "slid", f"it slides instead of tilting, {1e3 * travel:.0f} mm so far"

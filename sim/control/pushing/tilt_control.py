@@ -68,14 +68,14 @@ class TiltControl(ForceController):
     def _raise(self) -> tuple[EndReason, str] | None:
         """Tilts it; why that ended early, or None."""
         push = self.plan.push
-        guards = TiltGuards(self.plan, self._period)
+        guards = TiltGuards(self.plan, self._period, self._view)
         fastest = min(_RATE, _SPEED * push.speed / self._arc.arc_radius)
         standing = self._loading() / self._arc.arc_radius
         wanted = push.tilt
         rate = min(fastest, standing)
         while self._view.tilt < wanted:
             travel = float((self._here.midpoint - self._arc.origin) @ self._u)
-            end = guards.tilt_end(self._elapsed, travel, self._felt, self._view)
+            end = guards.end(self._elapsed, travel, self._felt, self._view.tilt)
             if end is not None:
                 return end
             rate = self._faster(rate, fastest, _ACCELERATION)

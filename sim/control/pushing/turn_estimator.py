@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.rotations import Array, wrap, yaw_of
+from sim.rotations import Array, rot_z, wrap, yaw_of
 from sim.worlds.ports import SeenPose
 
 # Growth of the filter's doubt per centimetre of way, from friction that varies.
@@ -118,7 +118,7 @@ class TurnEstimator:
         body, step = self._body, tip - self._tip
         # The contact moves as the tip's centre does, and around it.
         around = self.rate * body.radius * float(body.along @ body.direction)
-        way = float(step @ (_rotation(self.turn_angle) @ body.direction)) / (1.0 - around)
+        way = float(step @ (rot_z(self.turn_angle)[:2, :2] @ body.direction)) / (1.0 - around)
         self._tip = tip
         self.travel += way
         F = np.array([[1.0, way, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
@@ -135,7 +135,7 @@ class TurnEstimator:
             return
         since = self.travel - then.travel
         turned = self.turn_angle - self.rate * since
-        R = _rotation(turned)
+        R = rot_z(turned)[:2, :2]
         arm = body.middle - self.slip * body.along
         error = np.array(
             [
@@ -151,8 +151,3 @@ class TurnEstimator:
         K = self._P @ H.T @ np.linalg.inv(H @ self._P @ H.T + self._R)
         self._x = self._x + K @ error
         self._P = (np.eye(3) - K @ H) @ self._P
-
-
-def _rotation(angle: float) -> Array:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s], [s, c]])

@@ -72,20 +72,28 @@ class Plant(Standing):
     hand: ModelInstanceIndex
 
 
+def add_empty_plant(
+    builder: DiagramBuilder, time_step: float, stiction: float
+) -> tuple[MultibodyPlant, SceneGraph]:
+    """Adds a plant of a time step [s] in which what slips up to a speed sticks [m/s]."""
+    from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlantConfig
+
+    config = MultibodyPlantConfig(
+        time_step=time_step,
+        contact_model="point",
+        discrete_contact_approximation="lagged",
+        stiction_tolerance=stiction,
+        use_sampled_output_ports=False,
+    )
+    plant, scene_graph = AddMultibodyPlant(config, builder)
+    return plant, scene_graph
+
+
 def add_plant(
     builder: DiagramBuilder, scene: Scene, arm: ArmKinematics = ARM, hand: Hand = HAND
 ) -> Plant:
     """Adds robot, table and objects of a scene to a diagram."""
-    from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlantConfig
-
-    config = MultibodyPlantConfig(
-        time_step=scene.time_step_s,
-        contact_model="point",
-        discrete_contact_approximation="lagged",
-        stiction_tolerance=_STICTION,
-        use_sampled_output_ports=False,
-    )
-    plant, scene_graph = AddMultibodyPlant(config, builder)
+    plant, scene_graph = add_empty_plant(builder, scene.time_step_s, _STICTION)
     robot_models = _add_robot(plant, scene, arm, hand)
     table = add_table(plant, scene)
     solids: list[GeometryId] = []

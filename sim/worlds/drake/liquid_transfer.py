@@ -121,7 +121,7 @@ class Liquid:
         still = not filled.restless and _near(filled.up, R_WB[2])
         if filled.volume <= 0.0 or still or self._closed(name):
             return
-        vessel, (tilt, heading) = filled.vessel, lean_of(R_WB)
+        vessel, (tilt, heading) = filled.vessel, lean_of(R_WB[2])
         above = filled.volume - float(vessel.brim(tilt, heading))
         filled.restless = above > 0.0
         if not filled.restless:
@@ -172,7 +172,7 @@ class Liquid:
         self.contents[name] = filled.volume
         filled.up = up.copy()
         if filled.volume > 0.0:
-            filled.middle = filled.vessel.centroid(filled.volume, *_lean(up))
+            filled.middle = filled.vessel.centroid(filled.volume, *lean_of(up))
         self._weigh(name, filled)
 
     def _weigh(self, name: str, filled: _Filled) -> None:
@@ -186,12 +186,8 @@ class Liquid:
         self._model.bodies[name].SetSpatialInertiaInBodyFrame(self._context, changed)
 
 
-def lean_of(R_WB: Array) -> tuple[float, float]:
-    """Lean of a body, and its direction in the body's x, y [rad]."""
-    return _lean(R_WB[2])
-
-
-def _lean(up: Array) -> tuple[float, float]:
+def lean_of(up: Array) -> tuple[float, float]:
+    """Lean of a body in which the vertical is `up`, and its direction in x, y there [rad]."""
     x, y, z = up.tolist()
     return math.atan2(math.hypot(x, y), z), math.atan2(-y, -x)
 

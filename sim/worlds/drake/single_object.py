@@ -16,6 +16,7 @@ from sim.rotations import Array
 from sim.truth.scene_file import Scene, sample_world
 from sim.worlds.drake.drake_plant import (
     Standing,
+    add_empty_plant,
     add_object,
     add_table,
     filter_collisions,
@@ -37,25 +38,14 @@ class SingleObjectWorld:
     """
 
     def __init__(self, scene: Scene, name: str, seed: int) -> None:
-        from pydrake.multibody.plant import (
-            AddMultibodyPlant,
-            ExternallyAppliedSpatialForce,
-            MultibodyPlantConfig,
-        )
+        from pydrake.multibody.plant import ExternallyAppliedSpatialForce
         from pydrake.systems.analysis import Simulator
         from pydrake.systems.framework import DiagramBuilder
 
         self.scene = scene = sample_world(scene, seed)
         self.step_time = scene.time_step_s
         builder = DiagramBuilder()
-        config = MultibodyPlantConfig(
-            time_step=self.step_time,
-            contact_model="point",
-            discrete_contact_approximation="lagged",
-            stiction_tolerance=_STICTION,
-            use_sampled_output_ports=False,
-        )
-        self._plant, scene_graph = AddMultibodyPlant(config, builder)
+        self._plant, scene_graph = add_empty_plant(builder, self.step_time, _STICTION)
         table = add_table(self._plant, scene)
         item = scene.object(name)
         self._body, solid, feet = add_object(self._plant, item)

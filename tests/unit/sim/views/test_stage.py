@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from sim.traces.trace import Array, Trace
+from sim.rotations import Array
+from sim.traces.trace import Trace
 from sim.views.trace_picture import _moments
 from sim.views.trace_scene import view
 

@@ -149,7 +149,8 @@ def test_a_tilt_is_let_back_before_the_angle_of_no_return(
     plan = made.model_copy(update={"actions": (push,)})
     view = TiltEstimator(np.radians(1.0))
     view.update_from_tip(0.0, share * plan.push.prediction.stay_on_base_angle)
-    found = TiltGuards(plan, PERIOD).tilt_end(1.0, 1e-4, plan.push.prediction.onset, view)
+    guards = TiltGuards(plan, PERIOD, view)
+    found = guards.end(1.0, 1e-4, plan.push.prediction.onset, view.tilt)
     assert (found and found[0]) == end
 
 
@@ -162,5 +163,6 @@ def test_a_tilt_that_the_camera_surely_does_not_show_slides(
 ) -> None:
     plan, view = _plan("tilt the ice tea box by 10 degrees"), TiltEstimator(np.radians(0.3))
     view.own, view.correction = own, -deviations * view.unsure
-    found = TiltGuards(plan, PERIOD).tilt_end(1.0, 1e-4, plan.push.prediction.onset, view)
+    guards = TiltGuards(plan, PERIOD, view)
+    found = guards.end(1.0, 1e-4, plan.push.prediction.onset, view.tilt)
     assert (found and found[0]) == end
