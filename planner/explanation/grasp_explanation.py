@@ -11,10 +11,12 @@ from planner.explanation.rows import (
     Clause,
     Row,
     Value,
+    amount_value,
     clause_text,
-    frame_clauses,
     object_name,
-    row,
+    outcome_value,
+    place_text,
+    plan_rows,
     si_text,
 )
 from planner.types.actions import Carry, FlipOver, LiftUp, PourOut, TurnCap
@@ -26,28 +28,21 @@ if TYPE_CHECKING:
 
 
 def explain_hand(frame: g.Frame, plan: Plan, text: str, basis: Basis) -> tuple[Row, ...]:
-    """The rows of a frame that a whole hand carries out.
+    """The rows of a frame of a sentence that a whole hand carries out, from its plan."""
 
-    Args:
-        frame: what was asked.
-        plan: what came of it.
-        text: the sentence.
-        basis: what was known when it was planned.
-    """
-    rows: list[Row] = []
-    for clause in frame_clauses(frame, "hand controller"):
-        values: Iterable[Value]
-        if clause.part == "hand controller":
-            values = _controller(plan)
-        elif clause.part == "object model":
-            values = belief_values(basis.target)
-        elif clause.part == "wanted outcome":
-            values = _outcome(plan)
-        else:
-            values = _constraint(clause.said, plan)
-        rows += [row(clause, text, value) for value in values]
-    rest = Clause("left open", "controller", (), None)
-    return (*rows, *(row(rest, text, value) for value in _rest(plan)))
+    def values(clause: Clause) -> Iterable[Value]:
+        match clause.part:
+            case "hand controller":
+                return _controller(plan)
+            case "object model":
+                return belief_values(basis.target)
+            case "wanted outcome":
+                return _outcome(plan)
+            case "left open":
+                return _open_values(plan)
+        return _constraint(clause.said, plan)
+
+    return plan_rows(frame, text, "hand controller", values)
 
 
 def _controller(plan: Plan) -> Iterator[Value]:
@@ -66,38 +61,25 @@ def _controller(plan: Plan) -> Iterator[Value]:
 
 
 def _outcome(plan: Plan) -> Iterator[Value]:
-    likely = "over 0.999" if plan.probability > 0.999 else f"{plan.probability:.3f}"
-    yield Value("outcome", f"{plan.task}, probability {likely}")
-    used = {default.name: default for default in plan.defaults}
+    yield outcome_value(plan.task, plan)
+
+    def used(prefix: str) -> DefaultUsed | None:
+        return next((each for each in plan.defaults if each.name.startswith(prefix)), None)
+
     for step in plan.steps:
         match step:
             case LiftUp() if plan.task == "lift":
-                named_by = next((u for n, u in used.items() if n.startswith("lift_")), None)
-                yield _amount("height", si_text(step.height, "m"), named_by)
+                yield amount_value("height", si_text(step.height, "m"), used("lift_"))
             case PourOut():
-                named_by = next((u for n, u in used.items() if n.startswith("pour_")), None)
-                volume = "everything" if step.volume is None else _ml(step.volume)
-                yield _amount("volume", volume, named_by)
+                volume = "everything" if step.volume is None else si_text(step.volume, "m³")
+                yield amount_value("volume", volume, used("pour_"))
                 yield Value("tilt", f"up to {si_text(step.angle, 'rad')}")
             case FlipOver():
                 yield Value("lid", f"{si_text(step.start, 'rad')} to {si_text(step.end, 'rad')}")
             case TurnCap():
                 yield Value("turn", si_text(abs(step.angle), "rad"))
             case Carry():
-                yield Value("aim", f"x {si_text(step.to.x, 'm')}, y {si_text(step.to.y, 'm')}")
-
-
-def _ml(volume: float) -> str:
-    return f"{1e6 * volume:.0f} ml"
-
-
-def _amount(name: str, told: str, used: DefaultUsed | None) -> Value:
-    """A number, and whether it comes from the table of defaults."""
-    if used is None:
-        return Value(name, told)
-    in_words = used.reason.startswith("“")
-    why = f"{used.reason}, from the table of defaults" if in_words else "not said: by default"
-    return Value(name, f"{told} ({why})", default=True, said=in_words)
+                yield Value("aim", place_text(step.to.x, step.to.y))
 
 
 def _constraint(clause: Any, plan: Plan) -> Iterator[Value]:
@@ -108,7 +90,7 @@ def _constraint(clause: Any, plan: Plan) -> Iterator[Value]:
             apart = max(kept.values(), default=0.0)
             yield Value("free way", f"{si_text(apart, 'm')} or more from the {other}")
         case g.NoSpill() if pours := [a for a in plan.actions if isinstance(a, PourOut)]:
-            yield Value("spilled", f"{_ml(pours[0].prediction.spilled)} foreseen")
+            yield Value("spilled", f"{si_text(pours[0].prediction.spilled, 'm³')} foreseen")
         case g.Gentle() | g.Slow() | g.MaxSpeed() | g.Speed() | g.MinSpeed() if (
             plan.speed is not None
         ):
@@ -121,8 +103,8 @@ def _constraint(clause: Any, plan: Plan) -> Iterator[Value]:
             yield Value("kept", clause_text(clause))
 
 
-def _rest(plan: Plan) -> Iterator[Value]:
-    """What no clause of the sentence decided."""
+def _open_values(plan: Plan) -> Iterator[Value]:
+    """Values that no clause of the sentence decided."""
     if plan.speed and any(used.name == "carry_speed" for used in plan.defaults):
         speed = si_text(plan.speed, "m/s")
         yield Value("largest speed", f"{speed} (not said: by default)", default=True, said=False)

@@ -19,10 +19,12 @@ from planner.explanation.rows import (
     Clause,
     Row,
     Value,
+    amount_value,
     clause_text,
-    frame_clauses,
     object_name,
-    row,
+    outcome_value,
+    place_text,
+    plan_rows,
     si_text,
 )
 from planner.geometry.directions import phrase
@@ -36,7 +38,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Basis:
-    """What was known when a frame was planned or answered.
+    """Knowledge with which a frame was planned or answered.
 
     Attributes:
         target: the object as it was believed to be.
@@ -48,34 +50,27 @@ class Basis:
 
     @classmethod
     def of(cls, frame: g.Frame, state: WorldState, defaults: Defaults) -> Basis | None:
-        """What is known about the object of a frame; None if it has none that is seen."""
+        """The basis of a frame about an object; None if it has none that is seen."""
         seen = state.objects.get(frame.object.id or "") if frame.object else None
         return cls(seen, defaults) if seen else None
 
 
 def explain_push(frame: g.Frame, plan: Plan, text: str, basis: Basis) -> tuple[Row, ...]:
-    """The rows of a planned frame: its head, its object, its goal, its constraints, and the rest.
+    """The rows of a frame of a sentence that pushes carry out, from its plan."""
 
-    Args:
-        frame: what was asked.
-        plan: what came of it.
-        text: the sentence.
-        basis: what was known when it was planned.
-    """
-    rows: list[Row] = []
-    for clause in frame_clauses(frame, "push controller"):
-        values: Iterable[Value]
-        if clause.part == "push controller":
-            values = _controller(plan)
-        elif clause.part == "object model":
-            values = (*belief_values(basis.target), *_prediction_values(plan))
-        elif clause.part == "wanted outcome":
-            values = _goal(frame.goal, plan, basis)
-        else:
-            values = _constraint_values(clause.said, plan, basis)
-        rows += [row(clause, text, value) for value in values]
-    rest = Clause("left open", "controller", (), None)
-    return (*rows, *(row(rest, text, value) for value in _open_values(frame, plan)))
+    def values(clause: Clause) -> Iterable[Value]:
+        match clause.part:
+            case "push controller":
+                return _controller(plan)
+            case "object model":
+                return (*belief_values(basis.target), *_prediction_values(plan))
+            case "wanted outcome":
+                return _goal(frame.goal, plan, basis)
+            case "left open":
+                return _open_values(frame, plan)
+        return _constraint_values(clause.said, plan, basis)
+
+    return plan_rows(frame, text, "push controller", values)
 
 
 def belief_values(target: SeenObject) -> tuple[Value, ...]:
@@ -143,12 +138,11 @@ def _goal(goal: g.Goal, plan: Plan, basis: Basis) -> Iterator[Value]:
     used = {default.name: default for default in plan.defaults}
     last = plan.pushes[-1]
     does = {"turned": "turn", "tilted": "tilt"}.get(last.ends_on, last.prediction.outcome)
-    likely = "over 0.999" if plan.probability > 0.999 else f"{plan.probability:.3f}"
-    yield Value("outcome", f"{does}, probability {likely}")
+    yield outcome_value(does, plan)
     if plan.aim is None:
         yield _direction(goal, last.direction_W[:2], used)
         if last.ends_on == "tilted":
-            yield _amount_value("tilt", si_text(last.tilt, "rad"), used.get("tilt"))
+            yield amount_value("tilt", si_text(last.tilt, "rad"), used.get("tilt"))
         return
     aim, here = plan.aim, basis.target.pose
     if isinstance(goal, g.Rotate):
@@ -157,13 +151,13 @@ def _goal(goal: g.Goal, plan: Plan, basis: Basis) -> Iterator[Value]:
         told = _turn(angle)
         if goal.angle is not None and not math.isclose(goal.angle, abs(angle)):
             told += f", asked: {_bound_text(goal.bound)}{si_text(goal.angle, 'rad')}"
-        yield _amount_value("turn", told, used.get("turn"))
+        yield amount_value("turn", told, used.get("turn"))
     else:
         way = aim.x - here.x, aim.y - here.y
         yield _direction(goal, way, used)
         yield _distance_value(goal, math.hypot(*way), used.get("distance"))
     heading = "" if aim.yaw is None else f", heading {si_text(aim.yaw, 'rad')}"
-    yield Value("aim", f"x {si_text(aim.x, 'm')}, y {si_text(aim.y, 'm')}{heading}")
+    yield Value("aim", place_text(aim.x, aim.y) + heading)
 
 
 def _direction(goal: g.Goal, way: tuple[float, float], used: dict[str, DefaultUsed]) -> Value:
@@ -175,20 +169,10 @@ def _direction(goal: g.Goal, way: tuple[float, float], used: dict[str, DefaultUs
     return Value("direction", told)
 
 
-def _amount_value(name: str, told: str, used: DefaultUsed | None) -> Value:
-    """A number, and whether it comes from the table of defaults."""
-    if used is None:
-        return Value(name, told)
-    # Words may name an amount, but what number that is stands in the table.
-    in_words = used.reason.startswith("“")
-    why = f"{used.reason}, from the table of defaults" if in_words else "not said: by default"
-    return Value(name, f"{told} ({why})", default=True, said=in_words)
-
-
 def _distance_value(goal: g.Goal, length: float, used: DefaultUsed | None) -> Value:
     told = si_text(length, "m")
     if used is not None and math.isclose(used.value, length):
-        return _amount_value("distance", told, used)
+        return amount_value("distance", told, used)
     asked = getattr(goal, "distance", None)
     # The distance of a place is a gap.
     if isinstance(goal, g.Displace) and asked is not None and not math.isclose(asked, length):
@@ -239,7 +223,7 @@ _TIMES = {"duration", "max_duration"}
 
 
 def _force_value(clause: Any, plan: Plan, defaults: Defaults) -> tuple[str, str] | None:
-    """What a clause about the force became; None if it is about something else."""
+    """The parameter and value of a clause about the force; None of any other clause."""
     told = {
         "force": "",
         "max_force": ", asked: at most {:g} N",
@@ -253,7 +237,7 @@ def _force_value(clause: Any, plan: Plan, defaults: Defaults) -> tuple[str, str]
 
 
 def _limit_value(clause: Any, plan: Plan) -> tuple[str, str]:
-    """What a clause about speed, time, way or end became."""
+    """The parameter and value of a clause about speed, time, way or end."""
     push = plan.push
     match clause:
         case g.MaxSpeed():
@@ -301,7 +285,7 @@ def _speed_value(plan: Plan, basis: Basis, degree: str) -> Value:
 
 
 def _open_values(frame: g.Frame, plan: Plan) -> Iterator[Value]:
-    """What no clause of the sentence decided."""
+    """Values that no clause of the sentence decided."""
     said = {clause.kind for clause in frame.constraints}
     push = plan.push
     if any(default.name == "speed" for default in plan.defaults):

@@ -8,12 +8,15 @@ object model". Values are SI inside; people read millimetres, degrees and newton
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from typing import Any, Literal, NamedTuple
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from pydantic import BaseModel, ConfigDict
 
 from grammar.frames import command as g
+
+if TYPE_CHECKING:
+    from planner.types.plan import DefaultUsed, Plan
 
 PartName = Literal[
     "push controller", "hand controller", "controller", "question", "remark", "object model",
@@ -107,6 +110,36 @@ def row(clause: Clause, text: str, value: Value, **more: Any) -> Row:
     )  # fmt: skip
 
 
+def plan_rows(
+    frame: g.Frame, text: str, controller: PartName, values: Callable[[Clause], Iterable[Value]]
+) -> tuple[Row, ...]:
+    """The rows of a planned frame: the values of each of its parts, and of what it left open."""
+    left_open = Clause("left open", "controller", (), None)
+    clauses = (*frame_clauses(frame, controller), left_open)
+    return tuple(row(clause, text, value) for clause in clauses for value in values(clause))
+
+
+def amount_value(name: str, told: str, used: DefaultUsed | None) -> Value:
+    """A number, and whether it comes from the table of defaults."""
+    if used is None:
+        return Value(name, told)
+    # Words may name an amount, but what number that is stands in the table.
+    in_words = used.reason.startswith("“")
+    why = f"{used.reason}, from the table of defaults" if in_words else "not said: by default"
+    return Value(name, f"{told} ({why})", default=True, said=in_words)
+
+
+def outcome_value(does: str, plan: Plan) -> Value:
+    """The outcome of a plan, and how likely it is."""
+    likely = "over 0.999" if plan.probability > 0.999 else f"{plan.probability:.3f}"
+    return Value("outcome", f"{does}, probability {likely}")
+
+
+def place_text(x: float, y: float) -> str:
+    """A point of the table in words, from its coordinates in W [m]."""
+    return f"x {si_text(x, 'm')}, y {si_text(y, 'm')}"
+
+
 def quotation(text: str, spans: g.Spans) -> str:
     """The words that spans cover, in their order; a dash stands for other words between them."""
     told, last = "", 0
@@ -153,7 +186,7 @@ def _field(value: Any, name: str) -> str:
             where = "above the table" if value.origin == "table" else "below the top"
             return f"{bound}{_field(value.value, 'height')} {where}"
         case g.Point():
-            return f"x {si_text(value.x, 'm')}, y {si_text(value.y, 'm')}"
+            return place_text(value.x, value.y)
         case tuple():
             return " and ".join(_field(each, name) for each in value)
         case float():

@@ -89,6 +89,10 @@ class PlanningStrategy(ABC):
             problem, TopplePlanner(problem, search, _foreseen_pushes(problem)).pushes()
         )
 
+    def notes(self, problem: PushProblem, aim: Aim | None) -> tuple[str, ...]:
+        """Sentences on what a plan of less precision does, beside why it was needed."""
+        return ()
+
     def decides(self, refusal: Refusal) -> bool:
         """Return True if its refusal stands in place of those before."""
         return self.is_precise
@@ -176,13 +180,9 @@ class RelaxedGoal(PlanningStrategy):
         goal = replace(problem.goal, aims=tuple(dict(nearly_goal_poses(problem))))
         return replace(problem, goal=goal, effort=replace(problem.effort, direct=True))
 
-    def plan(self, problem: PushProblem, search: ReachSearch) -> Plan | Reached:
-        """The plan, with a note on where it ends."""
-        made = super().plan(problem, search)
-        if not isinstance(made, Plan) or made.aim is None:
-            return made
-        note = dict(nearly_goal_poses(problem))[made.aim]
-        return made.model_copy(update={"notes": (note, *made.notes)})
+    def notes(self, problem: PushProblem, aim: Aim | None) -> tuple[str, ...]:
+        """A sentence on where it ends."""
+        return () if aim is None else (dict(nearly_goal_poses(problem))[aim],)
 
 
 class OtherFall(PlanningStrategy):
@@ -240,10 +240,11 @@ def plan_pushes(
             decides = strategy.decides(error.refusal)
             so_far.append(FailedStrategy(error.refusal, search.was_denied, decides))
             continue
-        if isinstance(made, Plan) and not strategy.is_precise:
-            why = f"another way, since {deciding_refusal(so_far).message}"
-            return made.model_copy(update={"notes": (why, *made.notes)})
-        return made
+        if strategy.is_precise or made.status == "reached":
+            return made
+        why = f"another way, since {deciding_refusal(so_far).message}"
+        notes = (why, *strategy.notes(relaxed, made.aim), *made.notes)
+        return made.model_copy(update={"notes": notes})
     raise NoPlanError(deciding_refusal(so_far))
 
 
