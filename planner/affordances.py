@@ -74,14 +74,7 @@ def affordances(
     *,
     defaults: Defaults = DEFAULTS,
 ) -> tuple[Affordance, ...]:
-    """Ways of moving an object, each with what object and robot allow.
-
-    Args:
-        target: the object, in `state`.
-        state: what the robot believes.
-        robot: that is to do it.
-        defaults: what a clause means when nothing more is said.
-    """
+    """Ways of moving an object of a state, each with what object and robot allow."""
     pushed = tuple(_push_affordances(target, state, robot, defaults))
     if robot.limits.grasp_widths is None:
         return pushed

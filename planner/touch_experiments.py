@@ -114,10 +114,6 @@ def experiments(seen: SeenObject, limits: RobotLimits) -> tuple[Experiment, ...]
     """All experiments that the object's shape and the beliefs about it allow.
 
     Whether the hand gets there is another question.
-
-    Args:
-        seen: the object.
-        limits: figures of the robot.
     """
     # A round side is touched where the robot's own directions meet it.
     headings = np.array([np.pi, -np.pi / 2, 0.0, np.pi / 2]) - seen.pose.yaw
@@ -154,12 +150,7 @@ def press(seen: SeenObject, point: Array, normal: Array, limits: RobotLimits) ->
 
 
 def expected_trials(experiment: Experiment, model: ObjectModel) -> tuple[Trial, ...]:
-    """Trials that an experiment would show if the model were right, with their precision.
-
-    Args:
-        experiment: what would be done.
-        model: what is believed.
-    """
+    """Trials that an experiment would show if the model were right, with their precision."""
     point = experiment.push.p_BC
     R_WB = experiment.R_WB
     u = R_WB.T @ np.array(experiment.push.direction_W)
@@ -214,31 +205,26 @@ def _rub_experiment(seen: SeenObject, face: Face, height: float, limits: RobotLi
 def _touch_experiment(
     kind: Kind, seen: SeenObject, point: Array, normal: Array, stroke: float, limits: RobotLimits
 ) -> Experiment:
-    return Experiment(
-        kind,
-        _touch_push(seen, point, normal, stroke, min(MOST_FORCE, limits.max_force), SPEED[kind]),
-        onset=float(seen.model.thresholds([point], [-normal]).onset[0]),
-        length=tilt_limits.length_along(seen.model, -normal),
-        R_WB=seen.pose.R_WB,
-    )
-
-
-def _touch_push(
-    seen: SeenObject, point: Array, normal: Array, stroke: float, force: float, speed: float
-) -> Push:
     x, y, z = point.tolist()
     normal_W = seen.pose.R_WB @ normal
     n_x, n_y, _ = normal_W.tolist()
-    return Push(
+    push = Push(
         object=seen.name,
         face=face_name(normal_W)[0],
         p_BC=(x, y, z),
         normal_W=(n_x, n_y, 0.0),
         direction_W=(-n_x, -n_y, 0.0),
-        force_limit=force,
-        speed=speed,
+        force_limit=min(MOST_FORCE, limits.max_force),
+        speed=SPEED[kind],
         stroke=stroke,
         fingers=1,
         spread=0.0,
         ends_on="stroke",
+    )
+    return Experiment(
+        kind,
+        push,
+        onset=float(seen.model.thresholds([point], [-normal]).onset[0]),
+        length=tilt_limits.length_along(seen.model, -normal),
+        R_WB=seen.pose.R_WB,
     )

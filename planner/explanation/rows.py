@@ -95,14 +95,7 @@ def frame_clauses(frame: g.Frame, controller: PartName = "controller") -> Iterat
 
 
 def row(clause: Clause, text: str, value: Value, **more: Any) -> Row:
-    """A row of a clause.
-
-    Args:
-        clause: of a frame.
-        text: the sentence.
-        value: what became of the clause.
-        more: further fields of the row.
-    """
+    """The row of a clause of the sentence `text` and a value of it, with `more` fields."""
     spans = clause.spans if value.said else ()
     return Row(
         words=quotation(text, spans), field=clause.field, spans=spans, part=clause.part,

@@ -11,11 +11,9 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from objectmodels.geometry.base_shapes import Array
 from planner.types.actions import FaceName
-
-Array = NDArray[np.float64]
 
 HEADINGS: dict[str, float] = {
     "away": 0.0,

@@ -12,11 +12,9 @@ Frames: everything in W's table plane [m].
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from objectmodels.geometry.base_shapes import Array
 from planner.types.world_state import SeenObject, TableState
-
-Array = NDArray[np.float64]
 
 
 def footprint(seen: SeenObject) -> Array:

@@ -19,11 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
+from objectmodels.geometry.base_shapes import Array
 from planner.geometry.directions import unit
 from planner.geometry.footprints import footprint
 from planner.types.world_state import SeenObject, WorldState
-
-Array = NDArray[np.float64]
 
 STEP = 0.02
 """Distance of the grid's lines [m]."""

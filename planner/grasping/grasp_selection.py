@@ -71,7 +71,8 @@ class GraspLoad:
         each = self.candidate
         closing, approach, contacts = each.closing, each.approach, each.grip.contacts
         shares = each.grip.shares
-        borne = _model_that_slips(model)
+        # The fingers have slipped, as far as that is known: what creeps must still hold.
+        borne = model.model_copy(update={"finger_friction": friction(model)})
         if self.load is not None:
             force = {"mass": self.load.force / GRAVITY, "mass_sd": self.load.force_sd / GRAVITY}
             borne = borne.model_copy(update=force)
@@ -134,10 +135,6 @@ def held_already(problem: GraspProblem) -> list[StableGrasp]:
 
 def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[StableGrasp]:
     """The grasps that hold, those with most squeeze to spare first.
-
-    Args:
-        problem: what is planned for.
-        bearings: ways to hold it.
 
     Raises:
         NoPlanError: none does.
@@ -264,11 +261,6 @@ class _GraspBeliefs:
         return b"".join((np.round(part, 7) + 0.0).tobytes() for part in parts)
 
 
-def _model_that_slips(model: ObjectModel) -> ObjectModel:
-    """A model whose fingers have slipped, as far as that is known: what creeps must still hold."""
-    return model.model_copy(update={"finger_friction": friction(model)})
-
-
 def friction(model: ObjectModel) -> float:
     """The coefficient at the fingers that a hold relies on."""
     kinetic = model.finger_friction_kinetic
@@ -323,16 +315,8 @@ def each_with_each(ways: Sequence[StableGrasp], drafts: Sequence[MotionDraft]) -
     return [(ways[i], drafts[j]) for i, j in sorted(places, key=sum)]
 
 
-def first_reachable_plan(
-    problem: GraspProblem, action: PlanTask, ways: Sequence[Way], considered: int
-) -> Plan:
-    """The first plan that hand and arm can carry out.
-
-    Args:
-        problem: what is planned for.
-        action: what it amounts to.
-        ways: what may be done and with which grasp, the best first; not empty.
-        considered: how many ways were looked at before.
+def first_reachable_plan(problem: GraspProblem, action: PlanTask, ways: Sequence[Way]) -> Plan:
+    """The first plan that hand and arm can carry out, of some ways, the best first; not empty.
 
     Raises:
         NoPlanError: there is none.
@@ -341,7 +325,7 @@ def first_reachable_plan(
     unlikely: Plan | None = None
     for hold, draft in ways:
         made = _plan_with_grasp(problem, action, hold, draft)
-        made = made.model_copy(update={"considered": considered, "satisfying": len(ways)})
+        made = made.model_copy(update={"considered": len(ways), "satisfying": len(ways)})
         if made.probability < problem.effort.probability:
             unlikely = unlikely or made
             continue

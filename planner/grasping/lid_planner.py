@@ -130,12 +130,9 @@ def _plan_flip(problem: GraspProblem, lid: FlipLid, action: PlanTask, end: float
         prediction=_arc_prediction(arc, end),
     )
     used = DefaultUsed(name="lid_open", value=end, unit="rad", reason="no angle said")
-    draft = MotionDraft(
-        (step,),
-        arc.probability,
-        defaults=(used,) if action == "open" else (),
-    )
-    return first_reachable_plan(problem, action, [(None, draft)], 1)
+    defaults = (used,) if action == "open" else ()
+    draft = MotionDraft((step,), arc.probability, defaults=defaults)
+    return first_reachable_plan(problem, action, [(None, draft)])
 
 
 def _require_stand(problem: GraspProblem, arc: FlipArc) -> None:
@@ -199,9 +196,8 @@ def _plan_pull_off(problem: GraspProblem, lid: LiftOffLid) -> Plan:
     _require_still(problem, found)
     load = Load(found.needed, lid.retention_sd)
     pull = PullPrediction(lid_force=found.needed, lifting_force=_finite_or_none(found.held))
-    return _plan_take_off(
-        problem, lid, _lid_holds(problem, lid, load), found.probability, pull=pull
-    )
+    ways = _lid_holds(problem, lid, load)
+    return _plan_take_off(problem, lid, ways, found.probability, pull=pull)
 
 
 def _plan_screw_off(problem: GraspProblem, cap: ScrewCap) -> Plan:
@@ -222,16 +218,14 @@ def _plan_take_off(
 ) -> Plan:
     """A lid that is loose, lifted off and put aside."""
     drafts = []
-    for spot, tallest in free_lid_places(problem, lid.radius, _ASIDE):
+    for spot, tallest in _free_lid_places(problem, lid.radius):
         # Its lower side is as high as the object, and passes over what stands on the way.
         up = max(tallest - problem.target.model.top, 0.0) + problem.defaults.carry_clearance
         steps = (*before, LiftUp(height=up, hold=0.0, prediction=pull), Carry(to=spot), SetDown())
         drafts.append(MotionDraft(steps, probability))
     if not drafts:
         raise no_plan("no_room_aside", {"width": 2.0 * lid.radius}, object=problem.target.name)
-    return first_reachable_plan(
-        problem, "open", each_with_each(ways, drafts), len(ways) * len(drafts)
-    )
+    return first_reachable_plan(problem, "open", each_with_each(ways, drafts))
 
 
 def _plan_put_on(problem: GraspProblem, lid: LiftOffLid) -> Plan:
@@ -246,7 +240,7 @@ def _plan_put_on(problem: GraspProblem, lid: LiftOffLid) -> Plan:
     up = max(target.model.top - target.lid_at[2], 0.0) + d.carry_clearance
     down = PutOn(onto=target.name, press=press)
     draft = MotionDraft((LiftUp(height=up, hold=0.0), Carry(to=Aim(x=x, y=y)), down))
-    return first_reachable_plan(problem, "close", [(way, draft) for way in ways], len(ways))
+    return first_reachable_plan(problem, "close", each_with_each(ways, [draft]))
 
 
 def _plan_screw_on(problem: GraspProblem, cap: ScrewCap, seen: float) -> Plan:
@@ -258,7 +252,7 @@ def _plan_screw_on(problem: GraspProblem, cap: ScrewCap, seen: float) -> Plan:
     turn = _turn_step(problem, cap, -seen, found)
     ways = _cap_holds(problem, cap)
     draft = MotionDraft((turn,), found.probability)
-    return first_reachable_plan(problem, "close", [(way, draft) for way in ways], len(ways))
+    return first_reachable_plan(problem, "close", each_with_each(ways, [draft]))
 
 
 def _require_still(problem: GraspProblem, found: Loosening) -> None:
@@ -303,18 +297,12 @@ def _finite_or_none(value: float) -> float | None:
 # -- where a lid is put aside -------------------------------------------------------------------
 
 
-def free_lid_places(problem: GraspProblem, radius: float, most: int) -> list[tuple[Aim, float]]:
-    """Free places for a disc, the nearest first, and what is tallest on the way to each [m].
-
-    Args:
-        problem: about the object whose lid it is.
-        radius: of the lid [m].
-        most: how many places.
-    """
+def _free_lid_places(problem: GraspProblem, radius: float) -> list[tuple[Aim, float]]:
+    """Free places for a disc [m], the nearest first, and what is tallest on the way to each [m]."""
     free = (found for found in _places_around(problem, radius) if _is_free(problem, found, radius))
     return [
         (Aim(x=float(at[0]), y=float(at[1])), _tallest_on_way(problem, at, radius))
-        for _, at in zip(range(most), free, strict=False)
+        for _, at in zip(range(_ASIDE), free, strict=False)
     ]
 
 

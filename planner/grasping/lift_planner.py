@@ -9,7 +9,6 @@ Frames: W is the world, B the object.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -32,7 +31,7 @@ from planner.problem.place_regions import object_at
 from planner.problem.planning_problem import GraspProblem, value_in_bound
 from planner.refusals.refusal_builder import Spans, no_plan
 from planner.types.actions import Action, Aim, Carry, LiftUp, SetDown
-from planner.types.plan import DefaultUsed, Plan, PlanTask
+from planner.types.plan import DefaultUsed, Plan
 from planner.types.refusal import Alternatives, NoPlanError
 from planner.types.world_state import SeenObject
 
@@ -51,9 +50,8 @@ def lift(problem: GraspProblem, goal: g.Lift) -> Plan:
     require_liftable(problem)
     height, used = _lift_height(problem, goal)
     draft = MotionDraft((LiftUp(height=height),), defaults=used)
-    return _plan_with_drafts(
-        problem, "lift", sorted(body_grasps(problem), key=partial(_pours_beside, problem)), [draft]
-    )
+    ways = sorted(body_grasps(problem), key=partial(_pours_beside, problem))
+    return first_reachable_plan(problem, "lift", each_with_each(ways, [draft]))
 
 
 def set_down(problem: GraspProblem) -> Plan:
@@ -66,7 +64,7 @@ def set_down(problem: GraspProblem) -> Plan:
         raise no_plan("holds_nothing")
     require_room(problem, problem.target, {})
     draft = MotionDraft((SetDown(),), aim=pose_as_aim(problem.target))
-    return _plan_with_drafts(problem, "place", held_already(problem), [draft])
+    return first_reachable_plan(problem, "place", each_with_each(held_already(problem), [draft]))
 
 
 def place(problem: GraspProblem) -> Plan:
@@ -84,15 +82,7 @@ def place(problem: GraspProblem) -> Plan:
             drafts.append(_draft_to(problem, aim, found))
     if not drafts:
         raise places.first
-    return _plan_with_drafts(problem, "place", grasps, drafts)
-
-
-def _plan_with_drafts(
-    problem: GraspProblem, action: PlanTask, ways: list[StableGrasp], drafts: list[MotionDraft]
-) -> Plan:
-    return first_reachable_plan(
-        problem, action, each_with_each(ways, drafts), len(ways) * len(drafts)
-    )
+    return first_reachable_plan(problem, "place", each_with_each(grasps, drafts))
 
 
 def _pours_beside(problem: GraspProblem, hold: StableGrasp) -> bool:
@@ -107,14 +97,13 @@ def _pours_beside(problem: GraspProblem, hold: StableGrasp) -> bool:
 
 def body_grasps(problem: GraspProblem) -> list[StableGrasp]:
     """The grasp that holds an object, or those that would."""
-    held = held_already(problem)
-    if held:
-        return held
-    return stable_grasps(problem, [GraspLoad(each) for each in body_candidates(problem)])
+    return held_already(problem) or stable_grasps(
+        problem, [GraspLoad(each) for each in body_candidates(problem)]
+    )
 
 
 def require_liftable(problem: GraspProblem) -> None:
-    """It may leave the table.
+    """Make sure that the object may leave the table.
 
     Raises:
         NoPlanError: a holder or the sentence keeps it there.
@@ -133,11 +122,8 @@ def forbidden_meanwhile(problem: GraspProblem, spans: Spans, what: str) -> NoPla
 
 def clearance_height(problem: GraspProblem, to: Aim) -> float:
     """Height at which it passes over everything between where it is and an aim [m]."""
-    start, end = (
-        footprint(problem.target),
-        footprint(object_at(problem.target, np.array([to.x, to.y]))),
-    )
-    way = hull_polygon(np.vstack([start, end])).vertices
+    there = object_at(problem.target, np.array([to.x, to.y]))
+    way = hull_polygon(np.vstack([footprint(problem.target), footprint(there)])).vertices
     kept = dict(problem.motion.clear_of)
     tops = [
         seen.bulk()[1]
@@ -154,12 +140,7 @@ def lift_steps(problem: GraspProblem, height: float) -> tuple[Action, ...]:
 
 
 def require_room(problem: GraspProblem, there: SeenObject, near: dict[str, float]) -> None:
-    """It can stand somewhere.
-
-    Args:
-        problem: what is planned for.
-        there: the object, or a lid, as it would stand.
-        near: objects that it is to stand close to, and how close [m].
+    """Make sure that an object, or a lid, can stand `there`, `near` others as close as said [m].
 
     Raises:
         NoPlanError: something else stands there, or the table ends.
@@ -174,7 +155,7 @@ def require_room(problem: GraspProblem, there: SeenObject, near: dict[str, float
 
 
 def _draft_to(problem: GraspProblem, aim: Aim, found: GoalPoses) -> MotionDraft:
-    there = replace(object_at(problem.target, np.array([aim.x, aim.y])))
+    there = object_at(problem.target, np.array([aim.x, aim.y]))
     require_room(problem, there, dict(found.goal.near))
     steps = (*lift_steps(problem, clearance_height(problem, aim)), Carry(to=aim), SetDown())
     return MotionDraft(steps, aim=aim, defaults=found.defaults_used)

@@ -172,7 +172,7 @@ class _Pouring:
             for times, turn in enumerate(_TURNS.tolist()):
                 found.append((rank + times, (hold, self._motion_draft(motion, turn))))
         found.sort(key=lambda each: each[0])
-        return first_reachable_plan(problem, "pour", [way for _, way in found], len(found))
+        return first_reachable_plan(problem, "pour", [way for _, way in found])
 
     # -- how it is tilted -----------------------------------------------------------------------
 

@@ -17,13 +17,7 @@ Band = tuple[float, float, str]
 
 
 def height_bands(clause: g.ContactRegion, top: float, defaults: Defaults) -> Iterator[Band]:
-    """The heights that a clause allows; all of them hold.
-
-    Args:
-        clause: what is said of the contact.
-        top: height of the object [m].
-        defaults: how exactly a height is meant.
-    """
+    """The heights that a clause allows on an object as high as `top` [m]; all of them hold."""
     if clause.region is not None:
         third = {"bottom": 0, "middle": 1, "top": 2}[clause.region]
         yield third * top / 3.0, (third + 1) * top / 3.0, f"at the {clause.region}"

@@ -111,13 +111,7 @@ def _with_goal(problem: planning_problem.PushProblem) -> planning_problem.PushPr
 def grasp_problem(
     frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults
 ) -> planning_problem.GraspProblem:
-    """The planning problem of a frame that takes a whole hand.
-
-    Args:
-        frame: what is asked, its objects resolved to names in `state`.
-        state: what is believed.
-        robot: that is to do it.
-        defaults: what a clause means when the sentence does not say more.
+    """The planning problem of a frame that takes a whole hand; see `interpret_frame`.
 
     Raises:
         NoPlanError: the hand is not free, nothing is held, or the object lies.

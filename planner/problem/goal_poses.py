@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from grammar.frames import command as g
-from objectmodels.geometry.base_shapes import Disc
+from objectmodels.geometry.base_shapes import Array, Disc
 from planner.geometry.directions import FACE_OF_PUSH, HEADINGS, bisector, heading_of, unit
 from planner.geometry.footprints import footprint, free_travel, gap, travel_to_edge
-from planner.problem.place_regions import Array, Beside, Between, region, share_of_way, table_region
+from planner.problem.place_regions import Beside, Between, region, share_of_way, table_region
 from planner.problem.planning_problem import GoalT, PlanningProblem, PushGoal, value_in_bound
 from planner.refusals.refusal_builder import no_plan, not_capable
 from planner.types.actions import Aim
@@ -228,11 +228,7 @@ def _rotation_poses(problem: PlanningProblem[GoalT], goal: g.Rotate) -> GoalPose
 def goal_heading(goal: g.Displace, own: SeenObject, state: WorldState, d: Defaults) -> float | None:
     """Heading of a displacement in W [rad]; None if the sentence does not say where to.
 
-    Args:
-        goal: its objects resolved.
-        own: what is moved, where it stands at the start.
-        state: the objects on the table, and the table.
-        d: what a region of the table means.
+    The objects of the goal are resolved; `own` is what is moved, where it stands at the start.
     """
     if goal.heading is not None:
         return goal.heading
@@ -252,14 +248,9 @@ def goal_distance(
     d: Defaults,
     constraints: Sequence[g.Constraint] = (),
 ) -> tuple[float, str | None]:
-    """Length of a displacement [m], and why it is a default, if it is one.
+    """Length of a displacement [m], and why it is a default, if it is one; see `goal_heading`.
 
-    Args:
-        goal: its objects resolved, its lengths in metres.
-        own: what is moved, where it stands at the start.
-        state: the objects on the table, and the table.
-        d: what a distance means when no more is said.
-        constraints: of the frame; they may say how far at most.
+    Lengths of the goal are in metres; the constraints of the frame may say how far at most.
     """
     whole = _whole_way(goal, own, state, d)
     if goal.fraction is not None and whole is not None:

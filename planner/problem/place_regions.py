@@ -17,15 +17,13 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from grammar.frames import command as g
+from objectmodels.geometry.base_shapes import Array
 from planner.geometry.directions import HEADINGS, heading_of, unit
 from planner.geometry.footprints import footprint, gap
 from planner.types.defaults import Defaults
 from planner.types.world_state import SeenObject, TableState, WorldState
-
-Array = NDArray[np.float64]
 
 SIDES: dict[str, str] = {
     "left_of": "left",
@@ -111,10 +109,7 @@ class Region(ABC):
 def region(goal: g.Place, state: WorldState, d: Defaults) -> Region | None:
     """The place that a goal asks for, without its share of the way; None for one on an object.
 
-    Args:
-        goal: its objects resolved, its length in metres.
-        state: the objects on the table, and the table.
-        d: what a place means when no more is said.
+    The objects of the goal are resolved, its length is in metres.
     """
     reference = goal.reference
     if isinstance(reference, g.Point):
@@ -337,11 +332,7 @@ class AtEdge(Region):
 def share_of_way(place: Region, share: float, start: SeenObject, tolerance: float) -> Region:
     """The place at a share of the straight way to another one ("halfway to the left edge").
 
-    Args:
-        place: where the whole way would lead.
-        share: of the way.
-        start: the object where the way begins.
-        tolerance: of the end [m].
+    The object `start` is where the way begins; the tolerance is that of its end [m].
     """
     spots = place.spots(start)
     if not spots:

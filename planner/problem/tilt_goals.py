@@ -17,7 +17,7 @@ from objectmodels import ObjectModel
 from objectmodels.mechanics.tilt_limits import largest_return, return_probability
 from planner.geometry.footprints import footprint, free_travel
 from planner.problem.planning_problem import PushProblem, value_in_bound
-from planner.refusals.refusal_builder import QUANTITIES, refusal
+from planner.refusals.refusal_builder import QUANTITIES, no_plan, refusal
 from planner.types.actions import Limits, Prediction, Push
 from planner.types.defaults import Defaults
 from planner.types.refusal import NoPlanError, Refusal
@@ -51,9 +51,7 @@ def almost_tips(model: ObjectModel, defaults: Defaults) -> float:
 def spill_tilt(target: SeenObject, sigmas: float) -> float | None:
     """Least tilt at which an object may begin to spill [rad]; None if nothing can run out.
 
-    Args:
-        target: the object.
-        sigmas: standard deviations by which there may be more in it than is believed.
+    There may be more in it than is believed, by `sigmas` standard deviations.
     """
     container, vessel = target.model.container, target.model.vessel
     if container is None or vessel is None or target.is_covered:
@@ -89,21 +87,14 @@ def require_free_tilt(
     for name, other in problem.others.items():
         free = free_travel(here, footprint(other), u[:2], CLEARANCE)
         if free < leans:
-            raise NoPlanError(_may_lean_on(problem, name, angle, free, leans))
-
-
-def _may_lean_on(
-    problem: PushProblem, other: str, angle: float, free: float, leans: float
-) -> Refusal:
-    """Another object stands where it leans to."""
-    return refusal(
-        "leans_on",
-        {"free": free, "leans_over": leans},
-        object=problem.target.name,
-        other=other,
-        tilt=angle,
-        room=max(free, 0.0),
-    )
+            raise no_plan(
+                "leans_on",
+                {"free": free, "leans_over": leans},
+                object=target.name,
+                other=name,
+                tilt=angle,
+                room=max(free, 0.0),
+            )
 
 
 def push_with_tilt(
@@ -113,15 +104,7 @@ def push_with_tilt(
     angle: float,
     defaults: Defaults,
 ) -> Push:
-    """The push with a tilt as its end.
-
-    Args:
-        push: high on the face, as for a topple.
-        model: of the object.
-        inward: inward normal of the face in B, shape (3,).
-        angle: by which it is tilted [rad].
-        defaults: the tolerance of a tilt.
-    """
+    """The push, high on a face with an inward normal in B (3,), that ends on a tilt [rad]."""
     most = angle + defaults.tilt_tolerance
     stroke = model.topple_stroke(inward, push.p_BC[2], most) + _SLACK
     changes = {

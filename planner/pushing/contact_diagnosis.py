@@ -228,12 +228,7 @@ class Touch:
 
 
 def outcome_probability(model: ObjectModel, touch: Touch) -> float:
-    """Probability of an outcome at a contact, whatever the finger transmits.
-
-    Args:
-        model: of the object.
-        touch: the contact and the outcome.
-    """
+    """Probability of an outcome at a contact, whatever the finger transmits."""
     point, normal = touch.point[None], np.array([touch.normal])
     found = model.cone_thresholds(point, normal, sigmas=0.0, yaw=touch.turns)
     p = found.probability_slide if touch.outcome == "slide" else found.probability_topple
@@ -241,13 +236,7 @@ def outcome_probability(model: ObjectModel, touch: Touch) -> float:
 
 
 def best_experiment(model: ObjectModel, touch: Touch, defaults: Defaults) -> tuple[str, float]:
-    """The most useful thing to find out first, and the probability of the outcome then.
-
-    Args:
-        model: of the object.
-        touch: the contact and the outcome.
-        defaults: to what properties are found out.
-    """
+    """The most useful thing to find out first, and the probability of the outcome then."""
     found_to = defaults.found_to
     known: dict[str, dict[str, object]] = {
         "friction": {"friction_sd": min(model.friction_sd, found_to * model.friction)},

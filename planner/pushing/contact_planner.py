@@ -55,12 +55,7 @@ class PushCandidate:
 
 
 def best_push(problem: PushProblem, step: PushStep, search: ReachSearch) -> PushCandidate:
-    """The push with the largest margin that the hand can make.
-
-    Args:
-        problem: about the object, where it stands when the push begins.
-        step: heading, distance and end of this push.
-        search: the budget of questions to the robot.
+    """The push with the largest margin that the hand can make, from where the object stands then.
 
     Raises:
         NoPlanError: there is none.

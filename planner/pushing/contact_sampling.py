@@ -22,11 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from objectmodels import ConeThresholds, Face, ObjectModel
+from objectmodels.geometry.base_shapes import Array
 from planner.geometry.directions import angle_between
 from planner.problem.planning_problem import PushProblem, PushStep, Side
 from planner.types.robot import RobotLimits
-
-Array = NDArray[np.float64]
 
 EDGE = 0.006
 """How far from the edges of a face contacts stay at least; fingertips may overhang them [m]."""

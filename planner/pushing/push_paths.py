@@ -138,11 +138,9 @@ def direct_paths(
 
 
 def push_headings(target: SeenObject, aim: Aim) -> tuple[float, ...]:
-    """Headings in which an object is pushed square to a face; of a round one four [rad].
+    """Headings in which an object is pushed square to a face [rad].
 
-    Args:
-        target: the object.
-        aim: where it should be; a round object is pushed that way, and across.
+    A round object is pushed straight to the aim, and across.
     """
     if not isinstance(target.model.base, Disc):
         return tuple(_inward_headings(target))

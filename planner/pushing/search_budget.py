@@ -18,10 +18,7 @@ class ReachSearch:
 
     A contact at which a push of the frame has failed is not asked for. What is foreseen for an
     object that will stand elsewhere by then will not stand exactly there, so that the hand must get
-    there with the usual effort.
-
-    Args:
-        problem: about the object, where it stands when the plan begins.
+    there with the usual effort. The problem is about the object where it stands at first.
     """
 
     def __init__(self, problem: PushProblem) -> None:
@@ -61,11 +58,7 @@ class ReachSearch:
 
 
 class ContactQueries:
-    """Questions about the contacts of one push.
-
-    Args:
-        search: the budget.
-        problem: about the object, where it stands when the push begins.
+    """Questions about the contacts of one push of an object, where it stands when that begins.
 
     Attributes:
         denied: answers about contacts that the hand does not get to.

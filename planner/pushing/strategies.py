@@ -219,9 +219,7 @@ def plan_pushes(
 ) -> Plan | Reached:
     """The plan of the first strategy that finds one.
 
-    Args:
-        problem: about the object.
-        notify: called with a sentence before a search that takes long.
+    `notify` is called with a sentence before a search that takes long.
 
     Raises:
         NoPlanError: none finds one.
@@ -320,11 +318,7 @@ def nearly_goal_poses(problem: PushProblem) -> Iterator[tuple[Aim, str]]:
 
     Model: a displacement holds if its length and its direction are within their tolerances. So an
     object may end a little short of its aim, or beside it; how exactly the robot brings it there is
-    kept from the tolerance. The poses nearest to the aim come first.
-
-    Args:
-        problem: with the heading and the distance, if it is a displacement; any other has no such
-            poses.
+    kept from the tolerance. The poses nearest to the aim come first; any other goal has none.
     """
     goal, target, defaults = problem.goal, problem.target, problem.defaults
     if goal.heading is None or goal.until is not None or goal.rotates:

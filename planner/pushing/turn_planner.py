@@ -89,13 +89,7 @@ class TurnStroke:
 
 
 def turn_sequences(target: SeenObject, turn: float, aim: Aim) -> Iterator[tuple[TurnStroke, ...]]:
-    """Ways to turn an object, the best first.
-
-    Args:
-        target: the object.
-        turn: angle by which it has to turn [rad].
-        aim: where it should be.
-    """
+    """Ways to turn an object by an angle [rad], the one that leaves it nearest to its aim first."""
     sides = _turnable_sides(target, math.copysign(_SMALL, turn))
     found = []
     for parts, (number, side) in itertools.product(_turn_partings(turn), enumerate(sides)):
@@ -117,12 +111,9 @@ def turn_sequences(target: SeenObject, turn: float, aim: Aim) -> Iterator[tuple[
 def remaining_turn(
     target: SeenObject, turn: float, foreseen: tuple[Push, ...]
 ) -> tuple[TurnStroke, ...] | None:
-    """The rest of a turn as it was foreseen, its parts scaled to what is left; None if it ended.
+    """The rest of a turn as it was foreseen, its parts scaled to what is left [rad].
 
-    Args:
-        target: the object.
-        turn: angle by which it still has to turn [rad].
-        foreseen: the pushes that were planned to come next.
+    None if none of the foreseen pushes turns the object, or one would turn it too far.
     """
     parts = [*itertools.takewhile(lambda push: push.ends_on == "turned", foreseen)]
     whole = sum(push.turn for push in parts)

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.geometry.footprints import Array, gap, overlaps
+from objectmodels.geometry.base_shapes import Array
+from planner.geometry.footprints import gap, overlaps
 
 SQUARE = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
 
