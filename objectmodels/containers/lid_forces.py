@@ -25,6 +25,7 @@ radius and centre of mass; probabilities are shares of a fixed sample. Frame: ev
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -180,9 +181,12 @@ def flip(
         slide, topple = (np.take_along_axis(each, best, axis=0)[0] for each in (slides, topples))
         return slide, topple
 
-    (slide, topple), needed = thresholds(_believed_sample(model)), force(*_believed_torques(lid))
+    slide, topple = thresholds(_believed_sample(model))
+    needed = force(np.array([lid.friction_torque]), np.array([lid.snap_torque]))
+    friction = _sample_positive(lid.friction_torque, lid.friction_torque_sd, 0)
+    snap = _sample_positive(lid.snap_torque, lid.snap_torque_sd, 1)
     sample = sample_parameters(model, SAMPLES, _SEED)
-    moves = force(*_sample_torques(lid)) <= np.minimum(*thresholds(sample))
+    moves = force(friction, snap) <= np.minimum(*thresholds(sample))
     share = float(moves.all(axis=1).mean())
     return FlipArc(angles, points, directions, needed[0], slide[0], topple[0], share)
 
@@ -207,9 +211,8 @@ def lift_off(model: ObjectModel, lid: LiftOffLid, *, fixed: bool = False) -> Loo
         bears = topple_threshold(model.base, top, _UP[None], c, 1.0)
         return np.asarray(weight + stays * bears)
 
-    retention = _sample_positive(lid.retention, lid.retention_sd, 0)
-    share = float((retention + weight <= held(sample_parameters(model, SAMPLES, _SEED))).mean())
-    return Loosening(lid.retention + weight, float(held(_believed_sample(model))[0]), share)
+    pulled = weight + _sample_positive(lid.retention, lid.retention_sd, 0)
+    return _loosening(model, lid.retention + weight, pulled, held)
 
 
 def unscrew(
@@ -230,8 +233,15 @@ def unscrew(
         return np.maximum(0.0, of.weight + down) * of.friction * of.friction_radius
 
     torque = _sample_positive(cap.friction_torque, cap.friction_torque_sd, 0)
-    share = float((torque <= held(sample_parameters(model, SAMPLES, _SEED))).mean())
-    return Loosening(cap.friction_torque, float(held(_believed_sample(model))[0]), share)
+    return _loosening(model, cap.friction_torque, torque, held)
+
+
+def _loosening(
+    model: ObjectModel, needed: float, sampled: Array, held: Callable[[Sample], Array]
+) -> Loosening:
+    """What is needed, and samples of it, beside what the standing object bears."""
+    share = float((sampled <= held(sample_parameters(model, SAMPLES, _SEED))).mean())
+    return Loosening(needed, float(held(_believed_sample(model))[0]), share)
 
 
 def _yield_forces(
@@ -253,17 +263,6 @@ def _believed_sample(model: ObjectModel) -> Sample:
         finger_friction=np.array([model.finger_friction]),
         friction_radius=np.array([model.friction_radius]),
         com=np.array([model.com]),
-    )
-
-
-def _believed_torques(lid: FlipLid) -> tuple[Array, Array]:
-    return np.array([lid.friction_torque]), np.array([lid.snap_torque])
-
-
-def _sample_torques(lid: FlipLid) -> tuple[Array, Array]:
-    return (
-        _sample_positive(lid.friction_torque, lid.friction_torque_sd, 0),
-        _sample_positive(lid.snap_torque, lid.snap_torque_sd, 1),
     )
 
 

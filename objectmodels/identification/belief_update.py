@@ -132,7 +132,7 @@ def update_belief(
     surprise = sqrt(float(missed @ np.linalg.solve(S, missed)) / len(missed))
     for number in range(_STEPS):
         H = at.jacobian
-        gain = P @ H.T @ np.linalg.inv(H @ P @ H.T + np.diag(at.sd**2))
+        gain = kalman_gain(P, H, at.sd**2)
         now = coordinates_of(at.values)
         step = x + gain @ (observed - at.predicted - H @ (x - now)) - now
         if (np.abs(step) <= _SETTLED * np.sqrt(np.diag(P))).all():
@@ -142,12 +142,22 @@ def update_belief(
         at = damped_step(
             balance, at, shorter, lambda values: _logarithmic_predictions(balance, values, spread)
         )
-    keep = np.eye(len(x)) - gain @ H
-    P = keep @ P @ keep.T + gain @ np.diag(at.sd**2) @ gain.T
+    P = updated_covariance(P, H, at.sd**2, gain)
     P[FRICTION, FRICTION] += spread**2
     per = coordinate_units(at.values)
     believed = with_belief(with_values(model, at.values), P * np.outer(per, per))
     return Update(believed, surprise)
+
+
+def kalman_gain(P: Array, H: Array, variance: Array) -> Array:
+    """Gain P Hᵀ (H P Hᵀ + R)⁻¹ of rows with Jacobian H (r, 7) and variances (r,), shape (7, r)."""
+    return np.asarray(P @ H.T @ np.linalg.inv(H @ P @ H.T + np.diag(variance)))
+
+
+def updated_covariance(P: Array, H: Array, variance: Array, gain: Array) -> Array:
+    """Covariance (I − K H) P (I − K H)ᵀ + K R Kᵀ after the rows, shape (7, 7)."""
+    keep = np.eye(len(P)) - gain @ H
+    return np.asarray(keep @ P @ keep.T + gain @ np.diag(variance) @ gain.T)
 
 
 def belief_of(model: ObjectModel, spread: float = 0.0) -> Array:

@@ -21,7 +21,7 @@ import numpy as np
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.pushed_body import UNCERTAIN
-from objectmodels.identification.belief_update import belief_of
+from objectmodels.identification.belief_update import belief_of, kalman_gain, updated_covariance
 from objectmodels.identification.identifiability import require_names
 from objectmodels.identification.measurement_model import Balance
 from objectmodels.identification.parameter_coordinates import FRICTION, coordinate_units
@@ -136,9 +136,7 @@ def _covariance_after(
     tells = np.isfinite(at.predicted)  # what would never move tells nothing
     H, R = at.jacobian[tells], at.sd[tells] ** 2
     R = R + np.where(balance.slides[tells], spread * H[:, FRICTION], 0.0) ** 2
-    gain = P @ H.T @ np.linalg.inv(H @ P @ H.T + np.diag(R))
-    keep = np.eye(len(P)) - gain @ H
-    return np.asarray(keep @ P @ keep.T + gain @ np.diag(R) @ gain.T)
+    return updated_covariance(P, H, R, kalman_gain(P, H, R))
 
 
 def _precisions_from(model: ObjectModel, P: Array, wanted: Sequence[str]) -> dict[str, float]:

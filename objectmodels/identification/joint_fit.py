@@ -27,6 +27,7 @@ from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.geometry.support_points import Support, friction_radius
+from objectmodels.identification.belief_update import belief_of
 from objectmodels.identification.identifiability import identifiable_parameters
 from objectmodels.identification.least_squares import (
     Solution,
@@ -153,9 +154,7 @@ def fit(
             `bad_trial`, `impossible_trial`; `no_fit` or `not_possible` if the trials make no sense.
     """
     coarse = Balance(model, trials)
-    belief = model.covariance / np.outer(
-        coordinate_units(model.means), coordinate_units(model.means)
-    )
+    belief = belief_of(model)
     notes: list[str] = []
     if prior:
         wanted = UNCERTAIN if parameters is None else parameters

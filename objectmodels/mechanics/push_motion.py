@@ -133,6 +133,23 @@ def touched_faces(model: PushedBody, places: Array, normals: Array) -> Array:
     return np.array(rows).reshape(len(places), 3)
 
 
+def turning_rate(r: Array, force: Array, radius: float) -> Array:
+    """Rate ω = r × F / c̄² under forces F, in units of which v = F, at contacts r (n, 2), (n,)."""
+    return cross(r, force) / radius**2
+
+
+def contact_velocity(r: Array, force: Array, radius: float) -> Array:
+    """Velocity of the contacts under forces at them: F + ω ẑ × r, shape (n, 2)."""
+    return np.asarray(force + turning_rate(r, force, radius)[:, None] * left_of(r))
+
+
+def sticking_force(r: Array, d: Array, radius: float) -> Array:
+    """Forces under which the contacts move as the fingers do: M F = d, M = I + l lᵀ/c̄², (n, 2)."""
+    left = left_of(r) / radius
+    share = np.sum(left * d, axis=1) / (1.0 + np.sum(left * left, axis=1))
+    return np.asarray(d - share[:, None] * left)
+
+
 class _Pushes:
     """The equations of motion of n strokes with k fingers."""
 
@@ -179,37 +196,19 @@ class _Pushes:
 
     def _one_finger(self, r: Array, d: Array) -> tuple[Array, Array, Array, NDArray[np.intp]]:
         """One finger: velocity of the centre of mass, turning rate, slip rate, mode."""
-        force = self._sticking_force(r, d)
+        force = sticking_force(r, d, self.radius)
         pressing = np.sum(force * self.inward, axis=1)
         aside = np.sum(force * self.tangent, axis=1)
         slips = np.abs(aside) > self.mu * pressing
         edge = self.inward + self.mu * np.sign(aside)[:, None] * self.tangent
         edge *= (
             np.sum(d * self.inward, axis=1)
-            / np.sum(self._contact_velocity(r, edge) * self.inward, axis=1)
+            / np.sum(contact_velocity(r, edge, self.radius) * self.inward, axis=1)
         )[:, None]
         force = np.where(slips[:, None], edge, force)
-        contact = self._contact_velocity(r, force)
-        slip = np.sum((d - contact) * self.tangent, axis=1)
-        return (
-            force,
-            self._turning_rate(r, force),
-            np.where(slips, slip, 0.0),
-            slips.astype(np.intp),
-        )
-
-    def _turning_rate(self, r: Array, force: Array) -> Array:
-        return cross(r, force) / self.radius**2
-
-    def _contact_velocity(self, r: Array, force: Array) -> Array:
-        """Velocity of the contact under a force at it: v + ω ẑ × r."""
-        return np.asarray(force + self._turning_rate(r, force)[:, None] * left_of(r))
-
-    def _sticking_force(self, r: Array, d: Array) -> Array:
-        """The force under which the contact moves as the finger does: M F = d, M = I + l lᵀ/c̄²."""
-        left = left_of(r) / self.radius
-        share = np.sum(left * d, axis=1) / (1.0 + np.sum(left * left, axis=1))
-        return np.asarray(d - share[:, None] * left)
+        contact = contact_velocity(r, force, self.radius)
+        slip = np.where(slips, np.sum((d - contact) * self.tangent, axis=1), 0.0)
+        return force, turning_rate(r, force, self.radius), slip, slips.astype(np.intp)
 
     def _two_fingers(self, r: Array, d: Array) -> tuple[Array, Array, Array, NDArray[np.intp]]:
         """Two fingers on one face: as one body, slipping both, or turning about one of them."""

@@ -70,11 +70,9 @@ def topple_stroke(model: PushedBody, direction: ArrayLike, height: float, angle:
         height: contact height on the face pushed [m].
         angle: tilt to be reached [rad].
     """
-    if not 0.0 < height <= model.top:
-        raise ModelError("bad_value", f"height {height} m is not on the object")
     if not 0.0 <= angle < np.pi / 2:
         raise ModelError("bad_value", f"angle {angle} rad is not between 0 and π/2")
-    length = length_along(model, direction)
+    length = _length_pushed(model, direction, height)
     return max(stroke_level(height, length, angle), stroke_stuck(height, length, angle))
 
 
@@ -82,11 +80,9 @@ def stroke_tilt(
     model: PushedBody, direction: ArrayLike, height: float, travel: float
 ) -> tuple[float, float]:
     """Tilts after a travel of the finger if it stays level or sticks, the smaller first [rad]."""
-    if not 0.0 < height <= model.top:
-        raise ModelError("bad_value", f"height {height} m is not on the object")
     if not 0.0 <= travel < np.inf:
         raise ModelError("bad_value", f"travel must be a length, not {travel}")
-    length = length_along(model, direction)
+    length = _length_pushed(model, direction, height)
     tilts = tilt_level(height, length, travel), tilt_stuck(height, length, travel)
     return min(tilts), max(tilts)
 
@@ -115,6 +111,13 @@ def stroke_level(height: float, length: float, angle: float) -> float:
 def stroke_stuck(height: float, length: float, angle: float) -> float:
     """Travel d = h sin θ + L (1 − cos θ) of a finger that sticks to the face [m]."""
     return height * sin(angle) + length * (1.0 - cos(angle))
+
+
+def _length_pushed(model: PushedBody, direction: ArrayLike, height: float) -> float:
+    """The length along a push, if its height is one on the object."""
+    if not 0.0 < height <= model.top:
+        raise ModelError("bad_value", f"height {height} m is not on the object")
+    return length_along(model, direction)
 
 
 def length_along(model: PushedBody, direction: ArrayLike) -> float:

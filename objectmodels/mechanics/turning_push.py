@@ -33,6 +33,7 @@ from objectmodels.geometry.vector_arrays import (
     require_normals,
     rotate,
 )
+from objectmodels.mechanics.push_motion import contact_velocity, sticking_force, turning_rate
 
 if TYPE_CHECKING:
     from objectmodels.geometry.pushed_body import PushedBody
@@ -141,19 +142,16 @@ def turning_motion(
     if not 0.0 <= sigmas < np.inf:
         raise ModelError("bad_value", f"sigmas must be a number from 0 on, not {sigmas}")
     d = np.column_stack((np.cos(beta), np.sin(beta)))
-    force, rate = contact.sticking_force(d, model.friction_radius)
+    force, rate = contact.sticking_motion(d, model.friction_radius)
     turns, sticks = rate * np.sign(phi) > _STRAIGHT, contact.is_sticking(force, sigmas)
     for doubt in (-sigmas, sigmas) if sigmas else ():
-        other, other_rate = contact.sticking_force(d, _shifted_radius(model, doubt))
-        turns, sticks = (
-            turns & (other_rate * phi > 0.0),
-            sticks & contact.is_sticking(other, sigmas),
-        )
+        other, other_rate = contact.sticking_motion(d, _shifted_radius(model, doubt))
+        turns = turns & (other_rate * phi > 0.0)
+        sticks = sticks & contact.is_sticking(other, sigmas)
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         travel = np.where(turns, phi / rate, np.inf)
-        arm = (
-            left_of(force) / np.where(turns, rate, np.nan)[:, None]
-        )  # of the pivot from the centre of mass
+        # Of the pivot from the centre of mass.
+        arm = left_of(force) / np.where(turns, rate, np.nan)[:, None]
     pivot = np.array(model.com[:2]) + contact.in_B(arm)
     moved = np.where(turns[:, None], pivot - rotate(pivot, phi), np.nan)
     pose = np.column_stack((moved, np.where(turns, phi, np.nan)))
@@ -199,14 +197,14 @@ def best_turn(
     slope = -sense * np.minimum(holds, along / np.maximum(across, 1e-9))
     force = np.column_stack((np.ones(len(p)), slope))
     widest = _shifted_radius(model, RADIUS_SIGMAS)
-    d = contacts.contact_velocity(force, widest)
+    d = contact_velocity(contacts.r, force, widest)
     d /= np.linalg.norm(d, axis=1)[:, None]
     predicted = turning_motion(model, p, n, np.arctan2(d[:, 1], d[:, 0]), angle, sigmas=sigmas)
     if not predicted.is_successful.any():
         return None
     lever = np.abs(cross(contacts.r, force)) / np.linalg.norm(force, axis=1)
     best = int(np.argmax(np.where(predicted.is_successful, lever, -1.0)))
-    slowest = contacts.sticking_force(d, widest)[1][best]
+    slowest = contacts.sticking_motion(d, widest)[1][best]
     direction = contacts.in_B(d)[best]
     return TurningPush(
         point=_vector_tuple(p[best]),
@@ -271,17 +269,10 @@ class _Contacts:
         """Vectors of shape (n, 2) brought into B."""
         return np.asarray(np.einsum("nij,nj->ni", self._axes, vectors))
 
-    def contact_velocity(self, force: Array, radius: float) -> Array:
-        """Velocity of the contacts under forces at them, F + ω ẑ × r, shape (n, 2)."""
-        rate = cross(self.r, force) / radius**2
-        return np.asarray(force + rate[:, None] * left_of(self.r))
-
-    def sticking_force(self, d: Array, radius: float) -> tuple[Array, Array]:
+    def sticking_motion(self, d: Array, radius: float) -> tuple[Array, Array]:
         """Forces under which the contacts move with velocities d, and the rates of turning."""
-        left = left_of(self.r) / radius
-        share = np.sum(left * d, axis=1) / (1.0 + np.sum(left * left, axis=1))
-        force = d - share[:, None] * left
-        return force, cross(self.r, force) / radius**2
+        force = sticking_force(self.r, d, radius)
+        return force, turning_rate(self.r, force, radius)
 
     def is_sticking(self, force: Array, sigmas: float) -> NDArray[np.bool_]:
         """Return True for forces inside the friction cone of the finger."""

@@ -63,13 +63,11 @@ class HullModel(ObjectModel):
     @cached_property
     def footprint(self) -> Polygon:
         """The face at z = 0."""
-        v = self._vertex_array
-        low = v[:, 2].min()
-        if abs(low) > _FLAT * np.ptp(v, axis=0).max():
+        low, on_table = lowest_places(self._vertex_array)
+        if abs(low) > _FLAT * np.ptp(self._vertex_array, axis=0).max():
             raise ModelError(
                 "bad_value", f"the lowest vertex is at z = {low} m, not 0", path="vertices"
             )
-        on_table = v[v[:, 2] <= low + _FLAT * np.ptp(v[:, 2]), :2]
         if len(on_table) < 3:
             raise ModelError(
                 "bad_value",
@@ -169,8 +167,7 @@ class HullModel(ObjectModel):
         """The hull with the face of that outward normal on the table."""
         R_NB = turning_down(normal)
         turned = self._vertex_array @ R_NB.T
-        low = turned[:, 2].min()
-        on_table = turned[turned[:, 2] <= low + _FLAT * np.ptp(turned[:, 2]), :2]
+        low, on_table = lowest_places(turned)
         origin = np.append(hull_polygon(on_table).centroid, low)
         turned = turned - origin
         turned[np.abs(turned[:, 2]) < _FLAT * self.top, 2] = 0.0
@@ -183,6 +180,12 @@ class HullModel(ObjectModel):
             )
         )
         return Resting(face, model, R_NB.T, R_NB.T @ origin)
+
+
+def lowest_places(points: Array) -> tuple[float, Array]:
+    """Height of the lowest of points (k, 3) [m], and the x, y of those at it, shape (j, 2) [m]."""
+    low = float(points[:, 2].min())
+    return low, points[points[:, 2] <= low + _FLAT * np.ptp(points[:, 2]), :2]
 
 
 def turning_down(normal: Array) -> Array:

@@ -11,7 +11,6 @@ from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import (
-    BaseModel,
     BeforeValidator,
     ConfigDict,
     Field,
@@ -26,7 +25,7 @@ from objectmodels.geometry.pushed_body import UNCERTAIN, Friction
 from objectmodels.geometry.support_points import Support
 from objectmodels.geometry.vector_arrays import as_tuple, as_tuples
 from objectmodels.mechanics.push_thresholds import GRAVITY
-from objectmodels.models.object_parts import Container, Graspable, Lid
+from objectmodels.models.object_parts import Container, Graspable, Lid, Part
 
 RADIUS_SHARE_SD = 0.45
 """Standard deviation of an unfitted friction radius as a share of it: real objects spread so."""
@@ -48,7 +47,7 @@ Correlation = Annotated[
 Correlations = Annotated[tuple[Correlation, ...], BeforeValidator(as_tuple)]
 
 
-class Provenance(BaseModel):
+class Provenance(Part):
     """Origin of a model's figures.
 
     Attributes:
@@ -58,15 +57,13 @@ class Provenance(BaseModel):
         date: ISO date of the measurement or entry.
     """
 
-    model_config = ConfigDict(defer_build=True, frozen=True, extra="forbid", strict=True)
-
     source: str = "not stated"
     method: str = "not stated"
     trials: Annotated[int, Field(ge=1)] | None = None
     date: Annotated[str, Field(pattern=r"^\d{4}(-\d{2}(-\d{2})?)?$")] | None = None
 
 
-class Parameters(BaseModel):
+class Parameters(Part):
     """Beliefs about an object; the *_sd are standard deviations of them.
 
     Attributes:
@@ -88,16 +85,7 @@ class Parameters(BaseModel):
         provenance: where the figures come from.
     """
 
-    model_config = ConfigDict(
-        defer_build=True,
-        frozen=True,
-        extra="forbid",
-        strict=True,
-        allow_inf_nan=False,
-        validate_by_name=True,
-        validate_by_alias=False,
-        serialize_by_alias=False,
-    )
+    model_config = ConfigDict(validate_by_alias=False, serialize_by_alias=False)
 
     version: ClassVar[int] = 1
     """Version of the model file's format."""
@@ -125,8 +113,7 @@ class Parameters(BaseModel):
 
     @model_validator(mode="after")
     def _sensible_correlations(self) -> Self:
-        names = [name for pair in self.correlations for name in pair[:2]]
-        unknown = [name for name in names if name not in UNCERTAIN]
+        unknown = [name for pair in self.correlations for name in pair[:2] if name not in UNCERTAIN]
         pairs = [frozenset(pair[:2]) for pair in self.correlations]
         wrong = None
         if unknown:
@@ -135,18 +122,11 @@ class Parameters(BaseModel):
             wrong = "found a correlation of a parameter with itself"
         elif len(set(pairs)) < len(pairs):
             wrong = "found a correlation given twice"
-        elif pairs and np.linalg.eigvalsh(self._correlation_matrix()).min() < -1e-9:
+        elif pairs and np.linalg.eigvalsh(self.correlation).min() < -1e-9:
             wrong = "found correlations that contradict each other: no distribution has them"
         if wrong:
             raise ModelError("bad_value", wrong, path="correlations")
         return self
-
-    def _correlation_matrix(self) -> Array:
-        matrix = np.eye(len(UNCERTAIN))
-        for a, b, value in self.correlations:
-            i, j = UNCERTAIN.index(a), UNCERTAIN.index(b)
-            matrix[i, j] = matrix[j, i] = value
-        return matrix
 
     def __eq__(self, other: object) -> bool:
         """Equal beliefs of one kind; what was computed from them does not count."""
@@ -197,23 +177,20 @@ class Parameters(BaseModel):
     @property
     def deviations(self) -> Array:
         """Their standard deviations, shape (7,)."""
-        return np.array(
-            [
-                self.mass_sd,
-                self.friction_sd,
-                self.finger_friction_sd,
-                self.friction_radius_sd,
-                *self.com_sd,
-            ]
-        )
+        coefficients = self.friction_sd, self.finger_friction_sd
+        return np.array([self.mass_sd, *coefficients, self.friction_radius_sd, *self.com_sd])
 
     @property
     def covariance(self) -> Array:
         """Their covariance, shape (7, 7)."""
         sd = self.deviations
-        return np.asarray(sd[:, None] * self._correlation_matrix() * sd)
+        return np.asarray(sd[:, None] * self.correlation * sd)
 
     @property
     def correlation(self) -> Array:
         """Their correlations, shape (7, 7)."""
-        return self._correlation_matrix()
+        matrix = np.eye(len(UNCERTAIN))
+        for a, b, value in self.correlations:
+            i, j = UNCERTAIN.index(a), UNCERTAIN.index(b)
+            matrix[i, j] = matrix[j, i] = value
+        return matrix

@@ -16,7 +16,13 @@ import numpy as np
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.support_points import hull_polygon, is_within
-from objectmodels.models.convex_hull import HullModel, hull_facets, turning_down, volume_and_centre
+from objectmodels.models.convex_hull import (
+    HullModel,
+    hull_facets,
+    lowest_places,
+    turning_down,
+    volume_and_centre,
+)
 from objectmodels.models.parameters import Provenance
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
@@ -102,8 +108,7 @@ def read_mesh(path: Path, *, unit: str = "m", up: str = "+z") -> Solid:
     normal, stood = _standing_face(points, com, path)
     R = turning_down(normal)
     points, com = points @ R.T, R @ com
-    low = points[:, 2].min()
-    on_table = points[points[:, 2] <= low + _FLAT * np.ptp(points[:, 2]), :2]
+    low, on_table = lowest_places(points)
     origin = np.append(hull_polygon(on_table).centroid, low)
     return Solid(_thin_vertices(points - origin), com - origin, volume, closed, stood)
 
