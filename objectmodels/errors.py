@@ -47,12 +47,7 @@ def fold_text(text: str) -> str:
 
 
 def suggest(text: str, names: Iterable[str]) -> tuple[str, ...]:
-    """Names that `text` may have meant, best first; several if they are about equally likely.
-
-    Args:
-        text: what was written.
-        names: what would have been valid.
-    """
+    """Names that `text` may have meant, best first; several if they are about equally likely."""
     from rapidfuzz import fuzz  # only needed after a mistake
 
     wanted = fold_text(text)

@@ -194,10 +194,7 @@ def flip(
 def lift_off(model: ObjectModel, lid: LiftOffLid, *, fixed: bool = False) -> Loosening:
     """Force that pulls a lid straight up by its knob, off an object that stands.
 
-    Args:
-        model: the object with its lid.
-        lid: its lid.
-        fixed: whether a holder keeps the object where it is.
+    A holder keeps the object where it is if `fixed`.
     """
     weight = lid.mass * GRAVITY
     top = np.array([[0.0, 0.0, model.top]])
@@ -220,11 +217,7 @@ def unscrew(
 ) -> Loosening:
     """Torque that turns a screw cap on an object that stands.
 
-    Args:
-        model: the object with its cap.
-        cap: its cap.
-        down: net force of the hand on the cap, downwards [N].
-        fixed: whether a holder keeps the object from turning.
+    The hand presses `down` on the cap [N]; a holder keeps the object from turning if `fixed`.
     """
 
     def held(of: Sample) -> Array:

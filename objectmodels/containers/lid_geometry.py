@@ -54,12 +54,9 @@ class Hinge:
         return self.lid_direction(np.asarray(angle, dtype=np.float64) + np.pi / 2.0)
 
     def lid_point(self, angle: ArrayLike, distance: float, above: float = 0.0) -> Array:
-        """A point of the lid in B, shape (..., 3) [m].
+        """Point of the lid in B at an angle (...) [rad], shape (..., 3) [m].
 
-        Args:
-            angle: of the lid, shape (...) [rad].
-            distance: from the hinge [m].
-            above: its lower side [m].
+        It lies at a distance from the hinge and so far above the lid's lower side [m].
         """
         return np.asarray(
             self.p_BH + distance * self.lid_direction(angle) + above * self.opening_direction(angle)
@@ -81,13 +78,7 @@ def lid_rim(model: ObjectModel) -> Base:
 
 
 def lid_hinge(lid: FlipLid, rim: Base, top: float) -> Hinge:
-    """Hinge of a flip lid on an object.
-
-    Args:
-        lid: the lid.
-        rim: outline of the object's top, in B.
-        top: height of the object's top [m].
-    """
+    """Hinge of a flip lid on an object of this rim, in B, and height of the top [m]."""
     out = np.array([np.cos(lid.tab_heading), np.sin(lid.tab_heading)])
     back, front = rim.extent(np.array([-out, out])).tolist()
     p_BH = np.array([*(-back * out), top])
@@ -109,9 +100,7 @@ def lid_height(lid: Lid) -> float:
 def lid_rise(model: ObjectModel, opened: float) -> float:
     """Height of the object's lid above its top, 0 without a lid [m].
 
-    Args:
-        model: the object.
-        opened: angle of a flip lid [rad]; for others it does not matter.
+    The angle by which it is opened [rad] matters for a flip lid only.
     """
     if model.lid is None:
         return 0.0
@@ -136,11 +125,8 @@ def lid_name(name: str) -> str:
 def detached_lid(model: ObjectModel, name: str) -> CylinderModel | None:
     """A lid that is off as an object of its own, as wide all the way up; None of one that stays on.
 
-    Its B is at the middle of the lid's lower side.
-
-    Args:
-        model: the object that it belongs to.
-        name: of that object in the scene.
+    Its B is at the middle of the lid's lower side. It is called after the object that has this name
+    in the scene.
     """
     lid = model.lid
     if lid is None or isinstance(lid, FlipLid):

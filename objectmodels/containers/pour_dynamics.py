@@ -49,12 +49,9 @@ _TINY = 1e-12
 
 
 def outflow_rate(head: ArrayLike, tilt: ArrayLike, radius: float) -> Array:
-    """Flow out of a round opening [m³/s].
+    """Flow out of a round opening of a radius [m], shape (...) [m³/s].
 
-    Args:
-        head: height of the surface above the lip [m]; nothing flows below zero.
-        tilt: of the vessel [rad].
-        radius: of the opening [m].
+    Heads are heights of the surface above the lip [m], no flow below 0; tilts are in [rad].
     """
     wanted = np.maximum(np.asarray(head, float), 0.0), np.sin(np.asarray(tilt, float))
     h, sin = np.broadcast_arrays(*wanted)
@@ -85,10 +82,7 @@ def fall_time(down: ArrayLike, fall: ArrayLike) -> Array:
 def landing_distance(head: ArrayLike, tilt: ArrayLike, fall: ArrayLike) -> Array:
     """Distance along the heading from the lip to where the stream lands [m].
 
-    Args:
-        head: height of the surface above the lip [m].
-        tilt: of the vessel [rad].
-        fall: height of the lip above where it lands [m].
+    It has a head above the lip [m] at a tilt [rad], and a height of the lip to fall [m].
     """
     ahead, down = exit_velocity(head, tilt)
     return np.asarray(ahead * fall_time(down, fall))
@@ -103,15 +97,9 @@ def volume_out(vessel: Vessel, volume: ArrayLike, tilt: ArrayLike, heading: Arra
 
 
 def tilt_for(vessel: Vessel, volume: ArrayLike, out: ArrayLike, heading: ArrayLike) -> Array:
-    """Least tilt at which a wanted part of a volume runs out in the end [rad].
+    """Least tilt towards a heading [rad] at which `out` of a volume [m³] runs out in the end [rad].
 
     The last of it drips through a narrow opening for long; `angle_for` gives it a time.
-
-    Args:
-        vessel: that is tilted.
-        volume: in it [m³].
-        out: what is to run out; not more than that [m³].
-        heading: direction in B in which it leans [rad].
     """
     left = np.maximum(np.asarray(volume, float) - np.asarray(out, float), 0.0)
     return vessel.tilt_holding(left, heading)
@@ -159,10 +147,9 @@ class Pour:
         return np.take_along_axis(self.time, first[..., None], axis=-1)[..., 0]
 
     def landing(self, fall: ArrayLike) -> tuple[Array, Array]:
-        """Mean and standard deviation, over the volume, of the distance where it lands [m].
+        """Mean and standard deviation, over the volume, of the distance where it lands, (...) [m].
 
-        Args:
-            fall: height of the lip above where it lands, shape (...) [m].
+        The lip lies at a height `fall` above that, shape (...) [m].
         """
         ahead = self.landing_distances(fall)
         weight = self.volume_steps / np.maximum(self.total_volume, _TINY)[..., None]
@@ -322,12 +309,9 @@ class Poured:
 
 
 def caught_volume(running: Pour, contents: ArrayLike, catch: Catch) -> Poured:
-    """Volumes that another vessel catches of a pour, over the cases of an uncertain aim.
+    """Volumes that the opening below catches of a pour, over the cases of an uncertain aim.
 
-    Args:
-        running: what runs out, shape (...).
-        contents: that there were, shape (...) [m³].
-        catch: the opening below.
+    There were `contents` in the vessel, shape (...) like the pour's cases [m³].
     """
     error = catch.sd * _normal_nodes(_AIMS) if catch.sd > 0.0 else np.zeros(1)
     along, across = (x.ravel() for x in np.meshgrid(error, error))

@@ -296,7 +296,7 @@ class Disc:
 
 
 def unique_rows(rows: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Where each different row stands first, in their order, and which of these each row is.
+    """Index of the first of each different row, in the rows' order, and which of these each row is.
 
     As `np.unique`, which loads numpy's masked arrays besides.
     """

@@ -73,12 +73,7 @@ class Face:
         return self.centre[2] + self.height / 2.0
 
     def points_at(self, lateral: ArrayLike, height: ArrayLike) -> tuple[Array, Array]:
-        """Points p_BC and outward normals at places on it, each of shape (..., 3).
-
-        Args:
-            lateral: along the tangent from the middle, shape (...) [m].
-            height: above the table, shape (...) [m].
-        """
+        """Points p_BC [m] and outward normals (..., 3) at lateral places and heights (...) [m]."""
         y, z = np.broadcast_arrays(np.asarray(lateral, float), np.asarray(height, float))
         n, c, t = np.array(self.normal), np.array(self.centre), np.array(self.tangent)
         up = np.array([0.0, 0.0, 1.0])

@@ -197,14 +197,10 @@ def _logarithmic_predictions(balance: Balance, values: Array, spread: float) -> 
 
 
 def update_without_motion(model: ObjectModel, trial: Trial) -> Update:
-    """Belief after a push that moved nothing.
+    """Belief after a push that moved nothing, with the force of the trial.
 
     A belief by which the object should have moved was too sure: its covariance is widened first,
     until the trial is no more than just surprising.
-
-    Args:
-        model: the belief before.
-        trial: the force that moved nothing.
     """
     surprise = max(0.0, *(_force_distance(model, trial, moved)[0] for moved in _WAYS))
     for moved in _WAYS:
@@ -215,9 +211,7 @@ def update_without_motion(model: ObjectModel, trial: Trial) -> Update:
 def widen_belief(model: ObjectModel, surprise: float) -> ObjectModel:
     """Belief widened so far that a trial of that surprise is just surprising.
 
-    Args:
-        model: the belief.
-        surprise: of a trial, in standard deviations; below `SURPRISING` nothing changes.
+    Surprises are in standard deviations; below `SURPRISING` nothing changes.
     """
     factor = max(1.0, surprise / SURPRISING) ** 2
     return model if factor == 1.0 else with_belief(model, factor * model.covariance)

@@ -66,12 +66,9 @@ class Worth:
 def parameter_precisions(
     model: ObjectModel, wanted: Sequence[str] = UNCERTAIN, *, spread: float = 0.0
 ) -> dict[str, float]:
-    """Relative standard deviations of parameters, of the centre of mass in metres.
+    """Relative standard deviations of the wanted parameters, of the centre of mass in metres.
 
-    Args:
-        model: what is believed.
-        wanted: names of the parameters.
-        spread: relative standard deviation of friction from slide to slide, which does not count.
+    The relative `spread` of friction from slide to slide does not count.
     """
     require_names(wanted)
     return _precisions_from(model, belief_of(model, spread), wanted)
@@ -80,12 +77,9 @@ def parameter_precisions(
 def is_precise_enough(
     model: ObjectModel, asked: Mapping[str, float], *, spread: float = 0.0
 ) -> bool:
-    """Return True if all parameters are known as precisely as asked: time to stop.
+    """Return True if all parameters are known as precisely as asked by name: time to stop.
 
-    Args:
-        model: what is believed.
-        asked: precisions by name of the parameter: relative, of the centre of mass in metres.
-        spread: as for `precisions`.
+    Precisions and spread are as in `parameter_precisions`.
     """
     known = parameter_precisions(model, tuple(asked), spread=spread)
     return all(known[name] <= asked[name] for name in asked)

@@ -87,7 +87,7 @@ def solve_least_squares(
     rows: Mask | None = None,
     prior: bool = False,
 ) -> Solution:
-    """Find the parameters sought by Gauss and Newton's method.
+    """Find the parameters sought, `free` (7,), by Gauss and Newton's method.
 
     Args:
         balance: the trials and their model.

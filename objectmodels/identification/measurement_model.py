@@ -126,8 +126,7 @@ class Balance:
     def predict(self, values: Array) -> Array:
         """Predicted values of the rows by the closed form, shape (..., r).
 
-        Args:
-            values: the parameters in the order of `UNCERTAIN`, shape (..., 7).
+        The parameters are in the order of `UNCERTAIN`, shape (..., 7).
         """
         t, values = self.touches, np.asarray(values, dtype=np.float64)
         force = np.empty((*values.shape[:-1], len(t.size)))
@@ -149,8 +148,7 @@ class Balance:
     def linear_predictions(self, values: Array) -> Linear:
         """Predictions near some values, of the exact tier if that is meant; shapes as in `Linear`.
 
-        Args:
-            values: the parameters in the order of `UNCERTAIN`, shape (7,).
+        The values are in the order of `UNCERTAIN`, shape (7,).
         """
         steps = _STEP * np.where(LOGARITHMIC, 1.0, self.model.base.size)
         around = coordinates_of(values) + np.vstack((np.diag(steps), -np.diag(steps)))
@@ -193,10 +191,7 @@ class Balance:
 def slide_force(p: Array, u: Array, values: Array) -> tuple[Array, Array]:
     """Force that slides [N] and turn rate [rad/m] of the closed form, shape (..., n) each.
 
-    Args:
-        p: contact points in B, shape (n, 3) [m].
-        u: directions of the force, shape (n, 3).
-        values: the parameters, shape (..., 7).
+    Contact points p (n, 3) [m] and directions u (n, 3) are in B, parameters (..., 7).
     """
     weight, radius = GRAVITY * values[..., MASS, None], values[..., RADIUS, None]
     arm = yaw_arm(p, u, values[..., None, COM_X:])
@@ -208,15 +203,9 @@ def slide_force(p: Array, u: Array, values: Array) -> tuple[Array, Array]:
 
 
 def topple_force(base: Base, n: Array, p: Array, u: Array, tilt: Array, values: Array) -> Array:
-    """Force that holds the object at a tilt, shape (..., n) [N]; inf if it cannot.
+    """Force at p along u that holds the object at tilts (n,) [rad], (..., n) [N]; inf if none.
 
-    Args:
-        base: what it stands on.
-        n: outward normals of the edges tilted about, shape (n, 2); a round base has its own.
-        p: contact points in B, shape (n, 3) [m].
-        u: directions of the force, shape (n, 3).
-        tilt: angles, shape (n,) [rad].
-        values: the parameters, shape (..., 7).
+    Edges that it is tilted about have outward normals n (n, 2); a round base has its own.
     """
     weight, c = GRAVITY * values[..., MASS, None], values[..., None, COM_X:]
     if isinstance(base, Disc):
@@ -230,12 +219,7 @@ def topple_force(base: Base, n: Array, p: Array, u: Array, tilt: Array, values: 
 def tilt_arms(base: Base, n: Array, p: Array, u: Array, tilt: Array) -> tuple[Array, Array]:
     """Lever arms u_n h − u_z x about tilted edges, and the edges' offsets d, each (..., n) [m].
 
-    Args:
-        base: what it stands on.
-        n: outward normals of the edges, shape (..., n, 2).
-        p: contact points in B, shape (n, 3) [m].
-        u: directions of the force, shape (n, 3).
-        tilt: angles, shape (n,) [rad].
+    The edges have outward normals n (..., n, 2), tilts are (n,) [rad]; p and u as in `slide_force`.
     """
     d = base.extent(n)
     xi, cos, sin = dot(n, p) - d, np.cos(tilt), np.sin(tilt)
@@ -278,13 +262,7 @@ class ExactSlides:
 
 
 def exact_slides(model: ObjectModel, p: Array, u: Array) -> ExactSlides:
-    """Slides of the exact tier, with their derivatives.
-
-    Args:
-        model: the object.
-        p: contact points in B, shape (n, 3) [m].
-        u: directions of the forces, shape (n, 3).
-    """
+    """Slides of the exact tier for pushes at p along u as in `slide_force`, with derivatives."""
     t = model.thresholds(p, u, exact=True)
     assert isinstance(t, ExactThresholds)
     sure = (t.slide < t.topple) & np.isfinite(t.motion).all(axis=0)

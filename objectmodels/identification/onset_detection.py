@@ -203,10 +203,7 @@ def trial_from_series(recording: Recording) -> tuple[Trial, Onset] | None:
 def tilted_trial(recording: Recording, onset: Trial, model: PushedBody) -> Trial | None:
     """The balance at the end of a recording in which the object is held tilted, if it is one.
 
-    Args:
-        recording: with its tilt.
-        onset: its trial at the onset, a topple.
-        model: the object; its base has the edge about which it tilts.
+    The trial at the onset is a topple; the model's base has the edge about which it tilts.
     """
     if recording.tilt is None or onset.moved != "topple" or not _held_tilt(recording):
         return None

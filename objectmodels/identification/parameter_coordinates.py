@@ -120,12 +120,9 @@ def correlation_of(covariance: Array) -> Array:
 
 
 def container_with_volume(model: ObjectModel, volume: float, sd: float) -> Container:
-    """The container of a model with a volume in it, or with as much of that as it holds.
+    """The container of a hollow model with a volume in it, or with as much of that as it holds.
 
-    Args:
-        model: of something hollow.
-        volume: of the contents [m³].
-        sd: its standard deviation [m³].
+    The volume and its standard deviation are in [m³].
     """
     container, vessel = model.container, model.vessel
     assert container is not None, "what holds something is a container"
@@ -138,10 +135,7 @@ def container_with_volume(model: ObjectModel, volume: float, sd: float) -> Conta
 def container_with_mass(model: ObjectModel, mass: float, mass_sd: float) -> Container | None:
     """The container of a model of which all is known to weigh otherwise; None if it has none.
 
-    Args:
-        model: what was believed.
-        mass: of container and contents [kg].
-        mass_sd: its standard deviation [kg].
+    Mass and standard deviation are those of container and contents together [kg].
     """
     container = model.container
     if container is None:

@@ -203,12 +203,7 @@ class Objection:
 
 
 def contact_objection(model: ObjectModel, point: Vector) -> Objection | None:
-    """Objection to a contact that lies outside of the object by more than `SLACK`; None if it fits.
-
-    Args:
-        model: the object.
-        point: contact point in B [m].
-    """
+    """Objection to a contact in B [m] farther than `SLACK` beside the object; None if it fits."""
     x, y, z = point
     low, high = model.outline.min(axis=0), model.outline.max(axis=0)
     if z > model.top + SLACK:
@@ -229,12 +224,7 @@ def contact_objection(model: ObjectModel, point: Vector) -> Objection | None:
 
 
 def force_objection(model: ObjectModel, trial: Trial) -> Objection | None:
-    """Objection to a force that pulls, or is off by a factor of 1000; None if it is plausible.
-
-    Args:
-        model: the object as it is believed to be.
-        trial: the measurement.
-    """
+    """Objection to a force that pulls, or is far from what is believed; None if it is plausible."""
     f = np.array(trial.force)
     size = float(np.linalg.norm(f))
     if size == 0.0:

@@ -125,10 +125,7 @@ class Case:
     def equal_height(self, foot: Array, f: Array, slide: Array) -> Array:
         """Contact height from which on it topples by the force that makes it slide, (...) [m].
 
-        Args:
-            foot: contact points at z = 0, shape (..., 3) [m].
-            f: forces, shape (..., 3).
-            slide: size at which they make it slide, shape (...) [N]; inf if they never do.
+        Contacts at z = 0 and forces are (..., 3); they slide at sizes (...) [N], inf if never.
         """
         s = np.where(np.isfinite(slide), slide, 0.0)
         height = self.base.topple_height(
@@ -144,9 +141,7 @@ class Case:
 def contact_forces(normals: Array, tangential: Array) -> Array:
     """Forces f = −n + η t + κ b of unit normal component; shape (..., 3).
 
-    Args:
-        normals: outward unit normals, not vertical, shape (..., 3).
-        tangential: η and κ, shape (..., 2).
+    Outward unit normals n are (..., 3), not vertical; η and κ are (..., 2).
     """
     n_x, n_y, n_z = normals[..., 0], normals[..., 1], normals[..., 2]
     eta, kappa = tangential[..., 0], tangential[..., 1]
@@ -163,14 +158,9 @@ def cone_directions(p: Array, normals: Array, c: Array, reach: float, ring: int)
     """Shares of fixed directions in the cone over each contact, shape (n, ring · 3/2 + 4, 2).
 
     A ring around the cone's boundary (corners of a polygon that encloses it), one half-way out, the
-    axis, and three whose force passes the centre of mass, where sliding is hardest.
-
-    Args:
-        p: contact points in B, shape (n, 3) [m].
-        normals: outward unit normals, shape (n, 3).
-        c: centre of mass in B, shape (3,) [m].
-        reach: largest friction coefficient of the finger.
-        ring: number of directions on the outer ring, even.
+    axis, and three whose force passes the centre of mass c (3,) [m], where sliding is hardest. The
+    ring has an even number of directions, `reach` is the finger's largest friction coefficient;
+    contacts p [m] and outward unit normals are (n, 3).
     """
     outer = circle_corners(ring) / np.cos(np.pi / ring)
     fixed = np.vstack((outer, 0.5 * circle_corners(ring // 2), np.zeros((1, 2))))
@@ -192,10 +182,8 @@ def circle_corners(k: int) -> Array:
 def refine_directions(value: Callable[[Array], Array], shares: Array, limit: float) -> Array:
     """Smallest value near given directions, by a compass search with shrinking steps, (n,).
 
-    Args:
-        value: maps shares (n, j, 2) to what is to be small, shape (n, j).
-        shares: where to begin, shape (n, 2).
-        limit: radius of the disc that shares must stay in.
+    `value` maps shares (n, j, 2) to what is to be small (n, j); the search begins at shares (n, 2),
+    which stay in the disc of radius `limit`.
     """
     compass, rows = circle_corners(8), np.arange(len(shares))
     best = value(shares[:, None, :])[:, 0]
@@ -365,12 +353,7 @@ def worst_probability(
 ) -> Array:
     """Probability of an outcome at onset for the worst direction in the finger's cone, (n,).
 
-    Args:
-        model: the uncertain object.
-        p: contact points in B on side faces, shape (n, 3) [m].
-        normals: outward unit normals of the faces, shape (n, 3).
-        yaw: whether the object may turn as it slides.
-        outcome: what is asked for.
+    Contact points p_BC [m] and the faces' outward unit normals are (n, 3); it turns only if `yaw`.
     """
     shares = cone_directions(p, normals, np.array(model.com), model.finger_friction, SEARCH_RING)
     few, many = (draw_parameters(model, normal_nodes(k), yaw=yaw) for k in (SEARCH_NODES, NODES))

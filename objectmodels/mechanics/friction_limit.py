@@ -76,10 +76,8 @@ class Limit:
 def friction_limit(loads: Array, along: Array, left: Array) -> Limit:
     """The push that the loaded points resist.
 
-    Args:
-        loads: N_i as shares of the whole, shape (k, n).
-        along: ξ_i, places of the points along the push, shape (k, n) [m].
-        left: η_i, their distances to the left of its line of action, shape (k, n) [m].
+    Loads N_i are shares of the whole; places of the points along the push, ξ_i, and their distances
+    to the left of its line of action, η_i, are in [m]; shape (k, n) each.
     """
     found = Limit.empty_limit(*loads.shape)
     # Few points carry the centre of rotation often, one of many hardly ever.

@@ -87,11 +87,8 @@ class Contacts:
 def normal_loads(contacts: Contacts, squeeze: ArrayLike, force: Array, place: Array) -> Array:
     """Normal loads of the contacts, shape (k, n) [N]; negative where one would open.
 
-    Args:
-        contacts: of the grasp.
-        squeeze: shape (n,) or one number [N].
-        force: on what is held, in G, shape (n, 3) [N].
-        place: where it acts, in G, shape (n, 3) [m].
+    Squeezes are (n,) or one number [N]; forces (n, 3) [N] act on what is held at places (n, 3) [m],
+    in G.
     """
     F_x = force[:, 0]
     _, y, z = place.T
@@ -104,11 +101,7 @@ def normal_loads(contacts: Contacts, squeeze: ArrayLike, force: Array, place: Ar
 def critical_friction(contacts: Contacts, squeeze: ArrayLike, force: Array, place: Array) -> Array:
     """Coefficient of friction below which it slips, shape (n,); infinite if a contact opens.
 
-    Args:
-        contacts: of the grasp.
-        squeeze: shape (n,) or one number [N].
-        force: on what is held, in G, shape (n, 3) [N].
-        place: where it acts, in G, shape (n, 3) [m].
+    Squeeze, force and place are those of `normal_loads`.
     """
     loads = normal_loads(contacts, squeeze, force, place)
     tangential = np.hypot(force[:, 1], force[:, 2])
@@ -139,13 +132,8 @@ def slip_multiplier(
 def squeeze_needed(contacts: Contacts, friction: ArrayLike, force: Array, place: Array) -> Array:
     """Least squeeze that holds each load, shape (n,) [N]; infinite beyond `STRONGEST`.
 
-    More squeeze never holds less, so that a bisection finds it.
-
-    Args:
-        contacts: of the grasp.
-        friction: of the fingertips, shape (n,) or one number.
-        force: on what is held, in G, shape (n, 3) [N].
-        place: where it acts, in G, shape (n, 3) [m].
+    The friction of the fingertips is (n,) or one number, force and place are those of
+    `normal_loads`. More squeeze never holds less, so that a bisection finds it.
     """
     n = len(force)
     low, high = np.full(n, 1e-3), np.full(n, STRONGEST)
@@ -193,11 +181,9 @@ class Lifted:
     acceleration: float = 0.0
 
     def hold_by(self, squeeze: float, *, sigmas: float = 2.0) -> Hold:
-        """Squeeze needed over the motion, and the probability that a given squeeze holds.
+        """Squeeze needed over the motion, and the probability that a given squeeze [N] holds.
 
-        Args:
-            squeeze: that is asked about [N].
-            sigmas: standard deviations of mass, friction and centre of mass of the worst case.
+        In the worst case mass, friction and centre of mass are `sigmas` standard deviations off.
         """
         model = self.model
         mass, com = np.array([model.mass]), np.array([model.com])

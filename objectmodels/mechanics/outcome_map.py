@@ -102,11 +102,10 @@ class OutcomeMap:
         return np.select([np.isinf(self.force), close], ["none", "undecided"], names)
 
     def is_safe(self, outcome: str, probability: float) -> NDArray[np.bool_]:
-        """Contacts whose outcome is as asked with a probability or more, shape (n,).
+        """Contacts whose outcome is as asked with a probability or more, in [0, 1], shape (n,).
 
-        Args:
-            outcome: `slide` or `topple`.
-            probability: at least this, in [0, 1].
+        Raises:
+            ModelError: `bad_value` if the outcome is neither `slide` nor `topple`.
         """
         if outcome not in ("slide", "topple"):
             raise ModelError("bad_value", f"outcome must be slide or topple, not {outcome!r}")

@@ -109,10 +109,7 @@ def _checked_stroke(
 def touched_faces(model: PushedBody, places: Array, normals: Array) -> Array:
     """Of each touched face: where along it the contact is, half its width, curvature; (n, 3).
 
-    Args:
-        model: of the object.
-        places: contacts in the table plane, shape (n, 2) [m].
-        normals: horizontal outward unit normals there, shape (n, 2).
+    Contacts (n, 2) [m] and horizontal outward unit normals there (n, 2) are in the table plane.
 
     Raises:
         ModelError: `bad_array` if the object has no such face.

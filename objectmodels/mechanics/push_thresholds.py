@@ -199,11 +199,7 @@ def _friction_used(r: Array, h: Array, w: Array, a: Array) -> Array:
 def centre_of_pressure(p: Array, force: Array, c: Array, weight: float) -> Array:
     """Centre of pressure q = (G c_xy − F_z p_xy + p_z F_xy) / N in the base, shape (..., 2) [m].
 
-    Args:
-        p: contact points in B, shape (..., 3) [m].
-        force: forces in B, shape (..., 3) [N]; N = G − F_z must be positive.
-        c: centre of mass in B, shape (..., 3) [m].
-        weight: G [N].
+    Points p and c [m] and forces [N] are (..., 3), in B; N = G − F_z must be positive, G is in [N].
     """
     moment = weight * c[..., :2] - force[..., 2:] * p[..., :2] + p[..., 2:] * force[..., :2]
     return np.asarray(moment / (weight - force[..., 2:]))
@@ -228,11 +224,8 @@ def sliding_twist(p: Array, u: Array, c: Array, s: Array, radius: float, weight:
 def toppling_twist(p: Array, u: Array, n: Array, d: Array) -> Array:
     """Incipient twist of an object that topples about an edge, shape (n, 6), scaled alike.
 
-    Args:
-        p: contact points, shape (n, 3) [m].
-        u: directions of the force, shape (n, 3).
-        n: outward normals of the edges, shape (n, 2).
-        d: offsets of the edges, shape (n,) [m].
+    Contacts p [m] and directions u of the force are (n, 3), the edges' outward normals n are (n, 2)
+    and their offsets d are (n,) [m].
     """
     twist = np.zeros((len(p), 6))
     twist[:, 0], twist[:, 1] = -n[:, 1], n[:, 0]  # ω = ẑ × n

@@ -64,11 +64,7 @@ def largest_return(model: PushedBody, direction: ArrayLike, probability: float) 
 def topple_stroke(model: PushedBody, direction: ArrayLike, height: float, angle: float) -> float:
     """Travel of the finger that tilts the object by an angle, whether it slips or sticks [m].
 
-    Args:
-        model: the object.
-        direction: horizontal direction of the push in B, shape (3,).
-        height: contact height on the face pushed [m].
-        angle: tilt to be reached [rad].
+    It pushes along a horizontal direction in B (3,), at a height of the face [m], to a tilt [rad].
     """
     if not 0.0 <= angle < np.pi / 2:
         raise ModelError("bad_value", f"angle {angle} rad is not between 0 and π/2")

@@ -71,12 +71,7 @@ class Vessel:
 
     @classmethod
     def from_shape(cls, section: Base, top: float, container: Container) -> Vessel:
-        """The cavity of a container of this outer shape.
-
-        Args:
-            section: horizontal section of the outer shape, the same at all heights.
-            top: height of the outer shape [m].
-            container: thickness of its walls, its opening, and what it is to hold.
+        """The cavity of a container of this outer section, the same at all heights, and top [m].
 
         Raises:
             ModelError: `bad_value` if the walls leave no cavity, the opening lies outside it, or

@@ -248,9 +248,6 @@ def parse_yaml(text: str) -> object:
 def read_yaml(path: Path) -> dict[str, Any]:
     """The mapping that a YAML file holds.
 
-    Args:
-        path: the file.
-
     Raises:
         ModelError: `unreadable_file` if it cannot be read, `bad_yaml` if it is not YAML or not a
             mapping of text keys.

@@ -84,11 +84,9 @@ class Reading:
 
 
 def read_data(paths: Sequence[Path], model: ObjectModel) -> Reading:
-    """Reads data files, of either form.
+    """Reads data files of either form.
 
-    Args:
-        paths: the files.
-        model: the object that was touched, for its shape and for the order of forces.
+    The model of the object that was touched gives its shape, and how large forces may be.
 
     Raises:
         ModelError: `unreadable_file`, `bad_data`.
@@ -236,12 +234,9 @@ def _repetition_number(row: Row) -> int:
 
 
 def read_recordings(table: Table, model: ObjectModel, prefix: str) -> tuple[list[Trial], list[str]]:
-    """The trials of a table of recordings, and what was left out of it and why.
+    """The trials of a table with a row for each sample, and what was left out of it and why.
 
-    Args:
-        table: a row for each sample; the samples of a trial in their order.
-        model: the object that was touched.
-        prefix: how trials' names begin in messages.
+    The samples of a trial stand in their order; names of trials begin with the prefix in messages.
 
     Raises:
         ModelError: `bad_data`.
@@ -276,12 +271,9 @@ def read_recordings(table: Table, model: ObjectModel, prefix: str) -> tuple[list
 
 
 def require_none(row: Row, objection: Objection | None, force: str = FORCE[0]) -> None:
-    """Raise an objection as an error of the row that it concerns.
+    """Raise an objection, if there is one, as an error of the row that it concerns.
 
-    Args:
-        row: where the measurement was read.
-        objection: to it, None if it is plausible.
-        force: column of the force, or of its largest component.
+    `force` is the column of the force, or of its largest component.
 
     Raises:
         ModelError: `bad_data`.

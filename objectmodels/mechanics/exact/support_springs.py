@@ -78,15 +78,10 @@ class Springs:
         return loads, np.where(loaded, stiffness * change, 0.0)
 
     def load_changes(self, start: Array, moves: Array, last: Array) -> list[Array]:
-        """Ratios r up to last at which the set of loaded points changes, q = start + r·moves.
+        """Ratios r up to last (n,) at which the set of loaded points changes, q = start + r·moves.
 
-        Args:
-            start: centres of pressure at r = 0, shape (2, n) [m].
-            moves: their velocities, shape (2, n).
-            last: largest r, shape (n,).
-
-        Returns:
-            For each change its r, shape (n,), in rising order; inf for pushes that have no more.
+        Centres of pressure at r = 0 [m] and their velocities are (2, n). Each change has its r,
+        shape (n,), in rising order; inf for pushes that have no more.
         """
         _, middle, to_units = self._scaled_points
         start, moves = to_units.T @ (start - middle[:, None]), to_units.T @ moves
