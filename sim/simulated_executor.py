@@ -15,7 +15,7 @@ import numpy as np
 
 from planner.types.world_state import Held, WorldState
 from sim.cell.cell_description import LOOK
-from sim.control.free_motion import Progress, RobotSetup, watch
+from sim.control.free_motion import RobotSetup, watch
 from sim.motion.robot_reach import ArmHandReach
 from sim.perception.state_estimation import estimate_objects
 from sim.standard_robot import ARM, HAND
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
     from planner.touch_experiments import Experiment
     from planner.types.plan import Plan
+    from sim.control.trace_recorder import Progress
     from sim.exploration.trial_extraction import Recording
     from sim.traces.trace import Trace
     from sim.truth.object_truth import Truth

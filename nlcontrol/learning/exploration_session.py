@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from objectmodels import ObjectModel
     from objectmodels.identification import Trial
     from planner.types.world_state import SeenObject, WorldState
-    from sim.control.free_motion import Progress
+    from sim.control.trace_recorder import Progress
     from sim.exploration.exploration_run import Explorer, Touched, TouchExecutor
     from sim.traces.trace import Trace
 

@@ -5,7 +5,7 @@ Frames: W is the world.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from planner.types.world_state import Held, WorldState
 from sim.cell.cell_description import LOOK
-from sim.control.trace_recorder import TraceRecorder
+from sim.control.trace_recorder import Progress, TraceRecorder
 from sim.paths.point_attractor import attractor_points
 from sim.perception.state_estimation import estimate_objects
 from sim.rotations import Array
@@ -24,9 +24,6 @@ if TYPE_CHECKING:
     from sim.hands.hand_model import Posture
     from sim.motion.robot_reach import ArmHandReach
     from sim.worlds.ports import Frame, ObserverPort, RobotPort
-
-Progress = Callable[[str, float, str], None]
-"""Told of the phase, the simulated time [s] and what happens."""
 
 JOINT_SPEED, JOINT_ACCELERATION = 1.2, 3.0
 """Of the arm in free motion, over all joints together [rad/s], [rad/s²]."""
@@ -56,17 +53,9 @@ class RobotSetup:
         """The object in the hand, as plans know it; None if there is none."""
         return None if self.holding is None else self.holding.held
 
-    def recorder(self, normal_W: Array) -> TraceRecorder:
-        """A new record, from now on.
-
-        Args:
-            normal_W: outward normal of the face to be touched in W, shape (3,).
-        """
-        return TraceRecorder(self.port, self.observer, self.reach.mount, normal_W)
-
-
-def silent(phase: str, time: float, text: str) -> None:
-    """No progress is told."""
+    def recorder(self, normal_W: Array, progress: Progress | None = None) -> TraceRecorder:
+        """A new record from now on; see `TraceRecorder`."""
+        return TraceRecorder(self.port, self.observer, self.reach.mount, normal_W, progress)
 
 
 def watch(recorder: TraceRecorder, duration: float) -> list[Frame]:
@@ -87,35 +76,26 @@ def watch(recorder: TraceRecorder, duration: float) -> list[Frame]:
 
 
 def look_around(
-    recorder: TraceRecorder,
-    models: Mapping[str, ObjectModel],
-    tell: Progress,
-    held: Held | None = None,
+    recorder: TraceRecorder, models: Mapping[str, ObjectModel], held: Held | None = None
 ) -> WorldState:
     """Looks at the table and returns where everything stands, what is held with it."""
-    port = recorder.port
-    tell("look", port.time, "looking where everything stands")
-    recorder.phase = "look"
+    recorder.begin("look", "looking where everything stands")
     frames = watch(recorder, LOOK)
-    return WorldState(estimate_objects(port.cell, frames, models), held=held)
+    return WorldState(estimate_objects(recorder.port.cell, frames, models), held=held)
 
 
-def transit(
-    recorder: TraceRecorder, posture: Posture, way: Iterable[Array], tell: Progress
-) -> list[Array]:
+def transit(recorder: TraceRecorder, posture: Posture, way: Iterable[Array]) -> list[Array]:
     """Free motion of the arm along a way, the hand taking its posture, which pushes from then on.
 
     Args:
         recorder: through which the robot is stepped.
         posture: of the hand.
         way: arm angles, shape (7,) each [rad].
-        tell: progress.
 
     Returns:
         Arm angles at the start and on the way, without its end.
     """
-    tell("transit", recorder.port.time, f"moving the hand ({posture.name})")
-    recorder.phase = "transit"
+    recorder.begin("transit", f"moving the hand ({posture.name})")
     recorder.fingers = posture.pushing
     came = []
     for q in way:
@@ -124,22 +104,18 @@ def transit(
     return came
 
 
-def return_home(
-    recorder: TraceRecorder, came: Sequence[Array], tell: Progress, settle: float
-) -> None:
+def return_home(recorder: TraceRecorder, came: Sequence[Array], settle: float) -> None:
     """Free motion back, the hand closing on the last way; then everything comes to rest.
 
     Args:
         recorder: through which the robot is stepped.
         came: arm angles on the way from home, as `transit` returns them.
-        tell: progress.
         settle: time to come to rest [s].
     """
     rest = recorder.mount.hand.resting.joint_angles
     for q in reversed(came):
         move_joints(recorder, q, rest if q is came[0] else recorder.port.commanded[1])
-    tell("settle", recorder.port.time, "letting everything come to rest")
-    recorder.phase = "settle"
+    recorder.begin("settle", "letting everything come to rest")
     for _ in range(round(settle / recorder.port.period)):
         recorder.step(*recorder.port.commanded)
 

@@ -1,7 +1,8 @@
-"""Record of an execution: steps the robot and keeps what it saw, felt and did at each step."""
+"""Record of an execution: steps the robot, keeps what it saw, felt and did, reports progress."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +12,7 @@ from sim.rotations import quaternion
 from sim.traces.trace import ContactEvent, Trace
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import ArrayLike
 
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
     from sim.rotations import Array
     from sim.traces.trace import EndReason
     from sim.worlds.ports import Frame, ObserverPort, RobotPort, SeenPose
+
+Progress = Callable[[str, float, str], None]
+"""Called with the phase, the simulated time [s] and what happens."""
 
 _SWINGING = 0.1  # of a pause, until the hand hangs still [s]
 
@@ -33,6 +37,7 @@ class TraceRecorder:
         observer: of the same world.
         mount: of the arm.
         normal_W: outward normal of the touched face in W, shape (3,).
+        progress: called while something happens.
 
     Attributes:
         port: as given.
@@ -48,7 +53,12 @@ class TraceRecorder:
     """
 
     def __init__(
-        self, port: RobotPort, observer: ObserverPort, mount: Mount, normal_W: Array
+        self,
+        port: RobotPort,
+        observer: ObserverPort,
+        mount: Mount,
+        normal_W: Array,
+        progress: Progress | None = None,
     ) -> None:
         self.port = port
         self.phase = "look"
@@ -61,6 +71,7 @@ class TraceRecorder:
         self.mount = mount
         self.inward = -normal_W
         self._observer = observer
+        self._progress = progress
         self._first = len(observer.history)
         self._contacts = len(observer.contacts)
         self._newest: dict[str, SeenPose] = {}
@@ -88,6 +99,16 @@ class TraceRecorder:
         self._touches.append(self.touch)
         self._seen.append(self._newest)
         self._seen_lids.append(self._newest_lids)
+
+    def report(self, phase: str, text: str) -> None:
+        """Reports what happens."""
+        if self._progress is not None:
+            self._progress(phase, self.port.time, text)
+
+    def begin(self, phase: str, text: str) -> None:
+        """Reports a phase, and records it as such from now on."""
+        self.phase = phase
+        self.report(phase, text)
 
     def take_zero(self, pause: float, hang_still: Callable[[], None]) -> int:
         """Takes what the torque sensors read while the hand hangs still as their zero.

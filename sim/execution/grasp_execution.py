@@ -15,7 +15,6 @@ import numpy as np
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.types.actions import Action, LiftUp, PourOut, SetDown
 from planner.types.world_state import Held
-from sim.control.free_motion import Progress
 from sim.control.grasping.hand_motion import ACCELERATES, HandMotion
 from sim.control.grasping.held_object_sensing import HandSense, Holding, Weight, estimate_weight
 from sim.control.pushing.guarded_touch import EarlyEndError
@@ -53,7 +52,6 @@ class GraspExecution:
         handled: HeldObject,
         recorder: TraceRecorder,
         way: GraspMotion,
-        tell: Progress,
         holding: Holding | None = None,
     ) -> None:
         self._handled = handled
@@ -63,7 +61,6 @@ class GraspExecution:
         self._port = recorder.port
         self.holding = holding
         self._way = way
-        self._report = tell
         self._held = handled.held
         self._sense = self._senses()
         self._motion = HandMotion(recorder, way, self._sense)
@@ -88,7 +85,7 @@ class GraspExecution:
         for step, legs in zip(self._plan.steps, steps, strict=True):
             self._make(step, legs)
         if retreat:
-            self._tell("retreat", "drawing the hand back")
+            self._recorder.report("retreat", "drawing the hand back")
             self._motion.go(retreat[0])
             self._motion.come_home((*self._way.back, home))
             self._settle()
@@ -128,26 +125,23 @@ class GraspExecution:
         self._settle()
 
     def _settle(self) -> None:
-        self._tell("settle", "letting everything come to rest")
-        self._recorder.phase = "settle"
+        self._recorder.begin("settle", "letting everything come to rest")
         self._motion.wait(SETTLE)
 
     # -- taking hold ----------------------------------------------------------------------------
 
     def _reach_for(self, approach: HeldSegment) -> None:
         """From home to where the open hand is about the object."""
-        self._tell("transit", "moving the hand")
-        self._recorder.phase = "transit"
+        self._recorder.begin("transit", "moving the hand")
         opened = self._way.grip.posture_at(self._motion.opening).joint_angles
         first, _ = self._way.joint_angles(*approach.poses_at(np.zeros(1)))
         self._motion.transit((*self._way.there, first[0]), opened)
-        self._tell("approach", f"reaching for the {self._plan.object}")
+        self._recorder.report("approach", f"reaching for the {self._plan.object}")
         self._motion.go(approach)
 
     def _take_hold(self) -> None:
         """Closes until both sides feel something, and squeezes it."""
-        self._recorder.phase = "grasp"
-        self._tell("grasp", f"taking hold of the {self._plan.object}")
+        self._recorder.begin("grasp", f"taking hold of the {self._plan.object}")
         motion, sense, squeeze = self._motion, self._sense, self._grasp.squeeze
         motion.feel_nothing()
         self._grasped = len(motion.came) - 1
@@ -215,7 +209,7 @@ class GraspExecution:
         """Weighs what was lifted."""
         felt = self._weigh(max(step.hold, _STILL))
         believed = self._held.model.weight
-        self._tell("lift", f"it weighs {felt.mean:.2f} N, give or take {felt.sd:.2f} N")
+        self._recorder.report("lift", f"it weighs {felt.mean:.2f} N, give or take {felt.sd:.2f} N")
         if felt.mean < _LIFTED * believed:
             raise EarlyEndError(
                 "no_grasp",
@@ -235,7 +229,7 @@ class GraspExecution:
 
     def _pour(self, step: PourOut, legs: tuple[HeldSegment, ...]) -> None:
         """Tilts until enough has run out, waits, and comes back upright."""
-        self._tell("pour", f"pouring into the {step.into}")
+        self._recorder.report("pour", f"pouring into the {step.into}")
         first, *tilting = legs[: len(legs) // 2]
         self._motion.go(first)
         container = self._held.model.container
@@ -253,7 +247,7 @@ class GraspExecution:
         for leg in upright_again(done[:-1], done[-1], share):
             self._motion.go(leg)
         poured = (full - self._weigh(_STILL).mean) / (GRAVITY * container.density)
-        self._tell("pour", f"{1e6 * poured:.0f} ml have run out, as the weight tells")
+        self._recorder.report("pour", f"{1e6 * poured:.0f} ml have run out, as the weight tells")
 
     def _pour_some(
         self, legs: list[HeldSegment], full: float, out: float, wait: float
@@ -290,7 +284,7 @@ class GraspExecution:
 
     def _set_down(self, leg: HeldSegment) -> None:
         """Down until it stands, then lets go."""
-        self._tell("set_down", f"setting the {self._plan.object} down")
+        self._recorder.report("set_down", f"setting the {self._plan.object} down")
         height = float(leg.start[2] - leg.end[2])
         slow = min(_SLOW_DOWN, height)
         down = np.array([0.0, 0.0, -1.0])
@@ -303,6 +297,3 @@ class GraspExecution:
         self._motion.go(last, until=min(_STANDS * hangs, hangs - _PRESSES))
         self._motion.let_go()
         self._holds = False
-
-    def _tell(self, phase: str, text: str) -> None:
-        self._report(phase, self._port.time, text)

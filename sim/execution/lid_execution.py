@@ -17,11 +17,11 @@ from planner.types.actions import Action, FlipOver, LiftUp, PutOn, TurnCap
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import SeenObject
-from sim.control.free_motion import Progress, look_around, return_home, straight_line, transit
+from sim.control.free_motion import look_around, return_home, straight_line, transit
 from sim.control.grasping.flip_control import FlipControl
 from sim.control.grasping.lid_sensing import LidSense
 from sim.control.pushing.guarded_touch import EarlyEndError
-from sim.control.trace_recorder import TraceRecorder
+from sim.control.trace_recorder import Progress, TraceRecorder
 from sim.execution.grasp_execution import SETTLE, GraspExecution
 from sim.motion.arm_configuration import UnreachableError
 from sim.motion.flip_motion_search import FlipConfiguration
@@ -65,11 +65,11 @@ class LidExecution(GraspExecution):
     def _turn(self, step: TurnCap, legs: tuple[HeldSegment, ...]) -> None:
         """Turns the cap, gripping anew between the strokes, until it is seen turned."""
         before, first = self._feels.view.lid, legs[0]
-        self._tell("lid", f"turning the cap by {np.degrees(step.angle):.0f}°")
+        self._recorder.report("lid", f"turning the cap by {np.degrees(step.angle):.0f}°")
         for stroke in range(len(legs) + _MORE_STROKES):
             turned = self._feels.view.lid - before
             if abs(step.angle) - abs(turned) < _TURNED:
-                self._tell("lid", f"the cap is seen turned by {np.degrees(turned):.0f}°")
+                self._recorder.report("lid", f"the cap is seen turned by {np.degrees(turned):.0f}°")
                 return
             up = np.array([0.0, 0.0, self._handled.pitch * turned / THREAD])
             leg = replace(first, start=first.start + up, end=first.end + up)
@@ -99,7 +99,7 @@ class LidExecution(GraspExecution):
 
     def _put_on(self, step: PutOn, leg: HeldSegment) -> None:
         """Down onto the rim, until it presses."""
-        self._tell("lid", f"putting the lid onto the {step.onto}")
+        self._recorder.report("lid", f"putting the lid onto the {step.onto}")
         height = float(leg.start[2] - leg.end[2])
         slow = min(_SLOW_DOWN, height)
         near = leg.end + np.array([0.0, 0.0, slow])
@@ -119,14 +119,14 @@ def flip_over(
     plan: Plan,
     setup: RobotSetup,
     models: Mapping[str, ObjectModel],
-    tell: Progress,
+    progress: Progress | None = None,
 ) -> Trace:
     """Carries out a plan whose only step flips a lid, as `plan_execution.execute` does."""
     (step,) = plan.steps
     assert isinstance(step, FlipOver), "a lid is flipped over"
     towards = np.array([np.cos(step.heading), np.sin(step.heading), 0.0])
-    recorder = setup.recorder(towards)
-    state = look_around(recorder, models, tell, setup.held)
+    recorder = setup.recorder(towards, progress)
+    state = look_around(recorder, models, setup.held)
     target = state.objects[plan.object]
     if target.lid is not None:
         step = step.model_copy(update={"start": target.lid})
@@ -135,16 +135,12 @@ def flip_over(
     if isinstance(found, ReachAnswer):
         end, detail = "unreachable", found.message
     else:
-        end, detail = _flip_lid(step, recorder, found[0], target, tell)
+        end, detail = _flip_lid(step, recorder, found[0], target)
     return recorder.trace(plan.object, towards, end=end, detail=detail)
 
 
 def _flip_lid(
-    step: FlipOver,
-    recorder: TraceRecorder,
-    motion: FlipConfiguration,
-    target: SeenObject,
-    tell: Progress,
+    step: FlipOver, recorder: TraceRecorder, motion: FlipConfiguration, target: SeenObject
 ) -> tuple[EndReason, str]:
     """Goes to a lid, flips it and comes home; returns how that ended."""
     port, posture = recorder.port, motion.stance.posture
@@ -156,19 +152,16 @@ def _flip_lid(
             recorder.step(motion.joint_angles(point, 0.0), posture.joint_angles)
 
     way = (*motion.stance.via, motion.joint_angles(above, 0.0))
-    came = transit(recorder, posture, way, tell)
-    tell("approach", port.time, "down to the lid")
-    recorder.phase = "approach"
+    came = transit(recorder, posture, way)
+    recorder.begin("approach", "down to the lid")
     move(above, start)
-    control = FlipControl(step, recorder, motion, target, tell)
+    control = FlipControl(step, recorder, motion, target)
     end: EndReason
     try:
         end, detail = control.flip()
     except UnreachableError as error:
         end, detail = "unreachable", str(error)
-    tell("retreat", port.time, "leaving the lid")
     control.leave(done=end == "handled")
-    recorder.phase = "retreat"
     move(start, above)
-    return_home(recorder, came, tell, SETTLE)
+    return_home(recorder, came, SETTLE)
     return end, detail

@@ -16,7 +16,7 @@ import numpy as np
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from sim.collision.collision_scene import SPARE
-from sim.control.free_motion import Progress, look_around, silent
+from sim.control.free_motion import look_around
 from sim.control.pushing.force_control import ExecutionContext, ForceController
 from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.pushing.push_control import PushControl
@@ -32,6 +32,7 @@ from sim.traces.trace import EndReason, Trace
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
     from sim.control.free_motion import RobotSetup
+    from sim.control.trace_recorder import Progress
 
 _CONTROLS: dict[str, type[ForceController]] = {
     "tilted": TiltControl,
@@ -55,17 +56,16 @@ def execute(
         plan: what to do.
         setup: the robot.
         models: what the robot believes of every object, by its name in the scene.
-        progress: told of the phase, the simulated time [s] and what happens.
+        progress: called while something happens.
 
     Returns:
         What happened, also if it ended early.
     """
-    tell = progress or silent
     if not plan.pushes:
-        return _execute_by_hand(plan, setup, models, tell)
-    execution = PushExecution(plan.push, setup, models, tell)
+        return _execute_by_hand(plan, setup, models, progress)
+    execution = PushExecution(plan.push, setup, models, progress)
     try:
-        end, detail = _push(plan, execution, tell)
+        end, detail = _push(plan, execution)
     except EarlyEndError as early:
         end, detail = early.end, early.detail
     except UnreachableError as error:
@@ -75,14 +75,14 @@ def execute(
     return execution.recorder.trace(push.object, np.array(push.direction_W), end=end, detail=detail)
 
 
-def _push(plan: Plan, execution: PushExecution, tell: Progress) -> tuple[EndReason, str]:
+def _push(plan: Plan, execution: PushExecution) -> tuple[EndReason, str]:
     """Looks, goes there and pushes; returns how that ended."""
     state = execution.look()
     stance, way = execution.stance(state)
     execution.approach(stance, way)
-    tell("touch", execution.recorder.port.time, "feeling for the face")
+    execution.recorder.report("touch", "feeling for the face")
     make = _CONTROLS.get(plan.push.ends_on, PushControl)
-    control = make(ExecutionContext(plan, execution.recorder, stance, way, state, tell))
+    control = make(ExecutionContext(plan, execution.recorder, stance, way, state))
     try:
         control.touch()
         return control.act()
@@ -91,7 +91,7 @@ def _push(plan: Plan, execution: PushExecution, tell: Progress) -> tuple[EndReas
 
 
 def _execute_by_hand(
-    plan: Plan, setup: RobotSetup, models: Mapping[str, ObjectModel], tell: Progress
+    plan: Plan, setup: RobotSetup, models: Mapping[str, ObjectModel], progress: Progress | None
 ) -> Trace:
     """Carries out a plan of the whole hand; what it holds then is `setup.holding`.
 
@@ -99,9 +99,9 @@ def _execute_by_hand(
     it holds where it took it.
     """
     if plan.grasp is None:
-        return flip_over(plan, setup, models, tell)
-    recorder = setup.recorder(-np.array(plan.grasp.approach_W))
-    state = look_around(recorder, models, tell, setup.held)
+        return flip_over(plan, setup, models, progress)
+    recorder = setup.recorder(-np.array(plan.grasp.approach_W), progress)
+    state = look_around(recorder, models, setup.held)
     way = setup.reach.grasp_motion(plan, state, SPARE)
     end: EndReason = "handled"
     detail = "all steps were made"
@@ -110,12 +110,12 @@ def _execute_by_hand(
     else:
         handled = HeldObject.from_plan(plan, state)
         make = GraspExecution if handled.owner is None else LidExecution
-        execution = make(handled, recorder, way, tell, setup.holding)
+        execution = make(handled, recorder, way, setup.holding)
         try:
             execution.carry_out(setup.reach.mount.home)
         except EarlyEndError as early:
             end, detail = early.end, early.detail
-            tell("retreat", setup.port.time, detail)
+            recorder.report("retreat", detail)
             execution.give_up()
         setup.holding = execution.holding
     return recorder.trace(plan.object, np.array(plan.grasp.approach_W), end=end, detail=detail)

@@ -16,7 +16,6 @@ from planner.types.robot import ReachAnswer
 from planner.types.world_state import WorldState
 from sim.collision.collision_scene import SPARE
 from sim.control.free_motion import (
-    Progress,
     look_around,
     move_joints,
     return_home,
@@ -31,6 +30,7 @@ from sim.rotations import Array, rot_z
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
     from sim.control.free_motion import RobotSetup
+    from sim.control.trace_recorder import Progress
 
 
 class PushExecution:
@@ -41,20 +41,19 @@ class PushExecution:
         push: Push,
         setup: RobotSetup,
         models: Mapping[str, ObjectModel],
-        tell: Progress,
+        progress: Progress | None = None,
     ) -> None:
-        self.recorder = setup.recorder(np.array(push.normal_W))
+        self.recorder = setup.recorder(np.array(push.normal_W), progress)
         self._push = push
         self._setup = setup
         self._port = setup.port
         self._models = models
-        self._tell = tell
         self._descent: list[Array] = []  # arm angles from above the start down to it
         self._came: list[Array] = []  # arm angles between home and there, in order
 
     def look(self) -> WorldState:
         """Looks at the table and returns where everything stands."""
-        return look_around(self.recorder, self._models, self._tell, self._setup.held)
+        return look_around(self.recorder, self._models, self._setup.held)
 
     def stance(self, state: WorldState) -> tuple[ArmConfiguration, FingertipPath]:
         """Configuration of arm and hand, and the path of the fingertips.
@@ -75,9 +74,8 @@ class PushExecution:
         """Free motion: over the start, then down to it."""
         above = np.array([*way.start[:2], stance.lift])
         way_there = (*stance.via, stance.joint_angles(above))
-        self._came = transit(self.recorder, stance.posture, way_there, self._tell)
-        self._tell("approach", self._port.time, "down to the object")
-        self.recorder.phase = "approach"
+        self._came = transit(self.recorder, stance.posture, way_there)
+        self.recorder.begin("approach", "down to the object")
         for point in straight_line(above, way.start, self._port.period):
             self._go(stance, point)
             self._descent.append(self._port.commanded[0])
@@ -93,9 +91,8 @@ class PushExecution:
             way: on which it came.
             turned: how far the palm has turned [rad]; it turns back once it is off the face.
         """
-        self.recorder.phase = "retreat"
+        self.recorder.begin("retreat", "leaving the object")
         self.recorder.force_limit = 0.0
-        self._tell("retreat", self._port.time, "leaving the object")
         off = tip - BACK * rot_z(turned) @ way.inward
         far = max(float(np.linalg.norm(off - way.start)), 1e-9)
         try:
@@ -113,7 +110,7 @@ class PushExecution:
         self.recorder.phase = "retreat"
         for q in reversed(self._descent):
             self.recorder.step(q, self._port.commanded[1])
-        return_home(self.recorder, self._came, self._tell, settle)
+        return_home(self.recorder, self._came, settle)
 
     def _go(self, stance: ArmConfiguration, tip: Array, turned: float = 0.0) -> None:
         self.recorder.step(stance.joint_angles(tip, turned), stance.posture.joint_angles)

@@ -25,7 +25,6 @@ import numpy as np
 
 from planner.touch_experiments import Experiment
 from planner.types.world_state import PlanarPose, WorldState
-from sim.control.free_motion import Progress, silent
 from sim.control.pushing.guarded_touch import EarlyEndError, TouchControl
 from sim.execution.push_execution import PushExecution
 from sim.exploration.trial_extraction import Recording
@@ -38,7 +37,7 @@ from sim.traces.trace import EndReason
 if TYPE_CHECKING:
     from objectmodels.identification import Moved
     from sim.control.free_motion import RobotSetup
-    from sim.control.trace_recorder import TraceRecorder
+    from sim.control.trace_recorder import Progress, TraceRecorder
     from sim.motion.arm_configuration import ArmConfiguration
     from sim.paths.fingertip_path import FingertipPath
     from sim.worlds.ports import Frame
@@ -85,12 +84,11 @@ def probe(
     Returns:
         What the robot felt and saw, also if the touch was aborted.
     """
-    tell = progress or silent
     models = {name: seen.model for name, seen in state.objects.items()}
-    execution = PushExecution(experiment.push, setup, models, tell)
+    execution = PushExecution(experiment.push, setup, models, progress)
     before = state.objects[experiment.push.object].pose
     try:
-        found = _touched(experiment, execution, state, before, tell)
+        found = _touched(experiment, execution, state, before)
     except EarlyEndError as early:
         found = Recording.nothing(experiment, early.end, early.detail, before)
     except UnreachableError as error:
@@ -110,13 +108,12 @@ def _touched(
     execution: PushExecution,
     state: WorldState,
     before: PlanarPose,
-    tell: Progress,
 ) -> Recording:
     """Goes there, touches, and leaves the object again."""
     stance, way = execution.stance(state)
     way = way.raised_by(experiment.raised)
     execution.approach(stance, way)
-    control = ProbeControl(experiment, execution.recorder, stance, way, tell)
+    control = ProbeControl(experiment, execution.recorder, stance, way)
     try:
         end, detail = control.run()
     finally:
@@ -141,9 +138,8 @@ class ProbeControl(TouchControl):
         recorder: TraceRecorder,
         stance: ArmConfiguration,
         way: FingertipPath,
-        tell: Progress,
     ) -> None:
-        super().__init__(experiment.push, experiment.onset, recorder, stance, way, tell)
+        super().__init__(experiment.push, experiment.onset, recorder, stance, way)
         self.experiment = experiment
         self._samples: list[tuple[float, Array, Array]] = []
         # Time, seen tilt along the push, and the one at which the fingertip was then.
@@ -174,12 +170,11 @@ class ProbeControl(TouchControl):
     def _begin(self) -> None:
         """Touches; from then on it presses."""
         kind = self.experiment.kind
-        self.tell("touch", self.recorder.port.time, f"feeling for the face ({kind})")
+        self.recorder.report("touch", f"feeling for the face ({kind})")
         self.touch()
-        self.recorder.phase = "push"
         self._origin = self._here.midpoint
         self._start = self.recorder.port.time
-        self.tell("push", self.recorder.port.time, f"pressing until something moves ({kind})")
+        self.recorder.begin("push", f"pressing until something moves ({kind})")
 
     # -- the ways ------------------------------------------------------------------------------
 

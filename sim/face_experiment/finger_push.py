@@ -19,7 +19,7 @@ from planner.touch_experiments import Experiment
 from planner.touch_experiments import press as press_at
 from planner.types.world_state import SeenObject, WorldState
 from sim.cell.cell_description import LOOK
-from sim.control.free_motion import RobotSetup, silent
+from sim.control.free_motion import RobotSetup
 from sim.control.pushing.guarded_touch import PAUSE, EarlyEndError
 from sim.execution.push_execution import PushExecution
 from sim.exploration.probe_control import ProbeControl
@@ -81,12 +81,12 @@ class FingerTouch:
 def _press(experiment: Experiment, setup: RobotSetup, state: WorldState) -> Recording:
     """Carries out one press, after which the hand stays at the object."""
     models = {name: seen.model for name, seen in state.objects.items()}
-    execution = PushExecution(experiment.push, setup, models, silent)
+    execution = PushExecution(experiment.push, setup, models)
     before = state.objects[experiment.push.object].pose
     try:
         stance, way = execution.stance(state)
         execution.approach(stance, way)
-        control = _PressControl(experiment, execution.recorder, stance, way, silent)
+        control = _PressControl(experiment, execution.recorder, stance, way)
         return control.recording(*control.run(), before)
     except EarlyEndError as early:
         return Recording.nothing(experiment, early.end, early.detail, before)

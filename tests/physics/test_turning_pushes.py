@@ -12,7 +12,7 @@ from objectmodels.mechanics.turning_push import TurningPush, best_turn
 from planner.types.actions import Limits, Prediction, Push
 from planner.types.plan import Plan
 from sim import Trace, load_scene
-from sim.control.free_motion import JOINT_SPEED, silent
+from sim.control.free_motion import JOINT_SPEED
 from sim.execution.push_execution import PushExecution
 from sim.rotations import Array, rot_z
 from sim.simulated_executor import SimulatedExecutor
@@ -155,7 +155,7 @@ def test_a_hand_that_cannot_go_straight_off_the_face_goes_by_the_joints() -> Non
     plan = _plan("ice tea box", alone, 2, -0.5)
     models = {"ice tea box": Registry.default().get("ice tea box")}
     world = DrakeWorld(alone)
-    execution = PushExecution(plan.push, robot_in(world), models, silent)
+    execution = PushExecution(plan.push, robot_in(world), models)
     stance, way = execution.stance(execution.look())
     execution.approach(stance, way)
     start = world.robot.commanded[0]

@@ -18,7 +18,7 @@ import numpy as np
 
 from planner.types.actions import FlipOver
 from planner.types.world_state import SeenObject
-from sim.control.free_motion import HAND_ACCELERATION, HAND_SPEED, Progress
+from sim.control.free_motion import HAND_ACCELERATION, HAND_SPEED
 from sim.control.grasping.lid_sensing import LidEstimator
 from sim.control.pushing.guarded_touch import PAUSE, TOUCH_SPEED
 from sim.control.trace_recorder import TraceRecorder
@@ -53,12 +53,10 @@ class FlipControl:
         recorder: TraceRecorder,
         stance: FlipConfiguration,
         target: SeenObject,
-        tell: Progress,
     ) -> None:
         self._step = step
         self._recorder = recorder
         self._stance = stance
-        self._tell = tell
         # The way was looked for with rounded angles.
         self._lid = replace(stance.lid, start=step.start, end=step.end)
         self._view = LidEstimator(target, step.start)
@@ -71,8 +69,7 @@ class FlipControl:
         """Goes to the lid and flips it; returns how that ended and why."""
         degrees = np.degrees(self._step.end)
         verb = "opening" if self._lid.is_opening else "closing"
-        self._tell("lid", self._recorder.port.time, f"{verb} the lid to {degrees:.0f}°")
-        self._recorder.phase = "lid"
+        self._recorder.begin("lid", f"{verb} the lid to {degrees:.0f}°")
         self._recorder.force_limit = self._step.force_limit
         self._recorder.inward = self._into(self._step.start)
         self._recorder.take_zero(PAUSE, lambda: self._command(*self._at))
@@ -84,7 +81,7 @@ class FlipControl:
 
     def leave(self, *, done: bool) -> None:
         """Off the lid and to where the flip began: straight if it is done, else as it came."""
-        self._recorder.phase = "retreat"
+        self._recorder.begin("retreat", "leaving the lid")
         self._recorder.force_limit = 0.0
         way = self._stance.hands.path
         if done:

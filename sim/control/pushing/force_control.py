@@ -23,7 +23,6 @@ import numpy as np
 
 from planner.types.plan import Plan
 from planner.types.world_state import WorldState
-from sim.control.free_motion import Progress
 from sim.control.pushing.clause_guards import LimitGuards
 from sim.control.pushing.guarded_touch import TouchControl
 from sim.control.pushing.push_guards import RAMP, band
@@ -58,7 +57,6 @@ class ExecutionContext:
     stance: ArmConfiguration
     way: FingertipPath
     state: WorldState
-    tell: Progress
 
 
 class ForceController(TouchControl, ABC):
@@ -72,7 +70,6 @@ class ForceController(TouchControl, ABC):
             errand.recorder,
             errand.stance,
             errand.way,
-            errand.tell,
         )
         self._state = errand.state
         self._target = errand.state.objects[plan.push.object]
@@ -86,11 +83,10 @@ class ForceController(TouchControl, ABC):
     # -- force and speed -----------------------------------------------------------------------
 
     def _begin(self, asked: str) -> None:
-        """Tells what is asked; from now on the force limit rises."""
-        self.recorder.phase = "push"
+        """Reports what is asked; from now on the force limit rises."""
+        self.recorder.begin("push", asked)
         self._started = self.recorder.port.time
         self._felt_first = self._felt
-        self.tell("push", self._started, asked)
 
     @property
     def _elapsed(self) -> float:

@@ -6,8 +6,6 @@ push and the touches that find an object's parameters begin so, and feel with th
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from planner.types.actions import Push
@@ -62,7 +60,6 @@ class TouchControl:
         recorder: through which the robot is stepped.
         stance: of arm and hand.
         way: of the fingertips.
-        tell: progress.
 
     Attributes:
         commanded: where T was last commanded to be, in W, shape (3,) [m].
@@ -79,12 +76,10 @@ class TouchControl:
         recorder: TraceRecorder,
         stance: ArmConfiguration,
         way: FingertipPath,
-        tell: Callable[[str, float, str], None],
     ) -> None:
         self.recorder = recorder
         self.stance = stance
         self.way = way
-        self.tell = tell
         self.commanded = way.start
         self.turned = 0.0
         self._object = push.object

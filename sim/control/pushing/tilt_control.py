@@ -58,7 +58,7 @@ class TiltControl(ForceController):
         if early is None:
             for _ in range(round(HOLD / self._period)):
                 self._lean(0.0)
-        self.tell("push", self.recorder.port.time, "letting it back")
+        self.recorder.report("push", "letting it back")
         back = self._let_back()
         if early is not None or not back:
             return early or ("guard", "it did not come back onto its base")

@@ -19,7 +19,6 @@ from sim.collision.collision_scene import (
     Obstacle,
 )
 from sim.collision.collision_spheres import distance_to_cylinder, distance_to_prism
-from sim.control.free_motion import silent
 from sim.execution.push_execution import PushExecution
 from sim.rotations import rot_y
 from sim.simulated_executor import simulation
@@ -119,5 +118,5 @@ def test_the_robot_is_told_what_is_fragile() -> None:
         ends_on="stroke",
     )
     setup = simulation(controller.executor).setup
-    execution = PushExecution(push, setup, controller.models, silent)
+    execution = PushExecution(push, setup, controller.models)
     assert {name: seen.fragile for name, seen in execution.look().objects.items()} == told
