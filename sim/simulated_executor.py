@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
     from planner.touch_experiments import Experiment
     from planner.types.plan import Plan
-    from sim.control.trace_recorder import Progress
     from sim.exploration.trial_extraction import Recording
+    from sim.supervision import Progress
     from sim.traces.trace import Trace
     from sim.truth.object_truth import Truth
     from sim.worlds.drake.drake_world import DrakeWorld

@@ -43,8 +43,8 @@ if TYPE_CHECKING:
     from objectmodels import ObjectModel
     from objectmodels.identification import Trial
     from planner.types.world_state import SeenObject, WorldState
-    from sim.control.trace_recorder import Progress
     from sim.exploration.exploration_run import Explorer, Touched, TouchExecutor
+    from sim.supervision import Progress
     from sim.traces.trace import Trace
 
 CENTRE_OF_MASS = ("com_x", "com_y", "com_z")

@@ -13,10 +13,11 @@ import numpy as np
 
 from planner.types.world_state import Held, WorldState
 from sim.cell.cell_description import LOOK
-from sim.control.trace_recorder import Progress, TraceRecorder
+from sim.control.trace_recorder import TraceRecorder
 from sim.paths.point_attractor import attractor_points
 from sim.perception.state_estimation import estimate_objects
 from sim.rotations import Array
+from sim.supervision import Progress
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
@@ -84,24 +85,22 @@ def look_around(
     return WorldState(estimate_objects(recorder.port.cell, frames, models), held=held)
 
 
-def transit(recorder: TraceRecorder, posture: Posture, way: Iterable[Array]) -> list[Array]:
+def transit(
+    recorder: TraceRecorder, posture: Posture, way: Iterable[Array], came: list[Array]
+) -> None:
     """Free motion of the arm along a way, the hand taking its posture, which pushes from then on.
 
     Args:
         recorder: through which the robot is stepped.
         posture: of the hand.
         way: arm angles, shape (7,) each [rad].
-
-    Returns:
-        Arm angles at the start and on the way, without its end.
+        came: gets the arm angles at the start and on the way, without its end, as it is made.
     """
     recorder.begin("transit", f"moving the hand ({posture.name})")
     recorder.fingers = posture.pushing
-    came = []
     for q in way:
         came.append(recorder.port.commanded[0])
         move_joints(recorder, q, posture.joint_angles)
-    return came
 
 
 def return_home(recorder: TraceRecorder, came: Sequence[Array], settle: float) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from sim.perception.fingertip_sensing import Touch, sense_touch
 from sim.rotations import quaternion
+from sim.supervision import Monitor
 from sim.traces.trace import ContactEvent, Trace
 
 if TYPE_CHECKING:
@@ -18,13 +19,29 @@ if TYPE_CHECKING:
 
     from sim.hands.mount import Mount
     from sim.rotations import Array
+    from sim.supervision import Progress
     from sim.traces.trace import EndReason
     from sim.worlds.ports import Frame, ObserverPort, RobotPort, SeenPose
 
-Progress = Callable[[str, float, str], None]
-"""Called with the phase, the simulated time [s] and what happens."""
-
 _SWINGING = 0.1  # of a pause, until the hand hangs still [s]
+
+
+UNSTOPPED = ("retreat", "settle", "set_down")
+"""Phases that go on when a stop is asked for: they lead to where the robot may rest."""
+
+
+class EarlyEndError(Exception):
+    """An execution cannot go on.
+
+    Attributes:
+        end: how the trace ends.
+        detail: why, in words.
+    """
+
+    def __init__(self, end: EndReason, detail: str) -> None:
+        super().__init__(detail)
+        self.end = end
+        self.detail = detail
 
 
 class TraceRecorder:
@@ -37,7 +54,7 @@ class TraceRecorder:
         observer: of the same world.
         mount: of the arm.
         normal_W: outward normal of the touched face in W, shape (3,).
-        progress: called while something happens.
+        progress: called while something happens; a `Monitor` also says when to stop.
 
     Attributes:
         port: as given.
@@ -71,7 +88,7 @@ class TraceRecorder:
         self.mount = mount
         self.inward = -normal_W
         self._observer = observer
-        self._progress = progress
+        self._monitor = Monitor.of(progress)
         self._first = len(observer.history)
         self._contacts = len(observer.contacts)
         self._newest: dict[str, SeenPose] = {}
@@ -83,7 +100,13 @@ class TraceRecorder:
         self._seen_lids: list[Mapping[str, float]] = []
 
     def step(self, q_arm: Array, q_hand: Array) -> None:
-        """Commands joint angles, lets a control period pass, reads the sensors."""
+        """Commands joint angles, lets a control period pass, reads the sensors.
+
+        Raises:
+            EarlyEndError: `stopped` if that was asked for, but on the way to rest.
+        """
+        if self._monitor.stop.requested and self.phase not in UNSTOPPED:
+            raise EarlyEndError("stopped", f"it was told to stop (phase {self.phase})")
         self.port.step(q_arm, q_hand)
         self.frames = self.port.frames()
         if self.frames:
@@ -94,6 +117,8 @@ class TraceRecorder:
             self.touch = sense_touch(
                 self.port, self.mount, self.fingers, self.inward, self.torques - self.zero
             )
+            if np.any(self.zero):
+                self._monitor.feel(self.port.time, self.fingers, self.touch.forces)
         self._phases.append(self.phase)
         self._limits.append(self.force_limit)
         self._touches.append(self.touch)
@@ -102,8 +127,12 @@ class TraceRecorder:
 
     def report(self, phase: str, text: str) -> None:
         """Reports what happens."""
-        if self._progress is not None:
-            self._progress(phase, self.port.time, text)
+        self._monitor(phase, self.port.time, text)
+
+    def report_contact(self) -> None:
+        """Reports that the fingers have felt what they were to touch."""
+        assert self.touch is not None, "the recorder knows the fingers"
+        self._monitor.contact(self.port.time, self.fingers, self.touch.forces)
 
     def begin(self, phase: str, text: str) -> None:
         """Reports a phase, and records it as such from now on."""

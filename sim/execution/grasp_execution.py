@@ -17,8 +17,7 @@ from planner.types.actions import Action, LiftUp, PourOut, SetDown
 from planner.types.world_state import Held
 from sim.control.grasping.hand_motion import ACCELERATES, HandMotion
 from sim.control.grasping.held_object_sensing import HandSense, Holding, Weight, estimate_weight
-from sim.control.pushing.guarded_touch import EarlyEndError
-from sim.control.trace_recorder import TraceRecorder
+from sim.control.trace_recorder import EarlyEndError, TraceRecorder
 from sim.motion.grasp_motion_search import GraspMotion
 from sim.paths.held_object_path import HeldObject, HeldSegment, upright_again
 from sim.rotations import Array
@@ -159,6 +158,7 @@ class GraspExecution:
             raise EarlyEndError("no_grasp", self._felt_too_little("squeezed"))
         sense.remember()
         motion.squeeze = squeeze
+        self._recorder.report_contact()
 
     def _felt_too_little(self, done: str) -> str:
         sense = self._sense

@@ -20,13 +20,13 @@ from planner.types.world_state import SeenObject
 from sim.control.free_motion import look_around, return_home, straight_line, transit
 from sim.control.grasping.flip_control import FlipControl
 from sim.control.grasping.lid_sensing import LidSense
-from sim.control.pushing.guarded_touch import EarlyEndError
-from sim.control.trace_recorder import Progress, TraceRecorder
+from sim.control.trace_recorder import EarlyEndError, TraceRecorder
 from sim.execution.grasp_execution import SETTLE, GraspExecution
 from sim.motion.arm_configuration import UnreachableError
 from sim.motion.flip_motion_search import FlipConfiguration
 from sim.paths.held_object_path import THREAD, HeldSegment
 from sim.rotations import Array
+from sim.supervision import Progress
 from sim.traces.trace import EndReason, Trace
 
 if TYPE_CHECKING:
@@ -126,16 +126,19 @@ def flip_over(
     assert isinstance(step, FlipOver), "a lid is flipped over"
     towards = np.array([np.cos(step.heading), np.sin(step.heading), 0.0])
     recorder = setup.recorder(towards, progress)
-    state = look_around(recorder, models, setup.held)
-    target = state.objects[plan.object]
-    if target.lid is not None:
-        step = step.model_copy(update={"start": target.lid})
-    found = setup.reach.flip_configuration(step, plan.object, state)
     end: EndReason
-    if isinstance(found, ReachAnswer):
-        end, detail = "unreachable", found.message
-    else:
-        end, detail = _flip_lid(step, recorder, found[0], target)
+    try:
+        state = look_around(recorder, models, setup.held)
+        target = state.objects[plan.object]
+        if target.lid is not None:
+            step = step.model_copy(update={"start": target.lid})
+        found = setup.reach.flip_configuration(step, plan.object, state)
+        if isinstance(found, ReachAnswer):
+            end, detail = "unreachable", found.message
+        else:
+            end, detail = _flip_lid(step, recorder, found[0], target)
+    except EarlyEndError as early:
+        end, detail = early.end, early.detail
     return recorder.trace(plan.object, towards, end=end, detail=detail)
 
 
@@ -145,23 +148,35 @@ def _flip_lid(
     """Goes to a lid, flips it and comes home; returns how that ended."""
     port, posture = recorder.port, motion.stance.posture
     start = motion.hands.path.points[0]
-    above = start + np.array([0.0, 0.0, motion.stance.lift])
+    here = above = start + np.array([0.0, 0.0, motion.stance.lift])
+    came: list[Array] = []
 
-    def move(here: Array, there: Array) -> None:
+    def move(there: Array) -> None:
+        nonlocal here
         for point in straight_line(here, there, port.period):
             recorder.step(motion.joint_angles(point, 0.0), posture.joint_angles)
+            here = point
 
     way = (*motion.stance.via, motion.joint_angles(above, 0.0))
-    came = transit(recorder, posture, way)
-    recorder.begin("approach", "down to the lid")
-    move(above, start)
-    control = FlipControl(step, recorder, motion, target)
+    try:
+        transit(recorder, posture, way, came)
+        recorder.begin("approach", "down to the lid")
+        move(start)
+        return _flip_and_leave(FlipControl(step, recorder, motion, target))
+    finally:
+        recorder.phase = "retreat"
+        move(above)
+        return_home(recorder, came, SETTLE)
+
+
+def _flip_and_leave(control: FlipControl) -> tuple[EndReason, str]:
+    """Flips the lid before which the finger stands, and comes back there; returns how it ended."""
     end: EndReason
     try:
         end, detail = control.flip()
     except UnreachableError as error:
         end, detail = "unreachable", str(error)
+    except EarlyEndError as early:
+        end, detail = early.end, early.detail
     control.leave(done=end == "handled")
-    move(start, above)
-    return_home(recorder, came, SETTLE)
     return end, detail

@@ -18,10 +18,10 @@ from planner.types.robot import ReachAnswer
 from sim.collision.collision_scene import SPARE
 from sim.control.free_motion import look_around
 from sim.control.pushing.force_control import ExecutionContext, ForceController
-from sim.control.pushing.guarded_touch import EarlyEndError
 from sim.control.pushing.push_control import PushControl
 from sim.control.pushing.tilt_control import TiltControl
 from sim.control.pushing.turn_control import TurnControl
+from sim.control.trace_recorder import EarlyEndError, TraceRecorder
 from sim.execution.grasp_execution import GraspExecution
 from sim.execution.lid_execution import LidExecution, flip_over
 from sim.execution.push_execution import PushExecution
@@ -32,7 +32,7 @@ from sim.traces.trace import EndReason, Trace
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
     from sim.control.free_motion import RobotSetup
-    from sim.control.trace_recorder import Progress
+    from sim.supervision import Progress
 
 _CONTROLS: dict[str, type[ForceController]] = {
     "tilted": TiltControl,
@@ -56,7 +56,7 @@ def execute(
         plan: what to do.
         setup: the robot.
         models: what the robot believes of every object, by its name in the scene.
-        progress: called while something happens.
+        progress: called while something happens; a `Monitor` also says when to stop.
 
     Returns:
         What happened, also if it ended early.
@@ -100,22 +100,32 @@ def _execute_by_hand(
     """
     if plan.grasp is None:
         return flip_over(plan, setup, models, progress)
-    recorder = setup.recorder(-np.array(plan.grasp.approach_W), progress)
+    approach = np.array(plan.grasp.approach_W)
+    recorder = setup.recorder(-approach, progress)
+    try:
+        end, detail = _handle(plan, setup, models, recorder)
+    except EarlyEndError as early:
+        end, detail = early.end, early.detail
+    return recorder.trace(plan.object, approach, end=end, detail=detail)
+
+
+def _handle(
+    plan: Plan, setup: RobotSetup, models: Mapping[str, ObjectModel], recorder: TraceRecorder
+) -> tuple[EndReason, str]:
+    """Looks and makes all steps; returns how that ended."""
     state = look_around(recorder, models, setup.held)
     way = setup.reach.grasp_motion(plan, state, SPARE)
-    end: EndReason = "handled"
-    detail = "all steps were made"
     if isinstance(way, ReachAnswer):
-        end, detail = "unreachable", way.message
-    else:
-        handled = HeldObject.from_plan(plan, state)
-        make = GraspExecution if handled.owner is None else LidExecution
-        execution = make(handled, recorder, way, setup.holding)
-        try:
-            execution.carry_out(setup.reach.mount.home)
-        except EarlyEndError as early:
-            end, detail = early.end, early.detail
-            recorder.report("retreat", detail)
-            execution.give_up()
+        return "unreachable", way.message
+    handled = HeldObject.from_plan(plan, state)
+    make = GraspExecution if handled.owner is None else LidExecution
+    execution = make(handled, recorder, way, setup.holding)
+    try:
+        execution.carry_out(setup.reach.mount.home)
+    except EarlyEndError as early:
+        recorder.report("retreat", early.detail)
+        execution.give_up()
+        raise
+    finally:
         setup.holding = execution.holding
-    return recorder.trace(plan.object, np.array(plan.grasp.approach_W), end=end, detail=detail)
+    return "handled", "all steps were made"

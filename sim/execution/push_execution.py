@@ -22,7 +22,7 @@ from sim.control.free_motion import (
     straight_line,
     transit,
 )
-from sim.control.pushing.guarded_touch import EarlyEndError
+from sim.control.trace_recorder import EarlyEndError
 from sim.motion.arm_configuration import ArmConfiguration, UnreachableError
 from sim.paths.fingertip_path import BACK, FingertipPath
 from sim.rotations import Array, rot_z
@@ -30,7 +30,7 @@ from sim.rotations import Array, rot_z
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
     from sim.control.free_motion import RobotSetup
-    from sim.control.trace_recorder import Progress
+    from sim.supervision import Progress
 
 
 class PushExecution:
@@ -74,7 +74,7 @@ class PushExecution:
         """Free motion: over the start, then down to it."""
         above = np.array([*way.start[:2], stance.lift])
         way_there = (*stance.via, stance.joint_angles(above))
-        self._came = transit(self.recorder, stance.posture, way_there)
+        transit(self.recorder, stance.posture, way_there, self._came)
         self.recorder.begin("approach", "down to the object")
         for point in straight_line(above, way.start, self._port.period):
             self._go(stance, point)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
     from planner.types.robot import Robot
     from sim.cell.cell_description import CellDescription
-    from sim.control.trace_recorder import Progress
+    from sim.supervision import Progress
 
 OPPOSITE: tuple[tuple[FaceName, FaceName], ...] = (("front", "back"), ("left", "right"))
 """Pairs of sides whose tilts together tell the weight from the centre of mass."""

@@ -25,7 +25,8 @@ import numpy as np
 
 from planner.touch_experiments import Experiment
 from planner.types.world_state import PlanarPose, WorldState
-from sim.control.pushing.guarded_touch import EarlyEndError, TouchControl
+from sim.control.pushing.guarded_touch import TouchControl
+from sim.control.trace_recorder import EarlyEndError
 from sim.execution.push_execution import PushExecution
 from sim.exploration.trial_extraction import Recording
 from sim.motion.arm_configuration import UnreachableError
@@ -37,9 +38,10 @@ from sim.traces.trace import EndReason
 if TYPE_CHECKING:
     from objectmodels.identification import Moved
     from sim.control.free_motion import RobotSetup
-    from sim.control.trace_recorder import Progress, TraceRecorder
+    from sim.control.trace_recorder import TraceRecorder
     from sim.motion.arm_configuration import ArmConfiguration
     from sim.paths.fingertip_path import FingertipPath
+    from sim.supervision import Progress
     from sim.worlds.ports import Frame
 
 RUB_FORCE = 0.5
@@ -157,8 +159,14 @@ class ProbeControl(TouchControl):
         """Touches, presses until an end or a guard, holds still; returns how it ended."""
         kind = self.experiment.kind
         self._begin()
-        ended = {"tilt": self._raise, "rub": self._rub}.get(kind, self._slide)()
-        self._hold()
+        try:
+            ended = {"tilt": self._raise, "rub": self._rub}.get(kind, self._slide)()
+            self._hold()
+        except EarlyEndError:
+            self.recorder.phase = "retreat"
+            if kind == "tilt":
+                self._let_down()
+            raise
         if kind == "tilt":
             if self._moved == "topple" and self._seen:
                 # A tilt too small to be told from a slide on the way is looked for at its end.

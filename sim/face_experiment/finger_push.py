@@ -20,7 +20,8 @@ from planner.touch_experiments import press as press_at
 from planner.types.world_state import SeenObject, WorldState
 from sim.cell.cell_description import LOOK
 from sim.control.free_motion import RobotSetup
-from sim.control.pushing.guarded_touch import PAUSE, EarlyEndError
+from sim.control.pushing.guarded_touch import PAUSE
+from sim.control.trace_recorder import EarlyEndError
 from sim.execution.push_execution import PushExecution
 from sim.exploration.probe_control import ProbeControl
 from sim.exploration.trial_extraction import Recording, force_curve

@@ -36,6 +36,7 @@ EndReason = Literal[
     "slipped",  # what was held slipped in the hand
     "missed",  # the lid did not follow the finger
     "nudged",  # another object was seen to be moved
+    "stopped",  # it was told to stop
 ]
 
 

@@ -154,7 +154,7 @@ class Interruptible:
 
     def __call__(self, phase: str, time: float, text: str) -> None:
         """Take one report of the simulation."""
-        from sim.control.pushing.guarded_touch import EarlyEndError
+        from sim.control.trace_recorder import EarlyEndError
 
         self._narrate(phase, time, text)
         self._moved = True

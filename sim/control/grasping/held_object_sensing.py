@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from planner.types.world_state import Held, WorldState
-from sim.control.pushing.guarded_touch import EarlyEndError
+from sim.control.trace_recorder import EarlyEndError
 from sim.rotations import Array
 
 if TYPE_CHECKING:

@@ -18,8 +18,7 @@ import numpy as np
 from objectmodels.containers.lid_geometry import lid_name
 from planner.types.world_state import SeenObject
 from sim.control.grasping.held_object_sensing import HandSense
-from sim.control.pushing.guarded_touch import EarlyEndError
-from sim.control.trace_recorder import TraceRecorder
+from sim.control.trace_recorder import EarlyEndError, TraceRecorder
 from sim.motion.grasp_motion_search import GraspMotion
 from sim.paths.held_object_path import HeldObject
 from sim.rotations import Array, wrap, yaw_of

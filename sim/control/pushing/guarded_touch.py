@@ -9,12 +9,11 @@ from __future__ import annotations
 import numpy as np
 
 from planner.types.actions import Push
-from sim.control.trace_recorder import TraceRecorder
+from sim.control.trace_recorder import EarlyEndError, TraceRecorder
 from sim.motion.arm_configuration import ArmConfiguration
 from sim.paths.fingertip_path import STANDOFF, FingertipPath
 from sim.perception.fingertip_sensing import Touch
 from sim.rotations import Array
-from sim.traces.trace import EndReason
 
 TOUCH_SPEED = 0.015
 """Of the guarded approach [m/s]."""
@@ -35,20 +34,6 @@ _ACCELERATION = 0.1  # of the hand at an object [m/s²]
 _FILTER = 0.04  # time constant of the felt force [s]
 _NOISES = 6.0  # standard deviations of noise that do not count as a touch
 _SEEN_SHARE = 0.35  # weight of a new camera frame in the seen tilt
-
-
-class EarlyEndError(Exception):
-    """An execution cannot go on.
-
-    Attributes:
-        end: how the trace ends.
-        detail: why, in words.
-    """
-
-    def __init__(self, end: EndReason, detail: str) -> None:
-        super().__init__(detail)
-        self.end = end
-        self.detail = detail
 
 
 class TouchControl:
@@ -110,6 +95,7 @@ class TouchControl:
             travel += speed * self._period
             self._step(self.way.start + travel * self.way.inward, self.way.inward)
         self._share = min(1.0, self._period / _FILTER)
+        self.recorder.report_contact()
 
     def _faster(self, before: float, most: float, acceleration: float = _ACCELERATION) -> float:
         """A speed that rises to the most, a control step after it was another."""

@@ -17,6 +17,7 @@ import numpy as np
 from objectmodels.mechanics.tilt_limits import length_along
 from sim.control.pushing.force_control import ExecutionContext, ForceController
 from sim.control.pushing.push_guards import MOVED, TiltEstimator, TiltGuards
+from sim.control.trace_recorder import EarlyEndError
 from sim.paths.fingertip_path import TiltArc
 from sim.traces.trace import EndReason
 
@@ -54,10 +55,14 @@ class TiltControl(ForceController):
         for angle in np.linspace(0.0, push.tilt, _STEPS):
             self.stance.joint_angles(self._arc.tip_at(angle))
         self._begin(f"tilting it by {np.degrees(push.tilt):.1f}°")
-        early = self._raise()
-        if early is None:
-            for _ in range(round(HOLD / self._period)):
-                self._lean(0.0)
+        try:
+            early = self._raise()
+            if early is None:
+                for _ in range(round(HOLD / self._period)):
+                    self._lean(0.0)
+        except EarlyEndError as stopped:
+            early = stopped.end, stopped.detail
+            self.recorder.phase = "retreat"
         self.recorder.report("push", "letting it back")
         back = self._let_back()
         if early is not None or not back:

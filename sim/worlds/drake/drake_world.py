@@ -141,7 +141,7 @@ class DrakeWorld:
         self._command(q_arm, q_hand)
         self._steps += 1
         self._prepare()
-        self.simulator.AdvanceTo(self.time)
+        self.simulator.AdvanceTo(self.time, interruptible=False)
         impulse = self._efforts()
         self._mean_torques, self._impulse = (impulse - self._impulse) / self._period, impulse
         self._observe()

@@ -84,7 +84,7 @@ class SingleObjectWorld:
         self._push.F_Bq_W = SpatialForce(np.zeros(3), f_BC_W)
         self._port.FixValue(self._context, [self._push])
         self._steps += 1
-        self._simulator.AdvanceTo(self._steps * self.step_time)
+        self._simulator.AdvanceTo(self._steps * self.step_time, interruptible=False)
         return self._pose()
 
     def _pose(self) -> Array:
