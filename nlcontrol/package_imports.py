@@ -80,8 +80,8 @@ FORMER: dict[str, tuple[str, dict[str, str]]] = {
     "objectmodels.parts": ("objectmodels.models.object_parts", {}),
     "objectmodels.pouring": ("objectmodels.containers.pour_dynamics", {}),
     "objectmodels.tilting": ("objectmodels.mechanics.tilt_limits", {}),
-    "planner.defaults": ("planner.types.defaults", {}),
-    "planner.settings": ("planner.types.defaults", {}),
+    "planner.defaults": ("planner.types.defaults", {"changed": "with_settings"}),
+    "planner.settings": ("planner.types.defaults", {"changed": "with_settings"}),
     "sim.hidden": ("sim.truth.scene_file", {"drawn": "sample_world"}),
 }
 """New name of each former module, and the new names of what was renamed in it.

@@ -63,16 +63,16 @@ def _controller(plan: Plan) -> Iterator[Value]:
 def _outcome(plan: Plan) -> Iterator[Value]:
     yield outcome_value(plan.task, plan)
 
-    def used(prefix: str) -> DefaultUsed | None:
+    def from_table(prefix: str) -> DefaultUsed | None:
         return next((each for each in plan.defaults if each.name.startswith(prefix)), None)
 
     for step in plan.steps:
         match step:
             case LiftUp() if plan.task == "lift":
-                yield amount_value("height", si_text(step.height, "m"), used("lift_"))
+                yield amount_value("height", si_text(step.height, "m"), from_table("lift_"))
             case PourOut():
                 volume = "everything" if step.volume is None else si_text(step.volume, "m³")
-                yield amount_value("volume", volume, used("pour_"))
+                yield amount_value("volume", volume, from_table("pour_"))
                 yield Value("tilt", f"up to {si_text(step.angle, 'rad')}")
             case FlipOver():
                 yield Value("lid", f"{si_text(step.start, 'rad')} to {si_text(step.end, 'rad')}")

@@ -37,7 +37,7 @@ class Value(BaseModel):
 
 
 class Aim(Value):
-    """Where an object should stand at the end, in W.
+    """Pose in which an object should stand at the end, in W.
 
     Attributes:
         x, y: position of B's origin [m].
@@ -50,7 +50,7 @@ class Aim(Value):
 
 
 class Limits(Value):
-    """What stops a push before a constraint of the sentence breaks.
+    """Limits that stop a push before a constraint of the sentence breaks.
 
     Attributes:
         tilt: largest tilt of the object [rad]; None if only its staying on the base matters.
@@ -114,7 +114,7 @@ class Push(Value):
 
 
 class Prediction(Value):
-    """What the object model says the push will do, over everything the finger may transmit.
+    """Prediction of a push by the object model, over everything the finger may transmit.
 
     Attributes:
         outcome: class at the onset of motion.
@@ -147,7 +147,7 @@ class Prediction(Value):
 
 
 class Margins(Value):
-    """How far the push is from the nearest forbidden outcome, in the worst case considered.
+    """Distances of a push from the nearest forbidden outcome, in the worst case considered.
 
     Attributes:
         force: distance in force between the wanted and the nearest forbidden threshold [N].
@@ -183,7 +183,7 @@ class PushAction(Push):
 
 
 class Grasp(Value):
-    """How a hand holds an object, or its lid.
+    """Hold of a hand on an object, or on its lid.
 
     Attributes:
         part: `body`, or `lid` (its knob or cap).
@@ -209,7 +209,7 @@ class Grasp(Value):
 
     @property
     def approach_text(self) -> str:
-        """How the fingers come to it, in words."""
+        """Direction in which the fingers come to it, in words."""
         down = -self.approach_W[2]
         if down > _UPRIGHT:
             return "from above"
@@ -217,22 +217,13 @@ class Grasp(Value):
 
 
 class GraspPrediction(Value):
-    """What is known of a grasp.
-
-    Attributes:
-        holds: probability that it holds through all steps.
-    """
+    """Prediction of a grasp: the probability that it holds through all steps."""
 
     holds: float
 
 
 class GraspAction(Grasp):
-    """A grasp that comes before other steps.
-
-    Attributes:
-        held: whether the hand holds it so already.
-        prediction: whether it will hold.
-    """
+    """A grasp that comes before other steps; `held` if the hand holds it so already."""
 
     held: bool = False
     prediction: GraspPrediction
@@ -269,8 +260,7 @@ class LiftUp(Value):
 class Carry(Value):
     """Over the table with what is held, upright and at the height where it is.
 
-    Attributes:
-        to: where its B goes, or the middle of a lid; the heading is kept if none is given.
+    Its B goes `to` the aim, or the middle of a lid; the heading is kept if none is given.
     """
 
     kind: Literal["carry"] = "carry"
@@ -278,7 +268,7 @@ class Carry(Value):
 
 
 class PourPrediction(Value):
-    """What becomes of contents that are poured.
+    """Prediction of contents that are poured.
 
     Attributes:
         poured, received, spilled: volumes that run out, reach the other object, and do not [m³].
@@ -392,12 +382,7 @@ class TurnCap(Value):
 
 
 class PutOn(Value):
-    """Lowers a lid that is held onto the rim it belongs to, presses it on and lets go.
-
-    Attributes:
-        onto: name of the object it belongs to.
-        press: downward force [N].
-    """
+    """Lowers a lid onto the rim of the object it belongs to, presses it on [N] and lets go."""
 
     kind: Literal["put_on"] = "put_on"
     onto: str

@@ -347,7 +347,7 @@ def table(defaults: Defaults = DEFAULTS) -> tuple[str, ...]:
     return tuple(f"| {' | '.join(row)} |" for row in rows)
 
 
-def changed(defaults: Defaults, values: Mapping[str, float]) -> Defaults:
+def with_settings(defaults: Defaults, values: Mapping[str, float]) -> Defaults:
     """The defaults with some of them set.
 
     Args:

@@ -42,7 +42,7 @@ class Refusal(Value):
 
     @property
     def status(self) -> Literal["refused", "unsupported"]:
-        """Whether the sentence cannot be done, or this robot lacks a capability."""
+        """Outcome of planning: it cannot be done, or this robot lacks a capability for it."""
         return "unsupported" if self.reason == "unsupported" else "refused"
 
 

@@ -19,7 +19,7 @@ import yaml
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from objectmodels.registry.model_files import parse_yaml
-from planner.types.defaults import DEFAULTS, Defaults, DefaultsError, changed
+from planner.types.defaults import DEFAULTS, Defaults, DefaultsError, with_settings
 from sim.cell.cell_description import (
     CellDescription,
     CellObject,
@@ -103,7 +103,7 @@ def _defaults(value: object) -> object:
         return value
     if not isinstance(value, dict):
         raise DefaultsError("defaults are names and numbers, like {distance_m: 0.15}")
-    return changed(DEFAULTS, value)
+    return with_settings(DEFAULTS, value)
 
 
 class Scene(CellParts):

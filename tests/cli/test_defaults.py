@@ -9,7 +9,7 @@ import pytest
 
 from nlcontrol import Controller
 from nlcontrol.cli import run
-from planner.types.defaults import DEFAULTS, changed
+from planner.types.defaults import DEFAULTS, with_settings
 from tests.unit.sim.truth.test_scene_files import SCENE
 
 SENTENCE = "push the crate away"
@@ -41,7 +41,7 @@ def test_the_command_line_stands_over_the_scene(
 
 def test_what_is_given_in_python_stands_over_the_scene(scene: str) -> None:
     assert Controller(scene).defaults.distance == 0.07
-    given = changed(DEFAULTS, {"turn_deg": 30})
+    given = with_settings(DEFAULTS, {"turn_deg": 30})
     assert Controller(scene, defaults=given).defaults == given
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from nlcontrol.cli import run
-from planner.types.defaults import DEFAULTS, Defaults, changed, kinds, settings, table
+from planner.types.defaults import DEFAULTS, Defaults, kinds, settings, table, with_settings
 from tests.unit.sim.truth.test_scene_files import SCENE
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "defaults.md").read_text(encoding="utf-8")
@@ -43,7 +43,7 @@ def test_the_scene_of_the_guide() -> None:
     from sim.truth.scene_file import parse_scene
 
     set_there = {"distance_m": 0.15, "turn_deg": 45, "speed_m_s": 0.03}
-    assert parse_scene(SCENE + _block("yaml")).defaults == changed(DEFAULTS, set_there)
+    assert parse_scene(SCENE + _block("yaml")).defaults == with_settings(DEFAULTS, set_there)
 
 
 def test_the_commands_of_the_guide(capsys: pytest.CaptureFixture[str]) -> None:

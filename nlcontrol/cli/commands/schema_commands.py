@@ -18,12 +18,12 @@ def defaults(scene: str, settings: Settings, as_json: bool) -> int:
     from dataclasses import asdict
 
     from nlcontrol.errors import known_errors_raised
-    from planner.types.defaults import changed, table
     from planner.types.defaults import settings as listed
+    from planner.types.defaults import table, with_settings
     from sim.truth.scene_file import load_scene
 
     with known_errors_raised():
-        found = changed(load_scene(scene).defaults, dict(settings))
+        found = with_settings(load_scene(scene).defaults, dict(settings))
     document = {"defaults": [asdict(setting) for setting in listed(found)]}
     return print_answer(document, table(found), as_json=as_json)
 

@@ -72,12 +72,12 @@ def open_controller(scene: str, seed: int, settings: Settings) -> Controller:
     """
     from nlcontrol.errors import known_errors_raised
     from nlcontrol.session.controller import Controller
-    from planner.types.defaults import changed
+    from planner.types.defaults import with_settings
     from sim.truth.scene_file import load_scene
 
     with known_errors_raised():
         loaded = load_scene(scene)
-        defaults = changed(loaded.defaults, dict(settings))
+        defaults = with_settings(loaded.defaults, dict(settings))
     return Controller(loaded, seed=seed, defaults=defaults)
 
 

@@ -28,14 +28,14 @@ def test_what_stands_askew_is_turned_first(reach: RuledReach) -> None:
 def test_where_it_may_not_be_turned_it_falls_askew_to_the_side_that_is_asked(
     reach: RuledReach,
 ) -> None:
-    made = planned("topple the ice tea box away at the top", _askew(38.0), reach)
+    made = planned("topple the ice tea box away at the top", _askew(41.0), reach)
     assert len(made.pushes) == 1
     heading = math.atan2(made.push.direction_W[1], made.push.direction_W[0])
-    assert heading == pytest.approx(math.radians(38.0), abs=EXACT)
+    assert heading == pytest.approx(math.radians(41.0), abs=EXACT)
     # As likely to one side as to the other.
-    refusal = refused("topple the ice tea box away at the top", _askew(44.0), reach)
+    refusal = refused("topple the ice tea box away at the top", _askew(43.0), reach)
     assert refusal.reason == "impossible"
-    assert "turned by 44° first" in refusal.message
+    assert "turned by 43° first" in refusal.message
 
 
 @pytest.mark.slow

@@ -9,18 +9,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.types.defaults import DEFAULTS, Defaults, DefaultsError, changed, settings
+from planner.types.defaults import DEFAULTS, Defaults, DefaultsError, settings, with_settings
 
 
 def test_what_is_listed_can_be_set_again() -> None:
-    there = changed(DEFAULTS, {s.name: s.value for s in settings()})
+    there = with_settings(DEFAULTS, {s.name: s.value for s in settings()})
     for name, value in vars(DEFAULTS).items():
         # Ten digits are listed.
         assert getattr(there, name) == pytest.approx(value, rel=1e-9)
 
 
 def test_units_of_people_become_si() -> None:
-    found = changed(DEFAULTS, {"turn_deg": 45, "distance_m": 0.2, "force_hard_n": 9, "sigmas": 3})
+    found = with_settings(
+        DEFAULTS, {"turn_deg": 45, "distance_m": 0.2, "force_hard_n": 9, "sigmas": 3}
+    )
     assert (found.turn, found.distance) == (math.radians(45), 0.2)
     assert (found.force_hard, found.sigmas) == (9, 3)
     assert found == replace(DEFAULTS, turn=math.radians(45), distance=0.2, force_hard=9, sigmas=3)
@@ -45,11 +47,11 @@ def test_units_of_people_become_si() -> None:
 )
 def test_values_out_of_range(name: str, value: float, message: str) -> None:
     with pytest.raises(DefaultsError, match=message):
-        changed(DEFAULTS, {name: value})
+        with_settings(DEFAULTS, {name: value})
 
 
 def test_a_gap_may_be_nothing() -> None:
-    assert changed(DEFAULTS, {"place_gap_m": 0}).place_gap == 0
+    assert with_settings(DEFAULTS, {"place_gap_m": 0}).place_gap == 0
 
 
 @pytest.mark.parametrize(
@@ -63,7 +65,7 @@ def test_a_gap_may_be_nothing() -> None:
 )
 def test_a_name_that_is_none_gets_a_suggestion(said: str, meant: str) -> None:
     with pytest.raises(DefaultsError) as raised:
-        changed(DEFAULTS, {said: 1.0})
+        with_settings(DEFAULTS, {said: 1.0})
     assert meant in raised.value.suggestions[0]
 
 
@@ -77,7 +79,7 @@ def test_fields_are_kept_in_their_ranges_too() -> None:
 @given(st.dictionaries(st.text(max_size=12), st.floats(), max_size=3))
 def test_whatever_is_set_is_taken_or_refused_with_a_reason(values: dict[str, float]) -> None:
     try:
-        found = changed(DEFAULTS, values)
+        found = with_settings(DEFAULTS, values)
     except DefaultsError as raised:
         assert str(raised)  # noqa: PT017
     else:
