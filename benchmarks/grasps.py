@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from objectmodels.mechanics.grasp_stability import Contacts, slip_multiplier
+from objectmodels.mechanics.grasp_stability import Contacts, GraspLoads
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from sim.hands.hand_model import Angles, GraspPosture
 from sim.rotations import Array
@@ -58,7 +58,8 @@ class Case:
         contacts = Contacts.from_arrays(grip.grip.contacts, grip.grip.shares)
         force = np.array([[0.0, -self.mass * GRAVITY, 0.0]])
         place = np.array([[0.0, self.com[1], self.com[0]]])
-        return float(slip_multiplier(contacts, self.squeeze, self.friction, force, place)[0])
+        loads = GraspLoads.on_contacts(contacts, force, place)
+        return float(loads.slip_multiplier(self.squeeze, self.friction)[0])
 
 
 def drawn(cases: int, seed: int) -> list[Case]:

@@ -56,7 +56,7 @@ SMALLEST_SHARE = 1e-3
 """A worst case never takes a friction radius below this share of its nominal value."""
 
 STEPS = (0.1, 0.05, 0.025, 0.0125)
-"""Steps of `refined`, in shares."""
+"""Steps of `refine_directions`, in shares."""
 
 RING = 32
 """Directions on the outer ring for a margin: adjacent ones are 11° apart."""
@@ -200,6 +200,54 @@ def refine_directions(value: Callable[[Array], Array], shares: Array, limit: flo
 
 
 @dataclass(frozen=True)
+class _MarginSearch:
+    """Search for the least margin of each contact over the cone.
+
+    It starts from the worst direction of each quadrant of the cone that comes near the worst of
+    all, since there may be several minima.
+
+    Attributes:
+        least: over fixed directions, shape (n,) [N].
+        starts: shares to search from, a quadrant each, shape (4, n, 2).
+        near: which of them come near enough, shape (4, n).
+        margin: maps contacts (m,) and shares (m, j, 2) to margins (m, j) [N].
+    """
+
+    least: Array
+    starts: Array
+    near: NDArray[np.bool_]
+    margin: Callable[[Index, Array], Array]
+
+    @classmethod
+    def begin(
+        cls,
+        margins: Array,
+        shares: Array,
+        margin: Callable[[Index, Array], Array],
+        weight: float,
+    ) -> _MarginSearch:
+        """The search after the margins (n, j) of fixed directions, shares (n, j, 2)."""
+        least, rows = margins.min(axis=1), np.arange(len(margins))
+        quadrant = 2 * (shares[..., 0] > 0.0) + (shares[..., 1] > 0.0)
+        inside = np.where(quadrant == np.arange(4)[:, None, None], margins, np.inf)
+        j = inside.argmin(axis=2)
+        near = inside[np.arange(4)[:, None], rows, j] <= least + NEAR * weight
+        return cls(least, shares[rows, j], near, margin)
+
+    def least_margin(self) -> Array:
+        """Least margin of each contact, refined where it is positive, shape (n,) [N]."""
+        least = self.least.copy()
+        q, i = np.nonzero(self.near & (least > 0.0))
+        found = np.full(self.near.shape, np.inf)
+        found[q, i] = refine_directions(
+            partial(self.margin, i), self.starts[q, i], 1.0 / np.cos(np.pi / RING)
+        )
+        for each in found:
+            least = np.where(least > 0.0, np.minimum(least, each), least)
+        return least
+
+
+@dataclass(frozen=True)
 class ConeThresholds:
     """Extremes over a fingertip's friction cone and the parameters; arrays over n contacts.
 
@@ -208,11 +256,6 @@ class ConeThresholds:
     given as infinite, since no contact can be there.
 
     Attributes:
-        slides: every one of the forces makes the object slide before it topples.
-        topples: every one of them topples it before it slides.
-        slide_margin: smallest topple threshold less slide threshold over all of them; negative if
-            some topple it first, −inf if some jam.
-        topple_margin: smallest slide threshold less topple threshold; −inf if some never topple it.
         slide_max: largest force needed until it slides.
         topple_max: largest force needed until it topples.
         height_below: contact height below which all of them make it slide first; inf if none on
@@ -225,10 +268,6 @@ class ConeThresholds:
             the inward normal (h* = b/μ for a centred contact); inf if it never topples.
     """
 
-    slides: NDArray[np.bool_]
-    topples: NDArray[np.bool_]
-    slide_margin: Array
-    topple_margin: Array
     slide_max: Array
     topple_max: Array
     height_below: Array
@@ -236,7 +275,35 @@ class ConeThresholds:
     critical_height: Array
     slides_most: Array
     topples_most: Array
+    _slide_search: _MarginSearch = field(repr=False)
+    _topple_search: _MarginSearch = field(repr=False)
     _contacts: tuple[PushedBody, Array, Array, bool] = field(repr=False)
+
+    @property
+    def slides(self) -> NDArray[np.bool_]:
+        """Every one of the forces makes the object slide before it topples, shape (n,)."""
+        return self.slide_margin > 0.0
+
+    @property
+    def topples(self) -> NDArray[np.bool_]:
+        """Every one of the forces topples the object before it slides, shape (n,)."""
+        return self.topple_margin > 0.0
+
+    @cached_property
+    def slide_margin(self) -> Array:
+        """Smallest topple threshold less slide threshold over all forces, shape (n,) [N].
+
+        Negative if some topple it first, −inf if some jam. Refined when first read.
+        """
+        return self._slide_search.least_margin()
+
+    @cached_property
+    def topple_margin(self) -> Array:
+        """Smallest slide threshold less topple threshold over all forces, shape (n,) [N].
+
+        −inf if some never topple it. Refined when first read.
+        """
+        return self._topple_search.least_margin()
 
     @cached_property
     def probability_slide(self) -> Array:
@@ -288,15 +355,9 @@ def cone_thresholds(
         slide, topple = slippery.thresholds(p[i, None], contact_forces(normals[i, None], reach * x))
         return force_gap(topple, slide)
 
-    slides_by = _refined_margins(slide_gap, shares[at], slide_margin, model.weight)
-    topples_by = _refined_margins(topple_gap, shares[at], topple_margin, model.weight)
     nominal = Case.from_model(model, 0.0, yaw=yaw)
     critical = nominal.equal_height(foot, -facing, nominal.slide_force(foot, -facing))
     return ConeThresholds(
-        slides=slides_by > 0.0,
-        topples=topples_by > 0.0,
-        slide_margin=slides_by,
-        topple_margin=topples_by,
         slide_max=slide_most.max(axis=1)[at],
         topple_max=topple_most.max(axis=1),
         height_below=_contact_height(below, model.top)[at],
@@ -304,6 +365,8 @@ def cone_thresholds(
         critical_height=_contact_height(critical, model.top)[at],
         slides_most=_chosen_directions(f[at], slide_gap.argmax(axis=1)),
         topples_most=_chosen_directions(f[at], slide_gap.argmin(axis=1)),
+        _slide_search=_MarginSearch.begin(slide_gap, shares[at], slide_margin, model.weight),
+        _topple_search=_MarginSearch.begin(topple_gap, shares[at], topple_margin, model.weight),
         _contacts=(model, p, normals, yaw),
     )
 
@@ -312,27 +375,6 @@ def _chosen_directions(f: Array, chosen: Index) -> Array:
     """The chosen ones of forces (n, j, 3) as unit directions, shape (n, 3)."""
     picked = f[np.arange(len(f)), chosen]
     return np.asarray(picked / np.linalg.norm(picked, axis=1, keepdims=True))
-
-
-def _refined_margins(
-    margins: Array, shares: Array, value: Callable[[Index, Array], Array], weight: float
-) -> Array:
-    """Least of the margins (n, j) of each contact, refined where it is positive, shape (n,).
-
-    The search starts from the worst direction of each quadrant of the cone that comes near the
-    worst of all, since there may be several minima.
-    """
-    least: Array = margins.min(axis=1)
-    near = least + NEAR * weight
-    quadrant = 2 * (shares[..., 0] > 0.0) + (shares[..., 1] > 0.0)
-    for q in range(4):
-        inside = np.where(quadrant == q, margins, np.inf)
-        j = inside.argmin(axis=1)
-        start = inside[np.arange(len(inside)), j]
-        (i,) = np.nonzero((least > 0.0) & (start <= near))
-        found = refine_directions(partial(value, i), shares[i, j[i]], 1.0 / np.cos(np.pi / RING))
-        least[i] = np.minimum(least[i], found)
-    return least
 
 
 def _height_below(case: Case, foot: Array, f: Array, slide: Array) -> Array:

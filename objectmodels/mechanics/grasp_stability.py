@@ -36,6 +36,8 @@ from objectmodels.mechanics.outcome_probability import (
 from objectmodels.mechanics.push_thresholds import GRAVITY
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from objectmodels.geometry.pushed_body import PushedBody
 
 STRONGEST = 1e4
@@ -84,80 +86,106 @@ class Contacts:
         return np.asarray(np.linalg.pinv(balance, rcond=1e-9))
 
 
-def normal_loads(contacts: Contacts, squeeze: ArrayLike, force: Array, place: Array) -> Array:
-    """Normal loads of the contacts, shape (k, n) [N]; negative where one would open.
-
-    Squeezes are (n,) or one number [N]; forces (n, 3) [N] act on what is held at places (n, 3) [m],
-    in G.
-    """
-    F_x = force[:, 0]
-    _, y, z = place.T
-    # Friction bears the tangential load; shared between the sides it has no moment but about x.
-    wrench = np.stack([F_x, z * F_x, -y * F_x])
-    shared = np.outer(contacts.shares, np.broadcast_to(squeeze, len(force)))
-    return np.asarray(shared + contacts.spread_load @ wrench)
-
-
-def critical_friction(contacts: Contacts, squeeze: ArrayLike, force: Array, place: Array) -> Array:
-    """Coefficient of friction below which it slips, shape (n,); infinite if a contact opens.
-
-    Squeeze, force and place are those of `normal_loads`.
-    """
-    loads = normal_loads(contacts, squeeze, force, place)
-    tangential = np.hypot(force[:, 1], force[:, 2])
-    needed = np.zeros(len(force))
-    opens = (loads < _LEAST_PRESS * np.max(loads, axis=0)).any(axis=0)
-    needed[opens] = np.inf
-    (i,) = np.nonzero(~opens & (tangential > _LEAST_LOAD * np.linalg.norm(force, axis=1)))
-    if i.size:
-        total = loads[:, i].sum(axis=0)
-        u = force[i, 1:] / tangential[i, None]  # along y and z
-        z, y = contacts.places.T
-        d_y, d_z = y[:, None] - place[i, 1], z[:, None] - place[i, 2]
-        along, left = d_y * u[:, 0] + d_z * u[:, 1], d_z * u[:, 0] - d_y * u[:, 1]
-        ratio = friction_limit(loads[:, i] / total, along, left).ratio
-        needed[i] = tangential[i] / (total * ratio)
-    return needed
-
-
-def slip_multiplier(
-    contacts: Contacts, squeeze: ArrayLike, friction: ArrayLike, force: Array, place: Array
-) -> Array:
-    """Friction of a grasp over the friction that it needs, shape (n,); below 1 it slips."""
-    with np.errstate(divide="ignore"):
-        needed = critical_friction(contacts, squeeze, force, place)
-        return np.asarray(np.broadcast_to(friction, needed.shape) / needed)
-
-
-def squeeze_needed(contacts: Contacts, friction: ArrayLike, force: Array, place: Array) -> Array:
-    """Least squeeze that holds each load, shape (n,) [N]; infinite beyond `STRONGEST`.
-
-    The friction of the fingertips is (n,) or one number, force and place are those of
-    `normal_loads`. More squeeze never holds less, so that a bisection finds it.
-    """
-    n = len(force)
-    low, high = np.full(n, 1e-3), np.full(n, STRONGEST)
-    holds = slip_multiplier(contacts, high, friction, force, place) >= 1.0
-    for _ in range(_STEPS):
-        middle = np.sqrt(low * high)
-        enough = slip_multiplier(contacts, middle, friction, force, place) >= 1.0
-        low, high = np.where(enough, low, middle), np.where(enough, middle, high)
-    return np.where(holds, high, np.inf)
-
-
 @dataclass(frozen=True)
-class Hold:
-    """Belief about a grasp over a motion.
+class GraspLoads:
+    """Loads on grasps of k contacts each, n of them, each at a grasp of its own.
 
     Attributes:
-        needed: least squeeze with everything as believed [N].
-        worst: the same in the worst case considered [N].
-        probability: that the squeeze asked about holds over the whole motion.
+        shares: of the squeeze that each contact bears, shape (k, n).
+        across: normal loads that the loads themselves bring, shape (k, n) [N].
+        along, left: places of the contacts along the tangential load, and their distances to the
+            left of its line of action, shape (k, n) [m].
+        tangential: load in the plane of the sides, shape (n,) [N].
+        size: the whole load, shape (n,) [N].
     """
 
-    needed: float
-    worst: float
-    probability: float
+    shares: Array
+    across: Array
+    along: Array
+    left: Array
+    tangential: Array
+    size: Array
+
+    @classmethod
+    def on_contacts(cls, contacts: Contacts, force: Array, place: Array) -> GraspLoads:
+        """Loads on one grasp.
+
+        Args:
+            contacts: of the grasp.
+            force: on what is held, in G, shape (n, 3) [N].
+            place: where it acts, in G, shape (n, 3) [m].
+        """
+        F_x = force[:, 0]
+        _, y, z = place.T
+        # Friction bears the tangential load; shared between the sides it has no moment but about x.
+        wrench = np.stack([F_x, z * F_x, -y * F_x])
+        tangential = np.hypot(force[:, 1], force[:, 2])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            u = force[:, 1:] / tangential[:, None]  # along y and z
+        z_k, y_k = contacts.places.T
+        d_y, d_z = y_k[:, None] - y, z_k[:, None] - z
+        return cls(
+            np.repeat(contacts.shares[:, None], len(force), axis=1),
+            np.asarray(contacts.spread_load @ wrench),
+            d_y * u[:, 0] + d_z * u[:, 1],
+            d_z * u[:, 0] - d_y * u[:, 1],
+            tangential,
+            np.linalg.norm(force, axis=1),
+        )
+
+    @classmethod
+    def join(cls, parts: Sequence[GraspLoads]) -> GraspLoads:
+        """All loads of several, in their order; all of k contacts."""
+        columns = zip(*(vars(part).values() for part in parts), strict=True)
+        return cls(*(np.concatenate(each, axis=-1) for each in columns))
+
+    def normal_loads(self, squeeze: Array | float) -> Array:
+        """Normal loads of the contacts, shape (k, n) [N]; negative where one would open.
+
+        Args:
+            squeeze: shape (n,) or one number [N].
+        """
+        return np.asarray(self.shares * squeeze + self.across)
+
+    def critical_friction(self, squeeze: Array | float) -> Array:
+        """Coefficient of friction below which it slips, shape (n,); infinite if a contact opens.
+
+        Args:
+            squeeze: shape (n,) or one number [N].
+        """
+        loads = self.normal_loads(squeeze)
+        needed = np.zeros(len(self.size))
+        opens = (loads < _LEAST_PRESS * np.max(loads, axis=0)).any(axis=0)
+        needed[opens] = np.inf
+        (i,) = np.nonzero(~opens & (self.tangential > _LEAST_LOAD * self.size))
+        if i.size:
+            total = loads[:, i].sum(axis=0)
+            ratio = friction_limit(loads[:, i] / total, self.along[:, i], self.left[:, i]).ratio
+            needed[i] = self.tangential[i] / (total * ratio)
+        return needed
+
+    def slip_multiplier(self, squeeze: Array | float, friction: Array | float) -> Array:
+        """Friction of a grasp over the friction that it needs, shape (n,); below 1 it slips."""
+        with np.errstate(divide="ignore"):
+            needed = self.critical_friction(squeeze)
+            return np.asarray(np.broadcast_to(friction, needed.shape) / needed)
+
+    def squeeze_needed(self, friction: Array | float) -> Array:
+        """Least squeeze that holds each load, shape (n,) [N]; infinite beyond `STRONGEST`.
+
+        More squeeze never holds less, so that a bisection finds it.
+
+        Args:
+            friction: of the fingertips, shape (n,) or one number.
+        """
+        n = len(self.size)
+        low, high = np.full(n, 1e-3), np.full(n, STRONGEST)
+        holds = self.slip_multiplier(high, friction) >= 1.0
+        for _ in range(_STEPS):
+            middle = np.sqrt(low * high)
+            enough = self.slip_multiplier(middle, friction) >= 1.0
+            low, high = np.where(enough, low, middle), np.where(enough, middle, high)
+        return np.where(holds, high, np.inf)
 
 
 @dataclass(frozen=True)
@@ -180,21 +208,6 @@ class Lifted:
     down_B: Array
     acceleration: float = 0.0
 
-    def hold_by(self, squeeze: float, *, sigmas: float = 2.0) -> Hold:
-        """Squeeze needed over the motion, and the probability that a given squeeze [N] holds.
-
-        In the worst case mass, friction and centre of mass are `sigmas` standard deviations off.
-        """
-        model = self.model
-        mass, com = np.array([model.mass]), np.array([model.com])
-        nominal = self._needed_squeeze(mass, com, np.array([model.finger_friction]))
-        signs = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
-        heavy = np.full(len(signs), model.mass + sigmas * model.mass_sd)
-        slippery = max(model.finger_friction - sigmas * model.finger_friction_sd, 1e-3)
-        off = np.array(model.com) + sigmas * signs * np.array(model.com_sd)
-        worst = self._needed_squeeze(heavy, off, np.full(len(signs), slippery))
-        return Hold(float(nominal[0]), float(worst.max()), self.hold_probability(squeeze))
-
     def hold_probability(self, squeeze: float) -> float:
         """Probability that a squeeze holds over the whole motion.
 
@@ -205,26 +218,57 @@ class Lifted:
         z = normal_nodes(NODES)
         mass = np.maximum(model.mass + model.mass_sd * z[:, 0], SMALLEST_SHARE * model.mass)
         com = np.array(model.com) + np.array(model.com_sd) * z[:, 1:]
-        force, place = self._weights_in_grasp(mass, com)
-        critical = critical_friction(self.contacts, squeeze, force, place)
-        critical = critical.reshape(NODES, -1).max(axis=1)
+        critical = self.loads(mass, com).critical_friction(squeeze).reshape(NODES, -1).max(axis=1)
         mean, sd = model.finger_friction, model.finger_friction_sd
         if sd <= 0.0:
             return float(np.mean(critical <= mean))
         return float(np.mean(normal_cdf((mean - critical) / sd)))
 
-    def _needed_squeeze(self, mass: Array, com: Array, friction: Array) -> Array:
-        """Squeeze needed over the whole motion by each of n cases, shape (n,) [N]."""
-        force, place = self._weights_in_grasp(mass, com)
-        each = np.repeat(friction, len(self.down_B))
-        needed = squeeze_needed(self.contacts, each, force, place)
-        return np.asarray(needed.reshape(len(mass), -1).max(axis=1))
+    def loads(self, mass: Array, com: Array) -> GraspLoads:
+        """Weights of n cases through the m directions, a load each, n m in all.
 
-    def _weights_in_grasp(self, mass: Array, com: Array) -> tuple[Array, Array]:
-        """Weights and where they act in G, for n cases and m directions, shapes (n m, 3)."""
+        Args:
+            mass: shape (n,) [kg].
+            com: centres of mass in B, shape (n, 3) [m].
+        """
         m = len(self.down_B)
         down = self.down_B @ self.R_BG
         place = (com - self.p_BG) @ self.R_BG
         pull = mass * (GRAVITY + self.acceleration)
         force = (pull[:, None, None] * down).reshape(-1, 3)
-        return force, np.repeat(place, m, axis=0)
+        return GraspLoads.on_contacts(self.contacts, force, np.repeat(place, m, axis=0))
+
+
+def least_squeezes(grasps: Sequence[Lifted], *, sigmas: float = 2.0) -> tuple[Array, Array]:
+    """Least squeezes that hold through each motion, as believed and at worst, each (n,) [N].
+
+    All grasps are searched together, which takes hardly longer than one.
+
+    Args:
+        grasps: n objects in a hand.
+        sigmas: standard deviations of mass, friction and centre of mass of the worst case.
+    """
+    found = np.zeros((2, len(grasps)))
+    for k in {len(each.contacts.shares) for each in grasps}:
+        parts, friction, owner = [], [], []
+        for i, each in enumerate(grasps):
+            if len(each.contacts.shares) != k:
+                continue
+            for row, (loads, mu) in enumerate(_believed_and_worst(each, sigmas)):
+                parts.append(loads)
+                friction.append(np.full(len(loads.size), mu))
+                owner.append(np.tile([[row], [i]], len(loads.size)))
+        needed = GraspLoads.join(parts).squeeze_needed(np.concatenate(friction))
+        np.maximum.at(found, tuple(np.concatenate(owner, axis=1)), needed)
+    return found[0], found[1]
+
+
+def _believed_and_worst(lifted: Lifted, sigmas: float) -> list[tuple[GraspLoads, float]]:
+    """Loads with everything as believed, and at their worst, each with the fingers' friction."""
+    model = lifted.model
+    signs = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+    heavy = np.full(len(signs), model.mass + sigmas * model.mass_sd)
+    off = np.array(model.com) + sigmas * signs * np.array(model.com_sd)
+    slippery = max(model.finger_friction - sigmas * model.finger_friction_sd, 1e-3)
+    nominal = lifted.loads(np.array([model.mass]), np.array([model.com]))
+    return [(nominal, model.finger_friction), (lifted.loads(heavy, off), slippery)]

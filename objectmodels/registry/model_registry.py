@@ -14,6 +14,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from importlib.resources import as_file, files
 from os import PathLike
@@ -85,10 +86,7 @@ class Registry:
     @classmethod
     def built_in(cls) -> Registry:
         """A registry of the built-in models alone."""
-        registry = cls()
-        with as_file(files("objectmodels.registry") / "builtin") as folder:
-            registry.load(folder, place="built in")
-        return registry
+        return _built_in().copy()
 
     def load_plugins(self) -> None:
         """Adds kinds and models of the installed plug-ins; the broken ones go to `problems`."""
@@ -279,6 +277,15 @@ class Registry:
 
     def __contains__(self, name: str) -> bool:
         return fold_text(name) in self._models
+
+
+@cache
+def _built_in() -> Registry:
+    """The built-in models, read once, since neither the files nor a model ever changes."""
+    registry = Registry()
+    with as_file(files("objectmodels.registry") / "builtin") as folder:
+        registry.load(folder, place="built in")
+    return registry
 
 
 def plugin_offers() -> Iterator[tuple[str, Offer | ModelError]]:

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.mechanics.grasp_stability import STRONGEST, Contacts, Lifted
+from objectmodels.mechanics.grasp_stability import Contacts, Lifted, least_squeezes
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from objectmodels.models.object_model import ObjectModel
 from planner.grasping.grasp_sampling import Candidate
@@ -140,9 +140,7 @@ def stable_grasps(problem: GraspProblem, bearings: Sequence[GraspLoad]) -> list[
         NoPlanError: none does.
     """
     d, known = problem.defaults, _GraspBeliefs(problem.target.model)
-    just, worst = (
-        np.array(found) for found in zip(*map(known.squeeze_needed, bearings), strict=True)
-    )
+    just, worst = known.squeezes_needed(bearings)
     wanted = problem.force.reserve * just
     limit = np.array([strongest(problem, each.candidate) for each in bearings])
     spare = limit / wanted
@@ -226,17 +224,19 @@ class _GraspBeliefs:
 
     def __init__(self, model: ObjectModel) -> None:
         self._model = model
-        self._needed: dict[bytes, tuple[float, float]] = {}
         self._likely: dict[bytes, float] = {}
 
-    def squeeze_needed(self, bearing: GraspLoad) -> tuple[float, float]:
-        """Squeeze with everything as believed, and in the worst case [N]."""
-        lifted = bearing.lifted_object(self._model)
-        key = self._cache_key(lifted)
-        if key not in self._needed:
-            found = lifted.hold_by(STRONGEST)
-            self._needed[key] = found.needed, found.worst
-        return self._needed[key]
+    def squeezes_needed(self, bearings: Sequence[GraspLoad]) -> tuple[Array, Array]:
+        """Squeezes with everything as believed, and in the worst case, each shape (n,) [N]."""
+        lifted = [bearing.lifted_object(self._model) for bearing in bearings]
+        keys = [self._cache_key(each) for each in lifted]
+        distinct: dict[bytes, Lifted] = {}
+        for key, each in zip(keys, lifted, strict=True):
+            distinct.setdefault(key, each)
+        where = {key: i for i, key in enumerate(distinct)}
+        needed, worst = least_squeezes(list(distinct.values()))
+        at = [where[key] for key in keys]
+        return needed[at], worst[at]
 
     def probability(self, bearing: GraspLoad, squeeze: float) -> float:
         """Probability that a squeeze holds."""

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from objectmodels import ConeThresholds, Face, ObjectModel
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.mechanics.friction_cone import worst_probability
 from planner.geometry.directions import angle_between
 from planner.problem.planning_problem import PushProblem, PushStep, Side
 from planner.types.robot import RobotLimits
@@ -278,8 +279,7 @@ def _rate_face(
     chosen = _spread_out(order[: np.count_nonzero(holds)])
     probability = np.empty(0)
     if len(chosen):
-        few = model.cone_thresholds(points[chosen], normals[chosen], sigmas=sigmas, yaw=turning)
-        probability = few.probability_slide if outcome == "slide" else few.probability_topple
+        probability = worst_probability(model, points[chosen], normals[chosen], turning, outcome)
         likely = probability >= least
         chosen, probability = chosen[likely], probability[likely]
     return _Rating(

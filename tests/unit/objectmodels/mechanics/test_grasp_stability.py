@@ -1,5 +1,7 @@
 """Whether a grasp holds a load of any direction."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -8,11 +10,9 @@ from hypothesis import strategies as st
 from objectmodels.errors import ModelError
 from objectmodels.mechanics.grasp_stability import (
     Contacts,
+    GraspLoads,
     Lifted,
-    critical_friction,
-    normal_loads,
-    slip_multiplier,
-    squeeze_needed,
+    least_squeezes,
 )
 from objectmodels.models.upright_solids import BoxModel
 
@@ -24,8 +24,12 @@ WEIGHT = 3.0
 DOWN, MIDDLE = np.array([[0.0, -WEIGHT, 0.0]]), np.zeros((1, 3))
 
 
+def _loads(force: np.ndarray, place: np.ndarray) -> GraspLoads:
+    return GraspLoads.on_contacts(CONTACTS, force, place)
+
+
 def test_a_weight_in_the_middle_is_borne_by_both_sides() -> None:
-    needed = squeeze_needed(CONTACTS, 0.6, DOWN, MIDDLE)
+    needed = _loads(DOWN, MIDDLE).squeeze_needed(0.6)
     np.testing.assert_allclose(needed, WEIGHT / (2.0 * 0.6), rtol=1e-6)
 
 
@@ -34,16 +38,16 @@ def test_a_weight_beside_the_contacts_turns_about_one_of_them() -> None:
     off = 0.04
     place = np.array([[0.0, 0.0, off]])
     mu, squeeze = 0.6, 5.0
-    needed = critical_friction(CONTACTS, squeeze, DOWN, place)[0]
+    needed = _loads(DOWN, place).critical_friction(squeeze)[0]
     # Between turning about the middle, which is one way to slip, and the moment alone.
     about_middle = WEIGHT * off / (2.0 * squeeze / 3.0 * HALF)
     assert needed > about_middle - 1e-9
-    assert slip_multiplier(CONTACTS, squeeze, mu, DOWN, place)[0] == pytest.approx(mu / needed)
+    assert _loads(DOWN, place).slip_multiplier(squeeze, mu)[0] == pytest.approx(mu / needed)
 
 
 def test_what_presses_balances_the_load_across() -> None:
     force, place = np.array([[2.0, -1.0, 0.0]]), np.array([[0.0, 0.03, 0.0]])
-    loads = normal_loads(CONTACTS, 8.0, force, place)[:, 0]
+    loads = _loads(force, place).normal_loads(8.0)[:, 0]
     on_it = np.array([-1.0, 1.0, 1.0, 1.0]) * loads
     assert on_it.sum() + force[0, 0] == pytest.approx(0.0, abs=1e-9)
     y = CONTACTS.places[:, 1]
@@ -53,14 +57,14 @@ def test_what_presses_balances_the_load_across() -> None:
 
 def test_a_contact_that_would_open_holds_nothing() -> None:
     force, place = np.array([[3.0, -0.1, 0.0]]), np.array([[0.0, 0.08, 0.0]])
-    assert np.isinf(critical_friction(CONTACTS, 1.0, force, place))[0]
-    assert np.isfinite(squeeze_needed(CONTACTS, 0.6, force, place))[0]
+    assert np.isinf(_loads(force, place).critical_friction(1.0))[0]
+    assert np.isfinite(_loads(force, place).squeeze_needed(0.6))[0]
 
 
 def test_a_weight_straight_onto_the_thumb_cannot_slip() -> None:
     force = np.array([[WEIGHT, 0.0, 0.0]])
-    assert critical_friction(CONTACTS, 8.0, force, MIDDLE)[0] == 0.0
-    assert np.isinf(slip_multiplier(CONTACTS, 8.0, 0.5, force, MIDDLE))[0]
+    assert _loads(force, MIDDLE).critical_friction(8.0)[0] == 0.0
+    assert np.isinf(_loads(force, MIDDLE).slip_multiplier(8.0, 0.5))[0]
 
 
 @settings(max_examples=30)
@@ -77,10 +81,10 @@ def test_more_squeeze_never_holds_less(
 ) -> None:
     force = WEIGHT * np.array([[np.sin(tilt), -np.cos(tilt), 0.0]])
     place = np.array([[0.0, y, z]])
-    needed = squeeze_needed(CONTACTS, mu, force, place)
+    needed = _loads(force, place).squeeze_needed(mu)
     if np.isfinite(needed[0]) and needed[0] > 0.01:
-        assert slip_multiplier(CONTACTS, more * needed, mu, force, place)[0] >= 1.0
-        assert slip_multiplier(CONTACTS, needed / more, mu, force, place)[0] <= 1.0 + 1e-6
+        assert _loads(force, place).slip_multiplier(more * needed, mu)[0] >= 1.0
+        assert _loads(force, place).slip_multiplier(needed / more, mu)[0] <= 1.0 + 1e-6
 
 
 def test_contacts_that_do_not_fit_are_refused() -> None:
@@ -107,24 +111,32 @@ def _lifted(tilts: np.ndarray) -> Lifted:
 
 
 def test_the_worst_case_needs_more_and_holds_surely() -> None:
-    hold = _lifted(np.zeros(1)).hold_by(8.0)
-    assert hold.needed == pytest.approx(0.34 * 9.81 / 1.2, rel=1e-6)
-    assert hold.worst > hold.needed
-    assert hold.probability > 0.999
-    assert (
-        _lifted(np.zeros(1)).hold_probability(hold.worst) > 0.95
-    )  # two standard deviations of each
+    lifted = _lifted(np.zeros(1))
+    (needed,), (worst,) = least_squeezes([lifted])
+    assert needed == pytest.approx(0.34 * 9.81 / 1.2, rel=1e-6)
+    assert worst > needed
+    assert lifted.hold_probability(8.0) > 0.999
+    assert lifted.hold_probability(worst) > 0.95  # two standard deviations of each
 
 
 def test_what_just_holds_is_a_toss_up() -> None:
     lifted = _lifted(np.zeros(1))
     # Off the middle it only holds less, so that a little less than a half is left.
-    assert 0.3 < lifted.hold_probability(lifted.hold_by(8.0).needed) < 0.52
+    assert 0.3 < lifted.hold_probability(least_squeezes([lifted])[0][0]) < 0.52
 
 
 def test_a_motion_needs_what_its_worst_pose_needs() -> None:
     tilts = np.linspace(0.0, 2.0, 9)
-    whole = _lifted(tilts).hold_by(8.0)
-    each = [_lifted(np.array([tilt])).hold_by(8.0) for tilt in tilts]
-    assert whole.needed == pytest.approx(max(one.needed for one in each), rel=1e-6)
-    assert whole.probability <= min(one.probability for one in each) + 1e-9
+    whole, each = _lifted(tilts), [_lifted(np.array([tilt])) for tilt in tilts]
+    (needed,), _ = least_squeezes([whole])
+    assert needed == pytest.approx(max(least_squeezes(each)[0]), rel=1e-6)
+    assert whole.hold_probability(8.0) <= min(one.hold_probability(8.0) for one in each) + 1e-9
+
+
+def test_grasps_searched_together_are_those_searched_alone() -> None:
+    two = Contacts.from_arrays([[0.0, 0.0], [0.0, HALF], [0.0, -HALF]], [1.0, 0.5, 0.5])
+    grasps = [_lifted(np.linspace(0.0, tilt, 4)) for tilt in (0.1, 0.7, 1.5)]
+    grasps.insert(1, replace(grasps[0], contacts=two))  # with one contact less than the others
+    alone = [least_squeezes([grasp]) for grasp in grasps]
+    for together, each in zip(least_squeezes(grasps), zip(*alone, strict=True), strict=True):
+        np.testing.assert_array_equal(together, np.concatenate(each))
