@@ -20,7 +20,7 @@ from sim.motion.robot_reach import ArmHandReach
 from sim.perception.state_estimation import estimate_objects
 from sim.standard_robot import ARM, HAND
 from sim.truth.scene_file import Scene, load_scene
-from sim.worlds.drake.vision_port import initial_frames
+from sim.worlds.drake.camera_port import initial_frames
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel

@@ -128,7 +128,7 @@ class Controller:
         return resolve_references(command, on_table, tuple(self.registry), self.look, context)
 
     def look(self) -> WorldState:
-        """What the robot believes now: poses from the vision port, models from the registry."""
+        """What the robot believes now: poses from the camera port, models from the registry."""
         return self.executor.look(self.models)
 
     @property

@@ -2,7 +2,7 @@
 
 Frames: W is the world, z up, the table plane is z = 0; B is an object's frame with its origin
 at the centre of the base the object stands on. Nothing in here may come from the simulated
-world's truth: poses come through the vision port, geometry and physics from the registry.
+world's truth: poses come through the camera port, geometry and physics from the registry.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class SeenObject:
 
     Attributes:
         name: the object's name in the scene; unique.
-        pose: where the vision port sees it.
+        pose: where the camera port sees it.
         model: the registry's model of it (the belief, never the truth), as it lies.
         lies_on: name of the face that is below; `bottom` if it stands as its model does.
         colour: what the camera sees, red, green, blue in 0…1; None if it was not looked at.

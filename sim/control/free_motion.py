@@ -60,12 +60,7 @@ class RobotSetup:
 
 
 def watch(recorder: TraceRecorder, duration: float) -> list[Frame]:
-    """Waits and returns the camera frames that arrive meanwhile.
-
-    Args:
-        recorder: of the robot.
-        duration: how long [s]; longer if no frame arrives.
-    """
+    """Waits [s], longer if no frame arrives; returns the camera frames that arrive meanwhile."""
     port = recorder.port
     frames = port.frames()
     steps = round(duration / port.period)
@@ -90,11 +85,8 @@ def transit(
 ) -> None:
     """Free motion of the arm along a way, the hand taking its posture, which pushes from then on.
 
-    Args:
-        recorder: through which the robot is stepped.
-        posture: of the hand.
-        way: arm angles, shape (7,) each [rad].
-        came: gets the arm angles at the start and on the way, without its end, as it is made.
+    As it is made, `came` gets the arm angles at the start and on the way, without its end, shape
+    (7,) each [rad].
     """
     recorder.begin("transit", f"moving the hand ({posture.name})")
     recorder.fingers = posture.pushing
@@ -104,12 +96,9 @@ def transit(
 
 
 def return_home(recorder: TraceRecorder, came: Sequence[Array], settle: float) -> None:
-    """Free motion back, the hand closing on the last way; then everything comes to rest.
+    """Free motion back the way that the arm came, as `transit` returns it; then a rest [s].
 
-    Args:
-        recorder: through which the robot is stepped.
-        came: arm angles on the way from home, as `transit` returns them.
-        settle: time to come to rest [s].
+    The hand closes on the last way.
     """
     rest = recorder.mount.hand.resting.joint_angles
     for q in reversed(came):
@@ -127,13 +116,7 @@ def straight_line(start: Array, goal: Array, period: float) -> Iterator[Array]:
 
 
 def move_joints(recorder: TraceRecorder, q_arm: Array, q_hand: Array) -> None:
-    """Free motion of the arm, the hand opening or closing on the way.
-
-    Args:
-        recorder: through which the robot is stepped.
-        q_arm: where the arm goes, shape (7,) [rad].
-        q_hand: and the hand, shape (12,) [rad].
-    """
+    """Free motion to angles of arm, shape (7,), and hand, shape (12,) [rad], both together."""
     start_arm, start_hand = recorder.port.commanded
     length = float(np.linalg.norm(q_arm - start_arm))
     for q in attractor_points(

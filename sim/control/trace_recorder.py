@@ -158,14 +158,7 @@ class TraceRecorder:
         return len(torques)
 
     def trace(self, pushed: str, direction_W: Array, *, end: EndReason, detail: str) -> Trace:
-        """Everything since the start as a trace.
-
-        Args:
-            pushed: name of the object that it is about.
-            direction_W: unit direction of the push in W, shape (3,).
-            end: why it ended.
-            detail: the same in words.
-        """
+        """Everything since the start as a trace about an object, with why it ended."""
         samples = self._observer.history[self._first :]
         n, k = len(samples), len(self.fingers)
         tips, forces = np.zeros((n, k, 3)), np.zeros((n, k, 3))

@@ -67,10 +67,7 @@ class GraspExecution:
         self._holds = False
 
     def carry_out(self, home: Array) -> None:
-        """Makes all steps.
-
-        Args:
-            home: arm angles where it waits, shape (7,) [rad].
+        """Makes all steps; at home the arm waits at angles of shape (7,) [rad].
 
         Raises:
             EarlyEndError: a guard stopped it, or nothing was held.

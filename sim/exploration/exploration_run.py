@@ -62,12 +62,7 @@ class Touched:
 
 
 class TouchExecutor(Protocol):
-    """The part of an executor that explorations need.
-
-    Attributes:
-        cell: what the robot is told.
-        seed: of everything random.
-    """
+    """The part of an executor that explorations need; see `nlcontrol.session.executor`."""
 
     cell: CellDescription
     seed: int
@@ -77,7 +72,7 @@ class TouchExecutor(Protocol):
         """Reach of arm and hand."""
 
     def look(self, models: Mapping[str, ObjectModel]) -> WorldState:
-        """What the robot believes now, with models of the objects by their names."""
+        """The robot's beliefs now, with models of the objects by their names."""
 
     def touch(
         self, experiment: Experiment, state: WorldState, progress: Progress | None = None

@@ -90,7 +90,7 @@ def probe(
     execution = PushExecution(experiment.push, setup, models, progress)
     before = state.objects[experiment.push.object].pose
     try:
-        found = _touched(experiment, execution, state, before)
+        found = _carry_out(experiment, execution, state, before)
     except EarlyEndError as early:
         found = Recording.nothing(experiment, early.end, early.detail, before)
     except UnreachableError as error:
@@ -105,7 +105,7 @@ def probe(
     return replace(found, trace=trace)
 
 
-def _touched(
+def _carry_out(
     experiment: Experiment,
     execution: PushExecution,
     state: WorldState,
@@ -192,7 +192,7 @@ class ProbeControl(TouchControl):
         while True:
             command = command + step * self._u
             self._press(command)
-            ended = self._ended() or self._tilts()
+            ended = self._way_end() or self._tilts()
             if ended is not None:
                 return ended
 
@@ -207,7 +207,7 @@ class ProbeControl(TouchControl):
             lean = self._own_tilt()
             self.recorder.inward = np.cos(lean) * self._u - [0.0, 0.0, np.sin(lean)]
             self._press(self._arc.tip_at(self._angle))
-            ended = self._ended() or self._slides()
+            ended = self._way_end() or self._slides()
             if ended is not None:
                 return ended
 
@@ -223,11 +223,11 @@ class ProbeControl(TouchControl):
             drawn += self.experiment.push.speed * self._period
             self._step(command + drawn * down, self._u)
             self._keep()
-            ended = self._rubbed() or self._guarded()
+            ended = self._rub_end() or self._guard_end()
             if ended is not None:
                 return ended
 
-    def _rubbed(self) -> tuple[EndReason, str] | None:
+    def _rub_end(self) -> tuple[EndReason, str] | None:
         way = self._here.midpoint - self._origin
         if abs(float(way @ self._u)) > _MOVED:
             return "guard", "the object moved where the finger should slip"
@@ -277,7 +277,7 @@ class ProbeControl(TouchControl):
         while self._views and self._views[0][0] < now - _LOOKS_BACK:
             self._views.popleft()
 
-    def _ended(self) -> tuple[EndReason, str] | None:
+    def _way_end(self) -> tuple[EndReason, str] | None:
         """The way is done, or a guard."""
         here = self._here.midpoint
         travel = float((here - self._origin) @ self._u)
@@ -289,9 +289,9 @@ class ProbeControl(TouchControl):
         elif travel >= self.experiment.push.stroke:
             self._moved = "slide"
             return "stroke", f"it was moved by {1e3 * travel:.0f} mm"
-        return self._guarded()
+        return self._guard_end()
 
-    def _guarded(self) -> tuple[EndReason, str] | None:
+    def _guard_end(self) -> tuple[EndReason, str] | None:
         """Too much force, a fingertip that slipped off, or too much time."""
         push, felt = self.experiment.push, float(self._forces.sum())
         if felt > push.force_limit or self._at_stop():

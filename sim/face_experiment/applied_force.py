@@ -97,14 +97,7 @@ def _slow(time: float, *, near: float, rough: float) -> float:
 
 
 class _Roll:
-    """An object under a force that grows, watched until it moves.
-
-    Args:
-        world: the object's; it begins at rest.
-        observer: who watches.
-        contact: where and which way.
-        force: its size at a time [N].
-    """
+    """An object that begins at rest, under a force [N] that grows with time, until it moves."""
 
     def __init__(
         self,

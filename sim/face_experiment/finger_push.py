@@ -31,7 +31,7 @@ from sim.perception.state_estimation import mean_poses
 from sim.traces.trace import EndReason
 from sim.truth.observer import Observer
 from sim.truth.scene_file import Scene, sample_world
-from sim.worlds.drake.vision_port import initial_frames
+from sim.worlds.drake.camera_port import initial_frames
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
@@ -56,7 +56,7 @@ class FingerTouch:
         normal = np.array(contact.normal)
         if abs(normal[2]) > np.sin(_SQUARE) or -normal @ contact.direction < np.cos(_SQUARE):
             return TouchResult(None, None, "the finger presses upright faces straight in only")
-        setup, state = self.build(scene, seed), self._seen(scene, seed)
+        setup, state = self.build(scene, seed), self._believed_state(scene, seed)
         experiment = press_at(
             state.objects[contact.object], np.array(contact.point), normal, setup.reach.limits
         )
@@ -71,7 +71,7 @@ class FingerTouch:
         felt = onset.force if onset is not None and onset.moved else None
         return TouchResult(seen.outcome, felt, recording.detail)
 
-    def _seen(self, scene: Scene, seed: int) -> WorldState:
+    def _believed_state(self, scene: Scene, seed: int) -> WorldState:
         """The robot's beliefs after its first look."""
         poses = mean_poses(initial_frames(scene, LOOK, seed=seed))
         return WorldState(
@@ -108,6 +108,6 @@ class _PressControl(ProbeControl):
         while True:
             command = command + step * self._u
             self._press(command)
-            ended = self._ended()
+            ended = self._way_end()
             if ended is not None:
                 return ended

@@ -298,11 +298,7 @@ class Hand(Protocol):
     def tip_force(self, finger: str, angles: Angles, p_PC: Array, torques: Array) -> Array:
         """Force at a point of a fingertip that balances its joints' torques, in P, shape (3,) [N].
 
-        Args:
-            finger: its name.
-            angles: of its joints.
-            p_PC: the point in P, shape (3,) [m].
-            torques: of its independent joints [N·m].
+        The torques [N·m] are those of its independent joints.
         """
 
     def tip_stiffness(self, finger: str, angles: Angles, p_PC: Array) -> Array:
@@ -311,11 +307,7 @@ class Hand(Protocol):
     def force_noise_gain(self, finger: str, angles: Angles, p_PC: Array, along_P: Array) -> Array:
         """Noise of the force felt along unit directions per noise of a torque sensor [1/m].
 
-        Args:
-            finger: its name.
-            angles: of its joints.
-            p_PC: where the finger touches, in P, shape (..., 3) [m].
-            along_P: the directions in P, shape (..., 3).
+        The finger touches at p_PC, shape (..., 3) [m]; along_P has the same shape.
         """
 
     def is_at_stop(self, angles: Angles) -> bool:

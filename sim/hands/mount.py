@@ -97,11 +97,9 @@ class Mount:
         return place_spheres(self.arm.spheres(q), self.R_WA, self.p_WA)
 
     def robot_spheres(self, hand_P: Array, q: Array) -> Array:
-        """Spheres of hand and arm in W for arm angles (n, joints), shape (n, k, 4).
+        """Spheres of hand and arm in W for arm angles (n, joints) [rad], shape (n, k, 4).
 
-        Args:
-            hand_P: those of the hand in P, shape (h, 4); they come first.
-            q: arm angles [rad].
+        Those of the hand come first; in P they have the shape (h, 4).
         """
         hand = place_spheres(hand_P, *self.palm_poses(q))
         return np.concatenate([hand, self.arm_spheres(q)], axis=-2)

@@ -92,14 +92,9 @@ class GraspMotion:
 
 
 class GraspMotionSearch:
-    """The search for one plan.
+    """The search for one plan; `spare` [m] as of `CollisionScene.from_state`.
 
-    Args:
-        mount: of the arm.
-        handled: what is held, and the plan.
-        grip: of the hand.
-        off: the way of the open hand off the object, in W, shape (3,) [m].
-        spare: by how much less than its clearance each of the others may be away [m].
+    The open hand gets off the object by a vector in W, shape (3,) [m].
     """
 
     def __init__(

@@ -89,16 +89,7 @@ class _Found:
 
 
 class PushMotionSearch:
-    """The search for one push.
-
-    Args:
-        mount: of the arm.
-        push: what is to be done.
-        way: of the fingertips.
-        state: what is believed.
-        effort: that is made.
-        spare: by how much less than its clearance each of the others may be away [m].
-    """
+    """The search for one push; `spare` [m] as of `CollisionScene.from_state`."""
 
     def __init__(
         self,

@@ -182,10 +182,7 @@ class ArmHandReach:
     ) -> GraspMotion | ReachAnswer:
         """The best way of arm and hand through a plan, or why there is none.
 
-        Args:
-            plan: what is to be done.
-            state: what is believed.
-            spare: by how much less than its clearance each of the others may be away [m].
+        Each of the others may be away by so much less than its clearance as is to spare [m].
         """
         if plan.grasp is None:
             return ReachAnswer(False, "kinematics", "nothing is held")
@@ -212,13 +209,7 @@ class ArmHandReach:
     def push_configuration(
         self, push: Push, state: WorldState, spare: float = 0.0
     ) -> tuple[ArmConfiguration, ReachAnswer] | ReachAnswer:
-        """The best stance for a push, or why there is none.
-
-        Args:
-            push: what is to be done.
-            state: what is believed.
-            spare: by how much less than its clearance each of the others may be away [m].
-        """
+        """The best stance for a push, or why there is none; `spare` as of `grasp_motion`."""
         if push.p_BC[2] < self.limits.lowest_height - 1e-9:
             height = 1e3 * push.p_BC[2]
             return ReachAnswer(

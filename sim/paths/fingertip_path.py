@@ -49,15 +49,10 @@ class FingertipPath:
 
     @classmethod
     def from_push(cls, push: Push, target: SeenObject, tip_radius: float) -> FingertipPath:
-        """The way of a push on an object that is seen somewhere.
+        """The way of a push on an object that is seen somewhere, for fingertips of a radius [m].
 
         A push that turns the object goes along the arc on which the stroke is used up when it has
         turned; the real one is shorter.
-
-        Args:
-            push: that is made.
-            target: the pushed object.
-            tip_radius: of the fingertips [m].
         """
         outward = np.array(push.normal_W)
         contact = target.pose.R_WB @ np.array(push.p_BC) + target.pose.p_WB

@@ -199,9 +199,7 @@ class HeldSegment:
 def grasp_frame(grasp: Grasp, R_WB: Array) -> tuple[Array, Array]:
     """R_BG, shape (3, 3), whose axes are those of the palm, and p_BG, shape (3,) [m].
 
-    Args:
-        grasp: whose directions are in W.
-        R_WB: how the object stands then, shape (3, 3).
+    The object stands at R_WB, shape (3, 3).
     """
     closing, approach = np.array(grasp.closing_W), np.array(grasp.approach_W)
     R_WG = np.column_stack([closing, np.cross(approach, closing), approach])
@@ -329,9 +327,7 @@ def _pour_segments(
 def lip_point(held: SeenObject, lean_B: Array) -> Array:
     """The point of the opening's rim that comes lowest when the object leans, in B, shape (3,).
 
-    Args:
-        held: what is poured from.
-        lean_B: horizontal unit direction of the lean in B, shape (3,).
+    It leans in a horizontal unit direction in B, shape (3,).
     """
     container = held.model.container
     assert container is not None, "only a container is poured from"

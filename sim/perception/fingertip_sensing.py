@@ -33,8 +33,7 @@ class Touch:
     @functools.cached_property
     def midpoint(self) -> Array:
         """Midpoint of the tips' centres in W, shape (3,) [m]."""
-        middle: Array = self.tips.mean(axis=0)
-        return middle
+        return np.asarray(self.tips.mean(axis=0))
 
 
 def sense_touch(

@@ -65,7 +65,7 @@ class Trace:
             each sample.
         poses: per object, shape (n, 7): quaternion (w, x, y, z) and position p_WB [m] of the
             frame B that the object had at the start.
-        seen: per object, shape (n, 7): the newest pose from the vision port.
+        seen: per object, shape (n, 7): the newest pose from the camera port.
         joints: robot positions, shape (n, m) [rad]; `joint_names` names them.
         tips: per pushing finger, position of the fingertip's centre in W, shape (n, 3) [m].
         felt: per pushing finger, force of the fingertip on the object in W, from the joint
@@ -79,7 +79,7 @@ class Trace:
         contents: per container, true volume in it, shape (n,) [m³].
         lids: per object with a lid, how far that truly is open: the angle of a flip lid [rad], the
             turn of a cap [rad], the distance of one that lifts off from its seat [m], shape (n,).
-        seen_lids: the same from the vision port.
+        seen_lids: the same from the camera port.
         lid_poses: per object whose lid comes off, that lid's pose X_WL as in `poses`; see
             `sim.worlds.drake.lid_bodies`.
         spilled: true volume that has run onto the table or elsewhere, shape (n,) [m³].
@@ -152,10 +152,8 @@ class Trace:
 def join_traces(traces: Sequence[Trace]) -> Trace:
     """Executions one after another in one world as one.
 
-    How it ended, the direction and the names of the fingers are those of the last one.
-
-    Args:
-        traces: of the same world and the same pushed object, in order of time; at least one.
+    There is at least one, all of the same pushed object, in order of time. How it ended, the
+    direction and the names of the fingers are those of the last one.
     """
     if len(traces) == 1:
         return traces[0]

@@ -113,14 +113,13 @@ class Truth(Part):
         return bool((outline.normals @ [x, y] < outline.offsets).all() and 0 < z < self.height)
 
     def with_shift(self, shift: ArrayLike) -> Truth:
-        """The same with its centre of mass moved, by a half or less where it would fall over.
+        """The same with its centre of mass shifted in B, shape (3,) [m].
 
-        Args:
-            shift: in B, shape (3,) [m].
+        The shift is a half or less where it would fall over.
         """
         for share in (1.0, 0.5, 0.25):
             x, y, z = (np.array(self.centre_of_mass) + share * np.asarray(shift)).tolist()
-            if self._contains((x, y, z)) and _surrounded((x, y), self.support):
+            if self._contains((x, y, z)) and _is_surrounded((x, y), self.support):
                 return self.model_copy(update={"centre_of_mass_m": (x, y, z)})
         return self
 
@@ -170,7 +169,7 @@ class Truth(Part):
         return self.outline if self.base_radius_m is None else _circle(self.base_radius_m)
 
 
-def _surrounded(point: Point2, points: tuple[Point2, ...]) -> bool:
+def _is_surrounded(point: Point2, points: tuple[Point2, ...]) -> bool:
     """True if a point lies inside the hull of others: no half plane at it is free of them."""
     x, y = (np.array(points) - point).T
     angles = np.sort(np.arctan2(y, x))

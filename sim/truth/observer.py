@@ -49,12 +49,7 @@ class Verdict:
 
 
 class Observer:
-    """Watches the objects of a scene.
-
-    Args:
-        scene: the world as it is.
-        bound: see `BOUND` [m].
-    """
+    """Watches the objects of a scene as it is; motion is what exceeds a bound [m]."""
 
     def __init__(self, scene: Scene, *, bound: float = BOUND) -> None:
         self._scene = scene

@@ -171,10 +171,7 @@ def built_in_scenes() -> tuple[str, ...]:
 
 
 def load_scene(name_or_path: str | Path) -> Scene:
-    """Reads a scene file.
-
-    Args:
-        name_or_path: name of a built-in scene, or the path of a YAML file.
+    """Reads a scene file: a built-in one by its name, or a YAML file by its path.
 
     Raises:
         SceneError: no such scene, or the file is not a valid scene.

@@ -26,12 +26,8 @@ _NEARER = 0.7  # share of the distance from which the work of a hand is looked a
 class TraceScene:
     """A diagram without motion of its own.
 
-    Args:
-        scene: what stands there.
-        furnish: adds what looks at it (a camera, a visualizer) to the diagram.
-
     Attributes:
-        diagram: with what `furnish` added.
+        diagram: with what `furnish` added, which looks at it (a camera, a visualizer).
         context: of the diagram.
     """
 

@@ -111,10 +111,10 @@ class FlipControl:
         last = self._step.end + self._sign * _BEYOND
         rate, stuck, waited = 0.0, 0.0, 0.0
         while True:
-            end = self._ended(stuck, waited)
+            end = self._end_now(stuck, waited)
             if end is not None:
                 return end
-            rate = min(self._allowed(), rate + _ACCELERATION * self._period)
+            rate = min(self._largest_rate(), rate + _ACCELERATION * self._period)
             room = float(np.clip((limit - self._felt) / (_BAND * limit), -1.0, 1.0))
             remaining = self._sign * (last - self._angle)
             advance = min(rate * room * self._period, remaining)
@@ -122,14 +122,14 @@ class FlipControl:
             stuck = stuck + self._period if room < 0.5 else 0.0
             waited = waited + self._period if remaining <= 0.0 else 0.0
 
-    def _allowed(self) -> float:
+    def _largest_rate(self) -> float:
         """Largest rate now [rad/s]: slow until the lid moves, and as its end is near."""
         if abs(self._view.lid - self._step.start) < _CAUGHT:
             return min(_SLOWEST, self._rate)
         near = _BRAKING * self._sign * (self._step.end - self._angle)
         return min(self._rate, max(_SLOWEST, near))
 
-    def _ended(self, stuck: float, waited: float) -> tuple[EndReason, str] | None:
+    def _end_now(self, stuck: float, waited: float) -> tuple[EndReason, str] | None:
         """Why it ends now; None if it goes on."""
         seen = np.degrees(self._view.lid)
         if self._view.tilt > LEANS:

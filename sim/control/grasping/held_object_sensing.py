@@ -277,11 +277,9 @@ class Weight:
 
 
 def estimate_weight(vertical: Array, zero_samples: int) -> Weight:
-    """The weight of what is held still.
+    """The weight of what is held still, by the fingertips' force upwards, shape (n,) [N].
 
-    Args:
-        vertical: force of all fingertips upwards in each control step, shape (n,) [N].
-        zero_samples: over how many steps the sensors' zero was taken.
+    It was felt in n control steps, and the sensors' zero taken over `zero_samples`.
     """
     n = len(vertical)
     noise = float(np.std(vertical, ddof=1)) if n > 1 else float("inf")

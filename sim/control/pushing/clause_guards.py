@@ -160,7 +160,7 @@ class LimitGuards:
             self._event(felt)
             or self._too_close()
             or self._turned_off()
-            or self._tilted()
+            or self._tilt_end()
             or self._too_long(elapsed)
         )
 
@@ -179,7 +179,7 @@ class LimitGuards:
             return "turned_off", f"the object was seen to turn by {np.degrees(turned):.0f}°"
         return None
 
-    def _tilted(self) -> End | None:
+    def _tilt_end(self) -> End | None:
         limit, tilt = self._push.limits.tilt, np.linalg.norm(self.follower.tilt)
         if limit is not None and tilt > self._below(limit):
             return "tilted", f"the object was seen to tilt by {np.degrees(tilt):.0f}°"

@@ -89,7 +89,7 @@ class ForceController(TouchControl, ABC):
         self._felt_first = self._felt
 
     @property
-    def _elapsed(self) -> float:
+    def _elapsed_time(self) -> float:
         """Time since it began [s]."""
         return self.recorder.port.time - self._started
 
@@ -101,7 +101,7 @@ class ForceController(TouchControl, ABC):
     def _room(self) -> float:
         """Share of its speed with which the command advances now, −1 to 1."""
         push, first = self.plan.push, self._felt_first
-        limit = min(1.0, self._elapsed / RAMP) * (push.force_limit - first) + first
+        limit = min(1.0, self._elapsed_time / RAMP) * (push.force_limit - first) + first
         self.recorder.force_limit = max(limit, first)
         return float(np.clip((limit - self._felt) / band(push), -1.0, 1.0))
 

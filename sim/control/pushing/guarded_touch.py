@@ -88,7 +88,7 @@ class TouchControl:
         self.recorder.take_zero(self.pause, lambda: self._step(self.way.start, self.way.inward))
         self._forces = np.zeros_like(self._forces)
         travel, speed, most = 0.0, 0.0, STANDOFF + TOUCH_BEYOND
-        while travel < SETTING_OFF or not self._touched():
+        while travel < SETTING_OFF or not self._is_touching():
             if travel > most:
                 raise EarlyEndError("no_touch", f"nothing was felt within {1e3 * most:.0f} mm")
             speed = self._faster(speed, self.speed)
@@ -108,7 +108,7 @@ class TouchControl:
         # An exponential filter of weight s lets s / (2 − s) of the variance through.
         return float(min(1.0, self._period / _FILTER, 2.0 * quiet / (1.0 + quiet)))
 
-    def _touched(self) -> bool:
+    def _is_touching(self) -> bool:
         """All fingers, or so much force that one of them alone would soon move the object."""
         enough = self._touch_force
         total, least = self._forces.sum(), self._forces.min()

@@ -34,11 +34,7 @@ _CENTRE_SD = 0.002  # of the centre of friction along the face, from friction th
 
 
 class _Line:
-    """The line along which fingertips were led across a push, and the way back onto it.
-
-    Args:
-        along: unit direction of the push in W, shape (3,).
-    """
+    """The line of fingertips led across a push along a unit direction in W, and back onto it."""
 
     def __init__(self, along: Array) -> None:
         self._along = along
@@ -66,11 +62,11 @@ class PushControl(ForceController):
         limits = self._limits()
         slope = 0.0
         turns = push.ends_on == "stroke" and push.turn != 0.0
-        sideways = np.array([*self._left, 0.0])
+        sideways = np.array([*self._leftwards, 0.0])
         speed = start = self._start()
         guards = Guards(self.plan, self._period)
         while True:
-            now, elapsed, felt = self.recorder.port.time, self._elapsed, self._felt
+            now, elapsed, felt = self.recorder.port.time, self._elapsed_time, self._felt
             here = self._here.midpoint
             come = float((here - origin) @ self._u)
             stopped = limits.end(elapsed, now, here, felt, self.recorder.frames)
@@ -81,7 +77,7 @@ class PushControl(ForceController):
                     steering.slope(push.stroke - steering.travelled_distance),
                 )
             elif turns:
-                come, slope = self._led(limits.follower)
+                come, slope = self._led_way(limits.follower)
             end = guards.end(elapsed, come, felt, self._tilt) or stopped
             if end is not None:
                 return end
@@ -105,16 +101,16 @@ class PushControl(ForceController):
     # -- steering ------------------------------------------------------------------------------
 
     @property
-    def _left(self) -> Array:
+    def _leftwards(self) -> Array:
         """Unit vector to the left of the push in W, shape (2,)."""
         return np.array([-self._u[1], self._u[0]])
 
-    def _led(self, follower: Follower) -> tuple[float, float]:
+    def _led_way(self, follower: Follower) -> tuple[float, float]:
         """Way of an object that two fingers square up [m], and their path's slope.
 
         Its middle swings aside while it does.
         """
-        come, aside = follower.displacement @ self._u[:2], follower.displacement @ self._left
+        come, aside = follower.displacement @ self._u[:2], follower.displacement @ self._leftwards
         remaining = max(self.plan.push.stroke - float(come), _SHORTEST)
         return float(come), float(np.clip(-aside / remaining, -_LARGEST_SLOPE, _LARGEST_SLOPE))
 

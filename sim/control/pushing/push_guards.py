@@ -127,7 +127,7 @@ class Guards:
         self._measure(travel)
         topple = self._push.ends_on == "toppled"
         return (
-            (self._toppled(travel, tilt) if topple else self._stroke(travel, tilt))
+            (self._topple_end(travel, tilt) if topple else self._stroke(travel, tilt))
             or self._force(elapsed, travel, felt)
             or self._too_fast()
             or (None if topple else self._contact_lost(travel, felt))
@@ -145,7 +145,7 @@ class Guards:
             return "tilted", f"the object was seen to tilt by {np.degrees(tilt):.0f}°"
         return None
 
-    def _toppled(self, travel: float, tilt: float) -> tuple[EndReason, str] | None:
+    def _topple_end(self, travel: float, tilt: float) -> tuple[EndReason, str] | None:
         if tilt > self._prediction.stay_on_base_angle + FALLING:
             return "toppled", f"it was seen tilted by {np.degrees(tilt):.0f}° and falls by itself"
         if travel >= self._push.stroke:

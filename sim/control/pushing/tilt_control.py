@@ -80,7 +80,7 @@ class TiltControl(ForceController):
         rate = min(fastest, standing)
         while self._view.tilt < wanted:
             travel = float((self._here.midpoint - self._arc.origin) @ self._u)
-            end = guards.end(self._elapsed, travel, self._felt, self._view.tilt)
+            end = guards.end(self._elapsed_time, travel, self._felt, self._view.tilt)
             if end is not None:
                 return end
             rate = self._faster(rate, fastest, _ACCELERATION)

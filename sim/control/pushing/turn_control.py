@@ -48,11 +48,11 @@ class TurnControl(ForceController):
         limits = self._limits()
         speed = start = self._start()
         while True:
-            now, elapsed, felt = self.recorder.port.time, self._elapsed, self._felt
+            now, elapsed, felt = self.recorder.port.time, self._elapsed_time, self._felt
             here = self._here.midpoint
             self._inform(keeper)
             stopped = limits.end(elapsed, now, here, felt, self.recorder.frames)
-            end = self._turned(keeper) or self._at_an_end_of_the_face(keeper)
+            end = self._turn_end(keeper) or self._at_an_end_of_the_face(keeper)
             end = end or guards.end(elapsed, keeper.travel, felt, self._tilt) or stopped
             if end is not None:
                 return end
@@ -65,7 +65,7 @@ class TurnControl(ForceController):
             command = command + advance * self._u + swung
             self._step(command, self._u)
 
-    def _turned(self, keeper: TurnEstimator) -> tuple[EndReason, str] | None:
+    def _turn_end(self, keeper: TurnEstimator) -> tuple[EndReason, str] | None:
         if (
             abs(keeper.turn_angle) < abs(self.plan.push.turn)
             or keeper.turn_angle * self.plan.push.turn < 0

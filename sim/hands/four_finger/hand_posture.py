@@ -60,11 +60,8 @@ def bent_posture(name: str, pushing: Mapping[str, Angles]) -> Posture:
 def hand_spheres(posture: Posture, wrist: float) -> Array:
     """Spheres of palm, thumb block, wrist and fingers in P, shape (n, 4).
 
-    The pushing fingertips themselves are left out, since they are meant to touch.
-
-    Args:
-        posture: of the fingers.
-        wrist: distance from the arm's wrist to its flange, which is covered too [m].
+    The pushing fingertips themselves are left out, since they are meant to touch. `wrist` is the
+    distance from the arm's wrist to its flange, which is covered too [m].
     """
     parts = [_palm_spheres(wrist)]
     for finger in FINGERS:

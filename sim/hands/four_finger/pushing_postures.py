@@ -79,11 +79,7 @@ def one_finger_postures() -> tuple[Posture, ...]:
 
 @functools.cache
 def two_finger_postures(spread: float) -> tuple[Posture, ...]:
-    """Postures that push with index and ring, their tips a given distance apart.
-
-    Args:
-        spread: distance between the two fingertips' centres [m].
-    """
+    """Postures that push with index and ring, their tips' centres a distance apart [m]."""
     postures = []
     for name, flexion in _FLEXIONS.items():
         length = finger_points("index", (0.0, *flexion))[3, 2] - BASES["index"][2]

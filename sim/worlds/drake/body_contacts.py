@@ -86,12 +86,7 @@ class ContactWatch:
         self._by_robot: dict[str, float] = {}
 
     def note(self, time: float, context: Context) -> list[str]:
-        """Takes in the contacts at a time; returns objects that the robot began to touch.
-
-        Args:
-            time: [s].
-            context: of the plant at that time.
-        """
+        """Takes in contacts at a time [s]; returns objects that the robot began to touch."""
         begun = []
         for pair in self._pairs(context):
             if time - self._touching.get(pair, -np.inf) > _SEPARATED:

@@ -15,8 +15,8 @@ import numpy as np
 from sim.cell.cell_description import CellDescription
 from sim.hands.hand_model import Angles, Hand
 from sim.rotations import Array
+from sim.worlds.joint_noise import JointReadings, TorqueReadings
 from sim.worlds.ports import Frame
-from sim.worlds.sensor_noise import JointReadings, TorqueReadings
 
 
 class DrakeRobotPort:

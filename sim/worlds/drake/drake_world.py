@@ -22,11 +22,11 @@ from sim.standard_robot import ARM, HAND
 from sim.truth.object_truth import Truth
 from sim.truth.scene_file import Scene, sample_world
 from sim.worlds.drake.body_contacts import ContactWatch
+from sim.worlds.drake.camera_port import camera_port
 from sim.worlds.drake.drake_plant import Standing, add_plant
 from sim.worlds.drake.drake_ports import DrakeRobotPort
 from sim.worlds.drake.lid_mechanics import Lids
 from sim.worlds.drake.liquid_transfer import Liquid
-from sim.worlds.drake.vision_port import vision_port
 from sim.worlds.drake.world_variation import ShiftingContents, VaryingFriction
 from sim.worlds.ports import BodyContact, Sample
 
@@ -82,7 +82,7 @@ class DrakeWorld:
         }
         joints = [*self._arm_joints, *(j for each in self._finger_joints.values() for j in each)]
         self._places = np.array([joint.position_start() for joint in joints])
-        self._vision = vision_port(scene, seed=seed)
+        self._vision = camera_port(scene, seed=seed)
         self._hand = hand
         self._impulse = np.zeros(len(hand.joint_names))
         self._mean_torques = np.zeros(len(hand.joint_names))

@@ -64,7 +64,7 @@ class Lids:
             if each.seat is None:
                 continue
             if name not in self._off:
-                if self._moved(each) > _comes_off(each.lid):
+                if self._joint_position(each) > _comes_off(each.lid):
                     self._take_off(name, each)
             elif self._is_seated(each) and not self._is_touched(each):
                 self._put_on(name, each)
@@ -79,7 +79,7 @@ class Lids:
         return {
             name: float(np.linalg.norm(self._from_seat(each).translation()))
             if name in self._off and isinstance(each.lid, LiftOffLid)
-            else self._moved(each)
+            else self._joint_position(each)
             for name, each in self._lids.items()
         }
 
@@ -87,7 +87,7 @@ class Lids:
         """True if the opening of an object with a lid is free."""
         each = self._lids[name]
         if isinstance(each.lid, FlipLid):
-            return bool(self._moved(each) > _FREE)
+            return bool(self._joint_position(each) > _FREE)
         return name in self._off
 
     def loose(self) -> dict[str, tuple[Array, Array]]:
@@ -111,11 +111,11 @@ class Lids:
         tau = np.zeros(self._plant.num_velocities())
         for each in self._snapping.values():
             assert isinstance(each.lid, FlipLid)
-            left = max(0.0, 1.0 - max(0.0, self._moved(each)) / each.lid.snap_angle)
+            left = max(0.0, 1.0 - max(0.0, self._joint_position(each)) / each.lid.snap_angle)
             tau[each.joint.velocity_start()] = -each.lid.snap_torque * left
         self._plant.get_applied_generalized_force_input_port().FixValue(self._context, tau)
 
-    def _moved(self, each: LidBody) -> float:
+    def _joint_position(self, each: LidBody) -> float:
         """Position of hinge, slide or thread [rad], [m]."""
         return float(each.joint.GetOnePosition(self._context))
 

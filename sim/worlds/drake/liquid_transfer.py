@@ -82,7 +82,9 @@ class Liquid:
         self._period = 1.0 / scene.control_rate_hz
         self._is_open = is_open
         self._filled = {
-            item.name: _filled(item.truth) for item in scene.objects if item.truth.container
+            item.name: _filled_container(item.truth)
+            for item in scene.objects
+            if item.truth.container
         }
         self._bare = {
             name: model.bodies[name].CalcSpatialInertiaInBodyFrame(self._context)
@@ -111,7 +113,7 @@ class Liquid:
         changes = {"mass_kg": mass, "centre_of_mass_m": tuple(middle.tolist())}
         return truth.model_copy(update={**changes, "container": contents})
 
-    def _closed(self, name: str) -> bool:
+    def _is_closed(self, name: str) -> bool:
         return self._filled[name].truth.lid is not None and not self._is_open(name)
 
     def _run(self, name: str, poses: Mapping[str, tuple[Array, Array]]) -> None:
@@ -119,7 +121,7 @@ class Liquid:
         filled = self._filled[name]
         R_WB, p_WB = poses[name]
         still = not filled.restless and _near(filled.up, R_WB[2])
-        if filled.volume <= 0.0 or still or self._closed(name):
+        if filled.volume <= 0.0 or still or self._is_closed(name):
             return
         vessel, (tilt, heading) = filled.vessel, lean_of(R_WB[2])
         above = filled.volume - float(vessel.brim(tilt, heading))
@@ -152,7 +154,7 @@ class Liquid:
         """The container through whose opening a stream falls that leaves a lip."""
         found: list[tuple[float, str]] = []
         for name, filled in self._filled.items():
-            if name == source or name not in poses or self._closed(name):
+            if name == source or name not in poses or self._is_closed(name):
                 continue
             R_WB, p_WB = poses[name]
             opening = filled.vessel.opening
@@ -192,7 +194,7 @@ def lean_of(up: Array) -> tuple[float, float]:
     return math.atan2(math.hypot(x, y), z), math.atan2(-y, -x)
 
 
-def _filled(truth: Truth) -> _Filled:
+def _filled_container(truth: Truth) -> _Filled:
     container, vessel = truth.container, truth.vessel
     assert container is not None
     assert vessel is not None

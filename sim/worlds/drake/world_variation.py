@@ -92,7 +92,7 @@ class VaryingFriction:
             self._factors[name] = float(np.exp(drawn - self._log_sd**2 / 2.0))
             self._before.pop(name, None)
         for name, (R_WB, p_WB) in poses.items():
-            if name in self._before and not _moved(self._before[name], (R_WB, p_WB)):
+            if name in self._before and not _has_moved(self._before[name], (R_WB, p_WB)):
                 continue
             self._before[name] = (R_WB, p_WB)
             self._follow(name, R_WB, p_WB)
@@ -131,7 +131,7 @@ def _log_deviation(relative: float) -> float:
     return float(np.sqrt(np.log1p(relative**2)))
 
 
-def _moved(before: tuple[Array, Array], now: tuple[Array, Array]) -> bool:
+def _has_moved(before: tuple[Array, Array], now: tuple[Array, Array]) -> bool:
     turned, shifted = (np.abs(b - a).max() for a, b in zip(before, now, strict=True))
     return bool(turned > _TURNED or shifted > _MOVED)
 

@@ -7,8 +7,8 @@ import pytest
 
 from sim.cell.cell_description import JointSensor, TorqueSensor, Vision
 from sim.perception.state_estimation import mean_pose
-from sim.worlds.drake.vision_port import VisionPort
-from sim.worlds.sensor_noise import JointReadings, TorqueReadings
+from sim.worlds.drake.camera_port import CameraPort
+from sim.worlds.joint_noise import JointReadings, TorqueReadings
 
 PERIOD = 0.01
 FINGERS = ("first", "second", "third", "fourth")
@@ -111,7 +111,7 @@ def test_what_the_camera_is_wrong_about_it_stays_wrong_about() -> None:
     poses = {name: (np.eye(3), np.zeros(3)) for name in ("box", "can")}
     wrong = []
     for seed in range(200):
-        port = VisionPort(vision, poses, seed=seed)
+        port = CameraPort(vision, poses, seed=seed)
         for tick in range(3):
             port.observe(tick * PERIOD, poses)
         frames = port.take_arrived_frames(1.0)

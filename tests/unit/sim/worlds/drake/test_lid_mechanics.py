@@ -17,8 +17,8 @@ from sim.rotations import rot_x
 from sim.traces.trace import Trace, join_traces
 from sim.truth.scene_file import Scene, parse_scene
 from sim.views.trace_scene import TraceScene
+from sim.worlds.drake.camera_port import camera_port, initial_frames
 from sim.worlds.drake.drake_world import DrakeWorld
-from sim.worlds.drake.vision_port import initial_frames, vision_port
 from tests.fakes.robots import frames_in, robot_in
 
 LIDS = {"jar", "fixed bottle", "free bottle", "ice tea cup"}
@@ -100,7 +100,7 @@ def test_a_lid_rises_above_its_object(pantry: Scene) -> None:
 
 def _seen_off(scene: Scene, X_WL: tuple[np.ndarray, np.ndarray]) -> dict[str, SeenObject]:
     """The pantry with the jar's lid off."""
-    port = vision_port(scene, seed=2)
+    port = camera_port(scene, seed=2)
     poses = {
         item.name: (np.eye(3), np.array([item.pose.x_m, item.pose.y_m, 0.0]))
         for item in scene.objects

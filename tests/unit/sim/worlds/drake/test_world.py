@@ -16,8 +16,8 @@ from sim.traces.trace import Trace
 from sim.truth.scene_file import ScaledTorqueSensor
 from sim.views.trace_picture import missing_libraries
 from sim.views.trace_scene import samples
+from sim.worlds.drake.camera_port import initial_frames
 from sim.worlds.drake.drake_world import DrakeWorld
-from sim.worlds.drake.vision_port import initial_frames
 from tests.fakes.robots import poses_in
 
 

@@ -49,12 +49,7 @@ class TorqueReadings:
         self._rounded = _Rounding(np.array(sensor.resolution_nm))
 
     def read(self, finger: str, torques: Array) -> Array:
-        """Mean of the samples of a control step, shape (n,) [N·m].
-
-        Args:
-            finger: whose joints.
-            torques: the true ones, shape (n,) [N·m].
-        """
+        """Mean of a finger's samples of a control step for true torques, shape (n,) [N·m]."""
         noise = self._noise.standard_normal((self._samples, len(torques)))
         true = self._gain * torques + self._bias[finger]
         samples = self._rounded(true + self._sensor.noise_nm * noise)
@@ -81,11 +76,7 @@ class JointReadings:
 
 
 class _Rounding:
-    """Rounds values to whole steps, and leaves them as they are where the step is zero.
-
-    Args:
-        step: for each value, shape (n,).
-    """
+    """Rounds n values to whole steps, and leaves them as they are where the step is zero."""
 
     def __init__(self, step: Array) -> None:
         self._stepped = step > 0.0

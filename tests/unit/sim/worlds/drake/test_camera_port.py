@@ -9,7 +9,7 @@ from sim.cell.cell_description import Vision
 from sim.perception.state_estimation import mean_poses
 from sim.rotations import rot_z
 from sim.truth.scene_file import load_scene
-from sim.worlds.drake.vision_port import VisionPort, initial_frames
+from sim.worlds.drake.camera_port import CameraPort, initial_frames
 
 PERIOD = 0.01
 
@@ -20,7 +20,7 @@ def _still() -> dict[str, tuple[np.ndarray, np.ndarray]]:
 
 def test_frames_come_late_and_at_their_rate() -> None:
     vision = Vision(rate_hz=20.0, delay_s=0.05)
-    port = VisionPort(vision, ["box"], seed=0)
+    port = CameraPort(vision, ["box"], seed=0)
     arrivals = []
     for tick in range(101):
         port.observe(tick * PERIOD, _still())
@@ -34,7 +34,7 @@ def test_frames_come_late_and_at_their_rate() -> None:
 
 def test_noise_of_the_frames() -> None:
     vision = Vision(position_noise_m=0.002, angle_noise_deg=1.0, rate_hz=100.0, delay_s=0.0)
-    port = VisionPort(vision, ["box"], seed=3)
+    port = CameraPort(vision, ["box"], seed=3)
     seen = []
     for tick in range(2000):
         port.observe(tick * PERIOD, _still())

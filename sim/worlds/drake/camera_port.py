@@ -29,7 +29,7 @@ _SAME_TIME = 1e-9
 """Times that differ by less are equal [s]; far below any step, far above rounding."""
 
 
-class VisionPort:
+class CameraPort:
     """Frames of all objects, in order of time.
 
     Args:
@@ -86,13 +86,13 @@ class VisionPort:
         """
         while self._taken / self.vision.rate_hz <= time + _SAME_TIME:
             self._taken += 1
-            seen = {name: self._seen(name, *poses[name], self._rng) for name in self.names}
+            seen = {name: self._seen_pose(name, *poses[name], self._rng) for name in self.names}
             opened = {
                 name: (lids or {}).get(name, 0.0) + self._lid_rng.normal(0.0, noise)
                 for name, noise in self._lid_noise.items()
             }
             for name, pose in (loose or {}).items():
-                seen[lid_name(name)] = self._seen(name, *pose, self._lid_rng)
+                seen[lid_name(name)] = self._seen_pose(name, *pose, self._lid_rng)
             self._frames.append(
                 Frame(time, time + self.vision.delay_s, seen, opened, self._colours)
             )
@@ -104,7 +104,7 @@ class VisionPort:
             ready.append(self._frames.popleft())
         return ready
 
-    def _seen(self, name: str, R_WB: Array, p_WB: Array, rng: np.random.Generator) -> SeenPose:
+    def _seen_pose(self, name: str, R_WB: Array, p_WB: Array, rng: np.random.Generator) -> SeenPose:
         """A pose of an object or of its lid, with its bias and with noise."""
         turned, moved = self._bias[name]
         shift = rng.normal(0.0, self.vision.position_noise_m, 3)
@@ -112,11 +112,11 @@ class VisionPort:
         return SeenPose(rot_z(z) @ rot_y(y) @ rot_x(x) @ turned @ R_WB, p_WB + moved + shift)
 
 
-def vision_port(scene: Scene, *, seed: int) -> VisionPort:
-    """The vision port of the world of a seed."""
+def camera_port(scene: Scene, *, seed: int) -> CameraPort:
+    """The camera port of the world of a seed."""
     lids = {item.name: item.truth.lid for item in scene.objects if item.truth.lid is not None}
     colours = {item.name: item.truth.colour for item in scene.objects}
-    return VisionPort(scene.vision, scene.names, lids, colours, seed=seed)
+    return CameraPort(scene.vision, scene.names, lids, colours, seed=seed)
 
 
 def initial_frames(scene: Scene, seconds: float, *, seed: int) -> list[Frame]:
@@ -125,7 +125,7 @@ def initial_frames(scene: Scene, seconds: float, *, seed: int) -> list[Frame]:
     No simulation is made for them. A world of the same seed shows the same, but for the
     micrometres by which objects settle.
     """
-    port = vision_port(scene, seed=seed)
+    port = camera_port(scene, seed=seed)
     poses = {
         item.name: (
             rot_z(np.radians(item.pose.yaw_deg)),
