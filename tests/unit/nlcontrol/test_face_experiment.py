@@ -67,7 +67,7 @@ def test_results_are_in_the_order_of_the_contacts(expected: tuple[TouchResult, .
     assert backwards == expected[::-1]
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_processes_find_the_same_bit_for_bit(
     expected: tuple[TouchResult, ...], workers: int
 ) -> None:

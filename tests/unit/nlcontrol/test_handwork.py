@@ -213,6 +213,7 @@ def _true_mass(controller: Controller) -> float:
     return truth.mass_kg
 
 
+@pytest.mark.slow
 def test_weighed_in_the_hand_and_set_down() -> None:
     controller = Controller("kitchen", seed=2)
     answer = controller.say("weigh the ice tea by lifting it").answer

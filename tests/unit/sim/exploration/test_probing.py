@@ -82,6 +82,7 @@ def test_pressed_too_low_it_slides_where_it_should_tilt() -> None:
     assert abs(moved.y) < 0.05  # stopped soon
 
 
+@pytest.mark.slow
 def test_a_sticky_object_tilts_where_it_should_slide() -> None:
     # Pressed 25 mm above the table a base of half the depth 45 mm slides with μ < 1.8 alone.
     world = DrakeWorld(scene(friction_table=2.5, mass_kg=0.4), seed=0)

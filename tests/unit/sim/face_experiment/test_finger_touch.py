@@ -33,9 +33,8 @@ def with_mass(mass: float) -> Scene:
     return SCENE.model_copy(update={"objects": tuple(changed)})
 
 
-@pytest.mark.parametrize(
-    ("contact", "outcome"), [(LOW, "slide"), pytest.param(HIGH, "topple", marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("contact", "outcome"), [(LOW, "slide"), (HIGH, "topple")])
 def test_it_feels_what_an_applied_force_needs(contact: Contact, outcome: str) -> None:
     felt, applied = FINGER(SCENE, contact, seed=0), appliedforce.touch(SCENE, contact, seed=0)
     assert felt.outcome == applied.outcome == outcome
