@@ -138,7 +138,7 @@ def planned(goal: Goal, repetitions: int, *, kinematics: bool) -> tuple[list[flo
         executor = simulation(controller.executor)
         executor.robot = Everywhere(executor.cell, ARM, HAND)
     (frame,) = controller.resolve(controller.parse(goal.text)).frames
-    state, _ = controller.look(), controller.reach
+    state, _ = controller.look(), controller.robot
     times, why = [], ""
     for _ in range(repetitions):
         start = time.perf_counter()

@@ -6,6 +6,7 @@ A later minor version adds fields, and old readers go on. A later major one rena
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -24,6 +25,11 @@ def document_text(content: Mapping[str, Any], indent: int | None = 2) -> str:
     """Document as text; on one line if `indent` is None."""
     document = versioned_document(content)
     return json.dumps(document, indent=indent, ensure_ascii=False, allow_nan=False)
+
+
+def finite_or_none(value: float) -> float | None:
+    """The number as JSON has it: None if it is infinite or not a number."""
+    return float(value) if math.isfinite(value) else None
 
 
 class DocumentPart(BaseModel):

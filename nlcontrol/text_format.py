@@ -39,6 +39,17 @@ def quantity(value: float, unit: str) -> str:
     return (text.lstrip("-") if float(text) == 0.0 else text) + sign
 
 
+def aside_text(lateral: float) -> str:
+    """Way of a contact off the middle of its face: "12 mm to the right"; empty in the middle.
+
+    Args:
+        lateral: to the right of who looks at the face [m].
+    """
+    if abs(lateral) < 5e-4:
+        return ""
+    return f"{quantity(abs(lateral), 'm')} to the {'right' if lateral > 0.0 else 'left'}"
+
+
 def with_sd_text(value: float, sd: float, unit: str = "") -> str:
     """A value with its standard deviation, to three decimals; without it if it is certain."""
     # As decimals: 0.0375 lies half-way as it stands in a model, but below that as a float.

@@ -14,8 +14,8 @@ import numpy as np
 
 from grammar.frames import command as g
 from nlcontrol.checks import trace_measures as measures
-from nlcontrol.checks.goal_checks import has_fallen, stands_on_base
-from nlcontrol.checks.grasp_checks import by_hand
+from nlcontrol.checks.goal_checks import has_fallen
+from nlcontrol.checks.grasp_checks import by_hand, stands_on_base
 from nlcontrol.checks.verdicts import Check, Relation, compare, object_name, place_check
 from planner.geometry.directions import face_name, heading_of, unit
 from planner.geometry.footprints import footprint, gap
@@ -173,8 +173,7 @@ def _kept_upright(clause: g.NoTopple | g.NoTilt, e: Evidence) -> Iterator[Check]
     if e.frame.goal.kind != "pour":
         limit = e.defaults.upright
         yield compare(clause, "at_most", "largest tilt", limit, e.largest_tilt, 0.0, "rad")
-    _, tilt = measures.tilt_at_end(e.trace, e.name)
-    yield compare(clause, "at_most", "tilt at the end", e.defaults.upright, tilt, 0.0, "rad")
+    yield stands_on_base(clause, e, e.defaults.upright)
 
 
 def _no_tilt(clause: g.NoTilt, e: Evidence) -> Iterator[Check]:

@@ -21,12 +21,6 @@ if TYPE_CHECKING:
     from planner.types.defaults import Defaults
 
 
-def stands_on_base(clause: Clause, e: Evidence) -> Check:
-    """It comes to rest on its base."""
-    _, tilt = measures.tilt_at_end(e.trace, e.name)
-    return compare(clause, "at_most", "tilt at the end", e.defaults.rest_tilt, tilt, 0.0, "rad")
-
-
 def has_fallen(clause: Clause, e: Evidence) -> Check:
     """It comes to rest on a side."""
     tilt, _ = measures.tilt_at_end(e.trace, e.name)
@@ -41,7 +35,7 @@ def _falls(e: Evidence) -> bool:
 def _still_stands(clause: Clause, e: Evidence) -> Iterator[Check]:
     """It stands at the end, unless the sentence says so itself or wants it to fall."""
     if not _falls(e) and not e.has("no_topple"):
-        yield stands_on_base(clause, e)
+        yield handling.stands_on_base(clause, e)
 
 
 def _displace(goal: g.Displace, e: Evidence) -> Iterator[Check]:

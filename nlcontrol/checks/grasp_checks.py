@@ -26,13 +26,18 @@ def by_hand(e: Evidence) -> bool:
     return bool(measures.during(e.trace, ("grasp", "lift", "carry", "pour", "set_down")).any())
 
 
+def stands_on_base(clause: Clause, e: Evidence, limit: float | None = None) -> Check:
+    """It comes to rest on its base, tilted by no more than a limit [rad] if one is given."""
+    most = e.defaults.rest_tilt if limit is None else limit
+    _, tilt = measures.tilt_at_end(e.trace, e.name)
+    return compare(clause, "at_most", "tilt at the end", most, tilt, 0.0, "rad")
+
+
 def set_down_upright(clause: Clause, e: Evidence) -> Iterator[Check]:
     """It was let go, and stands on the table on its base."""
-    d = e.defaults
-    height = float(e.trace.poses[e.name][-1, 6])
-    yield compare(clause, "at_most", "height over the table", 0.0, height, d.no_lift, "m")
-    _, tilt = measures.tilt_at_end(e.trace, e.name)
-    yield compare(clause, "at_most", "tilt at the end", d.rest_tilt, tilt, 0.0, "rad")
+    height, limit = float(e.trace.poses[e.name][-1, 6]), e.defaults.no_lift
+    yield compare(clause, "at_most", "height over the table", 0.0, height, limit, "m")
+    yield stands_on_base(clause, e)
 
 
 def _stays_put(clause: Clause, name: str, e: Evidence) -> Check:
@@ -54,8 +59,7 @@ def lift_check(goal: g.Lift, e: Evidence) -> Iterator[Check]:
     relation: Relation = "about" if goal.bound == "exact" else goal.bound
     tolerance = d.lift_tolerance if goal.bound == "exact" else 0.0
     yield compare(goal, relation, "held higher at the end", asked, rise, tolerance, "m")
-    _, tilt = measures.tilt_at_end(e.trace, e.name)
-    yield compare(goal, "at_most", "tilt at the end", d.upright, tilt, 0.0, "rad")
+    yield stands_on_base(goal, e, d.upright)
 
 
 def set_down(goal: g.SetDown, e: Evidence) -> Iterator[Check]:
@@ -103,8 +107,7 @@ def _state(lid: LiftOffLid | ScrewCap, at: float) -> str:
 
 def _stood_still(clause: Clause, e: Evidence) -> Iterator[Check]:
     yield _stays_put(clause, e.name, e)
-    _, tilt = measures.tilt_at_end(e.trace, e.name)
-    yield compare(clause, "at_most", "tilt at the end", e.defaults.rest_tilt, tilt, 0.0, "rad")
+    yield stands_on_base(clause, e)
 
 
 # -- poured -------------------------------------------------------------------------------------

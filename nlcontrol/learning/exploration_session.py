@@ -15,13 +15,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from datetime import date
 from typing import TYPE_CHECKING
 
 from nlcontrol.errors import ControlError, error
 from nlcontrol.learning.learning_reports import ExplorationReport, TouchMade
 from nlcontrol.learning.lessons import SPREAD, apply_lesson
-from nlcontrol.learning.log_fitting import correlations, fitted_parameter
+from nlcontrol.learning.log_fitting import correlations, fitted_parameter, with_provenance
 from objectmodels.errors import ModelError
 from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification.belief_update import initial_belief as guessed
@@ -36,7 +35,6 @@ from objectmodels.identification.experiment_design import (
     rank_candidates,
 )
 from objectmodels.identification.joint_fit import Fit, fit
-from objectmodels.models.parameters import Provenance
 from planner.touch_experiments import Experiment, Kind, expected_trials
 
 if TYPE_CHECKING:
@@ -154,7 +152,13 @@ def explore(
         _until(models, explorer, kinds, asked, most=repetitions * (len(kinds) + 1))
     trials = [trial for touched in explorer.touches for trial in touched.trials]
     found = _fitted(start, trials, explorer, prior=precision is not None)
-    model = _with_provenance(found, executor.cell.name, executor.seed)
+    world = f"scene {executor.cell.name}, seed {executor.seed}"
+    model = with_provenance(
+        found,
+        before=found.model,
+        source=f"explored by touching in simulation ({world})",
+        method="tilted, slid and rubbed by a finger; joint fit of {count} balances of forces",
+    )
     models[name] = model
     report = _report(executor, name, before.model, found, explorer, trials, parameters)
     return Exploration(model, report, tuple(explorer.touches))
@@ -214,15 +218,12 @@ def _until(
         offered = explorer.possible(kinds)
         if not offered:
             return
-        candidates = {
-            f"{i} {e.name}": (
-                e,
-                Candidate(f"{i} {e.name}", expected_trials(e, model), _cost(e, explorer)),
-            )
+        candidates = [
+            Candidate(f"{i} {e.name}", expected_trials(e, model), _cost(e, explorer))
             for i, e in enumerate(offered)
-        }
-        best = rank_candidates(model, [c for _, c in candidates.values()], asked, spread=SPREAD)[0]
-        chosen, _ = candidates[best.candidate.name]
+        ]
+        best = rank_candidates(model, candidates, asked, spread=SPREAD)[0].candidate
+        chosen = offered[candidates.index(best)]
         done = sum(t.experiment.kind == chosen.kind for t in explorer.touches)
         repetition = done // 2 if chosen.kind == "tilt" else done
         explorer.touch(chosen.kind, chosen.push.face, repetition, chosen.lateral)
@@ -251,21 +252,6 @@ def _fitted(model: ObjectModel, trials: Sequence[Trial], explorer: Explorer, *, 
 
 def _untold(message: str, explorer: Explorer, *hints: str) -> ControlError:
     return error("not_explorable", message, suggestions=(*hints, *explorer.given_up))
-
-
-def _with_provenance(found: Fit, scene: str, seed: int) -> ObjectModel:
-    kept = [name for name in UNCERTAIN if name not in found.found]
-    touches = len(found.residuals) - len(found.dropped)
-    method = f"tilted, slid and rubbed by a finger; joint fit of {touches} balances of forces"
-    if kept:
-        method += f"; as believed before ({found.model.provenance.source}): {', '.join(kept)}"
-    provenance = Provenance(
-        source=f"explored by touching in simulation (scene {scene}, seed {seed})",
-        method=method,
-        trials=max(touches, 1),
-        date=date.today().isoformat(),
-    )
-    return found.model.model_copy(update={"provenance": provenance})
 
 
 def _report(

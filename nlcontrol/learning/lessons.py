@@ -230,15 +230,7 @@ def weight_from_grasp(
         surprise=(measured - model.mass) / math.hypot(model.mass_sd, sd),
         contradicts=False,
         why=None,
-        changes=(
-            Change(
-                parameter="mass",
-                before=model.mass,
-                before_sd=model.mass_sd,
-                after=after.mass,
-                after_sd=after.mass_sd,
-            ),
-        ),
+        changes=tuple(c for c in parameter_changes(model, after) if c.parameter == "mass"),
     )
 
 

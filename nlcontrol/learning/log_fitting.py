@@ -97,7 +97,9 @@ def fit_files(
     _require_found(found, reading, files)
     names = ", ".join(file.name for file in files)
     report = _report(model, found, reading, files, asked=parameters is not None)
-    return FittedFiles(_with_provenance(model, found, names), report)
+    method = f"least squares of {{count}} touches by a robot; found: {', '.join(found.found)}"
+    fitted = with_provenance(found, before=model, source=f"fitted to {names}", method=method)
+    return FittedFiles(fitted, report)
 
 
 def _require_found(found: Fit, reading: Reading, files: Sequence[Path]) -> None:
@@ -119,20 +121,22 @@ def _require_found(found: Fit, reading: Reading, files: Sequence[Path]) -> None:
     )
 
 
-def _with_provenance(before: ObjectModel, found: Fit, names: str) -> ObjectModel:
+def with_provenance(found: Fit, *, before: ObjectModel, source: str, method: str) -> ObjectModel:
+    """The fitted model, with where its figures come from.
+
+    Args:
+        found: the fit.
+        before: what was believed, whose provenance holds for what was not found.
+        source: of the figures.
+        method: by which they were found; `{count}` in it stands for the number of trials used.
+    """
     kept = [name for name in UNCERTAIN if name not in found.found]
-    method = (
-        f"least squares of {len(found.residuals) - len(found.dropped)} touches by a robot; found: "
-        f"{', '.join(found.found)}"
-    )
+    count = len(found.residuals) - len(found.dropped)
+    method = method.format(count=count)
     if kept:
         method += f"; as believed before ({before.provenance.source}): {', '.join(kept)}"
-    provenance = Provenance(
-        source=f"fitted to {names}",
-        method=method,
-        trials=len(found.residuals) - len(found.dropped),
-        date=date.today().isoformat(),
-    )
+    today = date.today().isoformat()
+    provenance = Provenance(source=source, method=method, trials=max(count, 1), date=today)
     return found.model.model_copy(update={"provenance": provenance})
 
 

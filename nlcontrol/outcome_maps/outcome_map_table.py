@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from nlcontrol.json_document import finite_or_none
+
 if TYPE_CHECKING:
     from objectmodels.mechanics.outcome_map import OutcomeMap
 
@@ -44,19 +46,15 @@ def map_document(chart: OutcomeMap, face: str) -> dict[str, Any]:
                 "height": float(z),
                 "point": point,
                 "outcome": str(outcome),
-                "force": _finite(force),
-                "slide": _finite(slide),
-                "topple": _finite(topple),
+                "force": finite_or_none(force),
+                "slide": finite_or_none(slide),
+                "topple": finite_or_none(topple),
                 "probability_slide": float(p),
                 "probability_topple": float(q),
             }
             for y, z, point, outcome, force, slide, topple, p, q in rows
         ],
     }
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
 
 
 def save_table(chart: OutcomeMap, face: str, path: Path) -> None:

@@ -17,7 +17,7 @@ from grammar.frames import command as g
 from nlcontrol.errors import ControlError, error, refusal_error, whole_span
 from nlcontrol.questions.answer import Considered
 from nlcontrol.questions.push_prediction import PushPrediction, predict_push
-from nlcontrol.text_format import quantity
+from nlcontrol.text_format import aside_text, quantity
 from planner.affordances import pushed_face
 from planner.geometry.directions import FACE_HEADINGS, HEADINGS, heading_of, unit
 from planner.problem.frame_interpretation import interpret_frame, require_upright
@@ -67,10 +67,8 @@ class Inquiry:
     @property
     def where(self) -> str:
         """The place in words: "on its front face, 192 mm above the table"."""
-        aside = ""
-        if abs(self.lateral) >= 5e-4:
-            side = "right" if self.lateral > 0.0 else "left"
-            aside = f" {quantity(abs(self.lateral), 'm')} to the {side} of its middle"
+        off = aside_text(self.lateral)
+        aside = f" {off} of its middle" if off else ""
         return f"on its {self.face_name} face{aside}, {quantity(self.height, 'm')} above the table"
 
     @property

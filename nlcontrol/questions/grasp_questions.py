@@ -63,17 +63,10 @@ def asks_for_hand(frame: g.Frame) -> bool:
     return is_handled(frame) and frame.goal.kind != "place"
 
 
-def hand_answer(frame: g.Frame, state: WorldState, reach: Robot, defaults: Defaults) -> Answer:
-    """What a hand would come to: its plan's prediction, or why there is no plan.
-
-    Args:
-        frame: the question, its objects resolved.
-        state: what is believed.
-        reach: of the hand.
-        defaults: what a clause means when nothing more is said.
-    """
+def hand_answer(frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults) -> Answer:
+    """The prediction of a hand's plan, or the reason why there is no plan."""
     command = frame.model_copy(update={"query": None, "event": None})
-    made = plan(command, state, reach, defaults=defaults)
+    made = plan(command, state, robot, defaults=defaults)
     if isinstance(made, Refusal):
         no = "No: " if frame.event == "holds" else ""
         return Answer(
@@ -89,14 +82,13 @@ def hand_answer(frame: g.Frame, state: WorldState, reach: Robot, defaults: Defau
     told = "; ".join((*predicted_outcomes(made), *plan_reasons(made)))
     numbers = deciding_figures(made)
     spilled = numbers.get("spilled", 0.0)
-    start, yes, p = "", None, made.probability
+    yes, p = None, made.probability
     if frame.event == "spills":
         yes = spilled > _NOTHING
-        start = "Yes: " if yes else "No: "
     elif frame.event == "holds":
         p = numbers.get("holds", made.probability)
         yes = p >= 0.5
-        start = "Yes: " if yes else "No: "
+    start = {None: "", True: "Yes: ", False: "No: "}[yes]
     return Answer(
         query="predict",
         text=f"{start}I would {steps_text(made)}; {told}.",
@@ -110,15 +102,10 @@ def hand_answer(frame: g.Frame, state: WorldState, reach: Robot, defaults: Defau
 
 
 def spill_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
-    """How much a tilt or a push would spill.
-
-    Args:
-        frame: the question, its objects resolved.
-        state: what is believed.
-        defaults: what a clause means when nothing more is said.
+    """The volume that a tilt or a push would spill.
 
     Raises:
-        ControlError: `unsupported` if it is no container; as `inquiry` for a push.
+        ControlError: `unsupported` if it is no container; as `push_asked_about` for a push.
     """
     target = target_of(frame, state)
     _require_container(target, frame)

@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict
 
 from nlcontrol.errors import error
-from nlcontrol.json_document import Document
+from nlcontrol.json_document import Document, finite_or_none
+from nlcontrol.text_format import aside_text
 from objectmodels import Face, ObjectModel
 from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.mechanics.outcome_probability import SMALLEST_SHARE
-from planner.geometry.directions import HEADINGS, heading_of
+from planner.geometry.directions import HEADINGS, angle_between, heading_of
 
 Array = NDArray[np.float64]
 
@@ -177,13 +178,13 @@ def _prediction_text(
         object=model.name,
         push=push,
         outcome="none" if force is not None and force < onset else str(t.outcome[0]),
-        onset=_finite(onset),
-        slide=_finite(t.slide[0]),
-        topple=_finite(t.topple[0]),
+        onset=finite_or_none(onset),
+        slide=finite_or_none(t.slide[0]),
+        topple=finite_or_none(t.topple[0]),
         slide_sd=slide_sd if friction == "static" else None,
         topple_sd=topple_sd,
-        optimistic=None if t.fitted else _finite(t.optimistic[0]),
-        pessimistic=None if t.fitted else _finite(t.pessimistic[0]),
+        optimistic=None if t.fitted else finite_or_none(t.optimistic[0]),
+        pessimistic=None if t.fitted else finite_or_none(t.pessimistic[0]),
         residual=float(t.residual[0]),
         probability={
             "none": float(likely.none[0]),
@@ -219,8 +220,9 @@ def _motion(model: ObjectModel, t: Any) -> dict[str, float]:
 def _sentences(found: PushPrediction) -> list[str]:
     push = found.push
     how = "" if push.force is None else f" with {push.force:g} N"
+    aside = aside_text(push.lateral) or "in the middle"
     lines = [
-        f"Pushed on the {push.face} face, {_aside(push.lateral)}, {1e3 * push.height:.0f} mm up, "
+        f"Pushed on the {push.face} face, {aside}, {1e3 * push.height:.0f} mm up, "
         f"{_towards(push)}{how}, the {found.object} {VERBS[found.outcome]}."
     ]
     first, other = in_turn(found)
@@ -306,12 +308,6 @@ def _moving(found: PushPrediction) -> list[str]:
     ]
 
 
-def _aside(lateral: float) -> str:
-    if abs(lateral) < 5e-4:
-        return "in the middle"
-    return f"{1e3 * abs(lateral):.0f} mm to the {'right' if lateral > 0 else 'left'}"
-
-
 def _towards(push: AskedPush) -> str:
     u = push.direction
     level = np.hypot(u[0], u[1])
@@ -324,9 +320,7 @@ def _towards(push: AskedPush) -> str:
 
 def _heading(heading: float) -> str:
     """A heading in words: the nearest name, and the angle off it."""
-    off = {
-        name: float(np.angle(np.exp(1j * (heading - value)))) for name, value in HEADINGS.items()
-    }
+    off = {name: angle_between(heading, value) for name, value in HEADINGS.items()}
     name = min(off, key=lambda key: abs(off[key]))
     degrees = np.degrees(off[name])
     if abs(degrees) < 0.5:
@@ -337,10 +331,6 @@ def _heading(heading: float) -> str:
 def _triple(v: np.ndarray) -> tuple[float, float, float]:
     x, y, z = (np.asarray(v) + 0.0).tolist()
     return x, y, z
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
 
 
 def deviations(model: ObjectModel, p: Array, u: Array) -> tuple[float | None, float | None]:

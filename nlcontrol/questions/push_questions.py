@@ -80,26 +80,29 @@ def _needed_force(push: Inquiry, event: g.Event) -> Answer:
             f"{pushed} {push.where}, the {name} would {never} {_MAKE[event]}: it "
             f"{threshold(found, first, force_text)}{before} {likely}."
         )
-        return Answer(
-            query="how_hard",
-            text=text,
-            numbers=figures(found),
-            probability=p,
-            yes=False,
-            push=push.push_in_answer,
-        )
+        return _force_answer(push, text, figures(found), p, yes=False)
     text = (
         f"It takes {force_text(value, sd)} to {_verb(event, name)}, pushed {push.where}: "
         f"it then {DOES[first]}{' and turns' if event == 'turns' else ''} and "
         f"{threshold(found, other, force_text, only=True)} {likely}."
     )
-    numbers = figures(found) | _range(value, sd)
+    return _force_answer(push, text, figures(found) | _range(value, sd), p, yes=True)
+
+
+def _force_answer(
+    push: Inquiry,
+    text: str,
+    numbers: dict[str, float],
+    probability: float,
+    *,
+    yes: bool | None = None,
+) -> Answer:
     return Answer(
         query="how_hard",
         text=text,
         numbers=numbers,
-        probability=p,
-        yes=True,
+        probability=probability,
+        yes=yes,
         push=push.push_in_answer,
     )
 
@@ -128,13 +131,7 @@ def _without_toppling(push: Inquiry, defaults: Defaults) -> Answer:
         f"Pushed slowly {push.where}, the {push.target.name} does not topple however hard it is "
         f"pushed: it {slides} and {topples} (probability that it topples {likelihood(p)})."
     )
-    return Answer(
-        query="how_hard",
-        text=text,
-        numbers=figures(found),
-        probability=1.0 - p,
-        push=push.push_in_answer,
-    )
+    return _force_answer(push, text, figures(found), 1.0 - p)
 
 
 def _up_to(push: Inquiry, outcomes: tuple[str, ...], defaults: Defaults) -> Answer:
@@ -152,10 +149,7 @@ def _up_to(push: Inquiry, outcomes: tuple[str, ...], defaults: Defaults) -> Answ
         f"(probability {likelihood(p)}): it {threshold(found, first, force_text)} and "
         f"{threshold(found, other, force_text, only=True)}."
     )
-    numbers = figures(found) | {"force": most}
-    return Answer(
-        query="how_hard", text=text, numbers=numbers, probability=p, push=push.push_in_answer
-    )
+    return _force_answer(push, text, figures(found) | {"force": most}, p)
 
 
 @dataclass(frozen=True)

@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 def answer(
     frame: g.Frame,
     state: WorldState,
-    reach: Callable[[], Robot],
+    robot: Callable[[], Robot],
     defaults: Defaults,
     *,
     position_sd: float = 0.0,
@@ -64,7 +64,7 @@ def answer(
     Args:
         frame: a frame with a query, its objects resolved to names in `state`.
         state: what the robot believes.
-        reach: gives the hand's reach, which few questions need.
+        robot: gives arm and hand, which few questions need.
         defaults: what a clause means when nothing more is said.
         position_sd: standard deviation of a seen position [m].
 
@@ -74,13 +74,13 @@ def answer(
     """
     match frame.query:
         case "predict" if asks_for_hand(frame):
-            return hand_answer(frame, state, reach(), defaults)
+            return hand_answer(frame, state, robot(), defaults)
         case "predict" if frame.event == "spills":
             return spill_answer(frame, state, defaults)
         case "predict":
             return _predict(frame, state, defaults)
         case "possible":
-            return _possible(frame, state, reach(), defaults)
+            return _possible(frame, state, robot(), defaults)
         case "how_hard":
             return how_hard(frame, state, defaults)
         case "where":
@@ -88,7 +88,7 @@ def answer(
         case "value":
             return property_answer(frame, state, position_sd)
         case "affordances":
-            return _affordances(frame, state, reach(), defaults)
+            return _affordances(frame, state, robot(), defaults)
         case _:
             raise error(
                 "nothing_before",
@@ -183,10 +183,10 @@ def _reasons(found: PushPrediction) -> str:
 # -- what can be done -------------------------------------------------------------------------
 
 
-def _possible(frame: g.Frame, state: WorldState, reach: Robot, defaults: Defaults) -> Answer:
+def _possible(frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults) -> Answer:
     """Whether the planner finds a push for what is asked, and which one or why not."""
     command = frame.model_copy(update={"query": None, "event": None})
-    made = plan(command, state, reach, defaults=defaults)
+    made = plan(command, state, robot, defaults=defaults)
     if made.status == "planned":
         try:
             require_checkable(command)
@@ -241,10 +241,10 @@ def _denial(
     )
 
 
-def _affordances(frame: g.Frame, state: WorldState, reach: Robot, defaults: Defaults) -> Answer:
+def _affordances(frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults) -> Answer:
     """What can be done with an object: a sentence, and the lines of `nlcontrol affordances`."""
     target = target_of(frame, state)
-    found = affordances(target, state, reach, defaults=defaults)
+    found = affordances(target, state, robot, defaults=defaults)
     can = [each for each in found if each.can]
     done = dict.fromkeys(each.outcome for each in can)
     lacking = dict.fromkeys(each.outcome for each in found if each.outcome not in done)

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from objectmodels.geometry.base_shapes import Polygon
-from planner.geometry.footprints import footprint, overlaps
+from planner.geometry.footprints import footprint, gap
 
 if TYPE_CHECKING:
     from grammar.frames.command import Quality, Relation
@@ -154,19 +154,6 @@ def in_relation(
     return _extreme_ones(fitting, away)
 
 
-def polygon_gap(a: Array, b: Array) -> float:
-    """Distance between two convex polygons, shapes (n, 2), (k, 2) [m]; 0 if they overlap."""
-    return 0.0 if overlaps(a, b, 0.0) else min(_to_edges(a, b), _to_edges(b, a))
-
-
-def _to_edges(points: Array, polygon: Array) -> float:
-    """Smallest distance of points from the edges of a polygon."""
-    edges = np.roll(polygon, -1, axis=0) - polygon
-    from_start = points[:, None] - polygon
-    share = np.clip((from_start * edges).sum(axis=-1) / (edges**2).sum(axis=-1), 0.0, 1.0)
-    return float(np.linalg.norm(from_start - share[..., None] * edges, axis=-1).min())
-
-
 def _extreme_ones(seen: Sequence[SeenObject], scale: _Scale) -> list[SeenObject]:
     if not seen:
         return []
@@ -207,7 +194,7 @@ def _stands_by(relation: Relation, s: SeenObject, other: SeenObject) -> bool:
 
 
 def _object_gap(s: SeenObject, other: SeenObject) -> float:
-    return polygon_gap(footprint(s), footprint(other))
+    return max(gap(footprint(s), footprint(other)), 0.0)
 
 
 def _farthest_gap(s: SeenObject, others: Sequence[SeenObject]) -> float:

@@ -12,7 +12,7 @@ along B's axes, height is that of its top; a side that is not said is the width.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING, TypeVar
@@ -108,6 +108,16 @@ def objects_mentioned(frame: Frame) -> tuple[str, ...]:
 
 def _resolved_names(refs: Sequence[ObjectRef]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(ref.id for ref in refs if ref.id is not None))
+
+
+def parts_within(part: BaseModel) -> Iterator[BaseModel]:
+    """A frame or a part of one, and all parts within it, each before its own parts."""
+    yield part
+    for key in type(part).model_fields:
+        value = getattr(part, key)
+        for inner in value if isinstance(value, tuple) else (value,):
+            if isinstance(inner, BaseModel):
+                yield from parts_within(inner)
 
 
 def _references_in(part: BaseModel) -> list[ObjectRef]:

@@ -20,7 +20,8 @@ from pydantic import BaseModel
 from grammar.frames import command as g
 from nlcontrol.questions.answer import DOES, force_text, likelihood
 from nlcontrol.questions.push_prediction import CERTAIN
-from nlcontrol.text_format import quantity
+from nlcontrol.references.reference_resolution import parts_within
+from nlcontrol.text_format import aside_text, quantity
 from planner.explanation.grasp_explanation import explain_hand
 from planner.explanation.push_explanation import belief_values, explain_push
 from planner.explanation.rows import Clause, Row, Value, frame_clauses, quotation, row
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from nlcontrol.errors import ErrorInfo
     from nlcontrol.questions.answer import Answer, Considered
     from nlcontrol.results.result import Result, Step
-    from planner.explanation.rows import PartName, Row
+    from planner.explanation.rows import PartName
 
 NOT_PLANNED, NOT_ANSWERED = "not planned", "not answered"
 NO_MEANING = "no meaning of their own"
@@ -164,10 +165,8 @@ def _decides(said: Any) -> tuple[str, ...]:
 def _considered_values(push: Considered) -> Iterator[tuple[str, Value]]:
     yield "face", Value("face", f"the {push.face} face")
     if push.height is not None:
-        aside = ""
-        if abs(push.lateral) >= 5e-4:
-            side = "right" if push.lateral > 0.0 else "left"
-            aside = f", {quantity(abs(push.lateral), 'm')} to the {side} of the middle"
+        off = aside_text(push.lateral)
+        aside = f", {off} of the middle" if off else ""
         yield "height", Value("contact height", f"{quantity(push.height, 'm')}{aside}")
     yield "direction", Value("direction", phrase(push.heading))
     if push.force is not None:
@@ -237,17 +236,9 @@ def _figure(name: str, value: float) -> str:
 # --- words without a part ----------------------------------------------------------------
 
 
-def _spans(part: Any) -> tuple[g.Span, ...]:
+def _spans(part: BaseModel) -> tuple[g.Span, ...]:
     """Every span in a part of a frame."""
-    found: list[g.Span] = []
-    for key in type(part).model_fields:
-        value = getattr(part, key)
-        if key == "spans":
-            found += value
-        else:
-            inner = value if isinstance(value, tuple) else (value,)
-            found += [s for each in inner if isinstance(each, BaseModel) for s in _spans(each)]
-    return tuple(found)
+    return tuple(span for each in parts_within(part) for span in getattr(each, "spans", ()))
 
 
 def _filler(result: Result, rows: list[Row]) -> Iterator[Row]:

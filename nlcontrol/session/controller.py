@@ -84,8 +84,8 @@ class Controller:
         self.defaults = self.cell.defaults if defaults is None else defaults
 
     @property
-    def reach(self) -> Robot:
-        """Reach of arm and hand."""
+    def robot(self) -> Robot:
+        """Arm and hand, as the planner asks for them."""
         return self.executor.robot
 
     @property
@@ -149,7 +149,7 @@ class Controller:
         from planner.affordances import affordances
 
         seen, state = self.surroundings(name)
-        return affordances(seen, state, self.reach, defaults=self.defaults)
+        return affordances(seen, state, self.robot, defaults=self.defaults)
 
     def surroundings(self, name: str) -> tuple[SeenObject, WorldState]:
         """An object and everything about it that is believed.
@@ -190,7 +190,7 @@ class Controller:
         return answer(
             frame,
             self.about(frame) if state is None else state,
-            lambda: self.reach,
+            lambda: self.robot,
             self.defaults,
             position_sd=vision.position_noise_m / math.sqrt(max(vision.rate_hz * LOOK, 1.0)),
         )
@@ -228,7 +228,7 @@ class Controller:
         made = (self.planner or plan)(
             frame,
             state,
-            self.reach,
+            self.robot,
             defaults=self.defaults,
             previous=previous,
             failed=failed,
@@ -239,20 +239,11 @@ class Controller:
         return made
 
     def execute(self, plan: Plan, progress: Progress | None = None) -> Trace:
-        """Carries out a plan.
-
-        Args:
-            plan: what to do.
-            progress: told what happens, while it happens.
-        """
+        """Carries out a plan; see `nlcontrol.session.executor.Executor.execute`."""
         return self.executor.execute(plan, self.models, progress)
 
     def watch(self, name: str) -> Trace:
-        """A look at the table during which nothing is done.
-
-        Args:
-            name: of the object that it is about.
-        """
+        """A look during which nothing is done; see `nlcontrol.session.executor.Executor.watch`."""
         return self.executor.watch(name)
 
     def check(self, frame: Frame, trace: Trace) -> tuple[Check, ...]:

@@ -12,9 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, Literal, NoReturn
-
-from pydantic import BaseModel
+from typing import TYPE_CHECKING, Literal, NoReturn
 
 import grammar
 from grammar.frames import command as g
@@ -22,7 +20,7 @@ from nlcontrol.checks.verdicts import HAND_ENDS, PLANNED_ENDS, Check
 from nlcontrol.errors import ControlError, error
 from nlcontrol.plan_text import deciding_figures, plan_reason
 from nlcontrol.questions.answer import Answer
-from nlcontrol.references.reference_resolution import Context
+from nlcontrol.references.reference_resolution import Context, parts_within
 from nlcontrol.results.result import with_
 from nlcontrol.session import follow_up_frames as follow_up
 from nlcontrol.session.undo_frames import PastPush, undo_frames, undo_text
@@ -59,13 +57,7 @@ class Conversation:
     ) -> Result:
         """Does what a sentence says, as it is meant after those before it.
 
-        Args:
-            text: an English sentence, or a remark on what was said and done before.
-            plan_only: stop before anything is executed.
-            progress: told what happens during the simulation.
-
-        Returns:
-            A result in every case, as from `Controller.say`.
+        It may be a remark on what was said and done before; otherwise as `Controller.say`.
         """
         text = encodable_text(text)
         command = None
@@ -117,7 +109,8 @@ class Conversation:
                 self.past.append(PastPush(kept, done.object, before, done.task))
 
     def _speak_of(self, frames: Sequence[g.Frame]) -> None:
-        names = [name for frame in reversed(frames) for name in _names(frame)]
+        parts = (part for frame in reversed(frames) for part in parts_within(frame))
+        names = [ref.id for ref in parts if isinstance(ref, g.ObjectRef) and ref.id is not None]
         self.context = Context(tuple(dict.fromkeys((*names, *self.context.last))))
 
     # --- repeat, more, correct -----------------------------------------------------------------
@@ -267,18 +260,6 @@ def _frames(result: Result | None) -> list[g.Frame]:
 def _stop_index(result: Result) -> int:
     """The frame at which a result stopped."""
     return result.steps[-1].frame if result.steps else 0
-
-
-def _names(part: Any) -> Iterator[str]:
-    """Names of the objects in a part of a frame, in its order."""
-    if isinstance(part, g.ObjectRef) and part.id is not None:
-        yield part.id
-    values = (
-        part if isinstance(part, tuple) else [getattr(part, k) for k in type(part).model_fields]
-    )
-    for value in values:
-        if isinstance(value, BaseModel | tuple):
-            yield from _names(value)
 
 
 def _says_all_of(frame: g.Frame, asked: g.Frame) -> bool:

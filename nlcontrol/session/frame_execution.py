@@ -237,9 +237,7 @@ class FrameRun:
 
     def _learn(self, made: Plan, state: WorldState, trace: Trace) -> None:
         """What a push taught; the controller believes it from now on."""
-        from nlcontrol.learning.lessons import (
-            lesson_from_push,  # planning alone teaches nothing
-        )
+        from nlcontrol.learning.lessons import lesson_from_push  # planning alone teaches nothing
 
         name = made.push.object
         found = lesson_from_push(made, state.objects[name], trace)
@@ -253,11 +251,7 @@ class FrameRun:
 
     def _learn_by_hand(self, made: Plan, trace: Trace) -> bool:
         """What lifting taught of a weight, and where the contents are; whether all was done."""
-        from nlcontrol.learning.lessons import (
-            TRIED_AGAIN,
-            beliefs_after_grasp,
-            weight_from_grasp,
-        )
+        from nlcontrol.learning.lessons import TRIED_AGAIN, beliefs_after_grasp, weight_from_grasp
 
         models = self.controller.models
         found = weight_from_grasp(made, models[made.object], trace)

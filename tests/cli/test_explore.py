@@ -221,7 +221,7 @@ def test_what_the_robot_cannot_see_changes_nothing_before_the_first_touch() -> N
         controller = Controller(scene, seed=3)
         assert simulation(controller.executor).scene.object(BOX).truth == scene.object(BOX).truth
         state = controller.look()
-        proposed = experiments(state.objects[BOX], controller.reach.limits)
+        proposed = experiments(state.objects[BOX], controller.robot.limits)
         command = controller.resolve(controller.parse("push the ice tea box away"))
         plan = controller.plan(command.frames[0], state)
         assert isinstance(plan, Plan)

@@ -94,7 +94,7 @@ def played(controller: Controller, *happens: Happens) -> PlayedExecutor:
     """The controller's robot from now on: the cell as it is seen, what comes of pushes made up."""
     objects = controller.look().objects
     poses = {name: seen_object.pose for name, seen_object in objects.items()}
-    executor = PlayedExecutor(controller.cell, poses, controller.reach, *happens)
+    executor = PlayedExecutor(controller.cell, poses, controller.robot, *happens)
     executor.colours = {name: seen_object.colour for name, seen_object in objects.items()}
     controller.executor = executor
     return executor

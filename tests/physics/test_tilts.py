@@ -23,7 +23,7 @@ def _frame(text: str, name: str) -> Frame:
 
 
 def _planned(controller: Controller, text: str, name: str) -> Plan:
-    made = plan(_frame(text, name), controller.look(), controller.reach)
+    made = plan(_frame(text, name), controller.look(), controller.robot)
     assert isinstance(made, Plan), made
     return made
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,7 +26,6 @@ from nlcontrol.cli.console.console_output import (
 )
 
 if TYPE_CHECKING:
-    from nlcontrol.learning.exploration_session import Told
     from objectmodels import ObjectModel
     from sim.exploration.exploration_run import Touched
 
@@ -101,7 +101,7 @@ def command(
         found = explore(
             controller.executor, controller.models, item.name,
             parameters=parameters or UNCERTAIN, repetitions=trials, precision=precision,
-            guess=guess, progress=progress, told=_touch_reporter(progress),
+            guess=guess, progress=progress, told=partial(_print_touch, progress),
         )  # fmt: skip
     files = {}
     if picture is not None:
@@ -129,16 +129,10 @@ def _require_file_ending(path: Path | None, *endings: str) -> None:
     require_writable(path)
 
 
-def _touch_reporter(progress: Narrator) -> Told:
-    """A function that prints each touch and what is believed after it, on standard error."""
-
-    def report_touch(touched: Touched, model: ObjectModel) -> None:
-        number = f"{touched.repetition + 1:2}."
-        line = (
-            f"{number} {touched.experiment.name}: {touched.recording.detail}; now believed: "
-            f"mass {model.mass:.3f} ± {model.mass_sd:.3f} kg, "
-            f"friction {model.friction:.3f} ± {model.friction_sd:.3f}"
-        )
-        progress.line(line)
-
-    return report_touch
+def _print_touch(progress: Narrator, touched: Touched, model: ObjectModel) -> None:
+    """Print a touch and what is believed after it, on standard error."""
+    progress.line(
+        f"{touched.repetition + 1:2}. {touched.experiment.name}: {touched.recording.detail}; "
+        f"now believed: mass {model.mass:.3f} ± {model.mass_sd:.3f} kg, "
+        f"friction {model.friction:.3f} ± {model.friction_sd:.3f}"
+    )

@@ -51,8 +51,10 @@ def command(
     path, instead = (None, None) if saved_as is None else store_model(registry, model)
     if output is not None:
         save_model(model, output)
-    written = {"saved": _path_text(path), "output": _path_text(output), "instead_of": instead}
-    report = found.report.model_copy(update=written)
+    saved, written = (None if file is None else str(file) for file in (path, output))
+    report = found.report.model_copy(
+        update={"saved": saved, "output": written, "instead_of": instead}
+    )
     return print_answer(report.model_dump(mode="json"), report_lines(report), as_json=as_json)
 
 
@@ -75,7 +77,3 @@ def _find_model(registry: Registry, name: str) -> ObjectModel:
     if name.endswith((".yaml", ".yml")):
         return load_model(Path(name), registry.kinds)
     return registry.find_one(name)
-
-
-def _path_text(path: Path | None) -> str | None:
-    return None if path is None else str(path)

@@ -13,10 +13,11 @@ from hypothesis import strategies as st
 from grammar.frames import command as g
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
-from nlcontrol.references.object_attributes import polygon_gap
+from nlcontrol.references.object_attributes import with_attribute
 from nlcontrol.references.object_names import Candidate
 from nlcontrol.references.reference_resolution import Context, resolve_references
 from objectmodels import BoxModel, Registry
+from planner.geometry.footprints import gap
 from planner.types.world_state import Colour, PlanarPose, SeenObject, WorldState
 from tests.sizes import examples
 
@@ -288,12 +289,17 @@ def test_one_look_is_enough() -> None:
 
 def test_distance_between_footprints() -> None:
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    assert polygon_gap(square, square + np.array([3.0, 0.5])) == pytest.approx(2.0)
+    assert gap(square, square + np.array([3.0, 0.5])) == pytest.approx(2.0)
     # Corner to corner, and corner to the middle of an edge.
-    assert polygon_gap(square, square + np.array([4.0, 5.0])) == pytest.approx(5.0)
+    assert gap(square, square + np.array([4.0, 5.0])) == pytest.approx(5.0)
     diamond = np.array([[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
-    assert polygon_gap(square, diamond + np.array([2.5, 0.5])) == pytest.approx(0.5)
-    assert polygon_gap(square, square + 0.5) == 0.0
+    assert gap(square, diamond + np.array([2.5, 0.5])) == pytest.approx(0.5)
+    assert gap(square, square + 0.5) == pytest.approx(-0.5)
+
+
+def test_objects_that_overlap_are_equally_near() -> None:
+    mug, a, b = _box("mug", 0.5, 0.0), _box("a", 0.5, 0.01), _box("b", 0.5, -0.06)
+    assert with_attribute("near", [a, b], [mug]) == [a, b]
 
 
 QUALITIES = tuple(q for q in get_args(g.Quality) if q not in {"other", "same"})

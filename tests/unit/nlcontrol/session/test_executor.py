@@ -49,7 +49,7 @@ def gone(plan):
 
 simulated = Controller("kitchen", seed=1)
 poses = {name: seen.pose for name, seen in simulated.look().objects.items()}
-executor = PlayedExecutor(simulated.cell, poses, simulated.reach, gone)
+executor = PlayedExecutor(simulated.cell, poses, simulated.robot, gone)
 result = Controller(executor=executor).say("push the ice tea box away without toppling it")
 print(result.status, len(executor.executed), len(result.checks))
 assert not any(name.startswith("pydrake.") for name in sys.modules)
