@@ -28,7 +28,7 @@ OK, INTERNAL, USAGE, NOT_UNDERSTOOD, NO_PLAN, NOT_HELD = range(6)
 
 
 class Status(NamedTuple):
-    """What a code means to the caller's shell and to the caller's HTTP client."""
+    """Meaning of a code to the caller's shell and to the caller's HTTP client."""
 
     exit: int
     http: int

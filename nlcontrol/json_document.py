@@ -58,5 +58,5 @@ class Document(BaseModel):
 
 
 def is_readable(version: str) -> bool:
-    """Whether this program reads what was saved under a version: under the same major one."""
+    """True if this program reads what was saved under a version: under the same major one."""
     return version.partition(".")[0] == SCHEMA_VERSION.partition(".")[0]

@@ -89,7 +89,7 @@ def push_text(push: Push) -> str:
 
 
 def _extent(push: Push) -> str:
-    """How far, or until when, a push goes."""
+    """Extent of a push: how far, or until when."""
     way = quantity(push.stroke, "m")
     event = {
         "moves": "until it moves",
@@ -110,7 +110,7 @@ def _extent(push: Push) -> str:
 
 
 def _guards(limits: Limits) -> str:
-    """What stops a push."""
+    """Guards that stop a push, in words."""
     told = []
     for clear in dict.fromkeys(clear for _, clear in limits.clear_of):
         names = [f"the {name}" for name, kept in limits.clear_of if kept == clear]
@@ -125,7 +125,7 @@ def _guards(limits: Limits) -> str:
 
 
 def _end(plan: Plan, aim: Aim) -> str:
-    """Where everything leads, and how sure that is."""
+    """Place where everything leads, and how sure that is."""
     heading = "" if aim.yaw is None else f", heading {quantity(aim.yaw, 'rad')}"
     pushes = len(plan.pushes)
     sure = f" (probability of all {pushes} pushes {_surely(plan.probability)})"
@@ -162,7 +162,7 @@ def _prediction(push: PushAction) -> str:
 
 
 def _safety(push: PushAction) -> str:
-    """How far the push is from the outcome that it must not have."""
+    """Margins between the push and the outcome that it must not have."""
     margins = push.margins
     plural = "" if margins.sigmas == 1 else "s"
     case = (
@@ -203,7 +203,7 @@ def _push_reason(plan: Plan) -> str:
 
 
 def _other_outcome(push: PushAction) -> str:
-    """Where it would do something else."""
+    """Height from which it would do something else."""
     p = push.prediction
     if p.critical_height is None or p.critical_height_worst is None:
         return "no push on this face topples it"
@@ -263,7 +263,7 @@ def _holding(plan: Plan) -> str:
 
 
 def grasp_text(grasp: Grasp) -> str:
-    """Where and how hard it is held: "from its side, 60 mm above its base, with 4.5 N"."""
+    """Place and force of a grasp: "from its side, 60 mm above its base, with 4.5 N"."""
     where = f"{quantity(grasp.p_BG[2], 'm')} above its base"
     return f"{grasp.approach_text}, {where}, with {quantity(grasp.squeeze, 'N')}"
 
@@ -307,7 +307,7 @@ def _step(step: Action, plan: Plan) -> str:
 
 
 def predicted_outcomes(plan: Plan) -> list[str]:
-    """What the models say will happen."""
+    """Predictions of the models, in words."""
     told = [f"it succeeds with probability {probability_text(plan.probability)}"]
     for action in plan.actions:
         match action:
@@ -356,7 +356,7 @@ def _reasons(action: Action, name: str) -> Iterator[str]:
 
 
 def _bearing_texts(p: FlipPrediction, name: str) -> Iterator[str]:
-    """What the standing object bears while its lid is opened."""
+    """Forces that the standing object bears while its lid is opened."""
     gives = [
         f"{verb} from {quantity(force, 'N')} on"
         for verb, force in (("slides", p.slide_force), ("topples", p.topple_force))

@@ -30,14 +30,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class _Implied:
-    """What no words say."""
+    """Clause that every command implies."""
 
     kind: str = "others"
     spans: g.Spans = ()
 
 
 def touched_others(trace: Trace, one: str, other: str) -> bool:
-    """Whether two bodies began to touch."""
+    """True if two bodies began to touch."""
     return any({c.body_a, c.body_b} == {one, other} for c in trace.contacts)
 
 
@@ -169,7 +169,7 @@ def _no_topple(clause: g.NoTopple, e: Evidence) -> Iterator[Check]:
 
 
 def _kept_upright(clause: g.NoTopple | g.NoTilt, e: Evidence) -> Iterator[Check]:
-    """What a hand holds is upright unless it is poured from, and so it is at the end."""
+    """An object in the hand is upright unless it is poured from, and upright at the end."""
     if e.frame.goal.kind != "pour":
         limit = e.defaults.upright
         yield compare(clause, "at_most", "largest tilt", limit, e.largest_tilt, 0.0, "rad")
@@ -241,14 +241,14 @@ def _least_gap(e: Evidence, name: str) -> float:
 
 
 def _force(relation: Relation) -> Callable[..., Iterator[Check]]:
-    def checked(clause: g.MaxForce | g.MinForce | g.Force, e: Evidence) -> Iterator[Check]:
+    def force_check(clause: g.MaxForce | g.MinForce | g.Force, e: Evidence) -> Iterator[Check]:
         felt, tolerance = measures.largest_push_force(e.trace), e.defaults.force_tolerance
         quantity = "largest push force felt"
         if by_hand(e):
             felt, quantity = measures.largest_squeeze(e.trace), "largest squeeze felt"
         yield compare(clause, relation, quantity, clause.value, felt, tolerance, "N")
 
-    return checked
+    return force_check
 
 
 def _hard(clause: g.Hard, e: Evidence) -> Iterator[Check]:
@@ -260,7 +260,7 @@ def _hard(clause: g.Hard, e: Evidence) -> Iterator[Check]:
 def _speed(
     relation: Relation, asked: Callable[[Any, Evidence], float]
 ) -> Callable[..., Iterator[Check]]:
-    def checked(clause: Any, e: Evidence) -> Iterator[Check]:
+    def speed_check(clause: Any, e: Evidence) -> Iterator[Check]:
         speed, tolerance = measures.largest_push_speed(e.trace), e.defaults.speed_tolerance
         quantity = "largest speed of the push"
         if by_hand(e):
@@ -268,7 +268,7 @@ def _speed(
             speed = measures.largest_held_speed(e.trace, e.name)
         yield compare(clause, relation, quantity, asked(clause, e), speed, tolerance, "m/s")
 
-    return checked
+    return speed_check
 
 
 def _gentle(e: Evidence) -> float:

@@ -1,4 +1,4 @@
-"""What the checks of one frame look at: the trace, and what is believed of the objects' shapes.
+"""Evidence for the checks of one frame: the trace, and what is believed of the objects' shapes.
 
 An object that lies on another face than its model stands on is seen as it lies: its frame B is that
 of the face which was below at the start, so that its tilt counts from there.
@@ -34,7 +34,7 @@ EVERY = 5
 
 @dataclass(frozen=True)
 class Evidence:
-    """What the checks of one frame look at.
+    """Evidence for the checks of one frame.
 
     Attributes:
         trace: what happened, each object in the frame of the face on which it lay at the start.
@@ -71,7 +71,7 @@ class Evidence:
 
     @property
     def model(self) -> ObjectModel:
-        """What is believed of the object, as it lay at the start."""
+        """Believed model of the object, as it lay at the start."""
         return self.start.objects[self.name].model
 
     @property
@@ -80,11 +80,11 @@ class Evidence:
         return float(self.trace.tilt(self.name).max())
 
     def has(self, *kinds: str) -> bool:
-        """Whether the frame has a constraint of one of the kinds."""
+        """True if the frame has a constraint of one of the kinds."""
         return any(clause.kind in kinds for clause in self.frame.constraints)
 
     def covered_outlines(self, name: str) -> list[Array]:
-        """What an object covered of the table over time, corners in W of every so many samples."""
+        """Outlines that an object covered of the table, corners in W of every so many samples."""
         poses, model = self.trace.poses[name], self.start.objects[name].model
         tilts = self.trace.tilt(name)
         chosen = {*range(0, len(poses), EVERY), len(poses) - 1}
@@ -131,7 +131,7 @@ def _standing(name: str, pose: Array, model: ObjectModel) -> SeenObject:
 
 
 def _shadow(pose: Array, model: ObjectModel, upright: bool) -> Array:
-    """What an object covers of the table, corners in W, shape (k, 2) [m]."""
+    """Part of the table that an object covers, corners in W, shape (k, 2) [m]."""
     R_WB, outline = measures.rotation(pose), model.outline
     if upright:
         return np.asarray(outline @ R_WB[:2, :2].T + pose[4:6])

@@ -28,7 +28,7 @@ def has_fallen(clause: Clause, e: Evidence) -> Check:
 
 
 def _falls(e: Evidence) -> bool:
-    """Whether it is to be pushed until it tips over."""
+    """True if it is to be pushed until it tips over."""
     return any(isinstance(c, g.Until) and c.event == "tips" for c in e.frame.constraints)
 
 
@@ -68,7 +68,7 @@ def _displace(goal: g.Displace, e: Evidence) -> Iterator[Check]:
 
 
 def _tip_check(goal: g.Displace, heading: float | None, e: Evidence) -> list[Check] | None:
-    """Where it fell or leant, if it is to be pushed until it tips or is about to; else None."""
+    """Check of where it fell or leant, if it is pushed until it tips or is about to; else None."""
     events = [c.event for c in e.frame.constraints if isinstance(c, g.Until)]
     if "tips" in events:
         sample, quantity = -1, "fell off the asked direction"

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def by_hand(e: Evidence) -> bool:
-    """Whether the object was in the hand."""
+    """True if the object was in the hand."""
     return bool(measures.during(e.trace, ("grasp", "lift", "carry", "pour", "set_down")).any())
 
 
@@ -150,7 +150,7 @@ def _asked_volume(goal: g.Pour, before: float, into: str, e: Evidence) -> float:
 
 
 def spill_check(clause: Clause, e: Evidence) -> Check:
-    """What ran onto the table, against what was in it."""
+    """Check of the volume that ran onto the table, against what was in it."""
     lost = float(e.trace.spilled[-1] - e.trace.spilled[0]) if len(e.trace.spilled) else 0.0
     held = e.trace.contents.get(e.name)
     limit = 0.0 if held is None else e.defaults.spill_tolerance * float(held[0])

@@ -153,7 +153,7 @@ def rotation(pose: Array) -> Array:
 def contacts(
     trace: Trace, name: str, phases: Sequence[str] = ("push",)
 ) -> list[tuple[Array, Array]]:
-    """Where the fingertips are, seen from the object, when each push begins, or each grasp ends.
+    """Places of the fingertips, seen from the object, when each push begins, or each grasp ends.
 
     Returns:
         Their midpoint p_BT in B [m] and the rotation R_WB, for each push.
@@ -220,6 +220,6 @@ def slip(trace: Trace, name: str, outline: Array) -> float:
 
 
 def rise(trace: Trace, name: str, outline: Array) -> float:
-    """How far the lowest corner of an object's base came off the table [m]."""
+    """Height by which the lowest corner of an object's base came off the table [m]."""
     height = base_corners(trace, name, outline)[..., 2]
     return float((height.min(axis=1) - height[0].min()).max())

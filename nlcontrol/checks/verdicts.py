@@ -33,7 +33,7 @@ class Clause(Protocol):
 
 
 class Check(DocumentPart):
-    """What one clause asked and what was measured, in SI units.
+    """One clause: what it asked and what was measured, in SI units.
 
     Attributes:
         clause: kind of the goal or constraint; `others` for what is implied, that nothing else is

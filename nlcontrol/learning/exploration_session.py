@@ -69,7 +69,7 @@ Told = Callable[["Touched", "ObjectModel"], None]
 
 @dataclass(frozen=True)
 class Exploration:
-    """What an exploration found.
+    """Findings of an exploration.
 
     Attributes:
         model: with what was found.
@@ -127,7 +127,7 @@ def explore(
     models[name] = start
 
     def learn(touched: Touched) -> None:
-        models[name] = _believed(models[name], touched.trials)
+        models[name] = _belief_after(models[name], touched.trials)
         if told is not None:
             told(touched, models[name])
 
@@ -151,7 +151,7 @@ def explore(
             )
         _until(models, explorer, kinds, asked, most=repetitions * (len(kinds) + 1))
     trials = [trial for touched in explorer.touches for trial in touched.trials]
-    found = _fitted(start, trials, explorer, prior=precision is not None)
+    found = _fit_all(start, trials, explorer, prior=precision is not None)
     world = f"scene {executor.cell.name}, seed {executor.seed}"
     model = with_provenance(
         found,
@@ -167,7 +167,7 @@ def explore(
 def precisions_asked(
     model: ObjectModel, parameters: Sequence[str], precision: float
 ) -> dict[str, float]:
-    """What a precision means for each parameter: relative, of the centre of mass in metres."""
+    """Standard deviations that a precision asks for: relative, of the centre of mass in metres."""
     lengths = dict.fromkeys(CENTRE_OF_MASS, model.base.size) | {"com_z": model.top}
     return {name: precision * lengths.get(name, 1.0) for name in parameters}
 
@@ -192,8 +192,8 @@ def kinds_for(parameters: Sequence[str]) -> tuple[Kind, ...]:
     return tuple(kind for kind in order if kind in needed)
 
 
-def _believed(model: ObjectModel, trials: Sequence[Trial]) -> ObjectModel:
-    """What is believed after the trials of one touch; those that no values explain do not count."""
+def _belief_after(model: ObjectModel, trials: Sequence[Trial]) -> ObjectModel:
+    """The belief after the trials of one touch; those that no values explain do not count."""
     for trial in trials:
         try:
             model = apply_lesson(model, trial).model
@@ -237,20 +237,22 @@ def _cost(experiment: Experiment, explorer: Explorer) -> float:
     )
 
 
-def _fitted(model: ObjectModel, trials: Sequence[Trial], explorer: Explorer, *, prior: bool) -> Fit:
+def _fit_all(
+    model: ObjectModel, trials: Sequence[Trial], explorer: Explorer, *, prior: bool
+) -> Fit:
     """The joint fit; with few touches what was believed before counts too."""
     name = explorer.name
     if not trials:
-        raise _untold(f"no touch of the {name} showed anything", explorer)
+        raise _not_explorable(f"no touch of the {name} showed anything", explorer)
     try:
         found = fit(model, trials, prior=prior)
         return replace(found, notes=(*found.notes, _BELIEVING)) if prior else found
     except ModelError as raised:
         message = f"the touches of the {name} do not tell its parameters: {raised.message}"
-        raise _untold(message, explorer, *raised.suggestions) from raised
+        raise _not_explorable(message, explorer, *raised.suggestions) from raised
 
 
-def _untold(message: str, explorer: Explorer, *hints: str) -> ControlError:
+def _not_explorable(message: str, explorer: Explorer, *hints: str) -> ControlError:
     return error("not_explorable", message, suggestions=(*hints, *explorer.given_up))
 
 
@@ -271,7 +273,7 @@ def _report(
         object=name,
         scene=executor.cell.name,
         seed=executor.seed,
-        touches=tuple(map(_made, explorer.touches)),
+        touches=tuple(map(_touch_made, explorer.touches)),
         repeated=repeated,
         parameters={p: fitted_parameter(p, before, found) for p in found.found},
         correlations=tuple(correlations(found)),
@@ -299,11 +301,11 @@ def _by_repetition(model: ObjectModel, trials: Sequence[Trial]) -> list[Estimate
 
 
 def _about_others(note: str, missing: Sequence[str]) -> bool:
-    """Whether a note tells that a parameter that nobody asked for was kept."""
+    """True of a note that says that a parameter that nobody asked for was kept."""
     return " is kept as believed" in note and note.split(" ", maxsplit=1)[0] not in missing
 
 
-def _made(touched: Touched) -> TouchMade:
+def _touch_made(touched: Touched) -> TouchMade:
     force = None
     if touched.trials:
         force = math.sqrt(sum(f * f for f in touched.trials[0].force))

@@ -1,4 +1,4 @@
-"""What learning reports, as values: lessons of pushes and grasps, of a fit, of an exploration.
+"""Reports of learning, as values: lessons of pushes and grasps, of a fit, of an exploration.
 
 They stand apart from the code that fills them in, so that a result which holds none loads none of
 it.
@@ -40,7 +40,7 @@ class Change(DocumentPart):
 
     @property
     def matters(self) -> bool:
-        """Whether it is worth telling: another value, or one that is known better."""
+        """True if it is worth reporting: another value, or one that is known better."""
         moved = abs(self.after - self.before) > _MOVED * self.before_sd
         return moved or self.after_sd < _SURER * self.before_sd
 
@@ -57,7 +57,7 @@ class Change(DocumentPart):
 
 
 class Lesson(DocumentPart):
-    """What one push taught, or what hung on the fingers.
+    """Lesson of one push, or of what hung on the fingers.
 
     Attributes:
         object: its name in the scene.
@@ -114,7 +114,7 @@ class FittedParameter(BaseModel):
 
 
 class FitReport(Document):
-    """What a fit of data files found; SI units.
+    """Findings of a fit of data files; SI units.
 
     Attributes:
         object: name of the model.
@@ -173,7 +173,7 @@ class TouchMade(BaseModel):
 
 
 class ExplorationReport(Document):
-    """What an exploration found; SI units.
+    """Findings of an exploration; SI units.
 
     Attributes:
         object: name in the scene.

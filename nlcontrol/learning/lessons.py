@@ -58,7 +58,7 @@ shifts."""
 def lesson_from_push(
     made: Plan, target: SeenObject, trace: Trace
 ) -> tuple[ObjectModel, Lesson] | None:
-    """What is believed after a push, and what it taught; None if it taught nothing.
+    """The model believed after a push, and the lesson; None if it taught nothing.
 
     Args:
         made: what was to happen.
@@ -87,7 +87,7 @@ def lesson_from_push(
 
 
 def _from_turn(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectModel, Lesson] | None:
-    """What a turn tells of the friction radius: the pivot lies the nearer the smaller it is."""
+    """The friction radius that a turn shows: the pivot lies the nearer the smaller it is."""
     push, model, R_WB = made.push, target.model, target.pose.R_WB
     moved, turned = R_WB.T @ trace.seen_displacement(push.object), trace.seen_turn(push.object)
     if abs(turned) < SHOWS_RADIUS:
@@ -111,7 +111,7 @@ def _from_turn(made: Plan, target: SeenObject, trace: Trace) -> tuple[ObjectMode
 
 
 def apply_lesson(model: ObjectModel, trial: Trial) -> Update:
-    """What is believed after a trial; a belief that it contradicts was too sure, and is widened."""
+    """The belief after a trial; one that the trial contradicts was too sure, and is widened."""
     from objectmodels.identification.belief_update import (
         update_belief,
         update_without_motion,
@@ -128,7 +128,7 @@ def apply_lesson(model: ObjectModel, trial: Trial) -> Update:
 
 
 def parameter_changes(before: ObjectModel, after: ObjectModel) -> tuple[Change, ...]:
-    """What changed in what is believed."""
+    """Changes of what is believed."""
     rows = zip(
         UNCERTAIN, before.means, before.deviations, after.means, after.deviations, strict=True
     )
@@ -183,7 +183,7 @@ def beliefs_after_grasp(
 
 
 def felt_weight(made: Plan, trace: Trace) -> Weight | None:
-    """What hung on the fingers after the first lift; None if no object was lifted."""
+    """The weight on the fingers after the first lift; None if no object was lifted."""
     if made.grasp is None or made.grasp.part == "lid":
         return None
     held = next((step.hold for step in made.steps if isinstance(step, LiftUp)), None)
@@ -200,7 +200,7 @@ def felt_weight(made: Plan, trace: Trace) -> Weight | None:
 def weight_from_grasp(
     made: Plan, model: ObjectModel, trace: Trace
 ) -> tuple[ObjectModel, Lesson] | None:
-    """What is believed of an object that was lifted; None if it was not.
+    """The model believed of an object that was lifted, and the lesson; None if it was not lifted.
 
     What it weighs otherwise than believed is put down to its contents, as far as these are
     uncertain.

@@ -1,4 +1,4 @@
-"""What experiments found, kept in a file of JSON lines, so that a broken run can go on.
+"""Results of experiments, kept in a file of JSON lines, so that a broken run can go on.
 
 The first line names the format and its version, each further one a result with the key of all that
 determines it.

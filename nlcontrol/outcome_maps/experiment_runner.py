@@ -197,11 +197,11 @@ def _processes(workers: int | None) -> ProcessPoolExecutor:
     return ProcessPoolExecutor(
         workers or os.cpu_count(),
         mp_context=multiprocessing.get_context("spawn"),
-        initializer=_undisturbed,
+        initializer=_ignore_interrupt,
     )
 
 
-def _undisturbed() -> None:
+def _ignore_interrupt() -> None:
     """Control-C ends the run, which ends its processes; they need not complain as well."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 

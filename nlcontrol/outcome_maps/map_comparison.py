@@ -51,7 +51,7 @@ class Comparison:
 
     @cached_property
     def outcome(self) -> NDArray[np.str_]:
-        """What moved first: `slide`, `topple`, `none`, or empty if not carried out, shape (n,)."""
+        """First motion: `slide`, `topple`, `none`, or empty if not carried out, shape (n,)."""
         return np.array([result.outcome or "" for result in self.results], dtype="<U6")
 
     @cached_property
@@ -63,7 +63,7 @@ class Comparison:
 
     @property
     def left_out(self) -> int:
-        """How many pushes were not carried out."""
+        """Number of pushes that were not carried out."""
         return int((self.outcome == "").sum())
 
     @cached_property
@@ -114,7 +114,7 @@ def contacts_of(chart: OutcomeMap, name: str, face: str) -> list[Contact]:
 
 
 def agreement_text(found: Comparison) -> str:
-    """How far an experiment and the prediction agree, in a sentence."""
+    """Agreement of an experiment with the prediction, in a sentence."""
     share, median, compared = found.agreement, found.median_error, int(found.is_comparable.sum())
     undecided = len(found.results) - compared - found.left_out
     classes = "at none of 0" if share is None else f"at {100 * share:.1f} % of {compared}"

@@ -37,7 +37,7 @@ _DOT, _PALE = 5.0, "#b0b0b0"  # of the mark where nothing was carried out [point
 
 @dataclass(frozen=True)
 class _Spots:
-    """What is drawn of n contacts: class, force (inf if none moves it) and opacity, (n,) each.
+    """Marks of n contacts: class, force (inf if none moves it) and opacity, shape (n,) each.
 
     The class of a push that was not carried out is empty.
     """
@@ -130,7 +130,7 @@ def save_comparison(experiments: Sequence[Comparison], path: Path, *, shaded: bo
 
 
 def _agreements(experiments: Sequence[Comparison]) -> str:
-    """What stands below the panels: how far each experiment agrees with the prediction."""
+    """Text below the panels: how far each experiment agrees with the prediction."""
     if len(experiments) == 1:
         return agreement_text(experiments[0])
     return "\n".join(f"{BY[found.by]}: {agreement_text(found)}" for found in experiments)

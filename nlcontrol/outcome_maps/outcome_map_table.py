@@ -80,7 +80,7 @@ def write_rows(rows: Iterable[dict[str, Any]], columns: Sequence[str], path: Pat
 
 
 def legend(chart: OutcomeMap) -> str:
-    """What undecided means in this map."""
+    """Meaning of undecided in this map."""
     if chart.level is not None:
         return f"undecided: neither has a probability of {chart.level:g}"
     return f"undecided: thresholds within {100 * chart.band:g} %"
@@ -115,7 +115,7 @@ def letters(chart: OutcomeMap, outcome: NDArray[np.str_], row: NDArray[np.bool_]
 
 
 def key(chart: OutcomeMap) -> str:
-    """What the letters mean."""
+    """Meaning of the letters."""
     return f"s slides, T topples, ? {legend(chart)}, · nothing moves it"
 
 

@@ -87,7 +87,7 @@ class Inquiry:
         )
 
     def push_prediction(self) -> PushPrediction:
-        """What the push will do, by the code behind `nlcontrol predict`."""
+        """The prediction of the push, by the code behind `nlcontrol predict`."""
         return predict_push(
             self.target.model,
             self.face_name,
@@ -101,7 +101,7 @@ class Inquiry:
 
 
 def wanted_event(frame: g.Frame) -> g.Event:
-    """What a question wants to happen: the event that it names, or what its goal means."""
+    """The event that a question is about: the one that it names, or what its goal means."""
     return frame.event or EVENTS.get(frame.goal.kind, "moves")
 
 

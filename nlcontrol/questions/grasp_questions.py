@@ -46,7 +46,7 @@ _ON_ITS_SIDE = math.pi / 2.0
 
 
 def possible_answer(made: Plan) -> Answer:
-    """That a hand can do it, how, and how surely."""
+    """The answer that a hand can do it, how, and how surely."""
     why = "; ".join((*predicted_outcomes(made), *plan_reasons(made)))
     held = f", held {grasp_text(made.grasp)}" if made.grasp is not None else ""
     return Answer(
@@ -59,7 +59,7 @@ def possible_answer(made: Plan) -> Answer:
 
 
 def asks_for_hand(frame: g.Frame) -> bool:
-    """Whether a question is about what a whole hand does."""
+    """True if a question is about what a whole hand does."""
     return is_handled(frame) and frame.goal.kind != "place"
 
 
@@ -150,7 +150,7 @@ def _require_container(target: SeenObject, frame: g.Frame) -> None:
 def _spill_text(
     target: SeenObject, angle: float, heading: float, start: str, p: float, d: Defaults
 ) -> Answer:
-    """What runs out of an object that leans, in words."""
+    """The volume that runs out of an object that leans, in words."""
     vessel, container = target.model.vessel, target.model.container
     assert container is not None
     assert vessel is not None, "it was found to be a container"

@@ -1,4 +1,4 @@
-"""What is believed of an object: weight, friction, size, place, with where the figures come from.
+"""Believed values of an object: weight, friction, size, place, with where the figures come from.
 
 The width of an object is what it measures from left to right as it stands, its length what it
 measures away from the robot.
@@ -71,7 +71,7 @@ def _unknown(name: str, target: SeenObject, spans: g.Spans) -> ControlError:
 
 
 def _source(target: SeenObject, which: tuple[str, ...]) -> str:
-    """Where the figures come from, in a few words; what is tried is weight and friction."""
+    """Source of the figures, in a few words; only weight and friction are found by trials."""
     found = target.model.provenance
     tried = found.trials is not None and not {"mass", "friction"}.isdisjoint(which)
     return f"source: {found.source}{f', {found.trials} trials' if tried else ''}"
@@ -111,11 +111,11 @@ def _extents(target: SeenObject) -> dict[str, float]:
 
 
 def _side(name: str, words: str) -> Callable[[SeenObject], Told]:
-    def told(target: SeenObject) -> Told:
+    def describe(target: SeenObject) -> Told:
         length = _extents(target)[name]
         return f"is {quantity(length, 'm')} {words}", {name: length}
 
-    return told
+    return describe
 
 
 def _size(target: SeenObject) -> Told:

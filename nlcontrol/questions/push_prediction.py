@@ -1,4 +1,4 @@
-"""What one push will do, in words and as data, and how well its forces are known.
+"""Prediction of one push, in words and as data, and how well its forces are known.
 
 Model of the deviations: a threshold is taken as linear in the uncertain parameters over one
 standard deviation, so its variance is dᵀ C d with C the correlations of the parameters and d_i half
@@ -55,7 +55,7 @@ class AskedPush(BaseModel):
 
 
 class PushPrediction(Document):
-    """What the object model says of one push; SI units.
+    """Prediction of one push by the object model; SI units.
 
     Attributes:
         object: name of the model.
@@ -111,7 +111,7 @@ def predict_push(
     friction: Literal["static", "kinetic"] = "static",
     yaw: float = 0.0,
 ) -> PushPrediction:
-    """What a push at a place of a face will do.
+    """The prediction of a push at a place of a face.
 
     Args:
         model: what is believed about the object.
@@ -207,7 +207,7 @@ def _unit(direction: tuple[float, float, float]) -> np.ndarray:
 
 
 def _motion(model: ObjectModel, t: Any) -> dict[str, float]:
-    """How it begins to move."""
+    """Beginning of the motion."""
     twist = t.twist[0]
     if np.isnan(twist).any():
         return {}
@@ -245,7 +245,7 @@ def _sentences(found: PushPrediction) -> list[str]:
 
 
 def particulars(found: PushPrediction) -> list[str]:
-    """How it moves, whether the finger slips, and what a sudden force would do."""
+    """Sentences on the motion, on a finger that slips, and on a force that comes all at once."""
     lines = _moving(found)
     if found.slips:
         lines.append("The finger slips along the face: the force is outside its friction cone.")

@@ -1,4 +1,4 @@
-"""How hard and where to push: the force of an event, the places of a face at which it comes first.
+"""Questions how hard and where to push: the force of an event, the places where it comes first.
 
 Model: slow pushes, so what comes first at the onset decides. A force is told with its standard
 deviation; `force_low` and `force_high` hold 95 % of it. Places are those of the outcome map of the
@@ -154,7 +154,7 @@ def _up_to(push: Inquiry, outcomes: tuple[str, ...], defaults: Defaults) -> Answ
 
 @dataclass(frozen=True)
 class Places:
-    """Where on a face an event comes; arrays over the contacts of an outcome map.
+    """Places of a face where an event comes; arrays over the contacts of an outcome map.
 
     Attributes:
         chart: the map; undecided are places where no outcome is sure.
@@ -190,7 +190,7 @@ def where_answer(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answe
 
 
 def event_places(push: Inquiry, event: g.Event, probability: float) -> Places:
-    """Where on its face an event comes first, and where it does so with a probability or more."""
+    """Places where an event comes first, and where it does so with a probability or more."""
     if event == "turns":
         chart, turns = turning_map(push.target, push.face, push.sense)
     else:
@@ -260,7 +260,7 @@ def _flipping(event: g.Event, height: float | None) -> str:
 
 
 def _aside(event: g.Event, found: Places) -> str:
-    """How far off the middle a push must be to turn the object."""
+    """Least way off the middle at which a push turns the object, in words."""
     if event != "turns":
         return ""
     lateral = found.chart.lateral[found.sure]

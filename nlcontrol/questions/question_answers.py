@@ -101,7 +101,7 @@ def answer(
 
 
 def _predict(frame: g.Frame, state: WorldState, defaults: Defaults) -> Answer:
-    """What a push would do and, if it asks so, whether an event would come."""
+    """The outcome of a push and, if the question is about an event, whether it would come."""
     goal_event = EVENTS.get(frame.goal.kind, "moves")
     push = most_favourable(push_asked_about(frame, state, defaults), goal_event, defaults)
     found = push.push_prediction()
@@ -152,14 +152,14 @@ def _probability(event: g.Event, found: PushPrediction, turns: bool) -> float:
 
 
 def _turns(push: Inquiry, found: PushPrediction) -> bool:
-    """Whether the push has the arm to turn the object about the vertical as it slides."""
+    """True if the push has the arm to turn the object about the vertical as it slides."""
     model = push.target.model
     r, u = np.array(found.push.point) - np.array(model.com), found.push.direction
     return bool(abs(r[0] * u[1] - r[1] * u[0]) > TURNING_ARM * model.friction_radius)
 
 
 def _state(found: PushPrediction, event: g.Event | None, turns: bool) -> str:
-    """What becomes of it: "topple", "slide", "stay where it is"."""
+    """Outcome as a verb: "topple", "slide", "stay where it is"."""
     if found.outcome == "slide":
         if event == "turns":
             return "turn as it slides" if turns else "slide without turning much"
@@ -184,7 +184,7 @@ def _reasons(found: PushPrediction) -> str:
 
 
 def _possible(frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults) -> Answer:
-    """Whether the planner finds a push for what is asked, and which one or why not."""
+    """The push that the planner finds for what is asked, or why it finds none."""
     command = frame.model_copy(update={"query": None, "event": None})
     made = plan(command, state, robot, defaults=defaults)
     if made.status == "planned":
@@ -242,7 +242,7 @@ def _denial(
 
 
 def _affordances(frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults) -> Answer:
-    """What can be done with an object: a sentence, and the lines of `nlcontrol affordances`."""
+    """Affordances of an object: a sentence, and the lines of `nlcontrol affordances`."""
     target = target_of(frame, state)
     found = affordances(target, state, robot, defaults=defaults)
     can = [each for each in found if each.can]

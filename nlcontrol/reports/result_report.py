@@ -65,7 +65,7 @@ def _step_lines(result: Result, step: Step | Result) -> Iterator[str]:
 
 
 def _is_there(result: Result, step: Step | Result) -> bool:
-    """Whether nothing had to be done, or nothing would have to be."""
+    """True if nothing had to be done, or nothing would have to be."""
     if step.execution is not None:
         return step.execution.end == "reached"
     if step.status != "planned":

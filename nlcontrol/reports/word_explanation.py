@@ -125,7 +125,7 @@ def _concerns(error: ErrorInfo, frame: g.Frame) -> bool:
 
 
 def _answer_rows(frame: g.Frame, answer: Answer, step: Step | None, text: str) -> Iterator[Row]:
-    """What a question became: the query with its answer, the object model, the push considered."""
+    """Rows of a question: the query with its answer, the object model, the push considered."""
     push = answer.push
     numbers = tuple(_numbers(answer))
     asked_of = isinstance(frame.goal, g.Parameters) and bool(frame.goal.spans)
@@ -211,7 +211,7 @@ def _numbers(answer: Answer) -> Iterator[Value]:
 
 
 def _comes(told: dict[str, float]) -> str:
-    """What a push does: nothing below the onset, else what needs the lesser force."""
+    """Outcome of a push: none below the onset, else the one that needs the lesser force."""
     if "onset" not in told or told.get("given_force", told["onset"]) < told["onset"]:
         return "it stays where it is"
     first = min(("slide", "topple"), key=lambda name: told.get(name, float("inf")))

@@ -1,4 +1,4 @@
-"""What came of a sentence: one value from the words to the verdict."""
+"""Result of a sentence: one value from the words to the verdict."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def summary(trace: Trace) -> Execution:
 
 
 class Step(DocumentPart):
-    """What came of one frame of a sentence.
+    """Result of one frame of a sentence.
 
     Attributes:
         frame: its place in `Result.frames`, from 0.
@@ -187,6 +187,6 @@ class Result(Document):
         return self.report()
 
 
-def with_(result: Result, **changes: object) -> Result:
+def result_with(result: Result, **changes: object) -> Result:
     """The result with some fields changed."""
     return result.model_copy(update=changes)

@@ -17,7 +17,7 @@ from grammar.frames.command import Command, Frame
 from nlcontrol.errors import ControlError, error, known_errors_raised
 from nlcontrol.references.object_names import names_on_table
 from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve_references
-from nlcontrol.results.result import Result, with_
+from nlcontrol.results.result import Result, result_with
 from nlcontrol.session.executor import Executor, Planner, Progress
 from objectmodels import ModelError, ObjectModel, Registry
 from planner.types.plan import Plan, Reached
@@ -94,7 +94,7 @@ class Controller:
         return self.cell.table.extent
 
     def parse(self, text: str) -> Command:
-        """What a sentence says, as frames.
+        """The frames of a sentence.
 
         Raises:
             ControlError: it is not understood.
@@ -128,16 +128,16 @@ class Controller:
         return resolve_references(command, on_table, tuple(self.registry), self.look, context)
 
     def look(self) -> WorldState:
-        """What the robot believes now: poses from the camera port, models from the registry."""
+        """The robot's belief now: poses from the camera port, models from the registry."""
         return self.executor.look(self.models)
 
     @property
     def held(self) -> Held | None:
-        """What the hand holds, as the robot knows; None if nothing."""
+        """The object in the hand, as the robot knows; None if it holds nothing."""
         return self.executor.held
 
     def affordances(self, name: str) -> tuple[Affordance, ...]:
-        """What this robot can do with an object, and if not, why not.
+        """Outcomes that this robot can bring about with an object; for the others, why not.
 
         Args:
             name: an object of the scene, or a model of the registry; one that does not stand in the
@@ -196,7 +196,7 @@ class Controller:
         )
 
     def about(self, frame: Frame) -> WorldState:
-        """What is believed about the object of a question, which may not be on the table."""
+        """The belief about the object of a question, which may not be on the table."""
         name = frame.object.id if frame.object else None
         return self.look() if name is None else self.surroundings(name)[1]
 
@@ -209,7 +209,7 @@ class Controller:
         failed: Sequence[FailedPush] = (),
         notify: Callable[[str], None] = lambda _: None,
     ) -> Plan | Reached | Refusal:
-        """What satisfies a frame, by pushes or with a whole hand, or why nothing does.
+        """A plan that satisfies a frame, by pushes or with a whole hand, or why there is none.
 
         Args:
             frame: what is asked, its objects resolved.
@@ -277,7 +277,7 @@ class Controller:
         result = Result(ok=False, status="failed", text=text, scene=self.cell.name, seed=self.seed)
         if command is None:
             return result
-        return with_(result, paraphrase=command.paraphrase, frames=command.frames)
+        return result_with(result, paraphrase=command.paraphrase, frames=command.frames)
 
     def carry_out(
         self,
@@ -302,7 +302,7 @@ class Controller:
             held = None if self.held is None else self.held.name
             command = self.resolve(command, replace(context, held=held))
         except ControlError as raised:
-            return with_(result, status="not_understood", error=raised.info)
+            return result_with(result, status="not_understood", error=raised.info)
         return run_command(self, command, result, plan_only=plan_only, progress=progress)
 
 

@@ -21,7 +21,7 @@ from nlcontrol.errors import ControlError, error
 from nlcontrol.plan_text import deciding_figures, plan_reason
 from nlcontrol.questions.answer import Answer
 from nlcontrol.references.reference_resolution import Context, parts_within
-from nlcontrol.results.result import with_
+from nlcontrol.results.result import result_with
 from nlcontrol.session import follow_up_frames as follow_up
 from nlcontrol.session.undo_frames import PastPush, undo_frames, undo_text
 from nlcontrol.text_format import encodable_text, quantity
@@ -66,7 +66,7 @@ class Conversation:
             return self._answer(command, plan_only, progress)
         except ControlError as raised:
             begun = self.controller.empty_result(text, command)
-            self._last = with_(begun, status="not_understood", error=raised.info)
+            self._last = result_with(begun, status="not_understood", error=raised.info)
             if command is None:
                 self._said = None
             return self._last
@@ -85,7 +85,7 @@ class Conversation:
         result = self.controller.carry_out(
             command, self.context, plan_only=plan_only, progress=progress
         )
-        result = with_(result, notes=notes + result.notes)
+        result = result_with(result, notes=notes + result.notes)
         self._remember(result)
         return result
 
@@ -93,13 +93,13 @@ class Conversation:
         self, command: g.Command, answer: Answer, status: Literal["done", "answered"]
     ) -> Result:
         result = self.controller.empty_result(command.text, command)
-        return with_(result, ok=True, status=status, answer=answer)
+        return result_with(result, ok=True, status=status, answer=answer)
 
     # --- memory ------------------------------------------------------------------------------
 
     def _remember(self, result: Result) -> None:
         # Remarks are about what was said and what came of it; a trace is megabytes.
-        self._last = self._said = kept = with_(result, trace=None)
+        self._last = self._said = kept = result_with(result, trace=None)
         if any(frame.query is None for frame in kept.frames):
             self._done = kept
         self._speak_of(kept.frames)
@@ -170,19 +170,19 @@ class Conversation:
             self._forget(pushed)
             what = "Everything is" if len(pushed) > 1 else f"The {pushed[0].object} is"
             told = Answer(text=f"{what} where it was before “{text}”.")
-            return with_(self._plain_result(command, told, "done"), notes=back.notes)
+            return result_with(self._plain_result(command, told, "done"), notes=back.notes)
         words = f"to undo “{text}”, {undo_text(back.frames)}"
         command = command.model_copy(update={"frames": back.frames, "paraphrase": words})
         result = self.controller.carry_out(command, plan_only=plan_only, progress=progress)
-        self._last = with_(result, trace=None)
+        self._last = result_with(result, trace=None)
         self._speak_of(result.frames)
         done = [back.undoes[step.frame] for step in result.steps if step.status == "done"]
         if len(done) < len(back.frames):
             # What takes two steps is undone when both are done.
             self._forget([push for push in done if push not in back.undoes[len(done) :]])
-            return with_(result, notes=back.notes + result.notes)
+            return result_with(result, notes=back.notes + result.notes)
         self._forget(pushed)
-        return with_(result, notes=(f"undone: “{text}”", *back.notes, *result.notes))
+        return result_with(result, notes=(f"undone: “{text}”", *back.notes, *result.notes))
 
     def _to_undo(self, command: g.Command) -> list[PastPush]:
         """The pushes of the last sentence, or the last push of the object that is named."""

@@ -1,4 +1,4 @@
-"""What a controller needs of a robot, and of a planner.
+"""Protocols of the robot and of the planner that a controller needs.
 
 `sim.simulated_executor.SimulatedExecutor` is the executor of the simulated world. The driver of a
 real robot is another one: it has the members of `Executor`, and derives from nothing.
@@ -62,7 +62,7 @@ class Executor(Perception, Protocol):
 
     @property
     def held(self) -> Held | None:
-        """What the hand holds, as the robot knows; None if nothing."""
+        """The object in the hand, as the robot knows; None if it holds nothing."""
 
     def execute(
         self,

@@ -90,7 +90,7 @@ def _unsupported_error(frame: g.Frame, message: str, capability: str, hint: str)
 
 
 def is_unknown(frame: g.Frame, model: ObjectModel, known: float) -> bool:
-    """Whether a question asks for something that touching tells and that is not known well.
+    """True if a question asks for something that touching tells and that is not known well.
 
     Args:
         frame: the question.
@@ -141,7 +141,7 @@ def explore_parameters(
 
 
 def exploration_notice(controller: Controller, frame: g.Frame, state: WorldState) -> str:
-    """What would be done, in a sentence.
+    """The touches that would be made, in a sentence.
 
     Raises:
         ControlError: as for `find_out`.

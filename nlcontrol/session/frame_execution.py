@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
 from nlcontrol.errors import NOT_UNDERSTOOD, ControlError, ErrorInfo, refusal_error
-from nlcontrol.results.result import Result, ResultStatus, Step, summary, with_
+from nlcontrol.results.result import Result, ResultStatus, Step, result_with, summary
 from planner.explanation.push_explanation import Basis
 from planner.geometry.directions import angle_between
 from planner.types.plan import Plan, Reached
@@ -54,7 +54,7 @@ def run_command(
         plan_only: stop before anything is executed.
         progress: told what happens during the simulation.
     """
-    result = with_(result, frames=command.frames)
+    result = result_with(result, frames=command.frames)
     for index, frame in enumerate(command.frames):
         if frame.action == "explore" or (not plan_only and _to_be_found_out(controller, frame)):
             result = _explore_frame(controller, index, frame, result, plan_only, progress)
@@ -69,7 +69,7 @@ def run_command(
             f"planned is the first of {len(command.frames)} steps; "
             "where the others start depends on what comes of it"
         )
-        result = with_(result, notes=(note,))
+        result = result_with(result, notes=(note,))
     return result
 
 
@@ -83,11 +83,11 @@ def _answer_question(controller: Controller, index: int, frame: g.Frame, result:
     except ControlError as raised:
         return _result_with_step(result, step, _unanswered_status(raised.info), raised.info)
     step = step.model_copy(update={"answer": answer})
-    return _result_with_step(with_(result, answer=answer), step, "answered")
+    return _result_with_step(result_with(result, answer=answer), step, "answered")
 
 
 def _to_be_found_out(controller: Controller, frame: g.Frame) -> bool:
-    """Whether a question asks for something that is not known well, of an object within reach."""
+    """True if a question asks for something not known well, of an object on the table."""
     from nlcontrol.session.exploration_commands import is_unknown
 
     name = frame.object.id if frame.object else None
@@ -111,13 +111,13 @@ def _explore_frame(
         state = controller.about(frame)
         step = step.model_copy(update={"basis": Basis.of(frame, state, controller.defaults)})
         if plan_only:
-            note = exploration_notice(controller, frame, state)
-            return _result_with_step(with_(result, notes=(*result.notes, note)), step, "planned")
+            notes = (*result.notes, exploration_notice(controller, frame, state))
+            return _result_with_step(result_with(result, notes=notes), step, "planned")
         found, answer = explore_parameters(controller, frame, progress)
     except ControlError as raised:
         return _result_with_step(result, step, _unanswered_status(raised.info), raised.info)
     step = step.model_copy(update={"exploration": found and found.report, "answer": answer})
-    result = with_(result, answer=answer, trace=found and found.trace)
+    result = result_with(result, answer=answer, trace=found and found.trace)
     return _result_with_step(result, step, "done" if frame.query is None else "answered")
 
 
@@ -171,9 +171,9 @@ class FrameRun:
                 self._note(stuck=_spent(made, attempt))
                 break
             self._note(plan=self.step.plan or made, plans=(*self.step.plans, made))
-            result = with_(result, plan=self.step.plan)
+            result = result_with(result, plan=self.step.plan)
             if attempt == 0:
-                result = with_(
+                result = result_with(
                     result, planned=result.planned + 1, defaults=result.defaults + made.defaults
                 )
             if plan_only:
@@ -199,7 +199,7 @@ class FrameRun:
         return self.frame.object.id
 
     def _look(self) -> WorldState:
-        """What is believed now; the object's heading counts its turns since the first look."""
+        """The belief now; the object's heading counts its turns since the first look."""
         state = self.controller.look()
         basis = Basis.of(self.frame, state, self.controller.defaults)
         if basis is None:
@@ -236,7 +236,7 @@ class FrameRun:
         self.step = self.step.model_copy(update=changes)
 
     def _learn(self, made: Plan, state: WorldState, trace: Trace) -> None:
-        """What a push taught; the controller believes it from now on."""
+        """Learn from a push; the controller believes it from now on."""
         from nlcontrol.learning.lessons import lesson_from_push  # planning alone teaches nothing
 
         name = made.push.object
@@ -250,7 +250,7 @@ class FrameRun:
             self.progress("learn", float(trace.time[-1]), lesson.text)
 
     def _learn_by_hand(self, made: Plan, trace: Trace) -> bool:
-        """What lifting taught of a weight, and where the contents are; whether all was done."""
+        """Learn from lifting a weight, and where the contents are; return True if all was done."""
         from nlcontrol.learning.lessons import TRIED_AGAIN, beliefs_after_grasp, weight_from_grasp
 
         models = self.controller.models
@@ -267,13 +267,13 @@ class FrameRun:
         execution = summary(join_traces(self.traces))
         self._note(execution=execution)
         before = [result.trace] if result.trace is not None else []
-        return with_(result, trace=join_traces([*before, *self.traces]), execution=execution)
+        return result_with(result, trace=join_traces([*before, *self.traces]), execution=execution)
 
     def _check_frame(self, result: Result) -> Result:
         trace = join_traces(self.traces)
         checks = self.controller.check(self.frame, trace)
         self._note(checks=checks)
-        result = with_(result, checks=result.checks + checks)
+        result = result_with(result, checks=result.checks + checks)
         missed = tuple(c for c in checks if not c.ok)
         if missed:
             from nlcontrol.checks.frame_checks import not_held
@@ -285,7 +285,7 @@ class FrameRun:
 
 
 def _spent(made: Plan, times: int) -> str:
-    """That a frame's budget is used up."""
+    """Remark that a frame's budget is used up."""
     what, several = ("push", "pushes") if made.pushes else ("try", "tries")
     return f"this may take {times} {what if times == 1 else several} at most"
 
@@ -301,7 +301,7 @@ def _result_with_step(
 ) -> Result:
     """The result with the end of one more step."""
     step = step.model_copy(update={"status": status, "error": reason})
-    return with_(
+    return result_with(
         result, ok=reason is None, status=status, error=reason, steps=(*result.steps, step)
     )
 
