@@ -32,7 +32,7 @@ from benchmarks.strokes import (
 from grammar.frames import command as g
 from nlcontrol.checks.frame_checks import check
 from nlcontrol.checks.verdicts import Check
-from nlcontrol.references.reference_resolution import objects_mentioned
+from nlcontrol.references.reference_resolution import parts_within
 from objectmodels import ObjectModel
 from planner.geometry.directions import HEADINGS, bisector
 from planner.geometry.footprints import footprint, gap, overlaps
@@ -96,7 +96,7 @@ class Asked:
 
     def speaks_of(self, name: str) -> bool:
         """Whether the sentence names an object."""
-        return name in objects_mentioned(self.frame)
+        return name in [getattr(part, "id", None) for part in parts_within(self.frame)]
 
     @property
     def wanted(self) -> frozenset[str]:

@@ -70,10 +70,7 @@ def check(
 def not_held(missed: Sequence[Check], trace: Trace, stuck: str | None = None) -> ErrorInfo:
     """The error of an execution in which some checks failed.
 
-    Args:
-        missed: checks that do not hold.
-        trace: what happened.
-        stuck: why no further push was made, if that is the matter.
+    `stuck` is the reason why no further push was made, if that is the matter.
     """
     told = {"others": "touching nothing else"}
     clauses = ", ".join(

@@ -192,13 +192,7 @@ def tilt_heading(trace: Trace, name: str, sample: int = -1) -> float:
 
 
 def base_corners(trace: Trace, name: str, outline: Array) -> Array:
-    """Places of the corners of an object's base in W over time, shape (n, k, 3) [m].
-
-    Args:
-        trace: what happened.
-        name: of the object.
-        outline: the corners in B, shape (k, 2) [m].
-    """
+    """Corners of an object's base in W over time, (n, k, 3) [m], from those in B, (k, 2) [m]."""
     poses = trace.poses[name]
     corners = np.column_stack([outline, np.zeros(len(outline))])
     R_WB = np.array([rotation(pose) for pose in poses])

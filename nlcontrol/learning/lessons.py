@@ -58,12 +58,9 @@ shifts."""
 def lesson_from_push(
     made: Plan, target: SeenObject, trace: Trace
 ) -> tuple[ObjectModel, Lesson] | None:
-    """The model believed after a push, and the lesson; None if it taught nothing.
+    """The model believed after a push of a plan, and the lesson; None if it taught nothing.
 
-    Args:
-        made: what was to happen.
-        target: the object as it was seen and believed before.
-        trace: what happened.
+    The target is the object as it was seen and believed before.
     """
     if trace.end == "turned":
         return _from_turn(made, target, trace)
@@ -162,13 +159,7 @@ _FROM_LEVEL = 0.02  # a share of the contents that always stays unknown
 def beliefs_after_grasp(
     made: Plan, models: Mapping[str, ObjectModel], trace: Trace
 ) -> dict[str, ObjectModel]:
-    """The models that are believed otherwise after a plan of the hand.
-
-    Args:
-        made: what was to happen.
-        models: what was believed, by name in the scene.
-        trace: what happened.
-    """
+    """Those models, by name in the scene, that are believed otherwise after a plan of the hand."""
     pours = [step for step in made.steps if isinstance(step, PourOut)]
     if not pours or not measures.during(trace, ("pour",)).any():
         return {}
@@ -204,11 +195,6 @@ def weight_from_grasp(
 
     What it weighs otherwise than believed is put down to its contents, as far as these are
     uncertain.
-
-    Args:
-        made: what was to happen.
-        model: what was believed.
-        trace: what happened.
     """
     felt = felt_weight(made, trace)
     if felt is None or model.mass_sd == 0.0:

@@ -72,15 +72,7 @@ class Record:
         return MappingProxyType(self._known)
 
     def add(self, key: str, contact: Contact, by: Way, seed: int, result: TouchResult) -> None:
-        """Adds a result at the end of the file.
-
-        Args:
-            key: of all that determines it.
-            contact: where and which way it was pushed.
-            by: how.
-            seed: of everything random.
-            result: what the push did.
-        """
+        """Adds a push with its result at the end of the file, by the key of all that decides it."""
         line = _Line(
             key=key,
             object=contact.object,

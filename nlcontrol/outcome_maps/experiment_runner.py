@@ -58,13 +58,7 @@ Report = Callable[[int, int], None]
 def object_on_table(
     name: str, cell: CellDescription, models: Believed, registry: Registry
 ) -> CellObject:
-    """The object of that name on the table.
-
-    Args:
-        name: of the object, one of its synonyms, or enough words of it.
-        cell: what stands there.
-        models: what is believed of every object.
-        registry: for objects that do not stand there.
+    """The object on the table of that name or synonym, of which enough words will do.
 
     Raises:
         ControlError: `ambiguous_object`, `unknown_object` or `not_on_table`.

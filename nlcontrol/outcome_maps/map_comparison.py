@@ -97,13 +97,7 @@ class Comparison:
 
 
 def contacts_of(chart: OutcomeMap, name: str, face: str) -> list[Contact]:
-    """The pushes of a map, to be carried out.
-
-    Args:
-        chart: the map.
-        name: of the object in the scene.
-        face: how the face is called.
-    """
+    """The pushes of a map, to be carried out on the object of that name in the scene."""
     _, normals = chart.face.points_at(chart.lateral, chart.height)
     return [
         Contact(name, face, tuple(p), tuple(n), tuple(u))
@@ -129,10 +123,9 @@ def _reasons(found: Comparison) -> list[str]:
 
 
 def comparison_lines(experiments: Sequence[Comparison]) -> list[str]:
-    """The maps in letters side by side, top row first, and how far they agree.
+    """The maps of experiments with the same prediction in letters, and how far they agree.
 
-    Args:
-        experiments: one or more, of the same prediction.
+    They stand side by side, the top row first.
     """
     first = experiments[0]
     chart = first.chart
@@ -159,8 +152,7 @@ def comparison_lines(experiments: Sequence[Comparison]) -> list[str]:
 def comparison_document(experiments: Sequence[Comparison]) -> dict[str, Any]:
     """A comparison as plain data: the map, and of each contact what was measured; SI units.
 
-    Args:
-        experiments: one or more, of the same prediction; of several the documents by their ways.
+    Of several experiments with the same prediction, the documents by their ways.
     """
     each = {str(found.by): _document(found) for found in experiments}
     return each if len(each) > 1 else each[experiments[0].by]

@@ -97,16 +97,6 @@ def _pronoun_meanings(frame: Frame, spoken: tuple[str, ...], held: str | None) -
 def objects_spoken_of(frame: Frame) -> tuple[str, ...]:
     """Names of the objects that a resolved frame speaks of: its own first, then its goal's."""
     refs = ([frame.object] if frame.object else []) + _references_in(frame.goal)
-    return _resolved_names(refs)
-
-
-def objects_mentioned(frame: Frame) -> tuple[str, ...]:
-    """The same, and the names of the objects that only its constraints speak of."""
-    refs = [ref for clause in frame.constraints for ref in _references_in(clause)]
-    return tuple(dict.fromkeys((*objects_spoken_of(frame), *_resolved_names(refs))))
-
-
-def _resolved_names(refs: Sequence[ObjectRef]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(ref.id for ref in refs if ref.id is not None))
 
 

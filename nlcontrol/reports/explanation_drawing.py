@@ -52,11 +52,7 @@ _NAME = 1.75  # of the last column: what its names take
 
 
 def save_explanation(result: Result, path: Path) -> None:
-    """Draws the explanation of a result.
-
-    Args:
-        result: of a sentence that was understood.
-        path: file to write; its suffix names the format.
+    """Draws the explanation of a sentence that was understood; the suffix names the format.
 
     Raises:
         ControlError: `cannot_write` if the format is unknown.

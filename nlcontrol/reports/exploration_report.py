@@ -19,12 +19,7 @@ _COLUMNS = ("mean", "sd", "%", "min", "max", "joint fit", "±", "believed", "tru
 
 
 def with_truth(report: ExplorationReport, truth: Truth) -> ExplorationReport:
-    """The report with how the object really is; an observer of the simulated world tells it.
-
-    Args:
-        report: of the exploration, which is over.
-        truth: of the object, by an observer of the simulated world.
-    """
+    """The report of a finished exploration with how the object really is, by an observer."""
     from objectmodels.geometry.support_points import mean_distance
 
     feet = np.array(truth.support)

@@ -37,13 +37,7 @@ _SAMPLES, _MEAN = 0.12, 0.9  # opacity
 
 
 def save_curves(touches: Sequence[Touched], name: str, path: Path) -> None:
-    """Draws the force over the time since the touch: PNG, SVG or PDF by the name's ending.
-
-    Args:
-        touches: what was tried.
-        name: of the object.
-        path: where to.
-    """
+    """Draws the force over the time since the touch: PNG, SVG or PDF by the path's ending."""
     from matplotlib.figure import Figure
 
     drawn = [touched for touched in touches if len(touched.recording.time)]

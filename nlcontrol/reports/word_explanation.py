@@ -40,11 +40,7 @@ NO_MEANING = "no meaning of their own"
 
 
 def word_explanation(result: Result) -> tuple[Row, ...]:
-    """The rows of a whole sentence, frame after frame.
-
-    Args:
-        result: what came of the sentence.
-    """
+    """The rows of a whole sentence, frame after frame."""
     if not result.frames:
         return ()
     steps = {step.frame: step for step in result.steps}
@@ -309,12 +305,7 @@ def filler(rows: Sequence[Row]) -> str | None:
 
 
 def table(rows: Sequence[Row], *, width: int = WIDTH) -> str:
-    """The table as text.
-
-    Args:
-        rows: each the way of some words into the controller.
-        width: largest number of columns.
-    """
+    """The table as text, in at most so many columns."""
     from rich import box
     from rich.console import Console
     from rich.table import Table

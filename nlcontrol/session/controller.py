@@ -115,11 +115,8 @@ class Controller:
         """The command with every object bound to one on the table, and lengths in metres.
 
         The object of a question may be bound to a model of the registry that is not on the table:
-        `surroundings` says where it is taken to stand.
-
-        Args:
-            command: what was understood.
-            context: what was spoken of before, for "it" and "the other one".
+        `surroundings` says where it is taken to stand. The context is what "it" and "the other
+        one" refer to.
 
         Raises:
             ControlError: `unknown_object`, `ambiguous_object`, `not_on_table` or `no_antecedent`.
@@ -287,14 +284,7 @@ class Controller:
         plan_only: bool = False,
         progress: Progress | None = None,
     ) -> Result:
-        """Does what a command says; see `nlcontrol.session.frame_execution`.
-
-        Args:
-            command: what was understood.
-            context: what was spoken of before.
-            plan_only: stop before anything is executed.
-            progress: told what happens during the simulation.
-        """
+        """Does what a command says, as `say` does; see `nlcontrol.session.frame_execution`."""
         from nlcontrol.session.frame_execution import run_command
 
         result = self.empty_result(command.text, command)

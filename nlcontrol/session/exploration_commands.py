@@ -92,10 +92,7 @@ def _unsupported_error(frame: g.Frame, message: str, capability: str, hint: str)
 def is_unknown(frame: g.Frame, model: ObjectModel, known: float) -> bool:
     """True if a question asks for something that touching tells and that is not known well.
 
-    Args:
-        frame: the question.
-        model: what is believed.
-        known: relative standard deviation up to which a value is known well.
+    A value is known well up to the relative standard deviation `known`.
     """
     goal = frame.goal
     if frame.query != "value" or not isinstance(goal, g.Parameters) or not goal.which:
@@ -110,11 +107,6 @@ def explore_parameters(
     """Touches an object until what a sentence asks is known, and tells it.
 
     What is known well enough already is told without a touch.
-
-    Args:
-        controller: of the robot.
-        frame: what is asked, its object resolved.
-        progress: told what the hand does.
 
     Raises:
         ControlError: `unsupported`, `not_on_table`, `not_explorable`.
@@ -144,7 +136,7 @@ def exploration_notice(controller: Controller, frame: g.Frame, state: WorldState
     """The touches that would be made, in a sentence.
 
     Raises:
-        ControlError: as for `find_out`.
+        ControlError: as for `explore_parameters`.
     """
     name = _on_table(controller, frame)
     if asks_for_lifting(frame):
@@ -175,12 +167,6 @@ def weigh_by_lifting(
     controller: Controller, name: str, frame: g.Frame, progress: Progress | None
 ) -> Answer:
     """Lifts an object, weighs it, and sets it down.
-
-    Args:
-        controller: of the robot.
-        name: of the object in the scene.
-        frame: what is asked.
-        progress: told what the hand does.
 
     Raises:
         ControlError: the reason for which it cannot be lifted; `unsupported` if more than its

@@ -45,14 +45,8 @@ def run_command(
 ) -> Result:
     """Does what a command says, frame after frame, up to the first that fails.
 
-    With `plan_only` the first frame alone is planned: where the others start is not known yet.
-
-    Args:
-        controller: of the robot.
-        command: what was understood, its objects resolved.
-        result: that has been begun.
-        plan_only: stop before anything is executed.
-        progress: told what happens during the simulation.
+    With `plan_only` the first frame alone is planned: where the others start is not known yet. The
+    command's objects are resolved; the result has been begun by the controller.
     """
     result = result_with(result, frames=command.frames)
     for index, frame in enumerate(command.frames):
@@ -122,14 +116,7 @@ def _explore_frame(
 
 
 class FrameRun:
-    """One frame on its way.
-
-    Args:
-        controller: of the robot.
-        index: of the frame in its command.
-        frame: what is asked.
-        progress: told what happens during the simulation.
-    """
+    """One frame, by its index in a command, on its way."""
 
     def __init__(
         self, controller: Controller, index: int, frame: g.Frame, progress: Progress | None

@@ -59,13 +59,7 @@ class WayBack:
 
 
 def undo_frames(pushed: Sequence[PastPush], state: WorldState, defaults: Defaults) -> WayBack:
-    """The way back from some pushes, the last one first.
-
-    Args:
-        pushed: in the order in which they were carried out.
-        state: where the objects are now, and what is held.
-        defaults: distance and angle that count as none.
-    """
+    """The way back from pushes given in the order in which they were made, the last one first."""
     here, found, notes = dict(state.objects), [], []
     held = None if state.held is None else state.held.name
     for push in reversed(pushed):

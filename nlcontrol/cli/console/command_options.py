@@ -60,12 +60,7 @@ def world_options(command: Command) -> Command:
 
 
 def open_controller(scene: str, seed: int, settings: Settings) -> Controller:
-    """The controller that the options ask for.
-
-    Args:
-        scene: name or file.
-        seed: of everything random.
-        settings: defaults to be set, on top of the scene's.
+    """The controller that the options ask for; the settings go on top of the scene's defaults.
 
     Raises:
         ControlError: the scene cannot be read, or a default is none.
@@ -170,13 +165,9 @@ def open_registry() -> Registry:
 def find_model_and_face(
     name: str, face: str, lying_on: str, file: Path | None = None
 ) -> tuple[ObjectModel, Face]:
-    """The model of an object, lying on a face of it, and another face.
+    """The model of an object, lying on a face of it, and the face of another name.
 
-    Args:
-        name: of the object.
-        face: how the one is called.
-        lying_on: how the other is called.
-        file: with a model to take instead of the registry's.
+    A model file takes the place of the registry's model.
     """
     from nlcontrol.references.object_names import face_of
     from objectmodels.registry.model_files import load_model
