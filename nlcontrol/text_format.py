@@ -40,11 +40,7 @@ def quantity(value: float, unit: str) -> str:
 
 
 def aside_text(lateral: float) -> str:
-    """Way of a contact off the middle of its face: "12 mm to the right"; empty in the middle.
-
-    Args:
-        lateral: to the right of who looks at the face [m].
-    """
+    """Place to the right of a face's middle [m]: "12 mm to the right"; empty in the middle."""
     if abs(lateral) < 5e-4:
         return ""
     return f"{quantity(abs(lateral), 'm')} to the {'right' if lateral > 0.0 else 'left'}"

@@ -176,26 +176,17 @@ def _kept_upright(clause: g.NoTopple | g.NoTilt, e: Evidence) -> Iterator[Check]
     yield stands_on_base(clause, e, e.defaults.upright)
 
 
-def _no_tilt(clause: g.NoTilt, e: Evidence) -> Iterator[Check]:
+def _tilt_limit(clause: g.NoTilt | g.MaxTilt, e: Evidence) -> Iterator[Check]:
     limit = e.defaults.upright if by_hand(e) else e.defaults.no_tilt
+    if isinstance(clause, g.MaxTilt):
+        limit = clause.value
     yield compare(clause, "at_most", "largest tilt", limit, e.largest_tilt, 0.0, "rad")
 
 
-def _max_tilt(clause: g.MaxTilt, e: Evidence) -> Iterator[Check]:
-    yield compare(clause, "at_most", "largest tilt", clause.value, e.largest_tilt, 0.0, "rad")
-
-
-def _turned_at_most(clause: g.NoTurn | g.MaxTurn, limit: float, e: Evidence) -> Check:
+def _turn_limit(clause: g.NoTurn | g.MaxTurn, e: Evidence) -> Iterator[Check]:
     turned = float(np.abs(measures.turn(e.trace, e.name)).max())
-    return compare(clause, "at_most", "turned at most", limit, turned, 0.0, "rad")
-
-
-def _no_turn(clause: g.NoTurn, e: Evidence) -> Iterator[Check]:
-    yield _turned_at_most(clause, e.defaults.no_turn, e)
-
-
-def _max_turn(clause: g.MaxTurn, e: Evidence) -> Iterator[Check]:
-    yield _turned_at_most(clause, clause.value, e)
+    limit = clause.value if isinstance(clause, g.MaxTurn) else e.defaults.no_turn
+    yield compare(clause, "at_most", "turned at most", limit, turned, 0.0, "rad")
 
 
 def _no_slide(clause: g.NoSlide, e: Evidence) -> Iterator[Check]:
@@ -275,14 +266,11 @@ def _gentle(e: Evidence) -> float:
     return e.defaults.carry_speed_gentle if by_hand(e) else e.defaults.speed_gentle
 
 
-def _max_duration(clause: g.MaxDuration, e: Evidence) -> Iterator[Check]:
-    took = measures.push_duration(e.trace)
-    yield compare(clause, "at_most", "time that it was pushed", clause.value, took, 0.0, "s")
-
-
-def _duration(clause: g.Duration, e: Evidence) -> Iterator[Check]:
-    took, tolerance = measures.push_duration(e.trace), e.defaults.duration_tolerance
-    yield compare(clause, "about", "time that it was pushed", clause.value, took, tolerance, "s")
+def _duration(clause: g.MaxDuration | g.Duration, e: Evidence) -> Iterator[Check]:
+    relation: Relation = "at_most" if isinstance(clause, g.MaxDuration) else "about"
+    tolerance = 0.0 if relation == "at_most" else e.defaults.duration_tolerance
+    took, quantity = measures.push_duration(e.trace), "time that it was pushed"
+    yield compare(clause, relation, quantity, clause.value, took, tolerance, "s")
 
 
 def _max_distance(clause: g.MaxDistance, e: Evidence) -> Iterator[Check]:
@@ -340,14 +328,14 @@ def _effector(clause: g.Effector, e: Evidence) -> Iterator[Check]:
 
 CONSTRAINTS: dict[str, Callable[..., Iterator[Check]]] = {
     "no_topple": _no_topple,
-    "no_tilt": _no_tilt,
-    "no_turn": _no_turn,
+    "no_tilt": _tilt_limit,
+    "no_turn": _turn_limit,
     "no_slide": _no_slide,
     "no_lift": _no_lift,
     "no_spill": _no_spill,
     "no_touch": _no_touch,
-    "max_tilt": _max_tilt,
-    "max_turn": _max_turn,
+    "max_tilt": _tilt_limit,
+    "max_turn": _turn_limit,
     "max_force": _force("at_most"),
     "min_force": _force("at_least"),
     "force": _force("about"),
@@ -358,7 +346,7 @@ CONSTRAINTS: dict[str, Callable[..., Iterator[Check]]] = {
     "gentle": _speed("at_most", lambda _, e: _gentle(e)),
     "slow": _speed("at_most", lambda _, e: _gentle(e)),
     "fast": _speed("at_least", lambda _, e: e.defaults.speed_fast),
-    "max_duration": _max_duration,
+    "max_duration": _duration,
     "duration": _duration,
     "max_distance": _max_distance,
     "contact": _contact,

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 
@@ -49,23 +48,10 @@ NAMES = {
 """Parameters as people call them."""
 
 
-@dataclass(frozen=True)
-class FittedFiles:
-    """A model fitted to data files.
-
-    Attributes:
-        model: with what was found, and where that comes from.
-        report: of the fit.
-    """
-
-    model: ObjectModel
-    report: FitReport
-
-
 def fit_files(
     model: ObjectModel, files: Sequence[Path], parameters: Sequence[str] | None = None
-) -> FittedFiles:
-    """Fits a model to data files.
+) -> tuple[ObjectModel, FitReport]:
+    """The model fitted to data files, with where its figures come from; and the fit's report.
 
     Args:
         model: the object that was touched, as it is believed to be.
@@ -99,7 +85,7 @@ def fit_files(
     report = _report(model, found, reading, files, asked=parameters is not None)
     method = f"least squares of {{count}} touches by a robot; found: {', '.join(found.found)}"
     fitted = with_provenance(found, before=model, source=f"fitted to {names}", method=method)
-    return FittedFiles(fitted, report)
+    return fitted, report
 
 
 def _require_found(found: Fit, reading: Reading, files: Sequence[Path]) -> None:

@@ -51,9 +51,6 @@ class Record:
 
     Raises:
         ControlError: `bad_record` if the file is something else, or damaged.
-
-    Attributes:
-        path: as given.
     """
 
     def __init__(self, path: Path) -> None:

@@ -67,14 +67,9 @@ def _measured_spots(found: Comparison) -> _Spots:
 def save_map(
     chart: OutcomeMap, face: str, path: Path, *, solid: bool = False, shaded: bool = False
 ) -> None:
-    """Draws the map: PNG, SVG or PDF by the name's ending.
+    """Draws the map: PNG, SVG or PDF by the path's ending.
 
-    Args:
-        chart: what to draw.
-        face: how the face is called.
-        path: where to.
-        solid: in three dimensions, the force as height.
-        shaded: fade circles as their outcome becomes less probable.
+    A solid one has the force as height; a shaded one fades what is less probable.
     """
     from matplotlib.figure import Figure
 
@@ -94,13 +89,7 @@ def save_map(
 
 
 def save_comparison(experiments: Sequence[Comparison], path: Path, *, shaded: bool = False) -> None:
-    """Draws experiments and prediction side by side: PNG, SVG or PDF by the name's ending.
-
-    Args:
-        experiments: one or more, of the same prediction.
-        path: where to.
-        shaded: fade circles of the prediction as their outcome becomes less probable.
-    """
+    """Draws experiments beside the prediction that they share: PNG, SVG or PDF, as `save_map`."""
     from matplotlib.figure import Figure
 
     first = experiments[0]

@@ -64,13 +64,7 @@ def save_table(chart: OutcomeMap, face: str, path: Path) -> None:
 
 
 def write_rows(rows: Iterable[dict[str, Any]], columns: Sequence[str], path: Path) -> None:
-    """Writes contacts as CSV, a row for each.
-
-    Args:
-        rows: the contacts of documents.
-        columns: what to write of each; `UNITS` completes the headers.
-        path: where to.
-    """
+    """Writes columns of the contacts of documents as CSV; `UNITS` completes the headers."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow([column + UNITS.get(column, "") for column in columns])

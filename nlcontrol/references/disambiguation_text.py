@@ -42,10 +42,7 @@ def ambiguity_error(
 ) -> ControlError:
     """The error for a reference that fits several objects.
 
-    Args:
-        ref: what was said.
-        found: what it fits.
-        fitting: what another reference would fit; only what fits one object alone is offered.
+    Only those other references are offered that, by `fitting`, fit one object alone.
     """
     names = [c.name for c in found]
     by_name = {c.name: [ObjectRef(text=c.name)] for c in found}

@@ -60,11 +60,7 @@ _WHITE = _TO_XYZ.sum(axis=1)
 
 
 def colour_names(colour: ArrayLike) -> tuple[str, ...]:
-    """Basic names of a colour, the nearest first; more than one if they are about as near.
-
-    Args:
-        colour: red, green, blue in 0…1, shape (3,).
-    """
+    """Basic names of an sRGB colour, shape (3,); several, the nearest first, if about as near."""
     there = _lab(np.asarray(colour, dtype=float))
     distance = {
         name: float(np.linalg.norm(shades - there, axis=1).min())

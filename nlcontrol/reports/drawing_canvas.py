@@ -16,20 +16,12 @@ _DPI = 150
 
 
 def line_height(size: float) -> float:
-    """Height of a line of text [in].
-
-    Args:
-        size: of the letters, in points.
-    """
+    """Height of a line of text [in], by the size of its letters in points."""
     return LINE * size * _POINT
 
 
 class Sheet:
-    """A sheet of a given width; its height is known when it is saved.
-
-    Args:
-        width: of the sheet [in].
-    """
+    """A sheet of a given width [in]; its height is known when it is saved."""
 
     def __init__(self, width: float) -> None:
         from matplotlib.backends.backend_agg import FigureCanvasAgg

@@ -157,19 +157,16 @@ class Controller:
         Raises:
             ControlError: `unknown_object`.
         """
-        with known_errors_raised():
-            known = {item.casefold(): item for item in self.cell.names}
-            here = known.get(name.casefold())
-            model = None if here else self.registry.find_one(name)
+        here = {item.casefold(): item for item in self.cell.names}.get(name.casefold())
         if here is None:
-            assert model is not None
+            with known_errors_raised():
+                model = self.registry.find_one(name)
             here = next((n for n, m in self.models.items() if m == model), None)
-        if here is not None:
-            state = self.look()
-            return state.objects[here], state
-        assert model is not None
-        alone = SeenObject(model.name, PlanarPose(*self.cell.table.centre_m), model)
-        return alone, WorldState({alone.name: alone}, self.table)
+            if here is None:
+                alone = SeenObject(model.name, PlanarPose(*self.cell.table.centre_m), model)
+                return alone, WorldState({alone.name: alone}, self.table)
+        state = self.look()
+        return state.objects[here], state
 
     def answer(self, frame: Frame, state: WorldState | None = None) -> Answer:
         """The answer to a question; nothing is moved for it.

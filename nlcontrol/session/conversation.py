@@ -35,9 +35,6 @@ if TYPE_CHECKING:
 class Conversation:
     """Sentences said one after another to one robot.
 
-    Args:
-        controller: the robot.
-
     Attributes:
         controller: the robot.
         context: what was spoken of, for "it" and "that one".

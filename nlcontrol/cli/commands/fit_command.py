@@ -45,16 +45,14 @@ def command(
 
     _require_sensible(files, saved_as, output)
     registry = open_registry()
-    found = fit_files(_find_model(registry, name), files, parameters)
-    model = found.model if not saved_as else rename_model(found.model, saved_as)
+    model, report = fit_files(_find_model(registry, name), files, parameters)
+    model = rename_model(model, saved_as) if saved_as else model
     # Both are written only now that nothing can fail any more but the writing itself.
     path, instead = (None, None) if saved_as is None else store_model(registry, model)
     if output is not None:
         save_model(model, output)
     saved, written = (None if file is None else str(file) for file in (path, output))
-    report = found.report.model_copy(
-        update={"saved": saved, "output": written, "instead_of": instead}
-    )
+    report = report.model_copy(update={"saved": saved, "output": written, "instead_of": instead})
     return print_answer(report.model_dump(mode="json"), report_lines(report), as_json=as_json)
 
 

@@ -200,24 +200,17 @@ def _print_written(model: ObjectModel, path: Path, as_json: bool) -> int:
 def _model_lines(model: ObjectModel, place: str) -> list[str]:
     from objectmodels.registry.model_files import kind_of
 
+    places = zip(model.com, model.com_sd, strict=True)
+    centre = [f"{1e3 * c:.0f} ± {1e3 * sd:.0f}" for c, sd in places]
+    radius, radius_sd = 1e3 * model.friction_radius, 1e3 * model.friction_radius_sd
     rows = [
         ("kind", f"{kind_of(model)}, stands on {_base_text(model)}"),
         ("size", _size_text(model)),
         ("mass", f"{model.mass:.4f} ± {model.mass_sd:.4f} kg"),
         ("friction, table", f"{model.friction:.4f} ± {model.friction_sd:.4f}"),
         ("friction, finger", f"{model.finger_friction:.3f} ± {model.finger_friction_sd:.3f}"),
-        (
-            "centre of mass",
-            ", ".join(
-                f"{1e3 * c:.0f} ± {1e3 * sd:.0f}"
-                for c, sd in zip(model.com, model.com_sd, strict=True)
-            )
-            + " mm from the middle of the base",
-        ),
-        (
-            "friction radius",
-            f"{1e3 * model.friction_radius:.1f} ± {1e3 * model.friction_radius_sd:.1f} mm",
-        ),
+        ("centre of mass", f"{', '.join(centre)} mm from the middle of the base"),
+        ("friction radius", f"{radius:.1f} ± {radius_sd:.1f} mm"),
         ("also called", ", ".join(model.synonyms) or "–"),
         ("from", place),
         ("source", model.provenance.source),

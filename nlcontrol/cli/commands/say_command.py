@@ -21,7 +21,7 @@ from nlcontrol.cli.console.console_output import (
     replace_file,
     require_writable,
 )
-from nlcontrol.errors import known_error
+from nlcontrol.errors import ControlError, known_errors_raised
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
@@ -73,12 +73,11 @@ def parse(sentence: str, as_json: bool) -> int:
     text = encodable_text(sentence)
     print_skipped_with_words()
     try:
-        command = grammar.parse(text)
-    except grammar.ParseError as raised:
-        known = known_error(raised)
-        assert known is not None
-        print_error(known.info, as_json=as_json, text=text)
-        return known.info.status.exit
+        with known_errors_raised():
+            command = grammar.parse(text)
+    except ControlError as raised:
+        print_error(raised.info, as_json=as_json, text=text)
+        return raised.info.status.exit
     lines = [f"I understood: {command.paraphrase}"]
     for number, frame in enumerate(command.frames, start=1):
         lines += [f"{number}."] if len(command.frames) > 1 else []

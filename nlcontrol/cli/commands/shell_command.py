@@ -136,9 +136,6 @@ class Interruptible:
     Until the robot moves, control-C takes effect at once. Then it does so at the next phase before
     a push; a push that has begun is finished, which takes seconds. Either way the hand comes home,
     what was done is remembered, and frames that follow are not carried out.
-
-    Args:
-        narrate: told what happens.
     """
 
     def __init__(self, narrate: Narrator) -> None:

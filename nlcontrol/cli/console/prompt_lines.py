@@ -29,13 +29,7 @@ def history_file() -> Path:
 def prompt_lines(
     prompt: str, names: Sequence[str], beginnings: Sequence[str]
 ) -> Generator[str, None, None]:
-    """The lines that are typed, until control-D.
-
-    Args:
-        prompt: what is shown before each.
-        names: of objects, completed everywhere.
-        beginnings: words that are completed at the start of a line.
-    """
+    """The lines that are typed, until control-D; names and beginnings as for `completions`."""
     try:
         import readline
     except ImportError:  # Windows: lines without completion and history
