@@ -33,10 +33,7 @@ class Parser:
         self._lalr = LalrParser(parse_table(), PhraseLexer(lexicon))
 
     def parse(self, text: str) -> Command:
-        """Reads a sentence.
-
-        Args:
-            text: one or several English commands, a question, or a remark on what was done.
+        """Reads one or several English commands, a question, or a remark on what was done.
 
         Returns:
             The command, with the spans of the words in `text`.

@@ -26,13 +26,7 @@ _TAKEN_BY = re.compile(r"\bby (?:its|the) [^ ]+")
 
 
 def diagnose(error: UnexpectedTokenError, sentence: Normalised, lexicon: Lexicon) -> ParseError:
-    """Return the error of a sentence in terms of the language.
-
-    Args:
-        error: where the parser stopped, and with what it could have gone on.
-        sentence: the sentence.
-        lexicon: the words of the language.
-    """
+    """Return the error of a sentence in terms of the language, from where the parser stopped."""
     at_end, accepts = error.token.type == END, error.accepts
     start, word = _word_at(sentence, len(sentence.text) if at_end else error.token.start_pos)
     said, last = _word_at(sentence, sentence.text.rfind(" ") + 1) if at_end else (start, word)

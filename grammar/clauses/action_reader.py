@@ -32,13 +32,9 @@ _ASK_FOR_EVENTS = ("how_hard", "where")
 
 
 class ActionReader:
-    """Reads the clause of a verb.
+    """Reads the clause of a verb, and what is asked if it is a question.
 
-    Args:
-        parts: the parts of the clause, the things that it is about left out.
-        asks: what is asked, if it is a question.
-        lexicon: the words of the language.
-        sentence: the sentence.
+    The things that the clause is about are left out of its parts.
     """
 
     def __init__(

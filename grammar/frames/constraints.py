@@ -276,11 +276,7 @@ STILL = ("no_slide", "no_tilt", "no_turn")
 
 
 def new_constraint(kind: str, **fields: Any) -> Constraint:
-    """Make a constraint of a kind.
-
-    Args:
-        kind: of the constraint.
-        fields: its fields.
+    """Make a constraint of a kind with its fields.
 
     Raises:
         KeyError: no constraint is of this kind.

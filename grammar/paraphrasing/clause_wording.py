@@ -33,11 +33,9 @@ def no_words(what: str) -> ValueError:
 
 
 class Phrasing:
-    """Says the parts of frames.
+    """Says the parts of frames in the words of a lexicon.
 
-    Args:
-        lexicon: the words of the language.
-        choose: picks one of the phrases that mean the same; the first by default.
+    Of the phrases that mean the same, `choose` picks one; the first by default.
     """
 
     def __init__(self, lexicon: Lexicon, choose: Choice | None = None) -> None:

@@ -27,12 +27,9 @@ def paraphrase(
     lexicon: Lexicon | None = None,
     choose: Choice | None = None,
 ) -> str:
-    """Return frames in plain words.
+    """Return frames in plain words, those of nlcontrol's own language by default.
 
-    Args:
-        said: what was understood, one frame or several.
-        lexicon: the words of the language.
-        choose: picks one of the phrases that mean the same; the first by default.
+    Of the phrases that mean the same, `choose` picks one; the first by default.
 
     Raises:
         ValueError: if the language has no words for it.

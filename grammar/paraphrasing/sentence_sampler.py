@@ -44,12 +44,9 @@ class Sample(NamedTuple):
 def random_sentences(
     seed: int = 0, *, lexicon: Lexicon | None = None, nouns: Sequence[str] = NOUNS
 ) -> Iterator[Sample]:
-    """Yields random sentences with their frames, without end.
+    """Yields random sentences with their frames, without end, about objects with these nouns.
 
-    Args:
-        seed: of the random numbers.
-        lexicon: the words of the language.
-        nouns: names of objects to speak of.
+    The same seed gives the same sentences.
     """
     sampler = Sampler(Random(seed), lexicon=lexicon, nouns=nouns)
     while True:
@@ -57,13 +54,7 @@ def random_sentences(
 
 
 class Sampler:
-    """Draws frames and says them.
-
-    Args:
-        rng: the source of randomness.
-        lexicon: the words of the language.
-        nouns: names of objects to speak of.
-    """
+    """Draws frames about objects with some nouns, and says them in the words of a lexicon."""
 
     def __init__(
         self, rng: Random, *, lexicon: Lexicon | None = None, nouns: Sequence[str] = NOUNS

@@ -96,22 +96,14 @@ class UnexpectedTokenError(Exception):
 
 
 class LalrParser:
-    """Parses texts by an LALR table.
-
-    Args:
-        table: of the grammar.
-        lexer: finds the tokens.
-    """
+    """Parses texts by the table of a grammar; the lexer finds the tokens."""
 
     def __init__(self, table: ParseTable, lexer: PhraseLexer) -> None:
         self._table = table
         self._lexer = lexer
 
     def parse(self, text: str) -> Tree:
-        """Parse a text.
-
-        Args:
-            text: in plain form.
+        """Parse a text in plain form.
 
         Raises:
             UnexpectedTokenError: the grammar does not allow it.

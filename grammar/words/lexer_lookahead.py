@@ -74,12 +74,7 @@ class Phrases:
 
 
 class Lookahead:
-    """The rules, by terminal.
-
-    Args:
-        lexicon: the words of the language.
-        phrases: its phrases.
-    """
+    """The rules, by terminal, for a lexicon and its phrases."""
 
     def __init__(self, lexicon: Lexicon, phrases: Phrases) -> None:
         self._any = phrases.has_terminal_at
@@ -124,14 +119,9 @@ class Lookahead:
         }
 
     def can_be(self, kind: str, phrase: str, text: str, end: int, last: str) -> bool:
-        """Check that a phrase that ends here can be of a terminal.
+        """Check that a phrase of the plain text that ends here can be of a terminal.
 
-        Args:
-            kind: terminal that it may be.
-            phrase: the phrase.
-            text: the sentence in plain form.
-            end: where the phrase ends.
-            last: terminal of the token before it.
+        `last` is the terminal of the token before it.
         """
         rule = self._rules.get(kind)
         return rule is None or rule(phrase, text, end, last)

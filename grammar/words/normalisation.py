@@ -69,9 +69,7 @@ class Normalised:
 def normalise(text: str, contractions: Mapping[str, str]) -> Normalised:
     """Brings a sentence into its plain form.
 
-    Args:
-        text: the sentence as given.
-        contractions: contracted word → the words it stands for, both in plain form.
+    Contractions are given with the words they stand for, both in plain form.
 
     Raises:
         ParseError: `empty`, `too_long`, `control_character`, `unexpected_character` or

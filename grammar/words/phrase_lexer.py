@@ -47,11 +47,7 @@ class Token(str):
 
 
 class PhraseLexer:
-    """Finds the terminals of a lexicon.
-
-    Args:
-        lexicon: the words of the language.
-    """
+    """Finds the terminals of a lexicon."""
 
     def __init__(self, lexicon: Lexicon) -> None:
         self._phrases = Phrases(lexicon)
@@ -65,11 +61,10 @@ class PhraseLexer:
         self._openers = lexicon.openers
 
     def tokens(self, text: str, acceptance: Callable[[], Accepts]) -> Iterator[Token]:
-        """Yield the tokens; one that the parser cannot take stands where the language ends.
+        """Yield the tokens of a text in plain form.
 
-        Args:
-            text: in plain form.
-            acceptance: what the parser could go on with after the last token that was yielded.
+        One that the parser cannot take stands where the language ends. `acceptance` gives what the
+        parser could go on with after the last token that was yielded.
         """
         position, name = 0, _Name()
         while position < len(text):
