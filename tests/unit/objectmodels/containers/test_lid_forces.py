@@ -12,12 +12,15 @@ from hypothesis import strategies as st
 from objectmodels import BoxModel, CylinderModel, Registry
 from objectmodels.containers import lid_forces
 from objectmodels.containers.lid_geometry import (
+    TAB_WIDTH,
     THICKNESS,
     grip_distance,
+    lid_height,
     lid_hinge,
     lid_rim,
 )
 from objectmodels.models.object_parts import FlipLid, LiftOffLid, ScrewCap
+from sim.standard_robot import HAND
 
 G = 9.81
 R, H, MASS, MU = 0.035, 0.12, 0.30, 0.38
@@ -201,3 +204,11 @@ def test_built_in_lids_open_as_their_scenes_need_it() -> None:
     assert isinstance(jar.lid, LiftOffLid)
     assert lid_forces.flip(cup, cup.lid).probability > 0.95
     assert lid_forces.lift_off(jar, jar.lid).probability > 0.95
+
+
+def test_a_flip_lid_is_a_plate_with_a_tab_for_a_fingertip() -> None:
+    hinge = lid_hinge(LID, lid_rim(cup()), H)
+    assert lid_height(LID) == pytest.approx(0.003)
+    np.testing.assert_allclose(hinge.centre_of_mass(0.0), [0.0, 0.0, H + 0.0015], atol=1e-15)
+    fingertip = 2.0 * HAND.tip_radius
+    assert 0.9 * fingertip < TAB_WIDTH < 1.5 * fingertip

@@ -10,8 +10,14 @@ import pytest
 from objectmodels import BoxModel, CylinderModel, ModelError, ObjectModel
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.identification import Trial
-from objectmodels.identification.measurement_model import Balance
-from objectmodels.identification.parameter_coordinates import LOGARITHMIC, coordinates_of, values_at
+from objectmodels.identification.least_squares import damped_step
+from objectmodels.identification.measurement_model import Balance, Linear
+from objectmodels.identification.parameter_coordinates import (
+    LOGARITHMIC,
+    MASS,
+    coordinates_of,
+    values_at,
+)
 from tests.unit.objectmodels.identification.touching import slide, slip, tilt
 
 BOX = BoxModel(
@@ -121,3 +127,36 @@ def test_no_trials_are_refused() -> None:
     with pytest.raises(ModelError) as caught:
         Balance(BOX, [])
     assert caught.value.code == "no_trials"
+
+
+def test_a_step_is_no_longer_than_a_factor_of_two() -> None:
+    balance = Balance(BOX, pushes(BOX, "slide"))
+    at, step = balance.linear_predictions(BOX.means), np.zeros(7)
+    step[MASS] = 2.0
+    after = damped_step(balance, at, step, balance.linear_predictions)
+    assert after.values[MASS] == pytest.approx(BOX.mass * np.exp(0.7))
+    step[MASS] = 0.6
+    after = damped_step(balance, at, step, balance.linear_predictions)
+    assert after.values[MASS] == pytest.approx(BOX.mass * np.exp(0.6))
+
+
+@pytest.mark.parametrize(("refusals", "possible"), [(11, True), (12, False)])
+def test_a_step_is_halved_eleven_times(refusals: int, possible: bool) -> None:
+    balance = Balance(BOX, pushes(BOX, "slide"))
+    at, step = balance.linear_predictions(BOX.means), np.zeros(7)
+    step[MASS] = 0.5
+    tried: list[float] = []
+
+    def never_at_first(values: Array) -> Linear:
+        tried.append(float(np.log(values[MASS] / BOX.mass)))
+        if len(tried) <= refusals:
+            raise ModelError("not_possible", "not so far")
+        return balance.linear_predictions(values)
+
+    if possible:
+        damped_step(balance, at, step, never_at_first)
+    else:
+        with pytest.raises(ModelError) as raised:
+            damped_step(balance, at, step, never_at_first)
+        assert raised.value.code == "no_fit"
+    np.testing.assert_allclose(tried, 0.5 ** np.arange(1, len(tried) + 1), rtol=1e-9)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import erfc, exp, pi, sqrt
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,6 +14,8 @@ from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification import Trial
 from objectmodels.identification.belief_update import (
     SURPRISING,
+    _normal_hazard,
+    _shift_while_standing,
     belief_of,
     update_without_motion,
     widen_belief,
@@ -155,3 +159,26 @@ def test_a_belief_three_times_too_low_gets_there_soon(belief: ObjectModel, heigh
         bounds += 1
         assert bounds <= 4
     assert limit < 6.0 * true  # and does not run away
+
+
+@pytest.mark.parametrize("z", [-3.0, 0.0, 5.5])
+def test_the_hazard_is_that_of_the_normal_distribution(z: float) -> None:
+    beyond = 0.5 * erfc(z / sqrt(2.0))
+    hazard = exp(-0.5 * z * z) / sqrt(2.0 * pi) / beyond
+    assert _normal_hazard(z) == pytest.approx(hazard, rel=1e-9)
+
+
+@pytest.mark.parametrize("z", [6.5, 60.0])
+def test_the_hazard_far_out_is_its_asymptote(z: float) -> None:
+    assert _normal_hazard(z) == pytest.approx(z + 1.0 / z, rel=1e-12)
+
+
+@pytest.mark.parametrize(("halvings", "shifted"), [(5, True), (6, False)])
+def test_a_step_off_the_base_is_halved_five_times(halvings: int, shifted: bool) -> None:
+    """As far as 0.7 of the way from the middle to the edge with so many halvings, or not at all."""
+    step = np.zeros(7)
+    step[UNCERTAIN.index("com_x")] = 0.7 * 0.045 * 2.0**halvings
+    step[UNCERTAIN.index("mass")] = 0.1
+    moved = _shift_while_standing(BELIEF, step)
+    assert moved.com[0] == pytest.approx(0.7 * 0.045 if shifted else 0.0)
+    assert moved.mass == pytest.approx(BELIEF.mass * exp(0.1))

@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from objectmodels import ModelError
+from objectmodels import BoxModel, ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.identification import detect_onset
+from objectmodels.identification import Trial, detect_onset
+from objectmodels.identification.onset_detection import (
+    Recording,
+    tilted_trial,
+    trial_from_series,
+)
 from tests.unit.objectmodels.identification.recordings import made_up
+
+BOX = BoxModel(name="b", size=(0.09, 0.09, 0.2), mass=1.0, friction=0.3)
 
 
 @given(
@@ -80,3 +90,78 @@ def test_a_millimetre_shows_that_it_moved(way: float, moved: bool) -> None:
 @pytest.mark.parametrize(("faster", "moved"), [(2.0, False), (4.5, True)])
 def test_what_moves_goes_three_times_as_fast_as_before(faster: float, moved: bool) -> None:
     assert detect_onset(*bent(0.002, 0.002 * faster)).moved == moved
+
+
+def recording(**changes: Any) -> Recording:
+    """A slide without noise: 1 s of rise to 3 N, then 30 mm at 10 mm/s."""
+    time = np.arange(0.0, 4.0, 0.01)
+    after = np.maximum(time - 1.0, 0.0)
+    x, zero = 0.01 * after, np.zeros_like(time)
+    force = np.column_stack((3.0 * np.minimum(time, 1.0), zero, zero))
+    tip = np.column_stack((x - 0.045, zero, zero + 0.04))
+    return Recording(**({"time": time, "force": force, "tip": tip} | changes))
+
+
+def trial_of(made: Recording) -> Trial:
+    found = trial_from_series(made)
+    assert found is not None
+    return found[0]
+
+
+def test_no_force_is_surer_than_one_in_a_hundred() -> None:
+    trial = trial_of(recording())
+    assert trial.force_sd == pytest.approx(0.01 * 3.0, rel=0.02)
+
+
+@pytest.mark.parametrize(("degrees", "moved"), [(1.7, "slide"), (2.3, "topple")])
+def test_a_tilt_of_two_degrees_is_a_topple(degrees: float, moved: str) -> None:
+    made = recording()
+    tilt = np.radians(degrees) * made.time / made.time[-1]
+    assert trial_of(replace(made, tilt=tilt)).moved == moved
+
+
+def test_the_turn_is_that_of_the_first_centimetre() -> None:
+    """The slope of x² over a way W is W; a small share of the angle's error is its deviation."""
+    made = recording()
+    travel = made.tip[:, 0] - made.tip[0, 0]
+    trial = trial_of(replace(made, yaw=10.0 * travel**2))
+    assert trial.turn_rate == pytest.approx(10.0 * 0.010, rel=0.03)
+    assert trial.turn_rate_sd == pytest.approx(0.2 * np.radians(0.5) / 0.010, rel=0.1)
+
+
+def test_the_force_is_read_off_the_first_centimetre_of_travel() -> None:
+    """The line that fits x² over a way W best is −W²/6 where it begins."""
+    made = recording()
+    travel = made.tip[:, 0] - made.tip[0, 0]
+    force = made.force[:, 0] + 6e3 * travel**2
+    found = detect_onset(made.time, force, travel)
+    assert found.force == pytest.approx(3.0 - 6e3 * 0.010**2 / 6.0, abs=0.02)
+
+
+def test_sticking_is_read_off_the_last_two_fifths_of_the_rise() -> None:
+    """The line that fits t² over a time w best is w²/6 below it where it ends."""
+    made = recording()
+    travel = made.tip[:, 0] - made.tip[0, 0]
+    force = np.where(made.time < 1.02, 3.0 * made.time**2, 2.0)
+    found = detect_onset(made.time, force, travel)
+    touched = np.sqrt(0.05)  # [s]: it touches from a twentieth of the largest force on
+    fitted = 0.4 * (found.time - touched)
+    assert found.force == pytest.approx(3.0 * (found.time**2 - fitted**2 / 6.0), abs=0.012)
+
+
+@pytest.mark.parametrize(("drop", "force"), [(0.02, 3.0), (0.045, 3.0 * 1.045)])
+def test_a_drop_of_three_in_a_hundred_is_static_friction(drop: float, force: float) -> None:
+    time = np.arange(0.0, 5.0, 0.01)
+    held = 3.0 * (1.0 + drop) * np.minimum(time, 1.0)
+    travel = 0.01 * np.maximum(time - 2.0, 0.0)
+    found = detect_onset(time, np.where(time < 2.0, held, 3.0), travel)
+    assert found.force == pytest.approx(force, rel=2e-3)
+
+
+def test_a_held_tilt_is_the_mean_of_the_last_tenth() -> None:
+    made = recording(moved="topple")
+    tilt = 0.2 * made.time / made.time[-1]
+    held = tilted_trial(replace(made, tilt=tilt), trial_of(made), BOX)
+    assert held is not None
+    assert held.tilt == pytest.approx(0.2 * 0.95, abs=1e-3)
+    assert held.tilt_sd == pytest.approx(np.radians(0.5))

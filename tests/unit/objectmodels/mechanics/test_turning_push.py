@@ -8,7 +8,6 @@ import pytest
 from objectmodels import BoxModel, CylinderModel, ModelError, ObjectModel, Registry
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.mechanics.turning_push import (
-    EDGE,
     STROKE_SLACK,
     best_turn,
     learned_radius,
@@ -122,7 +121,7 @@ def test_the_best_push_turns_with_least_translation(sense: float) -> None:
     face = BOX.faces()[2]
     best = best_turn(BOX, face, 0.4 * sense, 0.05)
     assert best is not None
-    farthest = BOX.size[1] / 2.0 - EDGE
+    farthest = BOX.size[1] / 2.0 - 0.010
     assert abs(best.point[1]) == pytest.approx(farthest)
     assert best.stroke > best.travel + 0.99 * STROKE_SLACK
     moved = np.hypot(*best.pose[:2])
@@ -182,3 +181,15 @@ def test_a_turn_shows_the_friction_radius(true_radius: float, angle: float) -> N
     assert learned_radius(believed, best.point, d, [0.0, 0.0, angle]) > 0.01
     with pytest.raises(ModelError, match="did not turn"):
         learned_radius(believed, best.point, d, [0.01, 0.0, 0.0])
+
+
+def test_a_stroke_allows_for_two_deviations_of_the_friction_radius() -> None:
+    unsure = BOX.model_copy(update={"friction_radius": 0.03, "friction_radius_sd": 0.005})
+    wide = BOX.model_copy(update={"friction_radius": 0.04, "friction_radius_sd": 0.0})
+    best = best_turn(unsure, unsure.faces()[2], 0.4, 0.05)
+    assert best is not None
+    x, y, _ = best.direction
+    n = best.normal
+    slant = np.arctan2(-n[0] * y + n[1] * x, -n[0] * x - n[1] * y)
+    longest = turning_motion(wide, [best.point], [n], slant, 0.4).travel.item()
+    assert best.stroke == pytest.approx(longest + 0.005, rel=1e-6)

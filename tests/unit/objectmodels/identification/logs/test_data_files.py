@@ -326,3 +326,46 @@ def test_a_recording_in_which_nothing_moved_is_left_out(tmp_path: Path) -> None:
     reading = read_data([_written(tmp_path, standing)], MODEL)
     assert reading.trials == ()
     assert "trial a: nothing moved" in reading.unused[0]
+
+
+@pytest.mark.parametrize(
+    ("columns", "row", "read_cell", "refused_cell"),
+    [
+        ("turn_deg,travel_m", f"{SLIDE},0.02,", "0.0012", "0.0008"),  # a millimetre or more
+        ("turn_deg,travel_m", f"{SLIDE},5,", "0.9", "1.1"),  # a metre or less
+        ("force_sd_n", f"{SLIDE},", "0.0005", "0.00025"),  # a ten-thousandth of 3.5 N
+        ("tilt_deg,tilt_sd_deg", f"{TOPPLE},10,", "0.0013", "0.0008"),  # a thousandth of a degree
+        ("nx,ny,nz", "slip,-0.045,0,0.05,2,0.028,0,-1,0,", "0", "0.3"),  # 2 % off unit length
+        ("nx,ny,nz", "slip,-0.045,0,0.05,2,0.5,0,", "-1.015,0,0", "-1.03,0,0"),
+    ],
+)
+def test_what_is_out_of_all_proportion_is_refused(
+    tmp_path: Path, columns: str, row: str, read_cell: str, refused_cell: str
+) -> None:
+    assert read(tmp_path, f"{HEADER},{columns}\n{row}{read_cell}")
+    refused(tmp_path, f"{HEADER},{columns}\n{row}{refused_cell}")
+
+
+@pytest.mark.parametrize(("aside", "slips"), [("0.014", False), ("0.028", True)])
+def test_a_force_straight_into_a_face_is_no_slip(tmp_path: Path, aside: str, slips: bool) -> None:
+    text = f"{HEADER},nx,ny,nz\nslip,-0.045,0,0.05,2,{aside},0,-1,0,0"
+    assert read(tmp_path, text) if slips else refused(tmp_path, text)
+
+
+@pytest.mark.parametrize(("times", "is_read"), [(300.0, True), (380.0, False)])
+def test_a_recording_lasts_up_to_a_quarter_of_an_hour(
+    tmp_path: Path, times: float, is_read: bool
+) -> None:
+    lines = [line.split(",") for line in _series().splitlines()]
+    scaled = [[*c[:2], str(times * float(c[2])), *c[3:]] for c in lines[1:]]
+    text = "\n".join(",".join(cells) for cells in [lines[0], *scaled])
+    assert read(tmp_path, text) if is_read else refused(tmp_path, text)
+
+
+@pytest.mark.parametrize(("factor", "is_read"), [(45.0, True), (55.0, False)])
+def test_a_force_is_refused_from_fifty_times_the_believed_one_on(
+    tmp_path: Path, factor: float, is_read: bool
+) -> None:
+    believed = float(MODEL.thresholds([(-0.045, 0.0, 0.04)], [(1.0, 0.0, 0.0)]).slide[0])
+    text = f"{HEADER}\nslide,-0.045,0,0.04,{factor * believed},0,0"
+    assert read(tmp_path, text) if is_read else refused(tmp_path, text)
