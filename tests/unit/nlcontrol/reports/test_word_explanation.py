@@ -15,7 +15,7 @@ from nlcontrol.results.result import Result
 from nlcontrol.session.conversation import Conversation
 from planner.explanation.rows import Row
 
-SENTENCES = Path(__file__).parents[2] / "data" / "commands"
+SENTENCES = Path(__file__).parents[3] / "data" / "commands"
 
 WITHOUT_MEANING = (
     "the a an my your our this that that's which there of by and but then first next finally "
