@@ -42,6 +42,7 @@ def test_words_for_headings() -> None:
     assert phrase(0.0) == "away"
     assert phrase(math.radians(3)) == "away"
     assert phrase(-math.pi / 2) == "to the right"
+    assert phrase(math.radians(6)) == "at heading 6°"
     assert phrase(math.radians(30)) == "at heading 30°"
     assert bisector(["left", "right"]) is None
     assert bisector(["away", "left"]) == pytest.approx(math.pi / 4)

@@ -103,6 +103,15 @@ def test_only_a_displacement_has_places_near_by(text: str) -> None:
     assert not list(nearly_goal_poses(interpret_frame(frame, state, DEFAULTS)))
 
 
+@pytest.mark.parametrize(("millimetres", "places"), [(29, 0), (31, 14)])
+def test_a_way_of_less_than_three_tolerances_has_no_places_near_by(
+    millimetres: int, places: int
+) -> None:
+    frame = frame_of(f"push the ice tea box away by {millimetres} mm")
+    problem = interpret_frame(frame, world(ice_tea_box=PlanarPose(0.45, 0.0)), DEFAULTS)
+    assert len(list(nearly_goal_poses(problem))) == places
+
+
 @given(
     st.integers(5, 60),
     st.floats(-math.pi, math.pi),

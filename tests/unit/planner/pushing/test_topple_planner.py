@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from planner import plan
+from planner.types.actions import FALLING
 from planner.types.refusal import Refusal
 from planner.types.world_state import PlanarPose, WorldState
 from tests.unit.planner.conftest import RuledReach, frame_of, planned, refused, world
@@ -44,6 +46,16 @@ def test_it_falls_askew_where_the_hand_does_not_turn_it() -> None:
     made = planned("topple the ice tea box away", _askew(35.0), only_falls)
     assert made.push.ends_on == "toppled"
     assert len(made.pushes) == 1
+
+
+def test_a_fall_has_30_mm_of_travel_for_what_the_model_does_not_know(reach: RuledReach) -> None:
+    state = _askew(0.0)
+    push = planned("topple the ice tea box away", state, reach).push
+    model, inward = state.objects["ice tea box"].model, np.array([1.0, 0.0, 0.0])
+    # Beyond the angle of no return, in the worst case believed, it falls by itself.
+    angle = model.angle_of_no_return(inward, sigmas=-push.margins.sigmas) + FALLING
+    spare = push.stroke - model.topple_stroke(inward, push.p_BC[2], angle)
+    assert spare == pytest.approx(0.03, abs=EXACT)
 
 
 def _crowded() -> WorldState:
