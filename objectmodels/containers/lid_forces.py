@@ -232,7 +232,7 @@ def unscrew(
 def _loosening(
     model: ObjectModel, needed: float, sampled: Array, held: Callable[[Sample], Array]
 ) -> Loosening:
-    """What is needed, and samples of it, beside what the standing object bears."""
+    """Force or torque needed, with samples of it, beside the one that the standing object bears."""
     share = float((sampled <= held(sample_parameters(model, SAMPLES, _SEED))).mean())
     return Loosening(needed, float(held(_believed_sample(model))[0]), share)
 
