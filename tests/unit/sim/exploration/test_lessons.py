@@ -96,6 +96,7 @@ def test_a_slide_tells_the_force_of_its_even_part(fingers: int) -> None:
     # In the object's own axes; only samples of the even part, so no peak and no braking.
     assert found.force == pytest.approx((3.5, 0.0, 0.2), abs=1e-9)
     assert found.force_sd == pytest.approx(FORCE_SD * np.hypot(3.5, 0.2))
+    assert found.force_sd == pytest.approx(0.1, rel=0.2)  # speeds change, joints flex: 3 %
 
 
 def test_two_fingers_press_level_with_the_centre_of_mass() -> None:
@@ -112,8 +113,8 @@ def test_a_tilt_tells_the_force_at_its_onset(fingers: int) -> None:
     found = trial_from_push(push(fingers), SEEN, trace(*tilting(), end="tilted", fingers=fingers))
     assert found is not None
     assert (found.moved, found.tilt) == ("topple", 0.0)
-    # Five samples to each side of the peak, at 1/30 N a sample before it: the mean is 5 % low.
-    assert found.force[0] == pytest.approx(2.0, rel=0.06)
+    # Five samples to each side of the onset, at 1/30 N a sample before the peak: a little low.
+    assert found.force[0] == pytest.approx(1.97, abs=0.015)
     assert found.point == AT
 
 
@@ -136,6 +137,20 @@ def test_the_force_limit_tells_the_force_at_the_end() -> None:
     assert found is not None
     assert found.moved == "none"
     assert found.force[0] == pytest.approx(6.0)
+
+
+def test_the_force_limit_is_felt_over_half_a_second() -> None:
+    force = np.linspace(0.0, 1.99, 200)
+    found = trial_from_push(push(), SEEN, trace(force, np.linspace(0.0, 5e-4, 200), end="force"))
+    assert found is not None
+    assert found.force[0] == pytest.approx(force[-1] - 0.25, abs=0.05)
+
+
+@pytest.mark.parametrize(("samples", "enough"), [(20, False), (40, True)])
+def test_an_even_part_of_a_few_samples_tells_nothing(samples: int, enough: bool) -> None:
+    force = np.concatenate([np.linspace(0.0, 3.5, 40), np.full(samples, 3.5)])
+    travel = np.concatenate([np.zeros(40), np.linspace(0.0, 0.06, samples)])
+    assert (trial_from_push(push(), SEEN, trace(force, travel)) is not None) == enough
 
 
 @pytest.mark.parametrize("end", ["guard", "speed", "no_touch", "unreachable"])

@@ -162,6 +162,26 @@ def test_noise_is_told() -> None:
     assert abs(quiet.force[0] - noisy.force[0]) < 4.0 * noisy.force_sd
 
 
+def test_what_is_not_known_of_edge_and_base_is_told() -> None:
+    small, _ = extract_trials(tilt_recording())
+    assert small.tilt_sd * small.point[2] == pytest.approx(5e-4)  # the far edge, to half a mm
+    (slide,) = extract_trials(slide_recording(0.0))
+    # How the base carries it, and two looks of 3 mrad over 12 mm.
+    assert slide.turn_rate_sd == pytest.approx(np.hypot(0.4, np.sqrt(2.0) * 0.25), rel=0.1)
+    # Noise of 0.03 N that lasts three of 210 samples, and that of the zero.
+    assert slide.force_sd == pytest.approx(np.hypot(0.03 * np.sqrt(3.0 / 210.0), 0.003), rel=0.1)
+
+
+@pytest.mark.parametrize(("moving", "trials"), [(3, 0), (8, 1)])
+def test_a_slide_of_a_few_samples_tells_nothing(moving: int, trials: int) -> None:
+    whole = slide_recording(0.0)
+    last = int(np.searchsorted(np.linalg.norm(whole.tips - whole.tips[0], axis=1), 0.0015)) + moving
+    short = replace(
+        whole, time=whole.time[:last], tips=whole.tips[:last], forces=whole.forces[:last]
+    )
+    assert len(extract_trials(short)) == trials
+
+
 def test_nothing_is_read_out_of_a_touch_that_moved_nothing() -> None:
     rec = tilt_recording()
     assert extract_trials(recording(rec.experiment, None, rec.tips, rec.forces)) == ()
