@@ -17,7 +17,6 @@ import logging
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from time import perf_counter
@@ -26,6 +25,7 @@ import numpy as np
 
 from benchmarks.predictions import random_pushes, rate
 from benchmarks.pushes import Array, Push, Seen, World, random_push, roll_out
+from nlcontrol.worker_processes import worker_processes
 from objectmodels import PrismModel
 from objectmodels.models.object_model import ObjectModel
 
@@ -78,7 +78,7 @@ def run(engine: str, seed: int, number: int) -> Run:
 
 def run_all(engine: str, pushes: int, seed: int, workers: int) -> list[Run]:
     """All pushes in one engine; progress goes to standard error."""
-    with ProcessPoolExecutor(workers, initializer=_quiet) as pool:
+    with worker_processes(workers, initializer=_quiet) as pool:
         runs = pool.map(partial(run, engine, seed), range(pushes), chunksize=5)
         return list(_counted(runs, engine, pushes))
 

@@ -24,7 +24,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Literal, NamedTuple, get_args
 
@@ -36,6 +36,7 @@ from nlcontrol.learning.exploration_session import CENTRE_OF_MASS, explore
 from nlcontrol.learning.learning_reports import ExplorationReport
 from nlcontrol.learning.lessons import apply_lesson
 from nlcontrol.reports.exploration_report import with_truth
+from nlcontrol.worker_processes import worker_processes
 from objectmodels import ObjectModel
 from objectmodels.geometry.pushed_body import UNCERTAIN
 from objectmodels.identification import initial_belief
@@ -261,7 +262,7 @@ def main(executor: Executor | None = None) -> int:
         for name in options.objects
         for seed in range(options.seeds)
     ]
-    with executor or ProcessPoolExecutor(options.workers) as pool:
+    with executor or worker_processes(options.workers) as pool:
         results = carried_out(run, jobs, pool, Done, record=options.record)
     print(TABLES[question](list(results.values())))
     return 0

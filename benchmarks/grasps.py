@@ -13,11 +13,11 @@ import argparse
 import itertools
 import time
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 
+from nlcontrol.worker_processes import worker_processes
 from objectmodels.mechanics.grasp_stability import Contacts, GraspLoads
 from objectmodels.mechanics.push_thresholds import GRAVITY
 from sim.hands.hand_model import Angles, GraspPosture
@@ -243,7 +243,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     options = parser.parse_args(arguments)
     cases = drawn(options.cases, options.seed)
     started = time.perf_counter()
-    with ProcessPoolExecutor(options.workers) as pool:
+    with worker_processes(options.workers) as pool:
         slips = list(pool.map(slip, cases))
     wall = time.perf_counter() - started
     multipliers = np.array([case.multiplier for case in cases])

@@ -20,7 +20,7 @@ import sys
 import time
 import traceback
 from collections.abc import Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -33,6 +33,7 @@ from nlcontrol import Controller, Registry
 from nlcontrol.checks.trace_measures import tilt_at_end
 from nlcontrol.checks.verdicts import PLANNED_ENDS, Check
 from nlcontrol.learning.lessons import change_contents
+from nlcontrol.worker_processes import worker_processes
 from objectmodels import ObjectModel
 from objectmodels.models.object_parts import Lid, LiftOffLid
 from sim.truth.object_truth import Truth
@@ -290,7 +291,7 @@ def main(executor: Executor | None = None) -> int:
     options = _options()
     seeds = range(options.first, options.first + options.seeds)
     jobs = [Job(sentence, seed) for sentence in options.sentence or TASKS for seed in seeds]
-    with executor or ProcessPoolExecutor(options.workers) as pool:
+    with executor or worker_processes(options.workers) as pool:
         done = carried_out(run, jobs, pool, Done, record=options.record, told=_tell)
     print(table(list(done.values())))
     return 0

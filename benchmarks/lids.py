@@ -12,13 +12,13 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterable
-from concurrent.futures import ProcessPoolExecutor
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from benchmarks.goals.worlds import scene
 from benchmarks.lidbench import LidBench
+from nlcontrol.worker_processes import worker_processes
 from objectmodels import CylinderModel
 from objectmodels.containers import lid_forces
 from objectmodels.models.object_parts import FlipLid, Lid, LiftOffLid, ScrewCap
@@ -200,7 +200,7 @@ def main() -> None:
         for kind, share in _SHARES.items()
         for _ in range(round(share * asked.cases))
     ]
-    with ProcessPoolExecutor(asked.workers) as pool:
+    with worker_processes(asked.workers) as pool:
         outcomes = list(pool.map(run, cases, chunksize=4))
     print(table(outcomes))
     for each in outcomes:

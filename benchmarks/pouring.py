@@ -17,12 +17,12 @@ import argparse
 import math
 import time
 from collections.abc import Mapping
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from nlcontrol.worker_processes import worker_processes
 from objectmodels.containers.pour_dynamics import Catch, angle_for, caught_volume, pour
 from objectmodels.geometry.base_shapes import Polygon
 from objectmodels.models.object_parts import Container, Opening
@@ -298,7 +298,7 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=2)
     given = parser.parse_args()
     start = time.perf_counter()
-    with ProcessPoolExecutor(given.processes) as pool:
+    with worker_processes(given.processes) as pool:
         results = list(pool.map(one, [(given.seed, i) for i in range(given.cases)]))
     print(table(results))
     contents = np.array([r.case.source[1] for r in results])

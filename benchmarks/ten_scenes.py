@@ -13,12 +13,13 @@ import argparse
 import itertools
 import math
 import sys
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import Executor
 
 import numpy as np
 
 from nlcontrol import Controller, Registry
 from nlcontrol.results.result import Result
+from nlcontrol.worker_processes import worker_processes
 from sim.truth.scene_file import Scene, load_scene
 
 SENTENCE = "push the ice tea box away without toppling it"
@@ -82,7 +83,7 @@ def main(executor: Executor | None = None) -> int:
     parser.add_argument("--sentence", default=SENTENCE)
     options = parser.parse_args()
     seeds = range(options.scenes)
-    with executor or ProcessPoolExecutor(options.workers) as pool:
+    with executor or worker_processes(options.workers) as pool:
         results = dict(
             zip(seeds, pool.map(run, seeds, itertools.repeat(options.sentence)), strict=True)
         )

@@ -12,11 +12,12 @@ from __future__ import annotations
 
 import argparse
 import sys
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import Executor
 
 from benchmarks.ten_scenes import SENTENCE
 from nlcontrol import Controller, Registry
 from nlcontrol.results.result import Result
+from nlcontrol.worker_processes import worker_processes
 from objectmodels import ObjectModel
 from sim.truth.scene_file import load_scene
 
@@ -66,7 +67,7 @@ def main(executor: Executor | None = None) -> int:
     options = parser.parse_args()
     print("seed  mass  status       moved  felt")
     satisfied = 0
-    with executor or ProcessPoolExecutor(options.workers) as pool:
+    with executor or worker_processes(options.workers) as pool:
         for seed, result in enumerate(pool.map(run, range(options.seeds))):
             satisfied += result.ok
             print(line(seed, result), flush=True)

@@ -8,6 +8,7 @@ Every stage has an exception of its own (`grammar.ParseError`, `objectmodels.Mod
 from __future__ import annotations
 
 import os
+import signal
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pydantic import Field
 
+from nlcontrol.interruption import EXIT_CODES
 from nlcontrol.json_document import DocumentPart
 
 if TYPE_CHECKING:
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
     from planner.types.refusal import Refusal
 
 OK, INTERNAL, USAGE, NOT_UNDERSTOOD, NO_PLAN, NOT_HELD = range(6)
-"""Exit codes of the command line."""
+"""Exit codes of the command line; a signal adds its own (`nlcontrol.interruption`)."""
 
 
 class Status(NamedTuple):
@@ -72,7 +74,9 @@ CODES: dict[str, Status] = {
     "no_pictures": Status(INTERNAL, 501),
     "scene_and_registry_differ": _CALLER,
     "worker_lost": Status(INTERNAL, 500),
-    # After the execution.
+    # During the execution, and after it.
+    "interrupted": Status(EXIT_CODES[signal.SIGINT], 499),
+    "executor_failed": Status(INTERNAL, 500),
     "clause_not_held": Status(NOT_HELD, 200),
     "internal": Status(INTERNAL, 500),
 }

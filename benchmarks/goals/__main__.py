@@ -15,7 +15,7 @@ import argparse
 import itertools
 import sys
 from collections.abc import Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import Executor
 from pathlib import Path
 
 from benchmarks.goals.cases import Done, run
@@ -24,6 +24,7 @@ from benchmarks.goals.sentences import KINDS, kind_of, pairs, said, target_of
 from benchmarks.goals.tables import report
 from benchmarks.goals.worlds import Job, pushable
 from benchmarks.record import carried_out
+from nlcontrol.worker_processes import worker_processes
 
 _MOST = 100_000  # numbers that are looked through for cases that are chosen
 
@@ -101,7 +102,7 @@ def main(executor: Executor | None = None) -> int:
             scene, sentence = said(job)
             print(f"{job.seed}-{job.number} ({len(scene.objects)} objects): {sentence.text}")
         return 0
-    with executor or ProcessPoolExecutor(options.workers) as pool:
+    with executor or worker_processes(options.workers) as pool:
         done = carried_out(run, jobs, pool, Done, record=options.record, told=_told)
         results = list(done.values())
         print(report(results), flush=True)

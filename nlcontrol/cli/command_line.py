@@ -21,14 +21,12 @@ import click
 from nlcontrol import __version__
 from nlcontrol.cli.console.console_output import print_error
 from nlcontrol.errors import INTERNAL, OK, USAGE, ErrorInfo, exception_info
-
-INTERRUPTED = 130  # what shells expect after control-C
-
+from nlcontrol.interruption import SIGNALS, Terminated
 
 _EXIT_CODES = (
     "Exit codes: 0 done and every clause held, 1 internal failure, 2 usage, 3 not understood, "
     "4 no plan (refused with its numbers) or a capability that this robot lacks, "
-    "5 executed, but a clause did not hold."
+    "5 executed, but a clause did not hold, 130 interrupted by control-C, 143 by SIGTERM."
 )
 
 
@@ -80,7 +78,9 @@ def main(args: Sequence[str] | None = None) -> None:
     """Run the command line and end the process with its exit code."""
     # A start allocates much and frees little: looking for garbage seldom saves a tenth of it.
     gc.set_threshold(100_000)
-    sys.exit(run(sys.argv[1:] if args is None else args))
+    status = run(sys.argv[1:] if args is None else args)
+    SIGNALS.ignore()
+    sys.exit(status)
 
 
 def run(args: Sequence[str]) -> int:
@@ -91,13 +91,13 @@ def run(args: Sequence[str]) -> int:
             stream.reconfigure(errors="replace")
     as_json = "--json" in args
     try:
+        SIGNALS.release()
         status = cli.main(args=list(args), prog_name="nlcontrol", standalone_mode=False)
         return status if isinstance(status, int) else OK
     except click.UsageError as raised:
         return _print_usage_error(raised, as_json)
-    except click.Abort:
-        click.echo("interrupted", err=True)
-        return INTERRUPTED
+    except (click.Abort, KeyboardInterrupt, Terminated):
+        return _print_interruption(as_json)
     except BrokenPipeError:
         # The reader has gone, and Python would complain once more when it flushes at the end.
         with contextlib.suppress(OSError):
@@ -113,6 +113,19 @@ def _print_usage_error(raised: click.UsageError, as_json: bool) -> int:
         return USAGE
     print_error(ErrorInfo(code="usage", message=raised.format_message()), as_json=True)
     return USAGE
+
+
+def _print_interruption(as_json: bool) -> int:
+    SIGNALS.ignore()
+    print_error(
+        ErrorInfo(
+            code="interrupted",
+            message="interrupted before it was done",
+            suggestions=("run it again; a command that keeps a record goes on from there",),
+        ),
+        as_json=as_json,
+    )
+    return SIGNALS.exit_code
 
 
 def _print_failure(raised: Exception, as_json: bool) -> int:

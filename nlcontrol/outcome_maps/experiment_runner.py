@@ -11,18 +11,14 @@ from __future__ import annotations
 
 import hashlib
 import json
-import multiprocessing
-import os
-import signal
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Mapping
 from concurrent.futures import (
     BrokenExecutor,
     Executor,
     Future,
-    ProcessPoolExecutor,
     as_completed,
 )
-from contextlib import nullcontext
+from contextlib import closing, nullcontext
 from dataclasses import asdict
 from importlib.metadata import version
 from typing import TYPE_CHECKING
@@ -32,6 +28,7 @@ from nlcontrol.errors import error, known_errors_raised
 from nlcontrol.outcome_maps.experiment_record import Record
 from nlcontrol.references.object_names import find_by_name, names_on_table
 from nlcontrol.text_format import enumeration
+from nlcontrol.worker_processes import worker_processes
 from sim.face_experiment import applied_force as appliedforce
 from sim.face_experiment.face_contact import Contact, Touch, TouchResult, Way
 from sim.face_experiment.finger_push import FingerTouch
@@ -148,18 +145,19 @@ class FaceExperiment:
         total = len(self.missing)
         if total:
             report(0, total)
-            for done, (key, result) in enumerate(self._carried_out(executor, workers), start=1):
-                self._results[key] = result
-                report(done, total)
+            with closing(self._carried_out(executor, workers)) as results:
+                for done, (key, result) in enumerate(results, start=1):
+                    self._results[key] = result
+                    report(done, total)
             self.missing = {}
         return tuple(self._results[key] for key in self._keys)
 
     def _carried_out(
         self, executor: Executor | None, workers: int | None
-    ) -> Iterator[tuple[str, TouchResult]]:
+    ) -> Generator[tuple[str, TouchResult]]:
         """Results as they come, kept before they are handed on."""
         lost: BrokenExecutor | None = None
-        with nullcontext(executor) if executor else _processes(workers) as pool:
+        with nullcontext(executor) if executor else worker_processes(workers) as pool:
             futures: dict[Future[TouchResult], str] = {}
             try:
                 for key, contact in self.missing.items():
@@ -184,20 +182,6 @@ class FaceExperiment:
                 "a process that carried out pushes has ended",
                 suggestions=("run it again with --record: what was done is kept there",),
             ) from lost
-
-
-def _processes(workers: int | None) -> ProcessPoolExecutor:
-    """Fresh processes: one that is forked beside threads may hang."""
-    return ProcessPoolExecutor(
-        workers or os.cpu_count(),
-        mp_context=multiprocessing.get_context("spawn"),
-        initializer=_ignore_interrupt,
-    )
-
-
-def _ignore_interrupt() -> None:
-    """Control-C ends the run, which ends its processes; they need not complain as well."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _digest(*parts: object) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -12,8 +13,8 @@ import pytest
 from pydantic import ValidationError
 
 from nlcontrol.cli import run
-from nlcontrol.cli.command_line import INTERRUPTED
 from nlcontrol.cli.console import console_output as output
+from nlcontrol.interruption import EXIT_CODES
 from nlcontrol.json_document import SCHEMA_VERSION
 from nlcontrol.results.result import Result
 from planner.types.plan import Plan
@@ -248,7 +249,7 @@ def test_control_c_is_no_defect(
         raise KeyboardInterrupt
 
     monkeypatch.setattr("nlcontrol.session.controller.Controller.plan", interrupted)
-    assert run(["plan", SENTENCE]) == INTERRUPTED
+    assert run(["plan", SENTENCE]) == EXIT_CODES[signal.SIGINT]
     assert "interrupted" in capsys.readouterr().err
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import click
 
 from nlcontrol.errors import OK, ErrorInfo, error
+from nlcontrol.interruption import SIGNALS
 from nlcontrol.json_document import document_text
 
 FILE = click.Path(dir_okay=False, path_type=Path)
@@ -22,7 +23,8 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Answer with 
 
 
 def print_json(content: Mapping[str, Any]) -> None:
-    """Print the one JSON document of a command."""
+    """Print the one JSON document of a command; from then on no signal adds another."""
+    SIGNALS.ignore()
     click.echo(document_text(content))
 
 

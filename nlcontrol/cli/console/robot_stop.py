@@ -1,0 +1,41 @@
+"""A robot that moves while control-C is pressed."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from nlcontrol.interruption import SIGNALS
+from sim.supervision import StopToken
+
+
+class SignalToken(StopToken):
+    """A stop that the first signal asks for; at the second the motion is left as it is."""
+
+    @property
+    def requested(self) -> bool:
+        """A stop was asked for.
+
+        Raises:
+            KeyboardInterrupt: again, and impatiently.
+            Terminated: the same by SIGTERM.
+        """
+        if len(SIGNALS.received) > 1:
+            SIGNALS.end()
+        return super().requested
+
+
+@contextmanager
+def stop_on_signal() -> Iterator[SignalToken]:
+    """Context with a token by which the first signal stops the robot."""
+    token = SignalToken()
+
+    def ask() -> None:
+        token.request()
+        # A stream may be in the midst of a line, and must not be entered twice.
+        os.write(sys.stderr.fileno(), b"\nstopping, letting go ...\n")
+
+    with SIGNALS.ask_first(ask):
+        yield token

@@ -1,0 +1,96 @@
+"""Control-C and SIGTERM on the command line.
+
+A signal ends the command where it is. Where that would leave a robot in the midst of something, the
+first one asks for a stop, and only the second ends it. One that comes before the program is loaded
+waits for that; one that comes once the answer is printed changes nothing any more.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import NoReturn
+
+EXIT_CODES = {signal.SIGINT: 130, signal.SIGTERM: 143}
+"""Exit codes of a command that a signal has ended, as shells expect them."""
+
+
+class Terminated(BaseException):
+    """Raised where SIGTERM ends a command, as `KeyboardInterrupt` is where control-C does."""
+
+
+class Signals:
+    """Both signals of one process.
+
+    Attributes:
+        received: those that came since they were last waited for.
+    """
+
+    def __init__(self) -> None:
+        self.received: list[int] = []
+        self._wait = self._ignored = False
+        self._ask: Callable[[], None] | None = None
+
+    @property
+    def exit_code(self) -> int:
+        """Exit code of a command that the first signal has ended."""
+        return EXIT_CODES[signal.Signals(self.received[0])] if self.received else 130
+
+    def hold(self) -> None:
+        """Takes both signals from now on, and lets them wait."""
+        self._wait = True
+        for number in EXIT_CODES:
+            signal.signal(number, self._take)
+
+    def release(self) -> None:
+        """Ends the command if a signal waits, and from now on with the next one.
+
+        Raises:
+            KeyboardInterrupt: control-C was pressed.
+            Terminated: SIGTERM came.
+        """
+        self._wait = False
+        if self.received:
+            self.end()
+
+    def ignore(self) -> None:
+        """Lets no signal change anything any more."""
+        self._ignored = True
+
+    @contextmanager
+    def ask_first(self, ask: Callable[[], None]) -> Iterator[None]:
+        """Context in which the first signal asks for a stop.
+
+        Args:
+            ask: called in the midst of anything else, so that it takes no lock.
+        """
+        self.received.clear()
+        self._ask = ask
+        try:
+            yield
+        finally:
+            self._ask = None
+
+    def end(self) -> NoReturn:
+        """Ends the command.
+
+        Raises:
+            KeyboardInterrupt: control-C was pressed last.
+            Terminated: SIGTERM came last.
+        """
+        raise KeyboardInterrupt if self.received[-1] == signal.SIGINT else Terminated
+
+    def _take(self, number: int, frame: FrameType | None) -> None:
+        if self._ignored:
+            return
+        self.received.append(number)
+        if self._ask is not None and len(self.received) == 1:
+            self._ask()
+        elif not self._wait:
+            self.end()
+
+
+SIGNALS = Signals()
+"""Those of this process; nothing happens to them before `Signals.hold`."""

@@ -1,0 +1,52 @@
+"""Control-C and SIGTERM: always the documented exit, one document, nothing left behind."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from pathlib import Path
+
+import pytest
+
+from nlcontrol.interruption import EXIT_CODES, Signals, Terminated
+from tests.cli.signals import interrupted
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
+
+PUSH = "push the ice tea box away"
+MAP = ("map", "ice tea box", "--face", "front", "--experiment", "--workers", "2", "--spacing", "40")
+
+
+@pytest.mark.parametrize("number", EXIT_CODES)
+@pytest.mark.parametrize("delay", [0.0, 0.3])
+def test_a_command_that_moves_nothing_ends_at_once(number: signal.Signals, delay: float) -> None:
+    ending = interrupted(["plan", PUSH, "--json"], [number], delay)
+    assert (ending.exit_code, ending.code) == (EXIT_CODES[number], "interrupted")
+    assert "Traceback" not in ending.error
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+def test_no_worker_outlives_its_parent(number: signal.Signals, tmp_path: Path) -> None:
+    ending = interrupted([*MAP, "--json"], [number], 2.5, folder=tmp_path)
+    assert ending.exit_code in (EXIT_CODES[signal.SIGINT], -signal.SIGKILL)
+    assert (ending.orphans, list(tmp_path.iterdir())) == ((), [])
+
+
+def test_a_signal_waits_then_asks_and_then_ends() -> None:
+    signals, asked = Signals(), list[str]()
+    signals.hold()
+    try:
+        signal.raise_signal(signal.SIGTERM)
+        with pytest.raises(Terminated):
+            signals.release()
+        with signals.ask_first(lambda: asked.append("please")):
+            signal.raise_signal(signal.SIGINT)
+            assert (asked, signals.exit_code) == (["please"], 130)
+            with pytest.raises(KeyboardInterrupt):
+                signal.raise_signal(signal.SIGINT)
+        signals.ignore()
+        signal.raise_signal(signal.SIGTERM)
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
