@@ -32,13 +32,18 @@ class ModelError(ValueError):
         super().__init__(code, message)
         self.code = code
         self.message = message
-        self.path = path
+        self.path = None if path is None else printable(path)
         self.suggestions = suggestions
 
     def __str__(self) -> str:
         where = f"{self.path}: " if self.path else ""
         hint = f" ({'; '.join(self.suggestions)})" if self.suggestions else ""
         return f"{where}{self.message}{hint}"
+
+
+def printable(text: str) -> str:
+    """A text with signs that would steer a terminal, or cannot be written, as escapes."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 def fold_text(text: str) -> str:

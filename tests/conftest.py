@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from objectmodels.registry.model_registry import FOLDER_VARIABLE
+from objectmodels.registry.user_folder import FOLDER_VARIABLE
 
 # How long an example takes says more about the machine than about the code.
 settings.register_profile("untimed", deadline=None)

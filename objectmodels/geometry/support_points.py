@@ -12,17 +12,15 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator
 
 from objectmodels.errors import ModelError
+from objectmodels.files.value_types import Coordinate, Weight, length_of
 from objectmodels.geometry.base_shapes import Array, Base, Polygon
 from objectmodels.geometry.vector_arrays import as_tuples
 
-Weight = Annotated[float, Field(gt=0.0)]
-SupportPoint = tuple[float, float] | tuple[float, float, Weight]
-Points = Annotated[
-    tuple[SupportPoint, ...], BeforeValidator(as_tuples), Field(min_length=3, max_length=500)
-]
+SupportPoint = tuple[Coordinate, Coordinate] | tuple[Coordinate, Coordinate, Weight]
+Points = Annotated[tuple[SupportPoint, ...], BeforeValidator(as_tuples), length_of("support")]
 Support = Literal["corners", "uniform"] | Points
 """`corners` (of a round base: its rim), `uniform` pressure, or points [x, y] or [x, y, weight] in B
 [m], whose weights are their stiffnesses relative to each other, 1 if not given."""

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from pydantic import BeforeValidator, Field, model_validator
 
 from objectmodels.errors import ModelError
+from objectmodels.files.value_types import Coordinate, length_of
 from objectmodels.geometry.base_shapes import Array, Polygon
 from objectmodels.geometry.side_faces import AXES, Face
 from objectmodels.geometry.support_points import hull_polygon
@@ -34,9 +35,9 @@ _BULGE = 0.0025  # depth within which a curved side counts as flat [m]
 _FLAT = 1e-6
 
 Vertices = Annotated[
-    tuple[tuple[float, float, float], ...],
+    tuple[tuple[Coordinate, Coordinate, Coordinate], ...],
     BeforeValidator(as_tuples),
-    Field(min_length=4, max_length=2000),
+    length_of("vertices"),
 ]
 
 

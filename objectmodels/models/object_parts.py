@@ -13,14 +13,29 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, NonNegativeFloat, PositiveFloat
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
+from objectmodels.files.value_types import (
+    Angle,
+    Coordinate,
+    Density,
+    Deviation,
+    Force,
+    Height,
+    Length,
+    Mass,
+    OpeningAngle,
+    Squeeze,
+    Torque,
+    Turns,
+    Volume,
+)
 from objectmodels.geometry.vector_arrays import as_tuple
 
 WATER = 1000.0
 """Density of what is not said to be anything else [kg/m³]."""
 
-Point2 = Annotated[tuple[float, float], BeforeValidator(as_tuple)]
+Point2 = Annotated[tuple[Coordinate, Coordinate], BeforeValidator(as_tuple)]
 
 
 class Part(BaseModel):
@@ -47,7 +62,7 @@ class Opening(Part):
     """
 
     centre: Point2 = Field((0.0, 0.0), alias="centre_m")
-    radius: PositiveFloat = Field(alias="radius_m")
+    radius: Length = Field(alias="radius_m")
 
 
 class Container(Part):
@@ -62,11 +77,11 @@ class Container(Part):
         density: of the liquid [kg/m³].
     """
 
-    wall: PositiveFloat = Field(alias="wall_m")
+    wall: Length = Field(alias="wall_m")
     opening: Opening
-    contents_l: NonNegativeFloat = 0.0
-    contents_l_sd: NonNegativeFloat = 0.0
-    density: PositiveFloat = Field(WATER, alias="density_kg_m3")
+    contents_l: Volume = 0.0
+    contents_l_sd: Deviation = 0.0
+    density: Density = Field(WATER, alias="density_kg_m3")
 
     @property
     def contents(self) -> float:
@@ -100,15 +115,15 @@ class FlipLid(Part):
     """
 
     kind: Literal["flip"] = "flip"
-    mass: PositiveFloat = Field(alias="mass_kg")
-    tab_heading_deg: float = 0.0
-    tab: PositiveFloat = Field(alias="tab_m")
-    friction_torque: NonNegativeFloat = Field(alias="friction_torque_nm")
-    friction_torque_sd: NonNegativeFloat = Field(0.0, alias="friction_torque_nm_sd")
-    snap_torque: NonNegativeFloat = Field(0.0, alias="snap_torque_nm")
-    snap_torque_sd: NonNegativeFloat = Field(0.0, alias="snap_torque_nm_sd")
-    snap_angle_deg: PositiveFloat = 3.0
-    opens_to_deg: PositiveFloat = 120.0
+    mass: Mass = Field(alias="mass_kg")
+    tab_heading_deg: Angle = 0.0
+    tab: Length = Field(alias="tab_m")
+    friction_torque: Torque = Field(alias="friction_torque_nm")
+    friction_torque_sd: Deviation = Field(0.0, alias="friction_torque_nm_sd")
+    snap_torque: Torque = Field(0.0, alias="snap_torque_nm")
+    snap_torque_sd: Deviation = Field(0.0, alias="snap_torque_nm_sd")
+    snap_angle_deg: OpeningAngle = 3.0
+    opens_to_deg: OpeningAngle = 120.0
 
     @property
     def tab_heading(self) -> float:
@@ -144,14 +159,14 @@ class LiftOffLid(Part):
     """
 
     kind: Literal["lift_off"] = "lift_off"
-    mass: PositiveFloat = Field(alias="mass_kg")
-    retention: NonNegativeFloat = Field(alias="retention_n")
-    retention_sd: NonNegativeFloat = Field(0.0, alias="retention_n_sd")
-    travel: PositiveFloat = Field(0.005, alias="travel_m")
-    radius: PositiveFloat = Field(alias="radius_m")
-    height: PositiveFloat = Field(0.006, alias="height_m")
-    knob_radius: PositiveFloat = Field(alias="knob_radius_m")
-    knob_height: PositiveFloat = Field(alias="knob_height_m")
+    mass: Mass = Field(alias="mass_kg")
+    retention: Force = Field(alias="retention_n")
+    retention_sd: Deviation = Field(0.0, alias="retention_n_sd")
+    travel: Length = Field(0.005, alias="travel_m")
+    radius: Length = Field(alias="radius_m")
+    height: Length = Field(0.006, alias="height_m")
+    knob_radius: Length = Field(alias="knob_radius_m")
+    knob_height: Length = Field(alias="knob_height_m")
 
     def leaves_free(self, height: float) -> bool:
         """Return True if contents get past it when it is lifted by a height [m]."""
@@ -170,13 +185,13 @@ class ScrewCap(Part):
     """
 
     kind: Literal["screw"] = "screw"
-    mass: PositiveFloat = Field(alias="mass_kg")
-    friction_torque: NonNegativeFloat = Field(alias="friction_torque_nm")
-    friction_torque_sd: NonNegativeFloat = Field(0.0, alias="friction_torque_nm_sd")
-    pitch: PositiveFloat = Field(0.003, alias="pitch_m")
-    turns: PositiveFloat = 1.0
-    radius: PositiveFloat = Field(alias="radius_m")
-    height: PositiveFloat = Field(alias="height_m")
+    mass: Mass = Field(alias="mass_kg")
+    friction_torque: Torque = Field(alias="friction_torque_nm")
+    friction_torque_sd: Deviation = Field(0.0, alias="friction_torque_nm_sd")
+    pitch: Length = Field(0.003, alias="pitch_m")
+    turns: Turns = 1.0
+    radius: Length = Field(alias="radius_m")
+    height: Length = Field(alias="height_m")
 
     def leaves_free(self, angle: float) -> bool:
         """Return True if contents get past it, turned by an angle [rad]: once it is off."""
@@ -194,6 +209,6 @@ class Graspable(Part):
         crush: largest squeeze that it bears [N].
     """
 
-    lowest: NonNegativeFloat = Field(0.0, alias="from_m")
-    highest: PositiveFloat = Field(alias="to_m")
-    crush: PositiveFloat = Field(alias="crush_n")
+    lowest: Height = Field(0.0, alias="from_m")
+    highest: Length = Field(alias="to_m")
+    crush: Squeeze = Field(alias="crush_n")

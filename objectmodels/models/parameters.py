@@ -14,12 +14,12 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
-    NonNegativeFloat,
-    PositiveFloat,
     model_validator,
 )
 
 from objectmodels.errors import ModelError
+from objectmodels.files.value_types import Coordinate, Deviation, Length, Mass, Name, length_of
+from objectmodels.files.value_types import Friction as Coefficient
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.pushed_body import UNCERTAIN, Friction
 from objectmodels.geometry.support_points import Support
@@ -33,14 +33,13 @@ RADIUS_SHARE_SD = 0.45
 _DERIVED = float("nan")  # a default that depends on the shape; never seen from outside
 
 
-Vector3 = Annotated[tuple[float, float, float], BeforeValidator(as_tuple)]
-Size = Annotated[tuple[PositiveFloat, PositiveFloat, PositiveFloat], BeforeValidator(as_tuple)]
-Deviation3 = Annotated[
-    tuple[NonNegativeFloat, NonNegativeFloat, NonNegativeFloat], BeforeValidator(as_tuple)
+Vector3 = Annotated[tuple[Coordinate, Coordinate, Coordinate], BeforeValidator(as_tuple)]
+Size = Annotated[tuple[Length, Length, Length], BeforeValidator(as_tuple)]
+Deviation3 = Annotated[tuple[Deviation, Deviation, Deviation], BeforeValidator(as_tuple)]
+Corners = Annotated[
+    tuple[tuple[Coordinate, Coordinate], ...], BeforeValidator(as_tuples), length_of("corners")
 ]
-Corners = Annotated[tuple[tuple[float, float], ...], BeforeValidator(as_tuples)]
-Word = Annotated[str, Field(min_length=1, max_length=100, pattern=r"^\S(.*\S)?$")]
-Words = Annotated[tuple[Word, ...], BeforeValidator(as_tuple)]
+Names = Annotated[tuple[Name, ...], BeforeValidator(as_tuple)]
 Correlation = Annotated[
     tuple[str, str, Annotated[float, Field(ge=-1.0, le=1.0)]], BeforeValidator(as_tuple)
 ]
@@ -90,21 +89,21 @@ class Parameters(Part):
     version: ClassVar[int] = 1
     """Version of the model file's format."""
 
-    name: Word
-    synonyms: Words = ()
-    mass: PositiveFloat = Field(alias="mass_kg")
-    mass_sd: NonNegativeFloat = Field(0.0, alias="mass_kg_sd")
-    friction: PositiveFloat = Field(alias="friction_table")
-    friction_sd: NonNegativeFloat = Field(0.0, alias="friction_table_sd")
-    friction_kinetic: PositiveFloat | None = Field(None, alias="friction_table_kinetic")
-    finger_friction: PositiveFloat = Field(0.6, alias="friction_finger")
-    finger_friction_sd: NonNegativeFloat = Field(0.0, alias="friction_finger_sd")
-    finger_friction_kinetic: PositiveFloat | None = Field(None, alias="friction_finger_kinetic")
+    name: Name
+    synonyms: Names = ()
+    mass: Mass = Field(alias="mass_kg")
+    mass_sd: Deviation = Field(0.0, alias="mass_kg_sd")
+    friction: Coefficient = Field(alias="friction_table")
+    friction_sd: Deviation = Field(0.0, alias="friction_table_sd")
+    friction_kinetic: Coefficient | None = Field(None, alias="friction_table_kinetic")
+    finger_friction: Coefficient = Field(0.6, alias="friction_finger")
+    finger_friction_sd: Deviation = Field(0.0, alias="friction_finger_sd")
+    finger_friction_kinetic: Coefficient | None = Field(None, alias="friction_finger_kinetic")
     com: Vector3 = Field((_DERIVED,) * 3, alias="centre_of_mass_m")
     com_sd: Deviation3 = Field((0.0, 0.0, 0.0), alias="centre_of_mass_m_sd")
     support: Support = "uniform"
-    friction_radius: PositiveFloat = Field(_DERIVED, alias="friction_radius_m")
-    friction_radius_sd: NonNegativeFloat = Field(_DERIVED, alias="friction_radius_m_sd")
+    friction_radius: Length = Field(_DERIVED, alias="friction_radius_m")
+    friction_radius_sd: Deviation = Field(_DERIVED, alias="friction_radius_m_sd")
     correlations: Correlations = ()
     container: Container | None = None
     lid: Lid | None = None

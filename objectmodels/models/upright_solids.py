@@ -7,9 +7,10 @@ from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field, PositiveFloat, model_validator
+from pydantic import Field, model_validator
 
 from objectmodels.errors import ModelError
+from objectmodels.files.value_types import Length
 from objectmodels.geometry.base_shapes import Array, Disc, Polygon
 from objectmodels.geometry.side_faces import AXES, Face, sides
 from objectmodels.geometry.vector_arrays import cross
@@ -85,9 +86,9 @@ class CylinderModel(ObjectModel):
         base_radius: of the circle it stands on, if that is smaller [m].
     """
 
-    radius: PositiveFloat = Field(alias="radius_m")
-    height: PositiveFloat = Field(alias="height_m")
-    base_radius: PositiveFloat | None = Field(None, alias="base_radius_m")
+    radius: Length = Field(alias="radius_m")
+    height: Length = Field(alias="height_m")
+    base_radius: Length | None = Field(None, alias="base_radius_m")
     kind: Literal["cylinder"] = "cylinder"
 
     @cached_property
@@ -141,7 +142,7 @@ class PrismModel(ObjectModel):
     """
 
     corners: Corners = Field(alias="corners_m")
-    height: PositiveFloat = Field(alias="height_m")
+    height: Length = Field(alias="height_m")
     kind: Literal["prism"] = "prism"
 
     @model_validator(mode="after")

@@ -12,7 +12,6 @@ one is back when that file is removed. Synonyms take over nothing.
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
@@ -22,33 +21,16 @@ from pathlib import Path
 from types import MappingProxyType
 
 from objectmodels.errors import ModelError, fold_text, suggest
+from objectmodels.files.validation_faults import short_text
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.registry.model_files import BUILT_IN_KINDS, kind_of, load_model
-
-FOLDER_VARIABLE = "NLCONTROL_OBJECTS"
-"""Environment variable that names the user's folder of models."""
+from objectmodels.registry.user_folder import user_folder
 
 GROUP = "nlcontrol.objectmodels"
 """Entry points of other packages that bring object models."""
 
 Offer = type[ObjectModel] | ObjectModel | Path
 """What a plug-in brings, one at a time."""
-
-
-def user_folder() -> Path:
-    """The folder of the user's own models, where `objects add` and `import` put them."""
-    named = os.environ.get(FOLDER_VARIABLE)
-    if named:
-        return Path(named)
-    data = os.environ.get("APPDATA" if os.name == "nt" else "XDG_DATA_HOME")
-    home = Path(data) if data else Path.home() / ".local" / "share"
-    return home / "nlcontrol" / "objects"
-
-
-def user_file(name: str) -> Path:
-    """The file in the user's folder for a model of that name."""
-    plain = re.sub(r"[^\w.+-]+", "_", name).lstrip(".")
-    return user_folder() / f"{plain or '_'}.yaml"
 
 
 class Registry:
@@ -71,7 +53,7 @@ class Registry:
         registry = cls.built_in()
         registry.load_plugins()
         folder = user_folder()
-        if folder.is_dir():
+        if os.path.isdir(folder):
             registry.load(folder, over=registry.names())
         return registry
 
@@ -198,11 +180,13 @@ class Registry:
             self.add(load_model(path, self._kinds), place=where, over=over)
             return
         for file in sorted(path.glob("*.yaml")):
+            free = [name for name in over if self.replaced_place(name) is None]
             try:
-                free = [name for name in over if self.replaced_place(name) is None]
                 self.load(file, place=place, over=free)
             except ModelError as error:
                 self._problems.append(error)
+            except Exception as error:  # kinds of plug-ins may fail in any way
+                self._problems.append(_file_error(file, error))
 
     def get(self, name: str) -> ObjectModel:
         """The model of that name.
@@ -286,6 +270,15 @@ def _built_in() -> Registry:
     with as_file(files("objectmodels.registry") / "builtin") as folder:
         registry.load(folder, place="built in")
     return registry
+
+
+def _file_error(file: Path, error: Exception) -> ModelError:
+    return ModelError(
+        "unreadable_file",
+        f"cannot be made a model: {type(error).__name__}: {short_text(str(error))}",
+        path=str(file),
+        suggestions=("take the file out of the folder", "check the plug-in that its kind is from"),
+    )
 
 
 def plugin_offers() -> Iterator[tuple[str, Offer | ModelError]]:

@@ -10,11 +10,10 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import Field
-
+from objectmodels.files.value_types import Angle, Deviation, Name, TableLength, range_of
 from planner.types.defaults import DEFAULTS, Defaults
 from planner.types.world_state import TableState
-from sim.cell.strict_model import AsItIs, NonNegative, Part, Point2, Point3, Positive
+from sim.cell.strict_model import Angles3, AsItIs, Part, Point2, Point3
 
 LOOK = 1.0
 """Time over which camera frames are averaged before the hand moves [s]."""
@@ -31,9 +30,9 @@ class CellObject(Part):
         fixed: a holder on the table keeps it where it stands.
     """
 
-    name: str
-    model: str
-    synonyms: tuple[str, ...] = ()
+    name: Name
+    model: Name
+    synonyms: tuple[Name, ...] = ()
     fragile: bool = False
     fixed: bool = False
 
@@ -42,8 +41,8 @@ class Table(Part):
     """The table top; its upper face is the plane z = 0 of W."""
 
     centre_m: Point2 = (0.5, 0.0)
-    size_m: tuple[Positive, Positive] = (1.4, 1.6)
-    thickness_m: Positive = 0.05
+    size_m: tuple[TableLength, TableLength] = (1.4, 1.6)
+    thickness_m: TableLength = 0.05
 
     @property
     def extent(self) -> TableState:
@@ -62,8 +61,8 @@ class RobotMount(Part):
     """
 
     base_m: Point3 = (0.55, 0.0, 1.1)
-    base_rpy_deg: Point3 = (180.0, 0.0, 0.0)
-    home_deg: tuple[float, ...]
+    base_rpy_deg: Angles3 = (180.0, 0.0, 0.0)
+    home_deg: tuple[Angle, ...]
 
 
 class Vision(Part):
@@ -78,12 +77,12 @@ class Vision(Part):
         delay_s: from a frame to its arrival.
     """
 
-    position_noise_m: NonNegative = 0.002
-    angle_noise_deg: NonNegative = 1.0
-    position_bias_m: NonNegative = 0.0
-    angle_bias_deg: NonNegative = 0.0
-    rate_hz: Positive = 30.0
-    delay_s: NonNegative = 0.05
+    position_noise_m: Deviation = 0.002
+    angle_noise_deg: Deviation = 1.0
+    position_bias_m: Deviation = 0.0
+    angle_bias_deg: Deviation = 0.0
+    rate_hz: Annotated[float, range_of("frames")] = 30.0
+    delay_s: Annotated[float, range_of("delay")] = 0.05
 
 
 TORQUE_BIAS = 0.02
@@ -102,10 +101,10 @@ class TorqueSensor(Part):
         rate_hz: of the samples.
     """
 
-    noise_nm: NonNegative = 0.005
-    resolution_nm: NonNegative = 0.002
-    bias_nm: NonNegative = TORQUE_BIAS
-    rate_hz: Positive = 1000.0
+    noise_nm: Deviation = 0.005
+    resolution_nm: Deviation = 0.002
+    bias_nm: Deviation = TORQUE_BIAS
+    rate_hz: Annotated[float, range_of("samples")] = 1000.0
 
 
 class JointSensor(Part):
@@ -121,12 +120,12 @@ class JointSensor(Part):
         arm_offset_rad, finger_offset_rad: standard deviations of the constant error of each joint.
     """
 
-    arm_noise_rad: NonNegative = 1e-5
-    arm_resolution_rad: NonNegative = 5e-6
-    arm_offset_rad: NonNegative = 0.0
-    finger_noise_rad: NonNegative = 1e-4
-    finger_resolution_rad: NonNegative = 2e-4
-    finger_offset_rad: NonNegative = 0.0
+    arm_noise_rad: Deviation = 1e-5
+    arm_resolution_rad: Deviation = 5e-6
+    arm_offset_rad: Deviation = 0.0
+    finger_noise_rad: Deviation = 1e-4
+    finger_resolution_rad: Deviation = 2e-4
+    finger_offset_rad: Deviation = 0.0
 
 
 class CellParts(Part):
@@ -141,14 +140,14 @@ class CellParts(Part):
         defaults: what a clause means when a sentence does not say more.
     """
 
-    name: str
+    name: Name
     objects: tuple[CellObject, ...]
     robot: RobotMount
     table: Table = Table()
     vision: Vision = Vision()
     torque_sensor: TorqueSensor = TorqueSensor()
     joint_sensor: JointSensor = JointSensor()
-    control_rate_hz: Annotated[float, Field(ge=20, le=1000)] = 100.0
+    control_rate_hz: Annotated[float, range_of("control_rate")] = 100.0
     models: tuple[str, ...] = ()
     defaults: Annotated[Defaults, AsItIs()] = DEFAULTS
 

@@ -7,14 +7,15 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler
 from pydantic_core import core_schema
 
-Positive = Annotated[float, Field(gt=0)]
-NonNegative = Annotated[float, Field(ge=0)]
+from objectmodels.files.value_types import Angle, Coordinate
+
 Fraction = Annotated[float, Field(ge=0, le=1)]
 Spread = Annotated[float, Field(ge=0, le=0.45)]
 """A relative standard deviation; at two of the largest, a tenth of the value is left."""
 
-Point2 = tuple[float, float]
-Point3 = tuple[float, float, float]
+Point2 = tuple[Coordinate, Coordinate]
+Point3 = tuple[Coordinate, Coordinate, Coordinate]
+Angles3 = tuple[Angle, Angle, Angle]
 
 
 class AsItIs:

@@ -11,13 +11,14 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from objectmodels.containers import lid_geometry
+from objectmodels.files.value_types import Deviation, Friction, Length, Mass, length_of
 from objectmodels.geometry.base_shapes import Base, Disc, Polygon
 from objectmodels.models.object_parts import Container, Lid
 from objectmodels.models.vessel import Vessel
-from sim.cell.strict_model import Fraction, NonNegative, Part, Point2, Point3, Positive
+from sim.cell.strict_model import Fraction, Part, Point2, Point3
 
 _RIM_POINTS = 16
 
@@ -49,17 +50,17 @@ class Truth(Part):
         colour: red, green, blue in 0…1, for the camera and for pictures.
     """
 
-    size_m: tuple[Positive, Positive, Positive] | None = None
-    radius_m: Positive | None = None
-    base_radius_m: Positive | None = None
-    corners_m: Annotated[tuple[Point2, ...], Field(min_length=3)] | None = None
-    height_m: Positive | None = None
-    mass_kg: Positive
-    friction_table: Positive
-    friction_finger: Positive
+    size_m: tuple[Length, Length, Length] | None = None
+    radius_m: Length | None = None
+    base_radius_m: Length | None = None
+    corners_m: Annotated[tuple[Point2, ...], length_of("corners")] | None = None
+    height_m: Length | None = None
+    mass_kg: Mass
+    friction_table: Friction
+    friction_finger: Friction
     centre_of_mass_m: Point3 | None = None
-    contents_shift_m: NonNegative = 0.0
-    support_m: tuple[Point2, ...] | None = None
+    contents_shift_m: Deviation = 0.0
+    support_m: Annotated[tuple[Point2, ...], length_of("support")] | None = None
     container: Container | None = None
     lid: Lid | None = None
     colour: tuple[Fraction, Fraction, Fraction] = (0.8, 0.7, 0.4)

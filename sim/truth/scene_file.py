@@ -15,10 +15,13 @@ from importlib import resources
 from pathlib import Path
 from typing import Annotated, Literal, TypeVar
 
-import yaml
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
-from objectmodels.registry.model_files import parse_yaml
+from objectmodels.errors import ModelError, printable
+from objectmodels.files.file_reading import read_text
+from objectmodels.files.validation_faults import first_fault
+from objectmodels.files.value_types import Angle, Coordinate, Deviation, length_of, range_of
+from objectmodels.files.yaml_documents import parse_yaml
 from planner.types.defaults import DEFAULTS, Defaults, DefaultsError, with_settings
 from sim.cell.cell_description import (
     CellDescription,
@@ -27,7 +30,7 @@ from sim.cell.cell_description import (
     Table,
     TorqueSensor,
 )
-from sim.cell.strict_model import AsItIs, Fraction, NonNegative, Part, Spread
+from sim.cell.strict_model import AsItIs, Fraction, Part, Spread
 from sim.errors import SceneError
 from sim.random_streams import RandomStream, clipped_normal, source
 from sim.truth.object_truth import Truth
@@ -36,9 +39,9 @@ from sim.truth.object_truth import Truth
 class Pose(Part):
     """Planar pose X_WB of an object that stands on its base."""
 
-    x_m: float
-    y_m: float
-    yaw_deg: float = 0.0
+    x_m: Coordinate
+    y_m: Coordinate
+    yaw_deg: Angle = 0.0
 
 
 class SceneObject(CellObject):
@@ -63,7 +66,7 @@ class FrictionVariation(Part):
     """
 
     over_table: Fraction = 0.0
-    length_m: Annotated[float, Field(ge=0.02)] = 0.10
+    length_m: Annotated[float, range_of("variation")] = 0.10
     per_trial: Fraction = 0.0
 
 
@@ -94,7 +97,7 @@ class Hidden(Part):
     mass: Spread = 0.0
     friction: Spread = 0.0
     finger_friction: Spread = 0.0
-    centre_of_mass_m: NonNegative = 0.0
+    centre_of_mass_m: Deviation = 0.0
 
 
 def _defaults(value: object) -> object:
@@ -120,10 +123,10 @@ class Scene(CellParts):
     version: Literal[1]
     table: VaryingTable = VaryingTable()
     torque_sensor: ScaledTorqueSensor = ScaledTorqueSensor()
-    time_step_s: Annotated[float, Field(gt=0, le=0.005)] = 0.002
+    time_step_s: Annotated[float, range_of("time_step")] = 0.002
     hidden: Hidden = Hidden()
     defaults: Annotated[Defaults, AsItIs(), BeforeValidator(_defaults)] = DEFAULTS
-    objects: tuple[SceneObject, ...]
+    objects: Annotated[tuple[SceneObject, ...], length_of("objects")]
 
     @model_validator(mode="after")
     def _unique(self) -> Scene:
@@ -189,10 +192,10 @@ def load_scene(name_or_path: str | Path) -> Scene:
         text = (resources.files("sim") / "scenes" / f"{name_or_path}.yaml").read_text("utf-8")
     else:
         try:
-            text = source.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            message = f"cannot read scene file {source}: {error}"
-            raise SceneError("unknown_scene", message) from error
+            text = read_text(source, "scene_file")
+        except ModelError as error:
+            message = f"scene file {error.path}: {error.message}"
+            raise SceneError("unknown_scene", message, error.suggestions) from error
     scene = parse_scene(text, source=str(name_or_path))
     beside = tuple(str(source.absolute().parent / path) for path in scene.models)
     return scene.model_copy(update={"models": beside})
@@ -202,23 +205,19 @@ def parse_scene(text: str, *, source: str = "scene") -> Scene:
     """Reads a scene from YAML text.
 
     Raises:
-        SceneError: the text is not YAML or not a valid scene; names each key at fault.
+        SceneError: the text is not YAML or not a valid scene; names the key at fault.
     """
     try:
-        data = parse_yaml(text)
-    except (yaml.YAMLError, RecursionError) as error:
-        raise SceneError("bad_scene", f"{source} is not YAML: {error}") from error
-    try:
-        return Scene.model_validate(_tuples(data))
+        return Scene.model_validate(_tuples(parse_yaml(text)))
+    except ModelError as error:
+        raise _scene_error(source, error.message, error.suggestions) from error
     except ValidationError as error:
-        faults = "; ".join(
-            f"{'.'.join(str(part) for part in fault['loc']) or 'file'}: {fault['msg']}"
-            f" (found {_short(fault['input'])})"
-            for fault in error.errors()
-        )
-        raised = (fault.get("ctx", {}).get("error") for fault in error.errors())
-        hints = tuple(h for e in raised if isinstance(e, DefaultsError) for h in e.suggestions)
-        raise SceneError("bad_scene", f"{source}: {faults}", hints) from error
+        fault = first_fault(error, Scene)
+        raise _scene_error(source, f"{fault.key}: {fault.message}", fault.suggestions) from error
+
+
+def _scene_error(source: str, message: str, suggestions: tuple[str, ...]) -> SceneError:
+    return SceneError("bad_scene", f"{printable(source)}: {message}", suggestions)
 
 
 def _tuples(data: object) -> object:
@@ -226,11 +225,6 @@ def _tuples(data: object) -> object:
     if isinstance(data, dict):
         return {key: _tuples(value) for key, value in data.items()}
     return tuple(_tuples(value) for value in data) if isinstance(data, list) else data
-
-
-def _short(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def sample_world(scene: Scene, seed: int) -> Scene:

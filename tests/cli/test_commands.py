@@ -13,7 +13,6 @@ import pytest
 from pydantic import ValidationError
 
 from nlcontrol.cli import run
-from nlcontrol.cli.console import console_output as output
 from nlcontrol.interruption import EXIT_CODES
 from nlcontrol.json_document import SCHEMA_VERSION
 from nlcontrol.results.result import Result
@@ -389,22 +388,3 @@ def test_an_unknown_picture_format_is_a_usage_error(
     assert status == 2
     assert document["error"]["code"] == "cannot_write"
     assert not list(tmp_path.iterdir())
-
-
-def test_a_failed_write_leaves_the_older_file(tmp_path: Path) -> None:
-    path = tmp_path / "run.html"
-    path.write_text("older")
-
-    def fail_halfway() -> None:
-        with output.replace_file(path) as temporary:
-            temporary.write_text("half")
-            raise RuntimeError
-
-    with pytest.raises(RuntimeError):
-        fail_halfway()
-    assert path.read_text() == "older"
-    with output.replace_file(path) as temporary:
-        temporary.write_text("newer")
-    assert path.read_text() == "newer"
-    assert [p.name for p in tmp_path.iterdir()] == ["run.html"]
-    assert path.stat().st_mode & 0o044  # others may read it, as with any written file

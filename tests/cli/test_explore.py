@@ -157,7 +157,7 @@ def test_what_is_known_well_enough_is_not_touched(capsys: pytest.CaptureFixture[
         (["ice tea box", "--output", "/nowhere/found.yaml"], 2, "cannot_write", "/nowhere"),
         (["ice tea box", "--picture", "curves.gif"], 2, "usage", ".png"),
         (["ice tea box", "--picture", "/nowhere/curves.png"], 2, "cannot_write", "/nowhere"),
-        (["ice tea box", "--save= x "], 2, "usage", "cannot be a name"),
+        (["ice tea box", "--save= x "], 2, "bad_value", "cannot be a name"),
         (["ice tea box", "--save", "tomato soup"], 2, "duplicate_name", "soup can"),
     ],
 )

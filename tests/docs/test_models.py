@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from objectmodels import Registry
+from objectmodels.files.validation_faults import file_keys
 from objectmodels.models.object_parts import (
     Container,
     FlipLid,
@@ -18,7 +19,7 @@ from objectmodels.models.object_parts import (
     Opening,
     ScrewCap,
 )
-from objectmodels.registry.model_files import BUILT_IN_KINDS, file_keys, load_model
+from objectmodels.registry.model_files import BUILT_IN_KINDS, load_model
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "models.md").read_text(encoding="utf-8")
 

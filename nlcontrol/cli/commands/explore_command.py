@@ -21,9 +21,9 @@ from nlcontrol.cli.console.console_output import (
     Narrator,
     json_option,
     print_answer,
-    replace_file,
     require_writable,
 )
+from objectmodels.files.file_writing import replace_file
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
@@ -79,11 +79,11 @@ def command(
     repetition by itself, those of all together, and how the object really is in the scene.
     """
     from nlcontrol.learning.exploration_session import explore
-    from nlcontrol.learning.model_store import rename_model, storage_path, store_model
     from nlcontrol.outcome_maps.experiment_runner import object_on_table
     from nlcontrol.reports.exploration_report import report_lines, with_truth
     from objectmodels.geometry.pushed_body import UNCERTAIN
     from objectmodels.registry.model_files import save_model
+    from objectmodels.registry.user_models import place_model, rename_model, store_model
     from sim.simulated_executor import simulation
 
     if precision is not None and math.isnan(precision):
@@ -94,9 +94,8 @@ def command(
     item = object_on_table(name, controller.cell, controller.models, controller.registry)
     if saved_as is not None:
         believed = controller.models[item.name]
-        storage_path(
-            controller.registry.copy(), rename_model(believed, saved_as) if saved_as else believed
-        )
+        named = rename_model(believed, saved_as) if saved_as else believed
+        place_model(controller.registry.copy(), named, replace=True)
     with Narrator() as progress:
         found = explore(
             controller.executor, controller.models, item.name,
@@ -117,7 +116,7 @@ def command(
     truth = simulation(controller.executor).truth(item.name)
     report = with_truth(found.report, truth).model_copy(update={"files": files})
     if saved_as is not None:
-        path, instead = store_model(controller.registry, model)
+        path, instead = store_model(controller.registry, model, replace=True)
         report = report.model_copy(update={"saved": str(path), "instead_of": instead})
     return print_answer(report.model_dump(mode="json"), report_lines(report), as_json=as_json)
 

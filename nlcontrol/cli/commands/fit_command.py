@@ -9,7 +9,6 @@ import click
 
 from nlcontrol.cli.console.command_options import ParameterNames, keep_options, open_registry
 from nlcontrol.cli.console.console_output import FILE, json_option, print_answer, require_writable
-from nlcontrol.learning.model_store import rename_model, store_model
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel, Registry
@@ -42,13 +41,14 @@ def command(
     """
     from nlcontrol.learning.log_fitting import fit_files, report_lines
     from objectmodels.registry.model_files import save_model
+    from objectmodels.registry.user_models import rename_model, store_model
 
     _require_sensible(files, saved_as, output)
     registry = open_registry()
     model, report = fit_files(_find_model(registry, name), files, parameters)
     model = rename_model(model, saved_as) if saved_as else model
     # Both are written only now that nothing can fail any more but the writing itself.
-    path, instead = (None, None) if saved_as is None else store_model(registry, model)
+    path, instead = (None, None) if saved_as is None else store_model(registry, model, replace=True)
     if output is not None:
         save_model(model, output)
     saved, written = (None if file is None else str(file) for file in (path, output))

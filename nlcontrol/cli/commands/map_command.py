@@ -23,10 +23,10 @@ from nlcontrol.cli.console.console_output import (
     Progress,
     json_option,
     print_answer,
-    replace_file,
     require_writable,
 )
 from nlcontrol.json_document import document_text
+from objectmodels.files.file_writing import replace_file
 
 if TYPE_CHECKING:
     from nlcontrol.outcome_maps.map_comparison import Comparison

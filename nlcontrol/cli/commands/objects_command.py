@@ -10,7 +10,7 @@ import click
 
 from nlcontrol.cli.console.command_options import open_registry
 from nlcontrol.cli.console.console_output import FILE, json_option, print_answer, print_json
-from nlcontrol.errors import CODES, OK, error
+from nlcontrol.errors import CODES, OK
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel, Registry
@@ -153,27 +153,18 @@ def import_mesh_file(
 @json_option
 def remove_model(name: str, as_json: bool) -> int:
     """Remove the object NAME from your own models."""
-    from objectmodels.registry.model_registry import user_folder
+    from objectmodels.registry.user_models import remove_model as remove_own_model
 
-    registry = open_registry()
-    model = registry.find_one(name)
-    place = Path(registry.place(model.name))
-    if place.parent != user_folder():
-        message = f"the {model.name} is not one of your own models: it comes from {place}"
-        raise error("not_yours", message, suggestions=(f"your own are in {user_folder()}",))
-    place.unlink()
-    document = {"ok": True, "removed": model.name, "file": str(place)}
-    return print_answer(document, [f"removed {model.name}: {place}"], as_json=as_json)
+    removed, place = remove_own_model(name)
+    document = {"ok": True, "removed": removed, "file": str(place)}
+    return print_answer(document, [f"removed {removed}: {place}"], as_json=as_json)
 
 
 def _keep_model(registry: Registry, model: ObjectModel, as_json: bool) -> int:
     """Write a model into the user's folder, unless its names are taken."""
-    from objectmodels.registry.model_files import save_model
-    from objectmodels.registry.model_registry import user_file
+    from objectmodels.registry.user_models import store_model
 
-    path = user_file(model.name)
-    registry.add(model, place=str(path))  # refuses a name that is taken
-    save_model(model, path)
+    path, _ = store_model(registry, model)
     return _print_written(model, path, as_json)
 
 

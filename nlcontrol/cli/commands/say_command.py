@@ -18,10 +18,10 @@ from nlcontrol.cli.console.console_output import (
     print_error,
     print_json,
     print_skipped_with_words,
-    replace_file,
     require_writable,
 )
 from nlcontrol.errors import ControlError, known_errors_raised
+from objectmodels.files.file_writing import replace_file
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import sys
-import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -77,26 +75,6 @@ def require_writable(path: Path | None) -> None:
         raise error("cannot_write", f"cannot write {path}: there is no folder {folder}")
     if path.is_dir() or not os.access(folder, os.W_OK):
         raise error("cannot_write", f"cannot write {path}")
-
-
-@contextlib.contextmanager
-def replace_file(path: Path) -> Iterator[Path]:
-    """A temporary file beside `path` that takes its place when all went well.
-
-    So nobody ever reads half a file, and a failure leaves an older one as it was.
-    """
-    handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
-    os.close(handle)
-    temporary = Path(name)
-    try:
-        yield temporary
-        # mkstemp lets nobody else read the file; give it what a plain `open` would have.
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(0o666 & ~umask)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 class Narrator:

@@ -14,7 +14,7 @@ from objectmodels import BoxModel, ModelError, ObjectModel, Polygon, Registry, s
 from objectmodels.geometry.side_faces import Face
 from objectmodels.registry import model_registry
 from objectmodels.registry.model_files import save_model
-from objectmodels.registry.model_registry import user_folder
+from objectmodels.registry.user_folder import user_folder
 
 BOX = BoxModel(name="crate", size=(0.1, 0.1, 0.2), mass=1.0, friction=0.4)
 

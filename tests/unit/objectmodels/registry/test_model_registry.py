@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from objectmodels import BoxModel, ModelError, Registry, suggest
-from objectmodels.registry.model_registry import user_file
+from objectmodels.registry.user_folder import free_file
 
 TWO = ("red tea carton", "red tea cartons")
 """About equally near to what was written."""
@@ -119,7 +119,7 @@ def test_a_users_model_takes_the_place_of_a_built_in_one_of_its_name(objects_fol
 
 @pytest.mark.parametrize("name", ["../crate", "a/b", "..", "C:\\x", "soup can", "Dose für Suppe"])
 def test_a_models_file_lies_in_the_users_folder(objects_folder: Path, name: str) -> None:
-    path = user_file(name)
+    path = free_file(name)
     assert path.parent == objects_folder
     assert not path.name.startswith(".")
     assert path.suffix == ".yaml"
