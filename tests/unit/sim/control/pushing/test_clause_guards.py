@@ -242,3 +242,25 @@ def test_it_ends_when_another_is_seen_to_be_met(seed: int) -> None:
     assert "seen" in end[1]
     # A millimetre beyond what is believed; the estimate is as much off.
     assert scripted.come == pytest.approx(0.061, abs=0.0015)
+
+
+@pytest.mark.parametrize(
+    ("rise", "gaps", "ends"),
+    [
+        (0.40, (0.011, 0.009), True),
+        (0.28, (0.011, 0.009), False),  # the noise of a force
+        (0.40, (0.020, 0.018), False),  # too far off to be the other
+        (0.55, (0.030, 0.0), False),  # it has slid so for a while
+        (0.60, (0.021, 0.0), True),
+    ],
+)
+def test_a_force_that_rises_near_another_has_met_it(
+    rise: float, gaps: tuple[float, float], ends: bool
+) -> None:
+    guards = LimitGuards(_push(until="touching", meets="far"), _state(), CLEAN, TIP, PERIOD)
+    found = []
+    for time in np.arange(0.0, 0.058 / SPEED, PERIOD).tolist():
+        more = rise if gaps[1] < 0.06 - SPEED * time < gaps[0] else 0.0
+        tip = TIP + np.array([SPEED * time, 0.0, 0.0])
+        found.append(guards.end(time, time, tip, 3.6 + more, []))
+    assert any(found) == ends
