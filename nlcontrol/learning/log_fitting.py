@@ -53,10 +53,7 @@ def fit_files(
 ) -> tuple[ObjectModel, FitReport]:
     """The model fitted to data files, with where its figures come from; and the fit's report.
 
-    Args:
-        model: the object that was touched, as it is believed to be.
-        files: the data files; see docs/fitting.md.
-        parameters: what to find; all that the data tell if not given.
+    The files are explained in docs/fitting.md. Without parameters all that the data tell is found.
 
     Raises:
         ModelError: `unreadable_file`, `bad_data`; `not_identifiable` with the experiments that are

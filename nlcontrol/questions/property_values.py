@@ -26,12 +26,7 @@ EVERYTHING = ("mass", "friction", "size")
 
 
 def property_answer(frame: g.Frame, state: WorldState, position_sd: float) -> Answer:
-    """The believed values that a question asks for.
-
-    Args:
-        frame: the question.
-        state: what is believed.
-        position_sd: standard deviation of a seen position [m].
+    """The believed values that a question asks for, given how well positions are seen [m].
 
     Raises:
         ControlError: `unsupported` if a property is none that is known of objects.

@@ -64,14 +64,8 @@ def resolve_references(
     """The command with the `id` of every object filled in, and every length in metres.
 
     The `id` is a name of the scene. The object of a question that can be answered for one that
-    stands alone may get the name of a model of the registry instead.
-
-    Args:
-        command: what was understood.
-        on_table: objects of the scene.
-        known: models of the registry.
-        look: what the robot sees; called once, and only if names do not decide.
-        context: what was spoken of before the command.
+    stands alone may get the name of a model that is known instead. The robot looks once, and only
+    if names do not decide.
 
     Raises:
         ControlError: `unknown_object`, `ambiguous_object`, `not_on_table` or `no_antecedent`.

@@ -169,11 +169,7 @@ class Controller:
         return state.objects[here], state
 
     def answer(self, frame: Frame, state: WorldState | None = None) -> Answer:
-        """The answer to a question; nothing is moved for it.
-
-        Args:
-            frame: a frame with a query, its objects resolved.
-            state: what is believed; looked up now if not given.
+        """The answer to a resolved question, by what is believed now or then; nothing is moved.
 
         Raises:
             ControlError: why it cannot be answered.
