@@ -9,6 +9,7 @@ overwritten by the next result.
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -18,6 +19,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from nlcontrol.errors import ControlError, error
 from nlcontrol.json_document import SCHEMA_VERSION, is_readable
+from objectmodels.errors import ModelError
+from objectmodels.files.file_reading import error_of_system, read_bytes
 from sim.face_experiment.face_contact import Contact, TouchResult, Way
 from sim.truth.observer import Moved
 
@@ -83,20 +86,28 @@ class Record:
             detail=result.detail,
         )
         text = json.dumps(line.model_dump(), ensure_ascii=False, allow_nan=False).encode() + b"\n"
-        with self.path.open("ab") as file:
-            file.truncate(self._size)
-            file.write(text if self._size else _HEAD + text)
+        try:
+            with self.path.open("ab") as file:
+                file.truncate(self._size)
+                file.write(text if self._size else _HEAD + text)
+                file.flush()
+                os.fsync(file.fileno())
+        except OSError as raised:
+            raise error_of_system(
+                "cannot_write", "cannot be written", self.path, raised
+            ) from raised
         self._size += len(text) + (0 if self._size else len(_HEAD))
         self._known[key] = result
 
 
 def _read(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except FileNotFoundError:
+    if not os.path.lexists(path):
         return b""
-    except OSError as raised:
-        raise error("bad_record", f"cannot read {path}: {raised.strerror}") from raised
+    try:
+        return read_bytes(path, "record_file")
+    except ModelError as raised:
+        message = f"{raised.path}: {raised.message}"
+        raise error("bad_record", message, suggestions=raised.suggestions) from raised
 
 
 def _require_head(content: bytes, path: Path) -> None:
@@ -115,7 +126,7 @@ def _version(head: bytes) -> str | None:
     """Version that the first line of a record names; None if it is no such line."""
     try:
         said = json.loads(head)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
     if not isinstance(said, dict) or str(said.get("format")).partition("/")[0] != FORMAT:
         return None

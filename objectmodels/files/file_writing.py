@@ -19,11 +19,15 @@ _PATIENCE, _PAUSE = 10.0, 0.02  # waiting for another process that changes the s
 
 
 @contextlib.contextmanager
-def replace_file(path: Path) -> Iterator[Path]:
+def replace_file(path: Path, *, private: bool = False) -> Iterator[Path]:
     """A temporary file beside `path` that takes its place when all went well; makes its folder.
 
     So nobody ever reads half a file, and a failure leaves an older one as it was. What a process
     that was killed left there is removed by a later one.
+
+    Args:
+        path: of the file.
+        private: whether nobody else may read it.
 
     Raises:
         ModelError: `cannot_write`.
@@ -46,7 +50,7 @@ def replace_file(path: Path) -> Iterator[Path]:
             # mkstemp lets nobody else read the file; give it what a plain `open` would have.
             umask = os.umask(0)
             os.umask(umask)
-            temporary.chmod(0o666 & ~umask)
+            temporary.chmod(0o600 if private else 0o666 & ~umask)
             _sync(temporary)
             temporary.replace(path)
             _sync(path.parent)

@@ -7,19 +7,24 @@ direction; both are asked for.
 
 from __future__ import annotations
 
+import io
+import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
-from objectmodels.errors import ModelError
+from objectmodels.errors import ModelError, printable
+from objectmodels.files.file_reading import read_bytes
+from objectmodels.files.limits import LIMITS
+from objectmodels.files.validation_faults import first_fault
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.support_points import hull_polygon, is_within
 from objectmodels.models.convex_hull import (
     HullModel,
     hull_facets,
-    lowest_places,
     turning_down,
     volume_and_centre,
 )
@@ -32,6 +37,9 @@ AXES = {"+x": (1, 0, 0), "-x": (-1, 0, 0), "+y": (0, 1, 0), "-y": (0, -1, 0), "+
         "-z": (0, 0, -1)}  # fmt: skip
 """Directions in the mesh that may be upwards."""
 
+FORMATS = ("stl", "obj", "ply", "off", "glb", "3mf")
+"""Formats that are read, by the ending of a file's name."""
+
 LARGEST, SMALLEST = 2.0, 0.005
 """Extents that an object on a table has [m]; others are a mistaken unit."""
 
@@ -43,6 +51,8 @@ COM_SHARE_SD = 0.08
 
 _DOWNWARDS = np.cos(np.radians(10.0))  # a face this near to looking down is what it stands on
 _MOST_VERTICES = 400
+_MOST_POINTS = 20_000  # of more, those extreme in so many directions are looked at
+_DIRECTIONS = 1000
 _FLAT = 1e-6
 
 
@@ -77,44 +87,54 @@ def read_mesh(path: Path, *, unit: str = "m", up: str = "+z") -> Solid:
     """Reads a mesh and stands it on the table.
 
     Args:
-        path: a file that trimesh reads: STL, OBJ, PLY, OFF, GLB, 3MF and others.
+        path: a file in one of the `FORMATS`.
         unit: length unit of the file, one of `UNITS`.
         up: direction in the file that is upwards, one of `AXES`.
 
     Raises:
         ModelError: `missing_extra` without trimesh; `unreadable_file`; `bad_mesh` if nothing solid
-            is in it, or its size is that of a mistaken unit.
+            is in it, it is too large, or its size is that of a mistaken unit; `bad_value` for a
+            unit or a direction that is none.
     """
+    for value, known in ((unit, tuple(UNITS)), (up, tuple(AXES))):
+        if value not in known:
+            found = f"found {value!r}, expected one of: {', '.join(known)}"
+            raise ModelError("bad_value", found, suggestions=(f"take {known[0]!r}",))
     mesh = _load_mesh(path)
     points = np.asarray(mesh.vertices, dtype=np.float64) * UNITS[unit]
     if len(points) < 4 or not np.isfinite(points).all():
-        raise ModelError("bad_mesh", f"holds {len(points)} usable vertices", path=str(path))
+        raise _mesh_error(path, f"holds {len(points)} usable vertices", "export it once more")
     extents = np.ptp(points, axis=0)
     if not (extents.max() <= LARGEST and extents.min() >= SMALLEST):
         size = " × ".join(f"{x:.4g}" for x in extents)
-        raise ModelError(
-            "bad_mesh",
-            f"is {size} m large, expected between {SMALLEST} m and {LARGEST} m",
-            path=str(path),
-            suggestions=("state its unit, e.g. --unit mm",),
-        )
-    closed = bool(mesh.is_watertight)
+        what = f"is {size} m large, expected between {SMALLEST} m and {LARGEST} m"
+        raise _mesh_error(path, what, "state its unit, e.g. --unit mm")
+    try:
+        return _standing_solid(mesh, _outermost(points), UNITS[unit], np.array(AXES[up], float))
+    except ModelError as error:  # of its hull
+        raise _mesh_error(path, error.message, "export it as a closed solid") from error
+
+
+def _standing_solid(mesh: Any, points: Array, scale: float, up: Array) -> Solid:
+    """The solid with those hull points (n, 3) [m], turned so that it stands on the table."""
     volume, com = volume_and_centre(points)
+    closed = bool(mesh.is_watertight) and abs(float(mesh.volume)) > 0.0
     if closed:
-        volume, com = abs(float(mesh.volume)) * UNITS[unit] ** 3, mesh.center_mass * UNITS[unit]
+        volume, com = abs(float(mesh.volume)) * scale**3, mesh.center_mass * scale
     # The file's upward direction becomes z first, then the face it stands on looks down.
-    R = turning_down(-np.array(AXES[up], dtype=np.float64))
+    R = turning_down(-up)
     points, com = points @ R.T, R @ com
-    normal, stood = _standing_face(points, com, path)
+    normal, stood = _standing_face(points, com)
     R = turning_down(normal)
     points, com = points @ R.T, R @ com
-    low, on_table = lowest_places(points)
+    low = points[:, 2].min()
+    on_table = points[points[:, 2] <= low + _FLAT * np.ptp(points[:, 2]), :2]
     origin = np.append(hull_polygon(on_table).centroid, low)
     return Solid(_thin_vertices(points - origin), com - origin, volume, closed, stood)
 
 
 def _load_mesh(path: Path) -> Any:
-    """The one mesh of a file."""
+    """The one mesh of a file; what the file refers to outside of itself is not read."""
     try:
         import trimesh
     except ImportError as error:
@@ -123,26 +143,66 @@ def _load_mesh(path: Path) -> Any:
             "reading meshes needs the package trimesh",
             suggestions=("pip install 'nlcontrol[mesh]'",),
         ) from error
-    if not path.is_file():
-        raise ModelError("unreadable_file", "there is no such file", path=str(path))
-    try:
-        mesh: Any = trimesh.load(path, force="mesh")
-        mesh.merge_vertices()
-    except Exception as error:  # readers of a dozen formats fail in a dozen ways
+    content = read_bytes(path, "mesh_file")
+    ending = path.suffix.lower().removeprefix(".")
+    readable = [name for name in FORMATS if name in trimesh.available_formats()]
+    hint = f"these formats are read: {', '.join(readable).upper()}"
+    if ending not in readable:
         raise ModelError(
             "unreadable_file",
-            f"cannot be read as a mesh: {type(error).__name__}: {error}",
+            f"has the ending {ending!r}, which is not that of a mesh",
             path=str(path),
-            suggestions=("STL, OBJ, PLY, OFF and GLB are among the formats read",),
+            suggestions=(hint,),
+        )
+    try:
+        if ending == "3mf":  # packed
+            with zipfile.ZipFile(io.BytesIO(content)) as parts:
+                size = sum(part.file_size for part in parts.infolist())
+            if size > LIMITS["mesh_file"].most:
+                raise ValueError(f"{size} bytes when unpacked")
+        mesh: Any = trimesh.load(io.BytesIO(content), ending, force="mesh", process=False)
+        count = len(mesh.faces)
+        if count <= LIMITS["mesh_triangles"].most:
+            mesh.process()
+    except Exception as error:  # readers of several formats fail in several ways
+        raise ModelError(
+            "unreadable_file",
+            f"is no mesh in the format {ending.upper()}",
+            path=str(path),
+            suggestions=("its ending must be that of its format", hint),
         ) from error
+    if count > LIMITS["mesh_triangles"].most:
+        what = f"has {count} triangles, expected at most {LIMITS['mesh_triangles'].most}"
+        raise _mesh_error(path, what, "reduce it in the program that it is from")
     return mesh
 
 
-def _standing_face(points: Array, com: Array, path: Path) -> tuple[Array, str]:
+def _mesh_error(path: Path, what: str, hint: str) -> ModelError:
+    return ModelError("bad_mesh", what, path=str(path), suggestions=(hint,))
+
+
+def _outermost(points: Array) -> Array:
+    """The points, or of very many those extreme in many directions, shape (k, 3)."""
+    if len(points) <= _MOST_POINTS:
+        return points
+    columns = np.ascontiguousarray(points.T)
+    kept = [int(np.argmax(direction @ columns)) for direction in _directions(_DIRECTIONS)]
+    return np.asarray(points[np.unique(kept)])
+
+
+def _directions(count: int) -> Array:
+    """Unit vectors spread evenly, by the golden angle, shape (count, 3)."""
+    k = np.arange(count) + 0.5
+    z, phi = 1.0 - 2.0 * k / count, np.pi * (1.0 + 5.0**0.5) * k
+    r = np.sqrt(1.0 - z * z)
+    return np.stack((r * np.cos(phi), r * np.sin(phi), z), axis=-1)
+
+
+def _standing_face(points: Array, com: Array) -> tuple[Array, str]:
     """Outward normal of the face that it stands on, and how that was found."""
     faces = [face for face in hull_facets(points) if _rests_on(face, com)]
     if not faces:
-        raise ModelError("bad_mesh", "has no flat face that it could stand on", path=str(path))
+        raise ModelError("bad_mesh", "has no flat face that it could stand on")
     down = max(faces, key=lambda face: -face[0][2])[0]
     if -down[2] >= _DOWNWARDS:
         return down, "the face below"
@@ -165,10 +225,7 @@ def _thin_vertices(points: Array) -> Array:
     solid[np.abs(solid[:, 2]) < _FLAT * np.ptp(solid[:, 2]), 2] = 0.0
     if len(solid) <= _MOST_VERTICES:
         return np.round(solid, 6)
-    k = np.arange(_MOST_VERTICES // 2) + 0.5
-    z, phi = 1.0 - 4.0 * k / _MOST_VERTICES, np.pi * (1.0 + 5.0**0.5) * k
-    r = np.sqrt(1.0 - z * z)
-    kept = set(np.argmax(solid @ np.stack((r * np.cos(phi), r * np.sin(phi), z)), axis=0).tolist())
+    kept = set(np.argmax(solid @ _directions(_MOST_VERTICES // 2).T, axis=0).tolist())
     # What it stands on is kept with more care.
     (base,) = np.nonzero(solid[:, 2] == 0.0)
     turn = 4.0 * np.pi * np.arange(_MOST_VERTICES // 2) / _MOST_VERTICES
@@ -202,7 +259,7 @@ def import_mesh(
 
     Raises:
         ModelError: what `read_mesh` raises; `bad_value` unless just one of mass and density is
-            given and positive.
+            given and positive, or if another argument is out of its range.
     """
     given = [value for value in (mass, density) if value is not None]
     if len(given) != 1 or not 0.0 < given[0] < np.inf:
@@ -217,19 +274,26 @@ def import_mesh(
     mu = FRICTION if friction is None else friction
     how = "mass stated" if density is None else f"mass from {density:g} kg/m³"
     sure = "friction estimated (30 %)" if friction is None else "friction stated"
-    return HullModel(
-        name=name,
-        synonyms=synonyms,
-        mass=round(heavy, 6),
-        mass_sd=round((0.02 if density is None else 0.1) * heavy, 6),
-        friction=mu,
-        friction_sd=round(FRICTION_SD / FRICTION * mu, 6),
-        finger_friction=0.6,
-        finger_friction_sd=0.12,
-        com=tuple(np.round(solid.com, 6).tolist()),
-        com_sd=tuple(np.round(COM_SHARE_SD * np.ptp(solid.vertices, axis=0), 6).tolist()),
-        vertices=tuple(map(tuple, solid.vertices.tolist())),
-        provenance=Provenance(
-            source=f"mesh {path.name}", method=f"{solid.method_text()}; {how}; {sure}"
+    fields: dict[str, Any] = {
+        "name": name,
+        "synonyms": synonyms,
+        "mass": round(heavy, 6),
+        "mass_sd": round((0.02 if density is None else 0.1) * heavy, 6),
+        "friction": mu,
+        "friction_sd": round(FRICTION_SD / FRICTION * mu, 6),
+        "finger_friction": 0.6,
+        "finger_friction_sd": 0.12,
+        "com": tuple(np.round(solid.com, 6).tolist()),
+        "com_sd": tuple(np.round(COM_SHARE_SD * np.ptp(solid.vertices, axis=0), 6).tolist()),
+        "vertices": tuple(map(tuple, solid.vertices.tolist())),
+        "provenance": Provenance(
+            source=f"mesh {printable(path.name)}", method=f"{solid.method_text()}; {how}; {sure}"
         ),
-    )
+    }
+    try:
+        return HullModel(**fields)
+    except ValidationError as error:
+        fault = first_fault(error, HullModel)
+        raise ModelError(
+            fault.code, fault.message, path=fault.key, suggestions=fault.suggestions
+        ) from error

@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import contextlib
 import os
-import tempfile
 from collections.abc import Generator, Sequence
 from pathlib import Path
 
 import click
+
+from objectmodels.errors import ModelError
+from objectmodels.files.file_reading import read_bytes
+from objectmodels.files.file_writing import replace_file
 
 KEPT = 1000
 """Lines of history that are kept."""
@@ -57,7 +60,9 @@ def prompt_lines(
                 typed.append(line)
             yield line
     finally:
-        with contextlib.suppress(OSError):  # a history that cannot be kept is no reason to fail
+        with contextlib.suppress(
+            OSError, ModelError
+        ):  # a history that cannot be kept is no reason to fail
             write_history(typed)
 
 
@@ -108,8 +113,8 @@ def _length_at_end(name: str, line: str) -> int:
 def read_history() -> list[str]:
     """The lines of earlier sessions; none if there are none to be read."""
     try:
-        return history_file().read_text(encoding="utf-8", errors="replace").splitlines()
-    except OSError:
+        return read_bytes(history_file(), "history_file").decode(errors="replace").splitlines()
+    except ModelError:
         return []
 
 
@@ -120,18 +125,13 @@ def write_history(typed: Sequence[str]) -> None:
     in one go, so that nobody ever reads half of it.
 
     Raises:
-        OSError: it cannot be written.
+        OSError, ModelError: it cannot be written.
     """
     if not typed:
         return
     path = history_file()
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     lines = [*read_history(), *typed][-KEPT:]
-    handle, name = tempfile.mkstemp(prefix=".history-", dir=path.parent)
-    temporary = Path(name)
-    try:
-        with open(handle, "w", encoding="utf-8", errors="replace") as file:
-            file.writelines(f"{line}\n" for line in lines)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    with replace_file(path, private=True) as temporary:
+        text = "".join(f"{line}\n" for line in lines)
+        temporary.write_text(text, encoding="utf-8", errors="replace")

@@ -10,17 +10,18 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from objectmodels.errors import ModelError, suggest
-
-MAX_BYTES = 50_000_000
-"""Larger files are not logs of touches."""
+from objectmodels.files.file_reading import read_text
+from objectmodels.files.limits import LIMITS
 
 LARGEST = 1e9
 """Larger numbers are not measurements; formulae would overflow with some."""
+
+_GUIDE = "docs/fitting.md explains the columns"
 
 _NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
 
@@ -44,7 +45,7 @@ class Row:
     def error(self, column: str, message: str, *suggestions: str) -> ModelError:
         """An error about one of its cells."""
         where = f"{self.file}: row {self.number}: {column}"
-        return ModelError("bad_data", message, path=where, suggestions=suggestions)
+        return ModelError("bad_data", message, path=where, suggestions=suggestions or (_GUIDE,))
 
     def text(self, column: str) -> str:
         """Text in a column; empty if the table has no such column."""
@@ -99,7 +100,7 @@ class Table:
 
     def error(self, message: str, *suggestions: str) -> ModelError:
         """An error about the table as a whole."""
-        return ModelError("bad_data", message, path=self.file, suggestions=suggestions)
+        return ModelError("bad_data", message, path=self.file, suggestions=suggestions or (_GUIDE,))
 
     def require_columns(self, columns: tuple[str, ...], known: tuple[str, ...]) -> None:
         """Checks that it has the columns it must have, and no unknown ones.
@@ -129,16 +130,20 @@ def read_table(path: Path) -> Table:
     Raises:
         ModelError: `unreadable_file`; `bad_data` if it is no table, or has no rows.
     """
-    lines = list(_numbered_lines(path))
+    lines = _numbered_lines(path)
     if not lines:
-        raise ModelError("bad_data", "holds no table", path=str(path))
+        raise ModelError("bad_data", "holds no table", path=str(path), suggestions=(_GUIDE,))
     separator = ";" if ";" in lines[0][1] else ","
     (first, header), *rest = ((n, _line_cells(path, n, line, separator)) for n, line in lines)
+    most = int(LIMITS["data_columns"].most)
+    if len(header) > most:
+        raise _too_large(f"{path}: row {first}", f"{len(header)} columns, at most {most}", _GUIDE)
     columns = tuple(" ".join(name.casefold().split()) for name in header)
     odd = next((name for name in columns if not name or columns.count(name) > 1), None)
     if odd is not None:
         what = f"the column {short_quote(odd)} is given twice" if odd else "a column has no name"
-        raise ModelError("bad_data", what, path=f"{path}: row {first}")
+        hint = "give each column a name of its own"
+        raise ModelError("bad_data", what, path=f"{path}: row {first}", suggestions=(hint,))
     rows = []
     for number, cells in rest:
         if not any(cells):
@@ -148,13 +153,14 @@ def read_table(path: Path) -> Table:
                 "bad_data",
                 f"has {len(cells)} cells, the header {len(columns)}",
                 path=f"{path}: row {number}",
+                suggestions=("separate them by commas, or all by semicolons",),
             )
         rows.append(
             Row(str(path), number, dict(zip(columns, cells, strict=True)), separator == ";")
         )
     table = Table(str(path), columns, tuple(rows))
     if not rows:
-        raise table.error("has no rows below its header")
+        raise table.error("has no rows below its header", _GUIDE)
     return table
 
 
@@ -163,20 +169,23 @@ def short_quote(text: str) -> str:
     return repr(text if len(text) <= 40 else text[:37] + "...")
 
 
-def _numbered_lines(path: Path) -> Iterator[tuple[int, str]]:
+def _numbered_lines(path: Path) -> list[tuple[int, str]]:
     """The lines with something in them, and their numbers."""
-    try:
-        if path.stat().st_size > MAX_BYTES:
-            raise ModelError("unreadable_file", f"is longer than {MAX_BYTES} bytes", path=str(path))
-        text = path.read_bytes().decode("utf-8-sig")
-    except (OSError, ValueError) as error:
-        if isinstance(error, ModelError):
-            raise
-        why = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
-        raise ModelError("unreadable_file", f"cannot be read: {why}", path=str(path)) from error
-    for number, line in enumerate(re.split(r"\r\n|\r|\n", text), 1):
-        if line.strip() and not line.lstrip().startswith("#"):
-            yield number, line
+    text, most = read_text(path, "data_file"), int(LIMITS["data_rows"].most)
+    if text.count("\n") + text.count("\r") > 2 * most:  # before they are cut apart
+        raise _too_large(path, f"more than {most} lines", "cut it into several files")
+    lines = [
+        (number, line)
+        for number, line in enumerate(re.split(r"\r\n|\r|\n", text), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    if len(lines) > most:
+        raise _too_large(path, f"{len(lines)} rows, at most {most}", "cut it into several files")
+    return lines
+
+
+def _too_large(path: Path | str, what: str, hint: str) -> ModelError:
+    return ModelError("bad_data", f"has {what}", path=str(path), suggestions=(hint,))
 
 
 def _line_cells(path: Path, number: int, line: str, separator: str) -> list[str]:
@@ -184,6 +193,9 @@ def _line_cells(path: Path, number: int, line: str, separator: str) -> list[str]
         (cells,) = csv.reader([line], delimiter=separator, strict=True)
     except csv.Error as error:
         raise ModelError(
-            "bad_data", f"is not CSV: {error}", path=f"{path}: row {number}"
+            "bad_data",
+            f"is not CSV: {error}",
+            path=f"{path}: row {number}",
+            suggestions=("text with a comma in it stands in quotes, closed in the same line",),
         ) from error
     return [cell.strip() for cell in cells]

@@ -132,5 +132,5 @@ def test_a_file_of_something_else_is_refused_and_kept(
 
 
 def test_a_folder_is_no_record(tmp_path: Path) -> None:
-    with pytest.raises(ControlError, match="cannot read"):
+    with pytest.raises(ControlError, match="cannot be read"):
         Record(tmp_path)

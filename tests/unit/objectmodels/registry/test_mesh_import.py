@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import sys
+import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +13,8 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from objectmodels import HullModel, ModelError, PrismModel
+from objectmodels.files.limits import LIMITS
+from objectmodels.registry import mesh_import
 from objectmodels.registry.mesh_import import import_mesh, read_mesh
 from objectmodels.registry.model_files import load_model, save_model
 
@@ -148,6 +152,9 @@ def test_what_is_imported_is_written_and_read_again(tmp_path: Path) -> None:
         (b"v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n", "flat.obj", "bad_mesh"),
         (b"\x00" * 300, "zeros.stl", "unreadable_file"),
         (b"hello", "model.xyz123", "unreadable_file"),
+        (b"solid x", "model", "unreadable_file"),
+        (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR\xff\xfe", "picture.stl", "unreadable_file"),
+        (b"mtllib /dev/zero\nv 0 0 0\n", "other.obj", "bad_mesh"),
     ],
 )
 def test_files_that_hold_no_solid_are_refused(
@@ -159,6 +166,8 @@ def test_files_that_hold_no_solid_are_refused(
         read_mesh(path)
     assert error.value.code in {code, "bad_mesh"}
     assert name in str(error.value)
+    assert error.value.suggestions
+    assert "charset" not in str(error.value)
 
 
 def test_a_ball_stands_on_nothing(tmp_path: Path) -> None:
@@ -203,3 +212,49 @@ def test_a_needle_has_no_side_for_a_finger(tmp_path: Path) -> None:
     box_mesh(tmp_path / "needle.stl", (0.006, 0.006, 0.3))
     model = import_mesh(tmp_path / "needle.stl", name="needle", mass=0.1)
     assert model.faces() == ()
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [({"name": name}, "name") for name in ("", " ", "a ", "a" * 101, "\udcff", "\x1b[31m")]
+    + [({"friction": mu}, "friction") for mu in (-1.0, 0.0, float("nan"), float("inf"))]
+    + [({"mass": mass}, "mass") for mass in (1e-9, 1e300)]
+    + [({"mass": None, "density": 1e-5}, "mass"), ({"synonyms": ("",)}, "synonyms")]
+    + [({"unit": "ft"}, "unit"), ({"up": "z"}, "up")],
+    ids=repr,
+)
+def test_arguments_out_of_range_are_named(tmp_path: Path, changes: Any, key: str) -> None:
+    path = box_mesh(tmp_path / "box.stl", (0.06, 0.08, 0.2))
+    with pytest.raises(ModelError) as raised:
+        import_mesh(path, **({"name": "b", "mass": 1.0} | changes))
+    assert raised.value.code == "bad_value"
+    assert (raised.value.path or key).startswith(key)
+    assert raised.value.suggestions
+
+
+def test_a_mesh_of_very_many_points_is_read_by_its_outermost_ones(tmp_path: Path) -> None:
+    can = trimesh.creation.cylinder(radius=0.04, height=0.15, sections=200)
+    ball = trimesh.creation.icosphere(subdivisions=6, radius=0.03)
+    ball.apply_translation([0.0, 0.0, 0.02])
+    both: Any = trimesh.util.concatenate([can, ball])
+    both.export(tmp_path / "can.ply")
+    solid = read_mesh(tmp_path / "can.ply")
+    # Directions are 7° apart: the sagitta of that on 0.04 m.
+    np.testing.assert_allclose(np.ptp(solid.vertices, axis=0), (0.08, 0.08, 0.15), atol=3e-4)
+    assert (solid.vertices[:, 2] == 0.0).sum() > 20
+
+
+def test_too_many_triangles_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    few = LIMITS["mesh_triangles"]._replace(most=11)
+    monkeypatch.setattr(mesh_import, "LIMITS", {**LIMITS, "mesh_triangles": few})
+    with pytest.raises(ModelError, match="12 triangles") as raised:
+        read_mesh(box_mesh(tmp_path / "box.stl", (0.06, 0.08, 0.2)))
+    assert raised.value.code == "bad_mesh"
+
+
+def test_what_would_unpack_to_very_much_is_refused(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "bomb.3mf", "w", zipfile.ZIP_DEFLATED) as parts:
+        parts.writestr("3D/3dmodel.model", b" " * (int(LIMITS["mesh_file"].most) + 1))
+    with pytest.raises(ModelError) as raised:
+        read_mesh(tmp_path / "bomb.3mf")
+    assert raised.value.code == "unreadable_file"
