@@ -10,7 +10,7 @@ down where it stood. What was believed before, perhaps from tilting it, stands b
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from grammar.frames import command as g
 from nlcontrol.errors import ControlError, error, refusal_error, whole_span
@@ -32,10 +32,29 @@ from planner.types.plan import Plan
 from planner.types.refusal import Refusal
 
 if TYPE_CHECKING:
-    from nlcontrol.session.controller import Controller
-    from nlcontrol.session.executor import Progress
+    from nlcontrol.session.executor import Executor, Progress
     from objectmodels import ObjectModel
+    from planner.types.defaults import Defaults
+    from planner.types.plan import PlanningResult
     from planner.types.world_state import WorldState
+    from sim.traces.trace import Trace
+
+
+class Explorer(Protocol):
+    """What finds something out: a `nlcontrol.session.controller.Controller`."""
+
+    executor: Executor
+    models: dict[str, ObjectModel]
+    defaults: Defaults
+
+    def answer(self, frame: g.Frame) -> Answer:
+        """The answer to a question."""
+
+    def plan(self, frame: g.Frame) -> PlanningResult:
+        """What satisfies a frame, or why nothing does."""
+
+    def execute(self, plan: Plan, progress: Progress | None = None) -> Trace:
+        """Carries out a plan."""
 
 
 BY_TOUCH: dict[str, tuple[str, ...]] = {
@@ -102,7 +121,7 @@ def is_unknown(frame: g.Frame, model: ObjectModel, known: float) -> bool:
 
 
 def explore_parameters(
-    controller: Controller, frame: g.Frame, progress: Progress | None
+    controller: Explorer, frame: g.Frame, progress: Progress | None
 ) -> tuple[Exploration | None, Answer]:
     """Touches an object until what a sentence asks is known, and tells it.
 
@@ -132,7 +151,7 @@ def explore_parameters(
     return found, controller.answer(question).model_copy(update={"lines": lines})
 
 
-def exploration_notice(controller: Controller, frame: g.Frame, state: WorldState) -> str:
+def exploration_notice(controller: Explorer, frame: g.Frame, state: WorldState) -> str:
     """The touches that would be made, in a sentence.
 
     Raises:
@@ -149,7 +168,7 @@ def exploration_notice(controller: Controller, frame: g.Frame, state: WorldState
     )
 
 
-def _on_table(controller: Controller, frame: g.Frame) -> str:
+def _on_table(controller: Explorer, frame: g.Frame) -> str:
     """Name of the object in the scene."""
     name = frame.object.id if frame.object else None
     if name is None or name not in controller.executor.cell.names:
@@ -164,7 +183,7 @@ def asks_for_lifting(frame: g.Frame) -> bool:
 
 
 def weigh_by_lifting(
-    controller: Controller, name: str, frame: g.Frame, progress: Progress | None
+    controller: Explorer, name: str, frame: g.Frame, progress: Progress | None
 ) -> Answer:
     """Lifts an object, weighs it, and sets it down.
 
@@ -198,7 +217,7 @@ def weigh_by_lifting(
     )
 
 
-def _lift_and_return(controller: Controller, name: str, frame: g.Frame) -> Plan:
+def _lift_and_return(controller: Explorer, name: str, frame: g.Frame) -> Plan:
     """Up, and down again where it stood."""
     goal = frame.goal
     if isinstance(goal, g.Parameters) and not set(goal.which) <= {"mass"}:

@@ -19,14 +19,14 @@ undercuts it by 0.1 % of the weight.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Array, Base, unique_rows
+from objectmodels.mechanics.margin_search import MarginSearch, circle_corners
 from objectmodels.mechanics.outcome_probability import (
     BLOCK,
     NODES,
@@ -44,8 +44,6 @@ from objectmodels.mechanics.push_thresholds import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from objectmodels.geometry.pushed_body import PushedBody
@@ -55,8 +53,8 @@ if TYPE_CHECKING:
 SMALLEST_SHARE = 1e-3
 """A worst case never takes a friction radius below this share of its nominal value."""
 
-STEPS = (0.1, 0.05, 0.025, 0.0125)
-"""Steps of `refine_directions`, in shares."""
+NEAR = 0.03
+"""A direction is searched from if its margin exceeds the least one by at most so much weight."""
 
 RING = 32
 """Directions on the outer ring for a margin: adjacent ones are 11° apart."""
@@ -66,9 +64,6 @@ FINE_RING = 128
 
 SEARCH_NODES, SEARCH_RING = 8, 16
 """Points of the sequence and directions on the outer ring, for finding the least probable one."""
-
-NEAR = 0.03
-"""A direction is searched from if its margin exceeds the least one by at most so much weight."""
 
 
 @dataclass(frozen=True)
@@ -173,80 +168,6 @@ def cone_directions(p: Array, normals: Array, c: Array, reach: float, ring: int)
     return np.concatenate((np.broadcast_to(fixed, (len(p), *fixed.shape)), through), axis=1)
 
 
-def circle_corners(k: int) -> Array:
-    """The corners of a regular k-gon in the unit circle, shape (k, 2)."""
-    phi = 2.0 * np.pi * np.arange(k) / k
-    return np.column_stack((np.cos(phi), np.sin(phi)))
-
-
-def refine_directions(value: Callable[[Array], Array], shares: Array, limit: float) -> Array:
-    """Smallest value near given directions, by a compass search with shrinking steps, (n,).
-
-    `value` maps shares (n, j, 2) to what is to be small (n, j); the search begins at shares (n, 2),
-    which stay in the disc of radius `limit`.
-    """
-    compass, rows = circle_corners(8), np.arange(len(shares))
-    best = value(shares[:, None, :])[:, 0]
-    for step in STEPS:
-        tries = shares[:, None, :] + step * compass
-        length = np.hypot(tries[..., :1], tries[..., 1:])
-        tries = tries * np.minimum(1.0, limit / np.maximum(length, 1e-12))
-        values = value(tries)
-        j = values.argmin(axis=1)
-        better = values[rows, j] < best
-        shares = np.where(better[:, None], tries[rows, j], shares)
-        best = np.where(better, values[rows, j], best)
-    return best
-
-
-@dataclass(frozen=True)
-class _MarginSearch:
-    """Search for the least margin of each contact over the cone.
-
-    It starts from the worst direction of each quadrant of the cone that comes near the worst of
-    all, since there may be several minima.
-
-    Attributes:
-        least: over fixed directions, shape (n,) [N].
-        starts: shares to search from, a quadrant each, shape (4, n, 2).
-        near: which of them come near enough, shape (4, n).
-        margin: maps contacts (m,) and shares (m, j, 2) to margins (m, j) [N].
-    """
-
-    least: Array
-    starts: Array
-    near: NDArray[np.bool_]
-    margin: Callable[[Index, Array], Array]
-
-    @classmethod
-    def begin(
-        cls,
-        margins: Array,
-        shares: Array,
-        margin: Callable[[Index, Array], Array],
-        weight: float,
-    ) -> _MarginSearch:
-        """The search after the margins (n, j) of fixed directions, shares (n, j, 2)."""
-        least, rows = margins.min(axis=1), np.arange(len(margins))
-        quadrant = 2 * (shares[..., 0] > 0.0) + (shares[..., 1] > 0.0)
-        inside = np.where(quadrant == np.arange(4)[:, None, None], margins, np.inf)
-        j = inside.argmin(axis=2)
-        near = inside[np.arange(4)[:, None], rows, j] <= least + NEAR * weight
-        return cls(least, shares[rows, j], near, margin)
-
-    def least_margin(self) -> Array:
-        """Least margin of each contact, refined where it is positive, shape (n,) [N]."""
-        least = self.least.copy()
-        q, i = np.nonzero(self.near & (least > 0.0))
-        found = np.full(self.near.shape, np.inf)
-        found[q, i] = refine_directions(
-            partial(self.margin, i), self.starts[q, i], 1.0 / np.cos(np.pi / RING)
-        )
-        for each in found:
-            least = np.where(least > 0.0, np.minimum(least, each), least)
-        return least
-
-
 @dataclass(frozen=True)
 class ConeThresholds:
     """Extremes over a fingertip's friction cone and the parameters; arrays over n contacts.
@@ -275,8 +196,8 @@ class ConeThresholds:
     critical_height: Array
     slides_most: Array
     topples_most: Array
-    _slide_search: _MarginSearch = field(repr=False)
-    _topple_search: _MarginSearch = field(repr=False)
+    _slide_search: MarginSearch = field(repr=False)
+    _topple_search: MarginSearch = field(repr=False)
     _contacts: tuple[PushedBody, Array, Array, bool] = field(repr=False)
 
     @property
@@ -355,6 +276,7 @@ def cone_thresholds(
         slide, topple = slippery.thresholds(p[i, None], contact_forces(normals[i, None], reach * x))
         return force_gap(topple, slide)
 
+    near, radius = NEAR * model.weight, 1.0 / np.cos(np.pi / RING)
     nominal = Case.from_model(model, 0.0, yaw=yaw)
     critical = nominal.equal_height(foot, -facing, nominal.slide_force(foot, -facing))
     return ConeThresholds(
@@ -365,8 +287,8 @@ def cone_thresholds(
         critical_height=_contact_height(critical, model.top)[at],
         slides_most=_chosen_directions(f[at], slide_gap.argmax(axis=1)),
         topples_most=_chosen_directions(f[at], slide_gap.argmin(axis=1)),
-        _slide_search=_MarginSearch.begin(slide_gap, shares[at], slide_margin, model.weight),
-        _topple_search=_MarginSearch.begin(topple_gap, shares[at], topple_margin, model.weight),
+        _slide_search=MarginSearch.begin(slide_gap, shares[at], slide_margin, near, radius),
+        _topple_search=MarginSearch.begin(topple_gap, shares[at], topple_margin, near, radius),
         _contacts=(model, p, normals, yaw),
     )
 

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from objectmodels import ObjectModel, Thresholds
 from objectmodels.geometry.base_shapes import Disc
-from objectmodels.mechanics.friction_cone import circle_corners, contact_forces
+from objectmodels.mechanics.friction_cone import contact_forces
+from objectmodels.mechanics.margin_search import circle_corners
 from planner.problem.planning_problem import PushProblem, PushStep
 from planner.problem.tilt_goals import prediction_with_return
 from planner.pushing.contact_sampling import Contact
