@@ -114,14 +114,15 @@ class DrakeBench:
         path, there = stroke.path(speed)
         watch = ContactWatch(self._plant, self._bodies)
         self._put(path[0] + beside)
-        samples = []
+        samples: list[tuple[Array, Array, Array]] = []
+        touched: set[frozenset[str]] = set()
         for before, now in itertools.pairwise(path):
             self._command(now + beside, (now - before) / PERIOD)
-            samples.append(self._sampled(watch))
+            samples.append(self._sampled(watch, touched))
         self._put(np.tile(_AWAY, (len(beside), 1)) + beside)
         rests = 0
         while rests < round(_LONGEST_REST / PERIOD):
-            samples.append(self._sampled(watch))
+            samples.append(self._sampled(watch, touched))
             rests += 1
             if rests >= round(_SHORTEST_REST / PERIOD) and self._is_still():
                 break
@@ -131,16 +132,19 @@ class DrakeBench:
             tips={name: tips[:, k] for k, name in enumerate(self._tips)},
             felt={name: felt[:, k] for k, name in enumerate(self._tips)},
             pushing=np.arange(len(poses)) < there.sum(),
-            touched=frozenset(frozenset((e.body_a, e.body_b)) for e in watch.events),
+            touched=frozenset(touched),
         )
 
     def poses(self) -> dict[str, Array]:
         """See `benchmarks.strokes.Bench`."""
         return {name: self._pose(name) for name in self._bodies}
 
-    def _sampled(self, watch: ContactWatch) -> tuple[Array, Array, Array]:
+    def _sampled(
+        self, watch: ContactWatch, touched: set[frozenset[str]]
+    ) -> tuple[Array, Array, Array]:
         self._wait(PERIOD)
         watch.note(self._root.get_time(), self._context)
+        touched |= {frozenset((e.body_a, e.body_b)) for e in watch.begun}
         poses = np.array([self._pose(name) for name in self._bodies])
         tips = np.array([self._plant.GetPositions(self._context, i) for i in self._tips.values()])
         ports = (self._plant.get_net_actuation_output_port(i) for i in self._tips.values())

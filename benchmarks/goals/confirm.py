@@ -160,7 +160,7 @@ def confirm(doubt: Doubt) -> Confirmation:
     fragile = frozenset(item.name for item in scene.objects if item.fragile)
     asked = Asked(frame, sentence.target, robot.models, robot.table, fragile)
     world = simulation(robot.executor).world
-    poses = world.history[-1].poses
+    poses = world.sample.poses
     try:
         require_checkable(frame)
     except ControlError as error:

@@ -87,10 +87,9 @@ class TraceRecorder:
         self.frames: list[Frame] = []
         self.mount = mount
         self.inward = -normal_W
-        self._observer = observer
+        self._seed = observer.seed
+        self._record = observer.record()
         self._monitor = Monitor.of(progress)
-        self._first = len(observer.history)
-        self._contacts = len(observer.contacts)
         self._newest: dict[str, SeenPose] = {}
         self._newest_lids: Mapping[str, float] = {}
         self._phases: list[str] = []
@@ -159,7 +158,7 @@ class TraceRecorder:
 
     def trace(self, pushed: str, direction_W: Array, *, end: EndReason, detail: str) -> Trace:
         """Everything since the start as a trace about an object, with why it ended."""
-        samples = self._observer.history[self._first :]
+        samples = self._record.samples[1:]
         n, k = len(samples), len(self.fingers)
         tips, forces = np.zeros((n, k, 3)), np.zeros((n, k, 3))
         touches = [touch for touch in self._touches if touch is not None]
@@ -184,13 +183,13 @@ class TraceRecorder:
             force_limit=np.array(self._limits),
             contacts=tuple(
                 ContactEvent(contact.time, contact.body_a, contact.body_b)
-                for contact in self._observer.contacts[self._contacts :]
+                for contact in self._record.contacts
             ),
             pushed=pushed,
             direction=direction_W,
             end=end,
             detail=detail,
-            seed=self._observer.seed,
+            seed=self._seed,
             contents=_columns([sample.contents for sample in samples]),
             spilled=np.array([sample.spilled for sample in samples]),
             lids=_columns([sample.lids for sample in samples]),

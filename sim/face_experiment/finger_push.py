@@ -60,10 +60,11 @@ class FingerTouch:
         experiment = press_at(
             state.objects[contact.object], np.array(contact.point), normal, setup.reach.limits
         )
+        record = setup.observer.record()
         recording = _press(experiment, setup, state)
         if not len(recording.time):
             return TouchResult(None, None, recording.detail)
-        poses = np.array([sample.poses[contact.object] for sample in setup.observer.history])
+        poses = np.array([sample.poses[contact.object] for sample in record.samples])
         seen = Observer(sample_world(scene, seed)).judge(contact.object, poses)
         if seen.outcome == "none":
             return TouchResult(None, None, recording.detail)

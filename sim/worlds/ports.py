@@ -8,7 +8,7 @@ Frames: W is the world, B an object.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
@@ -85,6 +85,19 @@ class BodyContact:
     body_b: str
 
 
+@dataclass(eq=False)
+class WorldRecord:
+    """A record of a world, from when it was begun for as long as somebody keeps it.
+
+    Attributes:
+        samples: the world when it was begun, and after every control step since.
+        contacts: touches that began since, in order of time.
+    """
+
+    samples: list[Sample]
+    contacts: list[BodyContact] = field(default_factory=list)
+
+
 class RobotPort(Protocol):
     """Commands to a robot and the readings of its sensors.
 
@@ -144,13 +157,8 @@ class ObserverPort(Protocol):
 
     seed: int
 
-    @property
-    def history(self) -> Sequence[Sample]:
-        """The world at the start and after every control step."""
-
-    @property
-    def contacts(self) -> Sequence[BodyContact]:
-        """Touches of bodies, in order of time."""
+    def record(self) -> WorldRecord:
+        """Begins a record; the world itself keeps nothing of what was."""
 
     def truth_now(self, name: str) -> Truth:
         """The truth of an object at this time."""

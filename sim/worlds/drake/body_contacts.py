@@ -52,7 +52,7 @@ _TABLE = "table"
 
 
 class ContactWatch:
-    """Touches of bodies, in order of time.
+    """Touches of bodies, told when they begin.
 
     Args:
         plant: whose bodies they are; its world is the table.
@@ -61,7 +61,8 @@ class ContactWatch:
             its object; a lid that lies on its object or on the table is not told.
 
     Attributes:
-        events: touches that began; objects standing on the table are not told.
+        begun: touches that began at the time noted last; objects standing on the table are not
+            told.
     """
 
     def __init__(
@@ -81,24 +82,24 @@ class ContactWatch:
         self._objects = frozenset(objects)
         self._owner = {name: name for name in objects} | dict(lids or {})
         self._untold = frozenset(self._standing())
-        self.events: list[BodyContact] = []
+        self.begun: list[BodyContact] = []
         self._touching: dict[tuple[str, str], float] = {}
         self._by_robot: dict[str, float] = {}
 
     def note(self, time: float, context: Context) -> list[str]:
         """Takes in contacts at a time [s]; returns objects that the robot began to touch."""
-        begun = []
+        self.begun, anew = [], []
         for pair in self._pairs(context):
             if time - self._touching.get(pair, -np.inf) > _SEPARATED:
-                self.events.append(BodyContact(time, *pair))
+                self.begun.append(BodyContact(time, *pair))
             self._touching[pair] = time
             touched = self._objects.intersection(self._owners(pair))
             if len(touched) == 1:
                 (name,) = touched
                 if time - self._by_robot.get(name, -np.inf) > APART:
-                    begun.append(name)
+                    anew.append(name)
                 self._by_robot[name] = time
-        return begun
+        return anew
 
     def _standing(self) -> Iterator[tuple[str, str]]:
         """Pairs of bodies whose contact is nothing to tell: what belongs together, or stands."""

@@ -28,7 +28,7 @@ from sim.worlds.drake.drake_ports import DrakeRobotPort
 from sim.worlds.drake.lid_mechanics import Lids
 from sim.worlds.drake.liquid_transfer import Liquid
 from sim.worlds.drake.world_variation import ShiftingContents, VaryingFriction
-from sim.worlds.ports import BodyContact, Sample
+from sim.worlds.ports import Sample, WorldRecord
 
 if TYPE_CHECKING:
     from pydrake.multibody.plant import MultibodyPlant
@@ -53,8 +53,7 @@ class DrakeWorld:
         scene: what is true in this world; see `sim.truth.scene_file.sample_world`.
         seed: of everything random.
         robot: the port of its robot, which knows no truth.
-        history: what happened, a sample per control step.
-        contacts: touches, in order of time.
+        sample: the world as it is now.
         simulator: of the diagram; for measuring its cost, not for control.
     """
 
@@ -98,13 +97,12 @@ class DrakeWorld:
         )
         self._period = self.robot.period
         self._steps = 0
-        self.history: list[Sample] = []
+        self._records: weakref.WeakSet[WorldRecord] = weakref.WeakSet()
         self._watch = ContactWatch(
             self._plant,
             self._model.bodies,
             {each.body.name(): name for name, each in self._model.lids.items()},
         )
-        self.contacts: list[BodyContact] = self._watch.events
         self._lids = Lids(self._model, root)
         self._liquid = Liquid(self._model, root, scene, self._lids.is_open)
         self._changes: tuple[Change, ...] = (
@@ -130,6 +128,12 @@ class DrakeWorld:
         self.simulator.Initialize()
         self._observe()
         self._prepare()
+
+    def record(self) -> WorldRecord:
+        """Begins a record of what happens from now on; see `ObserverPort`."""
+        record = WorldRecord([self.sample])
+        self._records.add(record)
+        return record
 
     @property
     def time(self) -> float:
@@ -188,21 +192,22 @@ class DrakeWorld:
             self._poses[name] = (X_WB.rotation().matrix(), p_WB)
         joints = self._plant.GetPositions(self._context)[self._places]
         lids = self._lids.lid_openings()
-        self.history.append(
-            Sample(
-                self.time,
-                poses,
-                joints,
-                dict(self._liquid.contents),
-                self._liquid.spilled,
-                lids,
-                self._lids.poses(),
-            )
+        self.sample = Sample(
+            self.time,
+            poses,
+            joints,
+            dict(self._liquid.contents),
+            self._liquid.spilled,
+            lids,
+            self._lids.poses(),
         )
         self._vision.observe(self.time, self._poses, lids, self._lids.loose())
         frames = self._vision.take_arrived_frames(self.time)
         self.robot.update(self.time, joints, self._mean_torques, frames)
         self._touched = self._watch.note(self.time, self._context)
+        for record in self._records:
+            record.samples.append(self.sample)
+            record.contacts += self._watch.begun
 
 
 def integrated_torques(

@@ -54,10 +54,10 @@ def test_what_overlaps_is_in_contact() -> None:
     for time, aside in ((0.0, 0.3), (1.0, 0.01)):
         kitchen.put(second, np.array([0.5, aside, 0.0]))
         kitchen.watch.note(time, kitchen.context)
-        told = {frozenset((e.body_a, e.body_b)) for e in kitchen.watch.events}
+        told = {frozenset((e.body_a, e.body_b)) for e in kitchen.watch.begun}
         assert told == kitchen.contacts()
     assert told == {frozenset((first, second))}
-    assert [event.time for event in kitchen.watch.events] == [1.0]
+    assert [event.time for event in kitchen.watch.begun] == [1.0]
 
 
 def test_what_the_robot_touches_anew() -> None:

@@ -173,8 +173,8 @@ def test_a_world_tells_its_observer() -> None:
     world = DrakeWorld(parse_scene(SCENE))
     for _ in range(3):
         world.robot.step(*world.robot.commanded)
-    assert world.history[-1].contents == {"carton": FULL, "mug": 0.0}
-    assert world.history[-1].spilled == 0.0
+    assert world.sample.contents == {"carton": FULL, "mug": 0.0}
+    assert world.sample.spilled == 0.0
     truth = world.truth_now("carton")
     assert truth.container is not None
     assert truth.container.contents == FULL
@@ -191,7 +191,7 @@ def test_a_carton_that_falls_over_spills() -> None:
     plant.SetFreeBodyPose(world._context, body, X_WB)
     for _ in range(150):
         world.robot.step(*world.robot.commanded)
-    last = world.history[-1]
+    last = world.sample
     # It lies on its side; in a second and a half half of it is out.
     assert last.poses["carton"][1] == pytest.approx(-np.sqrt(0.5), abs=0.05)
     assert last.spilled > 0.3 * FULL
@@ -202,8 +202,8 @@ def test_a_carton_that_falls_over_spills() -> None:
 def test_a_world_without_containers_has_no_liquid() -> None:
     world = DrakeWorld(parse_scene(PLAIN))
     world.robot.step(*world.robot.commanded)
-    assert world.history[-1].contents == {}
-    assert world.history[-1].spilled == 0.0
+    assert world.sample.contents == {}
+    assert world.sample.spilled == 0.0
     assert world.truth_now("box") == world.scene.object("box").truth
 
 

@@ -18,25 +18,34 @@ from sim.views.trace_picture import missing_libraries
 from sim.views.trace_scene import samples
 from sim.worlds.drake.camera_port import initial_frames
 from sim.worlds.drake.drake_world import DrakeWorld
+from sim.worlds.ports import WorldRecord
 from tests.fakes.robots import poses_in
 
 
 @pytest.fixture(scope="module")
 def still() -> DrakeWorld:
-    world = DrakeWorld(load_scene("kitchen"), seed=3)
-    poses_in(world, 0.5)
-    return world
+    return DrakeWorld(load_scene("kitchen"), seed=3)
 
 
-def _trace(world: DrakeWorld) -> Trace:
-    history, n = world.history, len(world.history)
-    poses = {name: np.array([s.poses[name] for s in history]) for name in world.scene.names}
+@pytest.fixture(scope="module")
+def half_a_second(still: DrakeWorld) -> WorldRecord:
+    """In which nothing is done."""
+    record = still.record()
+    poses_in(still, 0.5)
+    return record
+
+
+@pytest.fixture
+def trace(still: DrakeWorld, half_a_second: WorldRecord) -> Trace:
+    samples, world = half_a_second.samples, still
+    n = len(samples)
+    poses = {name: np.array([s.poses[name] for s in samples]) for name in world.scene.names}
     return Trace(
-        time=np.array([s.time for s in history]),
+        time=np.array([s.time for s in samples]),
         phase=np.full(n, "look"),
         poses=poses,
         seen=poses,
-        joints=np.array([s.joints for s in history]),
+        joints=np.array([s.joints for s in samples]),
         joint_names=world.robot.joint_names,
         tips={},
         felt={},
@@ -50,13 +59,13 @@ def _trace(world: DrakeWorld) -> Trace:
     )
 
 
-def test_nothing_moves_by_itself(still: DrakeWorld) -> None:
-    first, last = still.history[0], still.history[-1]
-    for name in still.scene.names:
+def test_nothing_moves_by_itself(half_a_second: WorldRecord) -> None:
+    first, last = half_a_second.samples[0], half_a_second.samples[-1]
+    for name in first.poses:
         # Contacts settle by micrometres.
         np.testing.assert_allclose(last.poses[name], first.poses[name], atol=2e-5)
     np.testing.assert_allclose(last.joints, first.joints, atol=1e-6)
-    assert still.contacts == []
+    assert half_a_second.contacts == []
 
 
 def test_first_look_is_what_the_world_shows_first() -> None:
@@ -105,9 +114,9 @@ def test_the_same_seed_gives_the_same_noise_and_another_seed_another() -> None:
     assert one != other
 
 
-def test_replay_is_one_file_without_links(still: DrakeWorld, tmp_path: Path) -> None:
+def test_replay_is_one_file_without_links(still: DrakeWorld, trace: Trace, tmp_path: Path) -> None:
     path = tmp_path / "run.html"
-    save_replay(_trace(still), still.scene, path)
+    save_replay(trace, still.scene, path)
     html = path.read_text(encoding="utf-8")
     assert html.lstrip().lower().startswith("<!doctype html>")
     # Scripts and styles stand in the file itself.
@@ -117,10 +126,9 @@ def test_replay_is_one_file_without_links(still: DrakeWorld, tmp_path: Path) -> 
 
 
 @pytest.mark.skipif(bool(missing_libraries()), reason="this machine has no EGL to draw with")
-def test_picture_and_moving_picture(still: DrakeWorld, tmp_path: Path) -> None:
+def test_picture_and_moving_picture(still: DrakeWorld, trace: Trace, tmp_path: Path) -> None:
     from PIL import Image
 
-    trace = _trace(still)
     save_picture(trace, still.scene, tmp_path / "run.png")
     save_picture(trace, still.scene, tmp_path / "run.gif")
     with Image.open(tmp_path / "run.png") as picture:
@@ -131,29 +139,49 @@ def test_picture_and_moving_picture(still: DrakeWorld, tmp_path: Path) -> None:
         assert getattr(moving, "n_frames", 0) >= 1
 
 
-def test_a_picture_of_another_kind(still: DrakeWorld, tmp_path: Path) -> None:
+def test_a_picture_of_another_kind(still: DrakeWorld, trace: Trace, tmp_path: Path) -> None:
     with pytest.raises(PictureError) as raised:
-        save_picture(_trace(still), still.scene, tmp_path / "run.bmp")
+        save_picture(trace, still.scene, tmp_path / "run.bmp")
     assert raised.value.code == "bad_picture"
 
 
 def test_a_machine_that_cannot_draw_says_what_is_missing(
-    still: DrakeWorld, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    still: DrakeWorld, trace: Trace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sim.views.trace_picture._LIBRARIES", ("libNoSuchThing.so.1",))
     with pytest.raises(PictureError) as raised:
-        save_picture(_trace(still), still.scene, tmp_path / "run.png")
+        save_picture(trace, still.scene, tmp_path / "run.png")
     assert raised.value.code == "no_pictures"
     assert "libNoSuchThing" in raised.value.message
     assert "libegl1" in " ".join(raised.value.suggestions)
 
 
-def test_frames_of_a_recording(still: DrakeWorld) -> None:
-    trace = _trace(still)
+def test_frames_of_a_recording(still: DrakeWorld, trace: Trace) -> None:
     chosen = samples(trace, 10.0)
     assert chosen[0] == 0
     assert chosen[-1] == len(trace.time) - 1
     np.testing.assert_allclose(np.diff(trace.time[chosen])[:-1], 0.1, atol=still.robot.period)
+
+
+def test_a_record_has_what_happened_while_somebody_kept_it() -> None:
+    world = DrakeWorld(load_scene("kitchen"))
+    first = world.record()
+    world.robot.step(*world.robot.commanded)
+    second = world.record()
+    world.robot.step(*world.robot.commanded)
+    period = world.robot.period
+    assert [sample.time for sample in first.samples] == [0.0, period, 2 * period]
+    assert [sample.time for sample in second.samples] == [period, 2 * period]
+    assert first.samples[-1] is second.samples[-1] is world.sample
+
+
+def test_a_world_keeps_nothing_of_what_was() -> None:
+    world = DrakeWorld(load_scene("kitchen"))
+    record, old = world.record(), weakref.ref(world.sample)
+    world.robot.step(*world.robot.commanded)
+    assert old() is record.samples[0]
+    del record
+    assert old() is None
 
 
 def test_a_world_is_freed_with_its_last_user() -> None:
