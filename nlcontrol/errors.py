@@ -223,6 +223,23 @@ def known_errors_raised() -> Iterator[None]:
         raise known from raised
 
 
+@contextmanager
+def executor_failures_raised() -> Iterator[None]:
+    """Turns what an executor should not raise into `executor_failed`."""
+    from sim.supervision import Stopped
+
+    try:
+        yield
+    except Exception as raised:
+        if isinstance(raised, Stopped) or known_error(raised) is not None:
+            raise
+        info = exception_info(raised)
+        hint = "the robot may stand anywhere: look at it, and open a new controller"
+        debug = "NLCONTROL_DEBUG=1 shows where it comes from"
+        changes = {"code": "executor_failed", "suggestions": (hint, debug)}
+        raise ControlError(info.model_copy(update=changes)) from raised
+
+
 def refusal_error(refusal: Refusal) -> ErrorInfo:
     """A refusal of the planner as the `error` of a result."""
     return ErrorInfo(

@@ -7,15 +7,26 @@ The hand then lets go, goes back, and nothing moves any more.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Self
 
-from sim.rotations import Array
+if TYPE_CHECKING:
+    from sim.rotations import Array
+    from sim.traces.trace import Trace
 
 Progress = Callable[[str, float, str], None]
 """Told of the phase, the robot's time [s] and what happens."""
 
 
 class Stopped(Exception):  # noqa: N818 - it is no error
-    """Raised where a stop was asked for, once the robot is at rest."""
+    """Raised where a stop was asked for, once the robot is at rest.
+
+    Args:
+        trace: of what was done before.
+    """
+
+    def __init__(self, trace: Trace | None = None) -> None:
+        super().__init__("it was told to stop")
+        self.trace = trace
 
 
 class StopToken:
@@ -41,7 +52,7 @@ class StopToken:
             Stopped: a stop was asked for.
         """
         if self.requested:
-            raise Stopped("it was told to stop")
+            raise Stopped
 
 
 class Monitor:
@@ -60,9 +71,11 @@ class Monitor:
         self._progress = progress
 
     @classmethod
-    def of(cls, progress: Progress | None) -> Monitor:
+    def of(cls, progress: Progress | None) -> Self:
         """The supervision that a caller hands over, be it no more than a function, or none."""
-        return progress if isinstance(progress, Monitor) else cls(progress)
+        if isinstance(progress, cls):
+            return progress
+        return cls(progress, progress.stop if isinstance(progress, Monitor) else None)
 
     def __call__(self, phase: str, time: float, text: str) -> None:
         """Tells what begins now.

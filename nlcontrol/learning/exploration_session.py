@@ -17,7 +17,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from nlcontrol.errors import ControlError, error
+from nlcontrol.errors import ControlError, error, executor_failures_raised
 from nlcontrol.learning.learning_reports import ExplorationReport, TouchMade
 from nlcontrol.learning.lessons import SPREAD, apply_lesson
 from nlcontrol.learning.log_fitting import correlations, fitted_parameter, with_provenance
@@ -36,6 +36,7 @@ from objectmodels.identification.experiment_design import (
 )
 from objectmodels.identification.joint_fit import Fit, fit
 from planner.touch_experiments import Experiment, Kind, expected_trials
+from sim.supervision import Monitor, Stopped
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
@@ -84,10 +85,15 @@ class Exploration:
     @property
     def trace(self) -> Trace | None:
         """Everything that happened."""
-        from sim.traces.trace import join_traces
+        return touch_trace(self.touches)
 
-        traces = [t.recording.trace for t in self.touches if t.recording.trace is not None]
-        return join_traces(traces) if traces else None
+
+def touch_trace(touches: Sequence[Touched]) -> Trace | None:
+    """Everything that happened in some touches; None if nothing did."""
+    from sim.traces.trace import join_traces
+
+    traces = [t.recording.trace for t in touches if t.recording.trace is not None]
+    return join_traces(traces) if traces else None
 
 
 def explore(
@@ -118,6 +124,7 @@ def explore(
         told: told of each touch.
 
     Raises:
+        Stopped: that was asked for, with the trace of the touches; what they taught is kept.
         ControlError: `not_explorable` if the object cannot be touched so that it shows anything.
     """
     from sim.exploration.exploration_run import Explorer
@@ -138,10 +145,8 @@ def explore(
     if not explorer.possible(kinds):
         message = f"no side of the {name} is high and wide enough for a fingertip"
         raise error("not_explorable", message)
-    if precision is None:
-        for repetition in range(repetitions):
-            explorer.repeat(kinds, repetition)
-    else:
+    asked = {}
+    if precision is not None:
         asked = precisions_asked(before.model, parameters, precision)
         if is_precise_enough(models[name], asked, spread=SPREAD):
             raise error(
@@ -149,7 +154,7 @@ def explore(
                 f"what was asked about the {name} is known to {precision:.0%} already",
                 suggestions=("ask for more precision, or give none",),
             )
-        _until(models, explorer, kinds, asked, most=repetitions * (len(kinds) + 1))
+    _touch_repeatedly(models, explorer, kinds, asked, repetitions, Monitor.of(progress))
     trials = [trial for touched in explorer.touches for trial in touched.trials]
     found = _fit_all(start, trials, explorer, prior=precision is not None)
     world = f"scene {executor.cell.name}, seed {executor.seed}"
@@ -200,6 +205,27 @@ def _belief_after(model: ObjectModel, trials: Sequence[Trial]) -> ObjectModel:
         except ModelError:
             continue
     return model
+
+
+def _touch_repeatedly(
+    models: Mapping[str, ObjectModel],
+    explorer: Explorer,
+    kinds: Sequence[Kind],
+    asked: Mapping[str, float],
+    repetitions: int,
+    monitor: Monitor,
+) -> None:
+    """Makes all repetitions, or what tells most until everything asked is known."""
+    try:
+        with executor_failures_raised():
+            if asked:
+                _until(models, explorer, kinds, asked, most=repetitions * (len(kinds) + 1))
+            else:
+                for repetition in range(repetitions):
+                    explorer.repeat(kinds, repetition)
+        monitor.stop.check()
+    except Stopped:
+        raise Stopped(touch_trace(explorer.touches)) from None
 
 
 def _until(

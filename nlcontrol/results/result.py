@@ -26,6 +26,7 @@ from sim.traces.trace import Trace
 
 ResultStatus = Literal[
     "done", "planned", "answered", "failed", "refused", "not_understood", "unsupported",
+    "cancelled",
 ]  # fmt: skip
 
 
@@ -111,7 +112,8 @@ class Result(Document):
             question: it was answered, be it with no).
         status: `done`, `planned` (nothing was to be executed), `answered` (a question), `failed`
             (executed, but a clause did not hold), `refused` (no plan, with the reason),
-            `unsupported` (a capability that this robot lacks), `not_understood`.
+            `unsupported` (a capability that this robot lacks), `not_understood`, `cancelled`
+            (told to stop).
         text: the sentence as given.
         paraphrase: what was understood, in words.
         frames: the same as data.

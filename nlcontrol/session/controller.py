@@ -14,11 +14,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from grammar.frames.command import Command, Frame
-from nlcontrol.errors import ControlError, error, known_errors_raised
+from nlcontrol.errors import (
+    ControlError,
+    error,
+    executor_failures_raised,
+    known_errors_raised,
+)
 from nlcontrol.references.object_names import names_on_table
 from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve_references
 from nlcontrol.results.result import Result, result_with
-from nlcontrol.session.executor import Executor, Planner, Progress
+from nlcontrol.session.events import FORCE_RATE, Supervisor
+from nlcontrol.session.executor import Executor, Planner
+from nlcontrol.session.stoppable_robot import StoppableRobot
 from objectmodels import ModelError, ObjectModel, Registry
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
@@ -31,12 +38,14 @@ if TYPE_CHECKING:
     from grammar.parser import Parser
     from nlcontrol.checks.verdicts import Check
     from nlcontrol.questions.answer import Answer
+    from nlcontrol.session.events import Event
     from planner.affordances import Affordance
     from planner.types.defaults import Defaults
     from planner.types.plan import Plan
     from planner.types.robot import FailedPush, Robot
     from sim import Scene
     from sim.cell.cell_description import CellObject
+    from sim.supervision import Progress, StopToken
     from sim.traces.trace import Trace
 
 
@@ -126,7 +135,8 @@ class Controller:
 
     def look(self) -> WorldState:
         """The robot's belief now: poses from the camera port, models from the registry."""
-        return self.executor.look(self.models)
+        with executor_failures_raised():
+            return self.executor.look(self.models)
 
     @property
     def held(self) -> Held | None:
@@ -198,6 +208,7 @@ class Controller:
         previous: Plan | None = None,
         failed: Sequence[FailedPush] = (),
         notify: Callable[[str], None] = lambda _: None,
+        stop: StopToken | None = None,
     ) -> Plan | Reached | Refusal:
         """A plan that satisfies a frame, by pushes or with a whole hand, or why there is none.
 
@@ -207,8 +218,10 @@ class Controller:
             previous: the plan whose first push was made last; its aim is kept.
             failed: pushes of this frame that went wrong; their contacts are not tried again.
             notify: called with a sentence before a search that takes long.
+            stop: asked at every question to the robot whether to go on.
 
         Raises:
+            Stopped: that was asked for.
             ControlError: `uncheckable` if a clause could not be checked afterwards.
         """
         from nlcontrol.checks.frame_checks import require_checkable
@@ -218,7 +231,7 @@ class Controller:
         made = (self.planner or plan)(
             frame,
             state,
-            self.robot,
+            self.robot if stop is None else StoppableRobot(self.robot, stop),
             defaults=self.defaults,
             previous=previous,
             failed=failed,
@@ -230,11 +243,13 @@ class Controller:
 
     def execute(self, plan: Plan, progress: Progress | None = None) -> Trace:
         """Carries out a plan; see `nlcontrol.session.executor.Executor.execute`."""
-        return self.executor.execute(plan, self.models, progress)
+        with executor_failures_raised():
+            return self.executor.execute(plan, self.models, progress)
 
     def watch(self, name: str) -> Trace:
         """A look during which nothing is done; see `nlcontrol.session.executor.Executor.watch`."""
-        return self.executor.watch(name)
+        with executor_failures_raised():
+            return self.executor.watch(name)
 
     def check(self, frame: Frame, trace: Trace) -> tuple[Check, ...]:
         """A verdict for each clause of a frame."""
@@ -243,7 +258,14 @@ class Controller:
         return check(frame, trace, self.models, self.table, defaults=self.defaults)
 
     def say(
-        self, text: str, *, plan_only: bool = False, progress: Progress | None = None
+        self,
+        text: str,
+        *,
+        plan_only: bool = False,
+        progress: Progress | None = None,
+        on_event: Callable[[Event], object] | None = None,
+        stop: StopToken | None = None,
+        force_rate: float = FORCE_RATE,
     ) -> Result:
         """Does what a sentence says, and tells what came of it.
 
@@ -254,13 +276,26 @@ class Controller:
             text: an English sentence.
             plan_only: stop before anything is executed.
             progress: told what happens during the simulation.
+            on_event: told of every event on the way (`nlcontrol.session.events`).
+            stop: asked all the time whether to go on; the result is then `cancelled`.
+            force_rate: events of kind `force` per second of the robot's time [Hz].
+
+        Raises:
+            Exception: what a callback has raised, once the robot is at rest.
 
         Returns:
             A result in every case: what is not understood or refused is a result too.
         """
         from nlcontrol.session.conversation import Conversation
 
-        return Conversation(self).say(text, plan_only=plan_only, progress=progress)
+        return Conversation(self).say(
+            text,
+            plan_only=plan_only,
+            progress=progress,
+            on_event=on_event,
+            stop=stop,
+            force_rate=force_rate,
+        )
 
     def empty_result(self, text: str, command: Command | None = None) -> Result:
         """The result of a sentence of which nothing has come yet."""
@@ -278,15 +313,17 @@ class Controller:
         progress: Progress | None = None,
     ) -> Result:
         """Does what a command says, as `say` does; see `nlcontrol.session.frame_execution`."""
-        from nlcontrol.session.frame_execution import run_command
+        from nlcontrol.session.frame_execution import run_command, status_of
 
         result = self.empty_result(command.text, command)
+        supervisor = Supervisor.of(progress)
+        supervisor.tell("understood", command.paraphrase)
         try:
             held = None if self.held is None else self.held.name
             command = self.resolve(command, replace(context, held=held))
         except ControlError as raised:
-            return result_with(result, status="not_understood", error=raised.info)
-        return run_command(self, command, result, plan_only=plan_only, progress=progress)
+            return result_with(result, status=status_of(raised.info), error=raised.info)
+        return run_command(self, command, result, supervisor, plan_only=plan_only)
 
 
 def _initial_model(item: CellObject, registry: Registry) -> ObjectModel:

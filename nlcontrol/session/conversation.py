@@ -10,7 +10,7 @@ may, with its numbers.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Literal, NoReturn
 
@@ -23,13 +23,16 @@ from nlcontrol.questions.answer import Answer
 from nlcontrol.references.reference_resolution import Context, parts_within
 from nlcontrol.results.result import result_with
 from nlcontrol.session import follow_up_frames as follow_up
+from nlcontrol.session.events import FORCE_RATE, Supervisor
+from nlcontrol.session.frame_execution import status_of
 from nlcontrol.session.undo_frames import PastPush, undo_frames, undo_text
 from nlcontrol.text_format import encodable_text, quantity
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result, Step
     from nlcontrol.session.controller import Controller
-    from nlcontrol.session.executor import Progress
+    from nlcontrol.session.events import Event
+    from sim.supervision import Progress, StopToken
 
 
 class Conversation:
@@ -50,25 +53,41 @@ class Conversation:
         self._done: Result | None = None  # the last command, what "a bit more" is about
 
     def say(
-        self, text: str, *, plan_only: bool = False, progress: Progress | None = None
+        self,
+        text: str,
+        *,
+        plan_only: bool = False,
+        progress: Progress | None = None,
+        on_event: Callable[[Event], object] | None = None,
+        stop: StopToken | None = None,
+        force_rate: float = FORCE_RATE,
     ) -> Result:
         """Does what a sentence says, as it is meant after those before it.
 
         It may be a remark on what was said and done before; otherwise as `Controller.say`.
         """
-        text = encodable_text(text)
+        supervisor = Supervisor(
+            progress,
+            stop,
+            on_event=on_event,
+            force_rate=force_rate,
+            clock=lambda: self.controller.executor.time,
+        )
+        return supervisor.end(self._say(encodable_text(text), plan_only, supervisor))
+
+    def _say(self, text: str, plan_only: bool, progress: Progress) -> Result:
         command = None
         try:
             command = self.controller.parse(text)
             return self._answer(command, plan_only, progress)
         except ControlError as raised:
             begun = self.controller.empty_result(text, command)
-            self._last = result_with(begun, status="not_understood", error=raised.info)
+            self._last = result_with(begun, status=status_of(raised.info), error=raised.info)
             if command is None:
                 self._said = None
             return self._last
 
-    def _answer(self, command: g.Command, plan_only: bool, progress: Progress | None) -> Result:
+    def _answer(self, command: g.Command, plan_only: bool, progress: Progress) -> Result:
         remark = _sole_remark(command)
         if remark == "stop":
             # Sentences are carried out before the next one is read, so there is nothing to stop.
@@ -159,7 +178,7 @@ class Conversation:
 
     # --- undo --------------------------------------------------------------------------------
 
-    def _undo(self, command: g.Command, plan_only: bool, progress: Progress | None) -> Result:
+    def _undo(self, command: g.Command, plan_only: bool, progress: Progress) -> Result:
         pushed = self._to_undo(command)
         text = pushed[-1].of.text
         back = undo_frames(pushed, self.controller.look(), self.controller.defaults)

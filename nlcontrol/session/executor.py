@@ -23,10 +23,8 @@ if TYPE_CHECKING:
     from planner.types.world_state import Held, WorldState
     from sim.cell.cell_description import CellDescription
     from sim.exploration.trial_extraction import Recording
+    from sim.supervision import Progress
     from sim.traces.trace import Trace
-
-Progress = Callable[[str, float, str], None]
-"""Called with the phase, the robot's time [s] and what happens, while something is executed."""
 
 
 class Perception(Protocol):
@@ -75,7 +73,8 @@ class Executor(Perception, Protocol):
         Args:
             plan: what to do.
             models: what is believed of every object, by its name in the cell.
-            progress: called while something happens.
+            progress: called while something happens; a `Monitor`, whose `stop` is to be asked at
+                least every 0.2 s whether to let go and come to rest.
         """
 
     def watch(self, name: str, duration: float = LOOK) -> Trace:
@@ -94,7 +93,8 @@ class Executor(Perception, Protocol):
         Args:
             experiment: which.
             state: what is believed, from a look since which nothing has moved.
-            progress: called while something happens.
+            progress: called while something happens; a `Monitor`, whose `stop` is to be asked at
+                least every 0.2 s whether to let go and come to rest.
         """
 
 

@@ -30,13 +30,15 @@ from objectmodels.mechanics.push_thresholds import GRAVITY
 from planner.types.actions import SetDown
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
+from sim.supervision import Stopped
 
 if TYPE_CHECKING:
-    from nlcontrol.session.executor import Executor, Progress
+    from nlcontrol.session.executor import Executor
     from objectmodels import ObjectModel
     from planner.types.defaults import Defaults
     from planner.types.plan import PlanningResult
     from planner.types.world_state import WorldState
+    from sim.supervision import Progress
     from sim.traces.trace import Trace
 
 
@@ -194,6 +196,8 @@ def weigh_by_lifting(
     plan = _lift_and_return(controller, name, frame)
     model = controller.models[name]
     trace = controller.execute(plan, progress)
+    if trace.end == "stopped":
+        raise Stopped(trace)
     felt, found = felt_weight(plan, trace), weight_from_grasp(plan, model, trace)
     if felt is None:
         raise error("not_explorable", f"the {name} was not lifted: {trace.detail}")

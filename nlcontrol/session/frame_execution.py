@@ -20,7 +20,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from grammar.frames import command as g
-from nlcontrol.errors import NOT_UNDERSTOOD, ControlError, ErrorInfo, refusal_error
+from nlcontrol.errors import INTERNAL, NOT_UNDERSTOOD, ControlError, ErrorInfo, refusal_error
+from nlcontrol.plan_text import plan_lines
+from nlcontrol.reports.result_report import check_line
 from nlcontrol.results.result import Result, ResultStatus, Step, result_with, summary
 from planner.explanation.push_explanation import Basis
 from planner.geometry.directions import angle_between
@@ -28,20 +30,22 @@ from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
 from planner.types.robot import FailedPush
 from planner.types.world_state import WorldState
+from sim.supervision import Stopped
 from sim.traces.trace import EndReason, Trace, join_traces
 
 if TYPE_CHECKING:
+    from nlcontrol.learning.learning_reports import Lesson
     from nlcontrol.session.controller import Controller
-    from nlcontrol.session.executor import Progress
+    from nlcontrol.session.events import Supervisor
 
 
 def run_command(
     controller: Controller,
     command: g.Command,
     result: Result,
+    supervisor: Supervisor,
     *,
     plan_only: bool = False,
-    progress: Progress | None = None,
 ) -> Result:
     """Does what a command says, frame after frame, up to the first that fails.
 
@@ -50,12 +54,13 @@ def run_command(
     """
     result = result_with(result, frames=command.frames)
     for index, frame in enumerate(command.frames):
+        supervisor.frame = index
         if frame.action == "explore" or (not plan_only and _to_be_found_out(controller, frame)):
-            result = _explore_frame(controller, index, frame, result, plan_only, progress)
+            result = _explore_frame(controller, index, frame, result, plan_only, supervisor)
         elif frame.query is not None:
             result = _answer_question(controller, index, frame, result)
         else:
-            result = FrameRun(controller, index, frame, progress).run(result, plan_only)
+            result = FrameRun(controller, index, frame, result, supervisor).run(plan_only)
         if result.error or result.status == "planned":
             break
     if result.status == "planned" and len(command.frames) > 1:
@@ -95,7 +100,7 @@ def _explore_frame(
     frame: g.Frame,
     result: Result,
     plan_only: bool,
-    progress: Progress | None,
+    supervisor: Supervisor,
 ) -> Result:
     """The result with what touching the object found out."""
     from nlcontrol.session.exploration_commands import exploration_notice, explore_parameters
@@ -107,7 +112,10 @@ def _explore_frame(
         if plan_only:
             notes = (*result.notes, exploration_notice(controller, frame, state))
             return _result_with_step(result_with(result, notes=notes), step, "planned")
-        found, answer = explore_parameters(controller, frame, progress)
+        found, answer = explore_parameters(controller, frame, supervisor)
+    except Stopped as stopped:
+        result = result_with(result, trace=stopped.trace)
+        return _result_with_step(result, step, "cancelled", _stop_info(controller, stopped.trace))
     except ControlError as raised:
         return _result_with_step(result, step, _unanswered_status(raised.info), raised.info)
     step = step.model_copy(update={"exploration": found and found.report, "answer": answer})
@@ -119,21 +127,39 @@ class FrameRun:
     """One frame, by its index in a command, on its way."""
 
     def __init__(
-        self, controller: Controller, index: int, frame: g.Frame, progress: Progress | None
+        self,
+        controller: Controller,
+        index: int,
+        frame: g.Frame,
+        result: Result,
+        supervisor: Supervisor,
     ) -> None:
         self.controller = controller
         self.frame = frame
-        self.progress = progress
+        self.result = result
+        self.supervisor = supervisor
         self.step = Step(frame=index, status="failed")
         self.traces: list[Trace] = []
         self.failed: list[FailedPush] = []
         self._yaw: float | None = None
 
-    def run(self, result: Result, plan_only: bool) -> Result:
+    def run(self, plan_only: bool) -> Result:
         """The result with what came of the frame."""
+        status: ResultStatus = "cancelled"
+        try:
+            return self._run(plan_only)
+        except Stopped:
+            info = _stop_info(self.controller, self.traces[-1] if self.traces else None)
+        except ControlError as raised:
+            status, info = status_of(raised.info), raised.info
+        result = self._result_with_trace() if self.traces else self.result
+        return _result_with_step(result, self.step, status, info)
+
+    def _run(self, plan_only: bool) -> Result:
         controller = self.controller
         previous: Plan | None = None
         for attempt in itertools.count():
+            self.supervisor.stop.check()
             state = self._look()
             try:
                 made = controller.plan(
@@ -142,12 +168,14 @@ class FrameRun:
                     previous=previous,
                     failed=self.failed,
                     notify=self._notify,
+                    stop=self.supervisor.stop,
                 )
             except ControlError as raised:
-                return _result_with_step(result, self.step, "unsupported", raised.info)
+                return _result_with_step(self.result, self.step, "unsupported", raised.info)
             if isinstance(made, Refusal):
                 if attempt == 0:
-                    return _result_with_step(result, self.step, made.status, refusal_error(made))
+                    info = refusal_error(made)
+                    return _result_with_step(self.result, self.step, made.status, info)
                 self._note(stuck=made.message)
                 break
             if isinstance(made, Reached):
@@ -158,19 +186,22 @@ class FrameRun:
                 self._note(stuck=_spent(made, attempt))
                 break
             self._note(plan=self.step.plan or made, plans=(*self.step.plans, made))
-            result = result_with(result, plan=self.step.plan)
+            self.supervisor.tell(
+                "replanned" if attempt else "planned", " ".join(plan_lines(made)), plan=made
+            )
+            result = self.result = result_with(self.result, plan=self.step.plan)
             if attempt == 0:
-                result = result_with(
+                self.result = result_with(
                     result, planned=result.planned + 1, defaults=result.defaults + made.defaults
                 )
             if plan_only:
-                return _result_with_step(result, self.step, "planned")
+                return _result_with_step(self.result, self.step, "planned")
             if self._carried_out(made, state):
                 break
             previous = made if made.pushes else None
         if plan_only:
-            return _result_with_step(result, self.step, "planned")
-        return self._check_frame(self._result_with_trace(result))
+            return _result_with_step(self.result, self.step, "planned")
+        return self._check_frame(self._result_with_trace())
 
     def _budget(self, made: Plan) -> int:
         """Pushes, or tries of a hand, that may be made; what is to be quick is not corrected."""
@@ -201,8 +232,9 @@ class FrameRun:
 
     def _carried_out(self, made: Plan, state: WorldState) -> bool:
         """Makes the first push of a plan, or all of a hand's; whether nothing is left after it."""
-        trace = self.controller.execute(made, self.progress)
+        trace = self.controller.execute(made, self.supervisor)
         self.traces.append(trace)
+        self.supervisor.stop.check()
         if not made.pushes:
             return self._learn_by_hand(made, trace)
         self._learn(made, state, trace)
@@ -216,8 +248,7 @@ class FrameRun:
 
     def _notify(self, text: str) -> None:
         """Say that planning takes seconds now, or half a minute for a large turn."""
-        if self.progress is not None:
-            self.progress("plan", self.controller.executor.time, text)
+        self.supervisor("plan", self.controller.executor.time, text)
 
     def _note(self, **changes: object) -> None:
         self.step = self.step.model_copy(update=changes)
@@ -232,9 +263,9 @@ class FrameRun:
             return
         model, lesson = found
         self.controller.models[name] = model
-        self._note(lessons=(*self.step.lessons, lesson))
-        if lesson.contradicts and self.progress is not None:
-            self.progress("learn", float(trace.time[-1]), lesson.text)
+        self._keep_lesson(lesson)
+        if lesson.contradicts:
+            self.supervisor("learn", float(trace.time[-1]), lesson.text)
 
     def _learn_by_hand(self, made: Plan, trace: Trace) -> bool:
         """Learn from lifting a weight, and where the contents are; return True if all was done."""
@@ -245,12 +276,17 @@ class FrameRun:
         if found is not None:
             model, lesson = found
             self.controller.models[made.object] = model
-            self._note(lessons=(*self.step.lessons, lesson))
+            self._keep_lesson(lesson)
         models |= beliefs_after_grasp(made, models, trace)
         return trace.end not in TRIED_AGAIN
 
-    def _result_with_trace(self, result: Result) -> Result:
+    def _keep_lesson(self, lesson: Lesson) -> None:
+        self._note(lessons=(*self.step.lessons, lesson))
+        self.supervisor.tell("lesson", lesson.text, lesson=lesson)
+
+    def _result_with_trace(self) -> Result:
         """The result with everything that happened for this frame."""
+        result = self.result
         execution = summary(join_traces(self.traces))
         self._note(execution=execution)
         before = [result.trace] if result.trace is not None else []
@@ -260,6 +296,8 @@ class FrameRun:
         trace = join_traces(self.traces)
         checks = self.controller.check(self.frame, trace)
         self._note(checks=checks)
+        for check in checks:
+            self.supervisor.tell("verdict", check_line(result.text, check).strip(), check=check)
         result = result_with(result, checks=result.checks + checks)
         missed = tuple(c for c in checks if not c.ok)
         if missed:
@@ -293,8 +331,28 @@ def _result_with_step(
     )
 
 
+def status_of(info: ErrorInfo) -> ResultStatus:
+    """Status of a sentence that is not even planned."""
+    return "failed" if info.status.exit == INTERNAL else "not_understood"
+
+
+def _stop_info(controller: Controller, trace: Trace | None) -> ErrorInfo:
+    """The way in which a stop has left the robot."""
+    held = controller.held
+    when = "before anything moved" if trace is None else f"({trace.detail})"
+    left = "the hand is empty and at rest"
+    if held is not None:
+        left = f"the hand holds the {held.name} and stands still"
+    hint = "say it again" if held is None else "say “put it down”"
+    return ErrorInfo(
+        code="interrupted", message=f"it was stopped {when}; {left}", suggestions=(hint,)
+    )
+
+
 def _unanswered_status(info: ErrorInfo) -> ResultStatus:
     """Status of a question that has no answer."""
     if info.code == "unsupported":
         return "unsupported"
+    if info.status.exit == INTERNAL:
+        return "failed"
     return "not_understood" if info.status.exit == NOT_UNDERSTOOD else "refused"

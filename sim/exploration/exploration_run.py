@@ -18,6 +18,7 @@ from planner.touch_experiments import Experiment, Kind, experiments
 from planner.types.actions import FaceName
 from planner.types.world_state import WorldState
 from sim.exploration.trial_extraction import Recording, extract_trials
+from sim.supervision import Monitor
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
@@ -109,7 +110,7 @@ class Explorer:
         self._executor = executor
         self._look = look
         self._learn = learn
-        self._progress = progress
+        self._monitor = Monitor.of(progress)
         self._given_up: dict[tuple[Kind, FaceName], str] = {}
 
     @property
@@ -136,6 +137,7 @@ class Explorer:
 
         The sign of `lateral` says at which end of the side, if it is off-centre.
         """
+        self._monitor.stop.check()
         if (kind, face) in self._given_up:
             return False
         state = self._look()
@@ -149,7 +151,7 @@ class Explorer:
         )
         if tried is None:
             return False
-        recording = self._executor.touch(tried, state, self._progress)
+        recording = self._executor.touch(tried, state, self._monitor)
         touched = Touched(recording, extract_trials(recording, repetition=repetition), repetition)
         self.touches.append(touched)
         if touched.trials:

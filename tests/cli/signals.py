@@ -54,7 +54,7 @@ def interrupted(
 
     Args:
         arguments: of the command.
-        numbers: of the signals, half a second apart.
+        numbers: of the signals, a tenth of a second apart.
         delay: until the first one, from when the program takes signals [s].
         folder: in which it runs.
         after: words on standard error that must have come before the delay begins.
@@ -78,8 +78,7 @@ def interrupted(
         if process.poll() is None:
             process.send_signal(number)
             sent = time.monotonic()
-            if number is not numbers[-1]:
-                time.sleep(0.5)
+            time.sleep(0.1)
     out, error = process.communicate(timeout=PATIENCE)
     wall_time = time.monotonic() - sent
     return Ending(

@@ -7,7 +7,6 @@ import os
 import pty
 import re
 import select
-import signal
 import subprocess
 import sys
 import termios
@@ -22,11 +21,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nlcontrol import Conversation
-from nlcontrol.cli.commands.shell_command import Interruptible, command
+from nlcontrol.cli.commands.shell_command import command
 from nlcontrol.cli.console import prompt_lines as lines
-from nlcontrol.cli.console.console_output import Narrator
 from nlcontrol.results.result import Result as Answer
-from sim.simulated_executor import simulation
 
 NAMES = ("ice tea box", "cereal box", "coffee box")
 
@@ -155,47 +152,6 @@ def test_the_history_is_the_user_s_own_and_bounded(state: Path) -> None:
 def test_a_relative_state_folder_is_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_STATE_HOME", "state")
     assert lines.history_file() == Path.home() / ".local" / "state" / "nlcontrol" / "history"
-
-
-# --- control-C -------------------------------------------------------------------------------
-
-
-def test_control_c_ends_a_sentence_at_once_while_nothing_moves() -> None:
-    with (
-        pytest.raises(KeyboardInterrupt),
-        Narrator() as narrate,
-        Interruptible(narrate),
-    ):
-        signal.raise_signal(signal.SIGINT)
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("phase", ["look", "approach", "push"])
-def test_control_c_brings_the_hand_home(phase: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    from nlcontrol import Controller
-
-    tell = Narrator.__call__
-
-    def at(self: Narrator, now: str, *rest: Any) -> None:
-        tell(self, now, *rest)
-        if now == phase:
-            interruptible._moved = True
-            signal.raise_signal(signal.SIGINT)
-
-    monkeypatch.setattr(Narrator, "__call__", at)
-    controller = Controller()
-    with Narrator() as narrate, Interruptible(narrate) as interruptible:
-        result = Conversation(controller).say("push the ice tea box away", progress=interruptible)
-    assert result.status == "failed"
-    assert result.execution is not None
-    assert result.execution.detail == "interrupted"
-    # The arm's springs leave it within a degree of where it is told to be.
-    home = controller.cell.robot.home_deg
-    measured = simulation(controller.executor).world.robot.arm_angles()
-    assert max(abs(measured[i] * 57.2958 - home[i]) for i in range(7)) < 1.0
-    # Nothing but the camera's noise lies between what was seen before and what stands there.
-    assert abs(result.execution.displacement[0]) < 0.002
 
 
 # --- a terminal ------------------------------------------------------------------------------

@@ -26,6 +26,29 @@ def test_a_command_that_moves_nothing_ends_at_once(number: signal.Signals, delay
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("number", EXIT_CODES)
+def test_a_push_lets_go_first(number: signal.Signals, tmp_path: Path) -> None:
+    say = ["say", PUSH, "--json", "--replay", "run.html"]
+    ending = interrupted(say, [number], 0.3, folder=tmp_path, after="touch:")
+    assert (ending.exit_code, ending.code) == (EXIT_CODES[number], "interrupted")
+    assert ending.document is not None
+    assert ending.document["status"] == "cancelled"
+    assert ending.document["execution"]["end"] == "stopped"
+    assert "stopping, letting go" in ending.error
+    assert "settle" in ending.error
+    assert [path.name for path in tmp_path.iterdir()] == ["run.html"]
+
+
+@pytest.mark.slow
+def test_the_second_signal_ends_it_at_once(tmp_path: Path) -> None:
+    explore = ["explore", "ice tea box", "--json", "--output", "box.yaml"]
+    ending = interrupted(explore, [signal.SIGINT] * 2, 0.3, folder=tmp_path, after="touch:")
+    assert (ending.exit_code, ending.code) == (130, "interrupted")
+    assert "settle" not in ending.error
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_no_worker_outlives_its_parent(number: signal.Signals, tmp_path: Path) -> None:
     ending = interrupted([*MAP, "--json"], [number], 2.5, folder=tmp_path)

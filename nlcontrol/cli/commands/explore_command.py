@@ -23,7 +23,9 @@ from nlcontrol.cli.console.console_output import (
     print_answer,
     require_writable,
 )
+from nlcontrol.cli.console.robot_stop import stop_on_signal
 from objectmodels.files.file_writing import replace_file
+from sim.supervision import Monitor
 
 if TYPE_CHECKING:
     from objectmodels import ObjectModel
@@ -96,11 +98,11 @@ def command(
         believed = controller.models[item.name]
         named = rename_model(believed, saved_as) if saved_as else believed
         place_model(controller.registry.copy(), named, replace=True)
-    with Narrator() as progress:
+    with Narrator() as progress, stop_on_signal() as stop:
         found = explore(
             controller.executor, controller.models, item.name,
             parameters=parameters or UNCERTAIN, repetitions=trials, precision=precision,
-            guess=guess, progress=progress, told=partial(_print_touch, progress),
+            guess=guess, progress=Monitor(progress, stop), told=partial(_print_touch, progress),
         )  # fmt: skip
     files = {}
     if picture is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -20,6 +21,7 @@ from nlcontrol.cli.console.console_output import (
     print_skipped_with_words,
     require_writable,
 )
+from nlcontrol.cli.console.robot_stop import exit_code_of, stop_on_signal
 from nlcontrol.errors import ControlError, known_errors_raised
 from objectmodels.files.file_writing import replace_file
 
@@ -126,17 +128,17 @@ def _answer_sentence(
     require_writable(picture)
     controller = open_controller(scene, seed, settings)
     print_skipped_with_words(controller.registry.problems)
-    with Narrator() as narrate:
-        result = controller.say(sentence, plan_only=plan_only, progress=narrate)
+    with Narrator() as narrate, nullcontext() if plan_only else stop_on_signal() as stop:
+        result = controller.say(sentence, plan_only=plan_only, progress=narrate, stop=stop)
     files = _write_files(controller, result, explain=explain, picture=picture, replay=replay)
     result = result.model_copy(
         update={"files": files, "explanation": result.explained() if explain else None}
     )
     if as_json:
         print_json(result.model_dump(mode="json"))
-        return result.exit_status
-    _print_result(result, files, explain=explain)
-    return result.exit_status
+    else:
+        _print_result(result, files, explain=explain)
+    return exit_code_of(result)
 
 
 def _print_result(result: Result, files: dict[str, str], *, explain: bool) -> None:

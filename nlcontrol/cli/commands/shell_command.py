@@ -1,7 +1,8 @@
 """`shell`: one sentence after another, at a prompt or line by line from a pipe.
 
 At a terminal lines can be edited, completed and found again, and the exit code is 0. From a pipe
-each line is answered in turn, and the exit code is that of the last sentence that failed.
+each line is answered in turn, and the exit code is that of the last sentence that failed; a signal
+ends the shell with the sentence.
 """
 
 from __future__ import annotations
@@ -11,7 +12,6 @@ import signal
 import sys
 from collections.abc import Iterable
 from contextlib import closing
-from types import FrameType
 from typing import TYPE_CHECKING
 
 import click
@@ -19,7 +19,9 @@ import click
 from nlcontrol.cli.console.command_options import Settings, open_controller, world_options
 from nlcontrol.cli.console.console_output import Narrator, print_skipped_with_words
 from nlcontrol.cli.console.prompt_lines import prompt_lines
+from nlcontrol.cli.console.robot_stop import exit_code_of, stop_on_signal
 from nlcontrol.errors import OK, exception_info
+from nlcontrol.interruption import EXIT_CODES
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
@@ -50,15 +52,22 @@ def command(as_json: bool, scene: str, seed: int, settings: Settings, plan_only:
         with closing(
             prompt_lines("nlcontrol> ", controller.cell.names, _line_beginnings())
         ) as lines:
-            _answer_lines(conversation, lines, as_json=as_json, plan_only=plan_only)
-        return OK
+            status = _answer_lines(
+                conversation, lines, as_json=as_json, plan_only=plan_only, at_prompt=True
+            )
+        return status if status == EXIT_CODES[signal.SIGTERM] else OK
     if isinstance(sys.stdin, io.TextIOWrapper):
         sys.stdin.reconfigure(errors="replace")  # bytes that are no text end no shell
     return _answer_lines(conversation, sys.stdin, as_json=as_json, plan_only=plan_only)
 
 
 def _answer_lines(
-    conversation: Conversation, lines: Iterable[str], *, as_json: bool, plan_only: bool
+    conversation: Conversation,
+    lines: Iterable[str],
+    *,
+    as_json: bool,
+    plan_only: bool,
+    at_prompt: bool = False,
 ) -> int:
     """Answer line after line; return the exit code of the last that failed."""
     status = OK
@@ -74,20 +83,18 @@ def _answer_lines(
             click.echo(_help_text(conversation.controller), err=as_json)
             continue
         result = _answer_line(conversation, text, plan_only)
-        if result is not None:
-            _print_answer(result, as_json)
-            status = result.exit_status or status
+        _print_answer(result, as_json)
+        status = exit_code_of(result) or status
+        if result.status == "cancelled" and not (at_prompt and status == EXIT_CODES[signal.SIGINT]):
+            break
     return status
 
 
-def _answer_line(conversation: Conversation, text: str, plan_only: bool) -> Result | None:
-    """Result of one sentence, whatever goes wrong; None if it was interrupted."""
+def _answer_line(conversation: Conversation, text: str, plan_only: bool) -> Result:
+    """Result of one sentence, whatever goes wrong."""
     try:
-        with Narrator() as narrate, Interruptible(narrate) as progress:
-            return conversation.say(text, plan_only=plan_only, progress=progress)
-    except KeyboardInterrupt:
-        click.echo("interrupted", err=True)
-        return None
+        with Narrator() as narrate, stop_on_signal() as stop:
+            return conversation.say(text, plan_only=plan_only, progress=narrate, stop=stop)
     except Exception as raised:
         begun = conversation.controller.empty_result(text)
         return begun.model_copy(update={"error": exception_info(raised)})
@@ -128,39 +135,3 @@ def _line_beginnings() -> tuple[str, ...]:
 
     lexicon, _ = installed_lexicon()
     return (*WORDS, *sorted(lexicon.verb_words["VERB"]))
-
-
-class Interruptible:
-    """Lets control-C end a sentence without leaving the hand in the middle of the scene.
-
-    Until the robot moves, control-C takes effect at once. Then it does so at the next phase before
-    a push; a push that has begun is finished, which takes seconds. Either way the hand comes home,
-    what was done is remembered, and frames that follow are not carried out.
-    """
-
-    def __init__(self, narrate: Narrator) -> None:
-        self._narrate = narrate
-        self._moved = self._stopped = False
-
-    def __enter__(self) -> Interruptible:
-        self._before = signal.signal(signal.SIGINT, self._handle_interrupt)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        signal.signal(signal.SIGINT, self._before)
-
-    def __call__(self, phase: str, time: float, text: str) -> None:
-        """Take one report of the simulation."""
-        from sim.control.trace_recorder import EarlyEndError
-
-        self._narrate(phase, time, text)
-        self._moved = True
-        if self._stopped and phase not in ("retreat", "settle"):
-            self._stopped = False
-            raise EarlyEndError("guard", "interrupted")
-
-    def _handle_interrupt(self, number: int, frame: FrameType | None) -> None:
-        if not self._moved:
-            raise KeyboardInterrupt
-        self._stopped = True
-        click.echo("stopping", err=True)

@@ -6,9 +6,13 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from nlcontrol.interruption import SIGNALS
-from sim.supervision import StopToken
+from sim.supervision import Stopped, StopToken
+
+if TYPE_CHECKING:
+    from nlcontrol.results.result import Result
 
 
 class SignalToken(StopToken):
@@ -29,7 +33,12 @@ class SignalToken(StopToken):
 
 @contextmanager
 def stop_on_signal() -> Iterator[SignalToken]:
-    """Context with a token by which the first signal stops the robot."""
+    """Context with a token by which the first signal stops the robot.
+
+    Raises:
+        KeyboardInterrupt: control-C has stopped it, or was pressed twice.
+        Terminated: the same by SIGTERM.
+    """
     token = SignalToken()
 
     def ask() -> None:
@@ -38,4 +47,12 @@ def stop_on_signal() -> Iterator[SignalToken]:
         os.write(sys.stderr.fileno(), b"\nstopping, letting go ...\n")
 
     with SIGNALS.ask_first(ask):
-        yield token
+        try:
+            yield token
+        except Stopped:
+            SIGNALS.end()
+
+
+def exit_code_of(result: Result) -> int:
+    """Exit code of a sentence, which is the signal's if that has stopped it."""
+    return SIGNALS.exit_code if result.status == "cancelled" else result.exit_status

@@ -49,7 +49,7 @@ def phases_after(trace: Trace, token: StopAfter) -> set[str]:
 
 def assert_at_home(controller: Controller, trace: Trace) -> None:
     """The arm has come back to where it waits, by its own joints."""
-    home = np.asarray(controller.reach.mount.home)  # type: ignore[attr-defined]
+    home = np.asarray(controller.robot.mount.home)  # type: ignore[attr-defined]
     assert trace.joints[-1, :7] == pytest.approx(home, abs=np.radians(1.0))
 
 
