@@ -113,7 +113,7 @@ class ContactHeight(Part):
     """
 
     value: Annotated[float, Field(ge=0.0)] | RelativeLength
-    origin: Literal["table", "top"] = Field(alias="from")
+    origin: Annotated[Literal["table", "top"], Field(alias="from")]
     bound: Bound = "exact"
 
     @model_serializer(mode="wrap")

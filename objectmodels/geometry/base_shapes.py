@@ -91,7 +91,7 @@ class Base(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Polygon:
+class Polygon(Base):
     """A convex polygon.
 
     Attributes:
@@ -227,7 +227,7 @@ class Polygon:
 
 
 @dataclass(frozen=True)
-class Disc:
+class Disc(Base):
     """A round base around the origin.
 
     Attributes:

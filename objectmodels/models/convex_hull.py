@@ -19,7 +19,8 @@ from objectmodels.geometry.base_shapes import Array, Polygon
 from objectmodels.geometry.side_faces import AXES, Face
 from objectmodels.geometry.support_points import hull_polygon
 from objectmodels.geometry.vector_arrays import as_tuples
-from objectmodels.models.object_model import ObjectModel, Resting
+from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.resting_face import Resting
 
 SIDEWAYS = 0.5
 """Faces whose normal is at most 30° above or below the horizontal are sides."""
@@ -48,7 +49,7 @@ class HullModel(ObjectModel):
         vertices: in B, shape (k, 3) [m]; none below the table, three or more on it.
     """
 
-    vertices: Vertices = Field(alias="vertices_m")
+    vertices: Annotated[Vertices, Field(alias="vertices_m")]
     kind: Literal["hull"] = "hull"
 
     @model_validator(mode="after")

@@ -15,9 +15,8 @@ does to the base: origin at its centre on the table, z up. A pose of B picks the
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,10 +36,13 @@ from objectmodels.mechanics.push_outcomes import (
     closed_form_thresholds,
     size_and_direction,
 )
+from objectmodels.models.contact_points import checked_contacts
 from objectmodels.models.parameters import RADIUS_SHARE_SD, Parameters
+from objectmodels.models.resting_face import Resting
 from objectmodels.models.vessel import Vessel
 
 if TYPE_CHECKING:
+    from objectmodels.mechanics.exact.exact_thresholds import ExactThresholds
     from objectmodels.mechanics.outcome_probability import Likelihood
     from objectmodels.mechanics.push_motion import Stroke
     from objectmodels.mechanics.push_outcomes import SuddenPush
@@ -212,6 +214,26 @@ class ObjectModel(Parameters, ABC):
 
     # -- predictions ---------------------------------------------------------------------------
 
+    @overload
+    def thresholds(
+        self,
+        points: ArrayLike,
+        directions: ArrayLike,
+        *,
+        exact: Literal[True],
+        friction: Friction = "static",
+    ) -> ExactThresholds: ...
+
+    @overload
+    def thresholds(
+        self,
+        points: ArrayLike,
+        directions: ArrayLike,
+        *,
+        exact: bool | Literal["border"] = False,
+        friction: Friction = "static",
+    ) -> Thresholds: ...
+
     def thresholds(
         self,
         points: ArrayLike,
@@ -231,9 +253,9 @@ class ObjectModel(Parameters, ABC):
             friction: which coefficient at the table decides.
 
         Raises:
-            ModelError: `bad_array` if a shape or a value is wrong.
+            ModelError: `bad_array` if a shape or a value is wrong; `off_object`.
         """
-        p, u = checked_pairs(points, directions)
+        p, u = checked_contacts(self, points, directions)
         require_units(u)
         return self._thresholds_by_tier(p, u, exact, friction)
 
@@ -264,9 +286,9 @@ class ObjectModel(Parameters, ABC):
             friction: as in `thresholds`.
 
         Raises:
-            ModelError: `bad_array` if a shape or a value is wrong.
+            ModelError: `bad_array` if a shape or a value is wrong; `off_object`.
         """
-        p, f = checked_pairs(points, forces)
+        p, f = checked_contacts(self, points, forces)
         force, u = size_and_direction(f)
         return Prediction(force, self._thresholds_by_tier(p, u, exact, friction))
 
@@ -283,9 +305,9 @@ class ObjectModel(Parameters, ABC):
                 with `points` midway between them.
 
         Raises:
-            ModelError: `bad_array` if a shape or a value is wrong.
+            ModelError: `bad_array` if a shape or a value is wrong; `off_object`.
         """
-        p, n = checked_pairs(points, normals)
+        p, n = checked_contacts(self, points, normals)
         require_normals(n)
         if not 0.0 <= sigmas < np.inf:
             raise ModelError("bad_value", f"sigmas must be a number from 0 on, not {sigmas}")
@@ -302,11 +324,11 @@ class ObjectModel(Parameters, ABC):
             force: size of the push [N]; if not given, the class at the onset is meant.
 
         Raises:
-            ModelError: `bad_array`, `bad_value`.
+            ModelError: `bad_array`, `bad_value`, `off_object`.
         """
         from objectmodels.mechanics.outcome_probability import outcome_likelihood
 
-        p, u = checked_pairs(points, directions)
+        p, u = checked_contacts(self, points, directions)
         return outcome_likelihood(self, p, u, force)
 
     def is_slipping(
@@ -337,11 +359,11 @@ class ObjectModel(Parameters, ABC):
             forces: forces f_BC_B, shape (n, 3) [N].
 
         Raises:
-            ModelError: `bad_array` if a shape or a value is wrong.
+            ModelError: `bad_array` if a shape or a value is wrong; `off_object`.
         """
         from objectmodels.mechanics.push_outcomes import sudden_push
 
-        return sudden_push(self, *checked_pairs(points, forces))
+        return sudden_push(self, *checked_contacts(self, points, forces))
 
     def stroke(
         self, points: ArrayLike, normals: ArrayLike, direction: ArrayLike, travel: float
@@ -376,25 +398,3 @@ class ObjectModel(Parameters, ABC):
     ) -> tuple[float, float]:
         """Tilts to which a finger's travel may bring it; see `tilt_limits.stroke_tilt` [rad]."""
         return tilt_limits.stroke_tilt(self, direction, height, travel)
-
-
-@dataclass(frozen=True)
-class Resting:
-    """A way in which an object lies.
-
-    Attributes:
-        face: name of the face that is below; `bottom` is the one that its model stands on.
-        model: what is believed of it as it lies there, in N.
-        R_BN: orientation of N in B, shape (3, 3).
-        p_BN: origin of N in B, shape (3,) [m].
-    """
-
-    face: str
-    model: ObjectModel
-    R_BN: Array
-    p_BN: Array
-
-    @property
-    def down(self) -> Array:
-        """Outward normal of the face below in B, shape (3,)."""
-        return -self.R_BN[:, 2]

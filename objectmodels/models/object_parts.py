@@ -61,8 +61,8 @@ class Opening(Part):
         radius: of the hole [m].
     """
 
-    centre: Point2 = Field((0.0, 0.0), alias="centre_m")
-    radius: Length = Field(alias="radius_m")
+    centre: Annotated[Point2, Field(alias="centre_m")] = (0.0, 0.0)
+    radius: Annotated[Length, Field(alias="radius_m")]
 
 
 class Container(Part):
@@ -77,11 +77,11 @@ class Container(Part):
         density: of the liquid [kg/m³].
     """
 
-    wall: Length = Field(alias="wall_m")
+    wall: Annotated[Length, Field(alias="wall_m")]
     opening: Opening
     contents_l: Volume = 0.0
     contents_l_sd: Deviation = 0.0
-    density: Density = Field(WATER, alias="density_kg_m3")
+    density: Annotated[Density, Field(alias="density_kg_m3")] = WATER
 
     @property
     def contents(self) -> float:
@@ -115,13 +115,13 @@ class FlipLid(Part):
     """
 
     kind: Literal["flip"] = "flip"
-    mass: Mass = Field(alias="mass_kg")
+    mass: Annotated[Mass, Field(alias="mass_kg")]
     tab_heading_deg: Angle = 0.0
-    tab: Length = Field(alias="tab_m")
-    friction_torque: Torque = Field(alias="friction_torque_nm")
-    friction_torque_sd: Deviation = Field(0.0, alias="friction_torque_nm_sd")
-    snap_torque: Torque = Field(0.0, alias="snap_torque_nm")
-    snap_torque_sd: Deviation = Field(0.0, alias="snap_torque_nm_sd")
+    tab: Annotated[Length, Field(alias="tab_m")]
+    friction_torque: Annotated[Torque, Field(alias="friction_torque_nm")]
+    friction_torque_sd: Annotated[Deviation, Field(alias="friction_torque_nm_sd")] = 0.0
+    snap_torque: Annotated[Torque, Field(alias="snap_torque_nm")] = 0.0
+    snap_torque_sd: Annotated[Deviation, Field(alias="snap_torque_nm_sd")] = 0.0
     snap_angle_deg: OpeningAngle = 3.0
     opens_to_deg: OpeningAngle = 120.0
 
@@ -159,14 +159,14 @@ class LiftOffLid(Part):
     """
 
     kind: Literal["lift_off"] = "lift_off"
-    mass: Mass = Field(alias="mass_kg")
-    retention: Force = Field(alias="retention_n")
-    retention_sd: Deviation = Field(0.0, alias="retention_n_sd")
-    travel: Length = Field(0.005, alias="travel_m")
-    radius: Length = Field(alias="radius_m")
-    height: Length = Field(0.006, alias="height_m")
-    knob_radius: Length = Field(alias="knob_radius_m")
-    knob_height: Length = Field(alias="knob_height_m")
+    mass: Annotated[Mass, Field(alias="mass_kg")]
+    retention: Annotated[Force, Field(alias="retention_n")]
+    retention_sd: Annotated[Deviation, Field(alias="retention_n_sd")] = 0.0
+    travel: Annotated[Length, Field(alias="travel_m")] = 0.005
+    radius: Annotated[Length, Field(alias="radius_m")]
+    height: Annotated[Length, Field(alias="height_m")] = 0.006
+    knob_radius: Annotated[Length, Field(alias="knob_radius_m")]
+    knob_height: Annotated[Length, Field(alias="knob_height_m")]
 
     def leaves_free(self, height: float) -> bool:
         """Return True if contents get past it when it is lifted by a height [m]."""
@@ -185,13 +185,13 @@ class ScrewCap(Part):
     """
 
     kind: Literal["screw"] = "screw"
-    mass: Mass = Field(alias="mass_kg")
-    friction_torque: Torque = Field(alias="friction_torque_nm")
-    friction_torque_sd: Deviation = Field(0.0, alias="friction_torque_nm_sd")
-    pitch: Length = Field(0.003, alias="pitch_m")
+    mass: Annotated[Mass, Field(alias="mass_kg")]
+    friction_torque: Annotated[Torque, Field(alias="friction_torque_nm")]
+    friction_torque_sd: Annotated[Deviation, Field(alias="friction_torque_nm_sd")] = 0.0
+    pitch: Annotated[Length, Field(alias="pitch_m")] = 0.003
     turns: Turns = 1.0
-    radius: Length = Field(alias="radius_m")
-    height: Length = Field(alias="height_m")
+    radius: Annotated[Length, Field(alias="radius_m")]
+    height: Annotated[Length, Field(alias="height_m")]
 
     def leaves_free(self, angle: float) -> bool:
         """Return True if contents get past it, turned by an angle [rad]: once it is off."""
@@ -209,6 +209,6 @@ class Graspable(Part):
         crush: largest squeeze that it bears [N].
     """
 
-    lowest: Height = Field(0.0, alias="from_m")
-    highest: Length = Field(alias="to_m")
-    crush: Squeeze = Field(alias="crush_n")
+    lowest: Annotated[Height, Field(alias="from_m")] = 0.0
+    highest: Annotated[Length, Field(alias="to_m")]
+    crush: Annotated[Squeeze, Field(alias="crush_n")]

@@ -91,19 +91,21 @@ class Parameters(Part):
 
     name: Name
     synonyms: Names = ()
-    mass: Mass = Field(alias="mass_kg")
-    mass_sd: Deviation = Field(0.0, alias="mass_kg_sd")
-    friction: Coefficient = Field(alias="friction_table")
-    friction_sd: Deviation = Field(0.0, alias="friction_table_sd")
-    friction_kinetic: Coefficient | None = Field(None, alias="friction_table_kinetic")
-    finger_friction: Coefficient = Field(0.6, alias="friction_finger")
-    finger_friction_sd: Deviation = Field(0.0, alias="friction_finger_sd")
-    finger_friction_kinetic: Coefficient | None = Field(None, alias="friction_finger_kinetic")
-    com: Vector3 = Field((_DERIVED,) * 3, alias="centre_of_mass_m")
-    com_sd: Deviation3 = Field((0.0, 0.0, 0.0), alias="centre_of_mass_m_sd")
+    mass: Annotated[Mass, Field(alias="mass_kg")]
+    mass_sd: Annotated[Deviation, Field(alias="mass_kg_sd")] = 0.0
+    friction: Annotated[Coefficient, Field(alias="friction_table")]
+    friction_sd: Annotated[Deviation, Field(alias="friction_table_sd")] = 0.0
+    friction_kinetic: Annotated[Coefficient | None, Field(alias="friction_table_kinetic")] = None
+    finger_friction: Annotated[Coefficient, Field(alias="friction_finger")] = 0.6
+    finger_friction_sd: Annotated[Deviation, Field(alias="friction_finger_sd")] = 0.0
+    finger_friction_kinetic: Annotated[
+        Coefficient | None, Field(alias="friction_finger_kinetic")
+    ] = None
+    com: Annotated[Vector3, Field(alias="centre_of_mass_m")] = (_DERIVED,) * 3
+    com_sd: Annotated[Deviation3, Field(alias="centre_of_mass_m_sd")] = (0.0, 0.0, 0.0)
     support: Support = "uniform"
-    friction_radius: Length = Field(_DERIVED, alias="friction_radius_m")
-    friction_radius_sd: Deviation = Field(_DERIVED, alias="friction_radius_m_sd")
+    friction_radius: Annotated[Length, Field(alias="friction_radius_m")] = _DERIVED
+    friction_radius_sd: Annotated[Deviation, Field(alias="friction_radius_m_sd")] = _DERIVED
     correlations: Correlations = ()
     container: Container | None = None
     lid: Lid | None = None

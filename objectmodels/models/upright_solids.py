@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,8 +15,9 @@ from objectmodels.geometry.base_shapes import Array, Disc, Polygon
 from objectmodels.geometry.side_faces import AXES, Face, sides
 from objectmodels.geometry.vector_arrays import cross
 from objectmodels.models.convex_hull import HullModel
-from objectmodels.models.object_model import ObjectModel, Resting
+from objectmodels.models.object_model import ObjectModel
 from objectmodels.models.parameters import Corners, Size
+from objectmodels.models.resting_face import Resting
 
 # Rows are the new axes in the old frame: the named face comes to lie below.
 _TURNED: dict[str, Array] = {
@@ -39,7 +40,7 @@ class BoxModel(ObjectModel):
         size: extents along x, y, z of B [m].
     """
 
-    size: Size = Field(alias="size_m")
+    size: Annotated[Size, Field(alias="size_m")]
     kind: Literal["box"] = "box"
 
     @cached_property
@@ -86,9 +87,9 @@ class CylinderModel(ObjectModel):
         base_radius: of the circle it stands on, if that is smaller [m].
     """
 
-    radius: Length = Field(alias="radius_m")
-    height: Length = Field(alias="height_m")
-    base_radius: Length | None = Field(None, alias="base_radius_m")
+    radius: Annotated[Length, Field(alias="radius_m")]
+    height: Annotated[Length, Field(alias="height_m")]
+    base_radius: Annotated[Length | None, Field(alias="base_radius_m")] = None
     kind: Literal["cylinder"] = "cylinder"
 
     @cached_property
@@ -141,8 +142,8 @@ class PrismModel(ObjectModel):
         height: of the prism [m].
     """
 
-    corners: Corners = Field(alias="corners_m")
-    height: Length = Field(alias="height_m")
+    corners: Annotated[Corners, Field(alias="corners_m")]
+    height: Annotated[Length, Field(alias="height_m")]
     kind: Literal["prism"] = "prism"
 
     @model_validator(mode="after")

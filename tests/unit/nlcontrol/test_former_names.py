@@ -45,7 +45,7 @@ from objectmodels.parameters import Size
 class CartonModel(ObjectModel):
     """A carton of a shell and a liquid."""
 
-    size: Size = Field(alias="size_m")
+    size: Annotated[Size, Field(alias="size_m")]
     shell: Annotated[float, Field(gt=0.0, alias="shell_kg")]
     fill: Annotated[float, Field(ge=0.0, le=1.0)]
     kind: Literal["carton"] = "carton"

@@ -176,3 +176,18 @@ def test_golden_strokes_tilt_to_the_angle_of_no_return() -> None:
     for height, travel in ((0.3, 0.01), (0.1, -0.01), (0.1, float("nan"))):
         with pytest.raises(ModelError):
             tea.stroke_tilt([1, 0, 0], height, travel)
+
+
+@pytest.mark.parametrize("method", ["thresholds", "predict", "likelihood", "sudden"])
+def test_a_point_in_millimetres_is_refused(method: str) -> None:
+    box = BoxModel(name="crate", size=(0.10, 0.10, 0.20), mass=1.0, friction=0.4)
+    ask = getattr(box, method)
+    ask([[-0.05, 0.0, 0.1]], [[1.0, 0.0, 0.0]])
+    with pytest.raises(ModelError) as refused:
+        ask([[-0.05, 0.0, 0.1], [-50.0, 0.0, 100.0]], [[1.0, 0.0, 0.0]] * 2)
+    assert refused.value.code == "off_object"
+    assert "millimetres" in refused.value.suggestions[0]
+    with pytest.raises(ModelError) as refused:
+        ask([[-0.2, 0.0, 0.1]], [[1.0, 0.0, 0.0]])
+    assert refused.value.code == "off_object"
+    assert "millimetres" not in refused.value.suggestions[0]

@@ -190,7 +190,7 @@ def test_a_fitted_friction_radius_moves_the_exact_tier_too() -> None:
     for exact in (False, True):
         slides = [m.thresholds(p, u, exact=exact).slide.item() for m in (loose, tight)]
         assert slides[0] < 0.9 * slides[1]
-    assert tight.thresholds(p, u, exact=True).residual.item() < 1e-8  # type: ignore[attr-defined]
+    assert tight.thresholds(p, u, exact=True).residual.item() < 1e-8
 
 
 def test_static_and_kinetic_friction_are_kept_apart() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from importlib.metadata import EntryPoint
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import pytest
 from pydantic import Field
@@ -23,7 +23,7 @@ class Slab(ObjectModel):
     """A plate of some thickness."""
 
     version: ClassVar[int] = 3
-    side: float = Field(alias="side_m")
+    side: Annotated[float, Field(alias="side_m")]
     kind: Literal["slab"] = "slab"
 
     @property

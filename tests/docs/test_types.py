@@ -1,0 +1,32 @@
+"""Type checkers accept the Python of README and guides, strictly and without any plugin."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+CHECKERS = {
+    "mypy": ("-m", "mypy", "--strict", "--config-file="),
+    "basedpyright": ("-m", "basedpyright", "--level", "error", "--pythonpath", sys.executable),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("checker", CHECKERS)
+def test_a_type_checker_accepts_the_python_of_the_guides(checker: str, tmp_path: Path) -> None:
+    count = 0
+    for guide in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))):
+        text = guide.read_text(encoding="utf-8")
+        for code in re.findall(r"^```python[^\n]*\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
+            count += 1
+            (tmp_path / f"{guide.stem.lower()}_{count}.py").write_text(code, encoding="utf-8")
+    assert count > 10
+    # In a folder of its own, so that no settings of the project count.
+    command = [sys.executable, *CHECKERS[checker], "."]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
