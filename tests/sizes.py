@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 
+ATTACKS = int(os.environ.get("NLCONTROL_ATTACKS", "300"))
+"""Number of generated attacks of a run; `.ci/long` takes 20,000."""
+
 ALL = bool(os.environ.get("NLCONTROL_ALL_EXAMPLES"))
 
 

@@ -53,7 +53,7 @@ LIMITS: Mapping[str, Limit] = MappingProxyType(
         "coordinate": Limit("coordinate", -100.0, 100.0, "m"),
         "friction": Limit("friction coefficient", 1e-12, 100.0, ""),
         "deviation": Limit("standard deviation", 0.0, 1e4, "unit of the value"),
-        "weight": Limit("weight of a support point", 1e-6, 1e6, ""),
+        "weight": Limit("weight of a support point", 1e-4, 1e4, ""),
         "volume": Limit("contents", 0.0, 1e4, "l"),
         "density": Limit("density", 1e-3, 1e5, "kg/m³"),
         "force": Limit("force", 0.0, 1e6, "N"),

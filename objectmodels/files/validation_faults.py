@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import reprlib
 from typing import Any, NamedTuple, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from objectmodels.errors import ModelError, suggest
+from objectmodels.errors import ModelError, printable, suggest
 
 _LONGEST = 80
 
@@ -49,9 +50,9 @@ def first_fault(error: ValidationError, cls: type[BaseModel]) -> Fault:
     # A key that is unknown is often the one that is missing, misspelt.
     complaints = error.errors(include_url=False)
     first = min(complaints, key=lambda e: e["type"] != "extra_forbidden")
-    key = ".".join(map(str, first["loc"])) or "file"
+    key = printable(".".join(map(str, first["loc"]))) or "file"
     if first["type"] == "missing":
-        hint = f"add `{first['loc'][-1]}: …`"
+        hint = f"add `{key.rpartition('.')[2]}: …`"
         return Fault("missing_key", key, "is required, but not given", (hint, _KEYS_HINT))
     if first["type"] == "extra_forbidden":
         return Fault("unknown_key", key, "is not a key of this format", _meant_keys(key, cls))
@@ -68,7 +69,7 @@ def _meant_keys(key: str, cls: type[BaseModel]) -> tuple[str, ...]:
 
 def _value_fault(complaint: Any, key: str, cls: type[BaseModel]) -> Fault:
     inner = complaint.get("ctx", {}).get("error")
-    expected = complaint["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
+    expected = re.sub(r"^(Value error, |Input should be |\w+ should have )", "", complaint["msg"])
     hints = tuple(getattr(inner, "suggestions", ()))
     if isinstance(inner, ModelError):
         expected = inner.message

@@ -135,8 +135,14 @@ def parse_yaml(text: str) -> object:
         raise ModelError(
             "bad_yaml",
             f"is not valid YAML here: {_parser_complaint(error)}",
-            suggestions=("text with ': ', '#' or a bracket in it needs quotes", _EXAMPLES),
+            suggestions=(_hint(error), _EXAMPLES),
         ) from error
+
+
+def _hint(error: Exception) -> str:
+    if isinstance(error, ConstructorError):
+        return "take it out of the file"
+    return "text with ': ', '#' or a bracket in it needs quotes"
 
 
 _EXAMPLES = "docs/models.md and docs/scenes.md have files to begin with"

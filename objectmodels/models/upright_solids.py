@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import cached_property
 from typing import Annotated, Literal, Self
 
@@ -59,8 +60,12 @@ class BoxModel(ObjectModel):
 
     @cached_property
     def rests(self) -> tuple[Resting, ...]:
-        """On all six faces, named as if B's axes were the robot's."""
-        return tuple(self._resting_on(face, turn) for face, turn in _TURNED.items())
+        """On those faces off which it does not topple, named as if B's axes were the robot's."""
+        found = []
+        for face, turn in _TURNED.items():
+            with suppress(ValueError):  # its centre of mass is not above that face
+                found.append(self._resting_on(face, turn))
+        return tuple(found)
 
     def _resting_on(self, face: str, turn: Array) -> Resting:
         if face == "bottom":

@@ -175,18 +175,21 @@ class Registry:
                 `unreadable_file` if there is no such path.
         """
         path = Path(path)
-        if not path.is_dir():
-            where = f"{place} ({path.name})" if place else str(path)
-            self.add(load_model(path, self._kinds), place=where, over=over)
+        if not os.path.isdir(path):
+            self._load_file(path, place, over)
             return
         for file in sorted(path.glob("*.yaml")):
             free = [name for name in over if self.replaced_place(name) is None]
             try:
-                self.load(file, place=place, over=free)
+                self._load_file(file, place, free)
             except ModelError as error:
                 self._problems.append(error)
             except Exception as error:  # kinds of plug-ins may fail in any way
                 self._problems.append(_file_error(file, error))
+
+    def _load_file(self, path: Path, place: str | None, over: Collection[str]) -> None:
+        where = f"{place} ({path.name})" if place else str(path)
+        self.add(load_model(path, self._kinds), place=where, over=over)
 
     def get(self, name: str) -> ObjectModel:
         """The model of that name.

@@ -47,7 +47,8 @@ class Mount:
         given, joints = len(cell.home_deg), len(arm.joint_names)
         if given != joints:
             message = f"robot.home_deg: {given} joint angles, and the arm has {joints} joints"
-            raise SceneError("bad_scene", message)
+            hint = f"give robot.home_deg {joints} angles"
+            raise SceneError("bad_scene", message, (hint,))
         roll, pitch, yaw = np.radians(cell.base_rpy_deg)
         R_WA = rot_z(yaw) @ rot_y(pitch) @ rot_x(roll)
         return cls(arm, hand, R_WA, np.array(cell.base_m), np.radians(cell.home_deg))

@@ -186,7 +186,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
             close = difflib.get_close_matches(str(name_or_path), names, n=1)
             raise SceneError(
                 "unknown_scene",
-                f"there is no scene '{name_or_path}'; built in: {', '.join(names)}",
+                f"there is no scene '{printable(str(name_or_path))}'; built in: {', '.join(names)}",
                 tuple(f"did you mean '{c}'?" for c in close) or ("give the path of a .yaml file",),
             )
         text = (resources.files("sim") / "scenes" / f"{name_or_path}.yaml").read_text("utf-8")

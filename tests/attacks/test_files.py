@@ -1,0 +1,175 @@
+"""Generated files and options: whatever is in them, there is a model, a scene, data, or an error.
+
+Each error is one of ours, with a code, a suggestion and a message that can be printed; no case
+takes 10 s, and all of them together less than 1 GB. `NLCONTROL_ATTACKS=20000` makes as many cases.
+"""
+
+from __future__ import annotations
+
+import resource
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from nlcontrol.errors import CODES, FAMILIES, exception_info
+from nlcontrol.json_document import SCHEMA_VERSION
+from nlcontrol.outcome_maps.experiment_record import Record
+from objectmodels import ModelError, ObjectModel, Registry
+from objectmodels.identification.logs.touch_log import read_data
+from objectmodels.registry.mesh_import import FORMATS, import_mesh
+from objectmodels.registry.model_files import load_model, save_model
+from sim.truth.scene_file import load_scene, sample_world
+from tests.attacks.bad_files import (
+    ROOT,
+    good_bytes,
+    names,
+    numbers,
+    spliced,
+    yaml_files,
+)
+from tests.sizes import ATTACKS
+
+MOST_SECONDS, MOST_MEMORY = 10.0, 1_000_000  # of processor time; of memory [kB]
+
+CELLS = ["nan", "inf", "-1", "1e300", "", "x", '"', ",", ";", "\n", "\r", "\x00", "0,5", "9" * 400,
+         "slide", "topple", "#", "\n" * 50, "," * 200, "\ufeff", "e", "."]  # fmt: skip
+LINES = ["{", "}", "[" * 5000, "9" * 5000, "null", "NaN", "1e999", "\n", "\x00", '"', "\ud800", ":"]
+
+
+def attacks(share: float) -> Callable[[Any], Any]:
+    """A share of the cases of a run, always the same ones."""
+    return settings(
+        max_examples=max(10, round(share * ATTACKS)),
+        derandomize=True,
+        database=None,
+        deadline=None,
+        suppress_health_check=list(HealthCheck),
+    )
+
+
+def attack(action: Callable[[], object]) -> object:
+    """What an attack ends in; None if that is a good error."""
+    begun = time.process_time()
+    try:
+        return action()
+    except Exception as raised:
+        info = exception_info(raised)
+        if info.code == "internal":
+            raise
+        assert info.code in CODES or info.family in FAMILIES
+        assert info.suggestions, info
+        for text in (info.message, info.path or "", *info.suggestions):
+            assert text.isprintable(), info
+            assert len(text) < 1000, info
+        return None
+    finally:
+        assert time.process_time() - begun < MOST_SECONDS
+        assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < MOST_MEMORY
+
+
+def use(model: ObjectModel, folder: Path) -> None:
+    """What any command does with a model: its faces, forces, the ways it lies, its file."""
+    for face in model.faces():
+        points, normals = face.points_at([0.0], [0.5 * (face.bottom + face.top)])
+        heights = model.cone_thresholds(points, normals).critical_height
+        assert not np.isnan(heights).any()
+        for exact in (False, True):
+            model.thresholds(points, -normals, exact=exact)
+    assert model.rests
+    save_model(model, folder / "again.yaml")
+    assert load_model(folder / "again.yaml") == model
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("attacks")
+
+
+@attacks(0.35)
+@given(content=yaml_files("objectmodels/registry/builtin"))
+def test_model_files(folder: Path, content: bytes) -> None:
+    path = folder / "a.yaml"
+    path.write_bytes(content)
+    model = attack(lambda: load_model(path))
+    if isinstance(model, ObjectModel):
+        attack(lambda: use(model, folder))
+    registry = Registry()
+    registry.load(folder / "..")
+    attack(lambda: registry.load(folder))
+
+
+@attacks(0.3)
+@given(content=yaml_files("sim/scenes"))
+def test_scene_files(folder: Path, content: bytes) -> None:
+    path = folder / "scene.yaml"
+    path.write_bytes(content)
+    attack(lambda: sample_world(load_scene(path), 0).cell)
+
+
+@attacks(0.15)
+@given(content=spliced(good_bytes("examples/*.csv"), CELLS) | st.binary(max_size=300))
+def test_data_files(folder: Path, content: bytes) -> None:
+    path = folder / "data.csv"
+    path.write_bytes(content)
+    model = Registry.built_in().get("ice tea box")
+    attack(lambda: read_data([path], model))
+
+
+def _meshes() -> list[bytes]:
+    box: Any = trimesh.creation.box(extents=(0.06, 0.08, 0.2))
+    exported = [box.export(file_type=ending) for ending in ("stl", "obj", "ply", "off", "glb")]
+    return [text.encode() if isinstance(text, str) else text for text in exported]
+
+
+@attacks(0.1)
+@given(content=spliced(_meshes(), CELLS) | st.binary(max_size=300), ending=st.sampled_from(FORMATS))
+def test_mesh_files(folder: Path, content: bytes, ending: str) -> None:
+    path = folder / f"a.{ending}"
+    path.write_bytes(content)
+    attack(lambda: import_mesh(path, name="a", mass=1.0))
+
+
+@attacks(0.05)
+@given(
+    name=names, mass=st.none() | numbers, density=st.none() | numbers, friction=st.none() | numbers,
+    synonyms=st.lists(names, max_size=2).map(tuple),
+    unit=st.sampled_from(["m", "mm", "in", ""]), up=st.sampled_from(["+z", "-x", "z"]),
+)  # fmt: skip
+def test_options_of_import(folder: Path, **options: Any) -> None:
+    path = folder / "box.stl"
+    path.write_bytes(_meshes()[0])
+    attack(lambda: import_mesh(path, **options))
+
+
+HEAD = f'{{"format": "touches", "schema_version": "{SCHEMA_VERSION}"}}\n'.encode()
+LINE = (
+    b'{"key": "k", "object": "mug", "face": "front", "point": [0, 0, 0], "direction": [1, 0, 0], '
+    b'"by": "force", "seed": 0, "outcome": "slide", "force": 1.0, "detail": ""}\n'
+)
+
+
+@attacks(0.05)
+@given(content=spliced([HEAD + LINE + LINE], LINES))
+def test_records(folder: Path, content: bytes) -> None:
+    path = folder / "touches.jsonl"
+    path.write_bytes(content)
+    attack(lambda: Record(path))
+
+
+def test_a_good_file_of_each_kind_is_read(tmp_path: Path) -> None:
+    """The attacks begin at files that are good, so that they come far."""
+    (tmp_path / "touches.jsonl").write_bytes(HEAD + LINE)
+    assert Record(tmp_path / "touches.jsonl").results
+    for number, content in enumerate(_meshes()):
+        path = tmp_path / f"a.{FORMATS[number]}"
+        path.write_bytes(content)
+        assert import_mesh(path, name="a", mass=1.0)
+    with pytest.raises(ModelError):
+        load_model(ROOT / "README.md")
