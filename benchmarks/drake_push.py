@@ -63,7 +63,7 @@ class DrakeWorld:
         self.push.F_Bq_W = SpatialForce(np.zeros(3), force)
         self.applied.FixValue(self.context, [self.push])
         self.steps += 1
-        self.simulator.AdvanceTo(self.steps * STEP)
+        self.simulator.AdvanceTo(self.steps * STEP, interruptible=False)
         velocity = self.plant.EvalBodySpatialVelocityInWorld(self.context, self.body)
         return velocity.rotational(), velocity.translational()
 

@@ -173,7 +173,7 @@ class DrakeBench:
             port.FixValue(self._context, np.concatenate([place, velocity]))
 
     def _wait(self, seconds: float) -> None:
-        self._simulator.AdvanceTo(self._root.get_time() + seconds)
+        self._simulator.AdvanceTo(self._root.get_time() + seconds, interruptible=False)
 
 
 def add_tip(plant: MultibodyPlant, name: str) -> ModelInstanceIndex:

@@ -163,7 +163,7 @@ class Gantry:
         fix(self.slide).FixValue(self.context, np.array([height, rate[1]]))
         self._q, self._height = q, height
         self._time += _PERIOD
-        self._simulator.AdvanceTo(self._time)
+        self._simulator.AdvanceTo(self._time, interruptible=False)
 
     def tips(self) -> Array:
         """Where the fingertips are on the box, in B, shape (4, 3) [m]."""

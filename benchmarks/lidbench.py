@@ -227,7 +227,7 @@ class LidBench:
         for _ in range(round(seconds / PERIOD)):
             self._lids.prepare([], {})
             self._time += PERIOD
-            self._simulator.AdvanceTo(self._time)
+            self._simulator.AdvanceTo(self._time, interruptible=False)
 
 
 def _furnished(

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from nlcontrol.results.result import Result
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.conversation import Conversation
+    from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Executor, Perception, Planner
     from objectmodels import (
         BoxModel,
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from planner.types.refusal import Refusal
     from planner.types.robot import Robot
     from sim.simulated_executor import SimulatedExecutor
+    from sim.supervision import Monitor, StopToken
     from sim.traces.trace import Trace
 
 __version__ = "0.1.0"
@@ -56,7 +58,10 @@ _HOMES = {
     "ObjectModel": "objectmodels",
     "PrismModel": "objectmodels",
     "ErrorInfo": "nlcontrol.errors",
+    "Event": "nlcontrol.session.events",
     "Executor": "nlcontrol.session.executor",
+    "Monitor": "sim.supervision",
+    "StopToken": "sim.supervision",
     "Perception": "nlcontrol.session.executor",
     "Planner": "nlcontrol.session.executor",
     "Robot": "planner.types.robot",
@@ -81,10 +86,12 @@ __all__ = [
     "Conversation",
     "CylinderModel",
     "ErrorInfo",
+    "Event",
     "Executor",
     "Frame",
     "HullModel",
     "ModelError",
+    "Monitor",
     "ObjectModel",
     "ParseError",
     "Perception",
@@ -96,6 +103,7 @@ __all__ = [
     "Result",
     "Robot",
     "SimulatedExecutor",
+    "StopToken",
     "Trace",
     "__version__",
     "parse",

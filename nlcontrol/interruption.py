@@ -30,7 +30,7 @@ class Signals:
 
     def __init__(self) -> None:
         self.received: list[int] = []
-        self._wait = self._ignored = False
+        self._wait = self._held = False
         self._ask: Callable[[], None] | None = None
 
     @property
@@ -40,7 +40,7 @@ class Signals:
 
     def hold(self) -> None:
         """Takes both signals from now on, and lets them wait."""
-        self._wait = True
+        self._wait = self._held = True
         for number in EXIT_CODES:
             signal.signal(number, self._take)
 
@@ -56,8 +56,10 @@ class Signals:
             self.end()
 
     def ignore(self) -> None:
-        """Lets no signal change anything any more."""
-        self._ignored = True
+        """Lets no signal change anything any more, also while Python ends."""
+        if self._held:
+            for number in EXIT_CODES:
+                signal.signal(number, signal.SIG_IGN)
 
     @contextmanager
     def ask_first(self, ask: Callable[[], None]) -> Iterator[None]:
@@ -83,8 +85,6 @@ class Signals:
         raise KeyboardInterrupt if self.received[-1] == signal.SIGINT else Terminated
 
     def _take(self, number: int, frame: FrameType | None) -> None:
-        if self._ignored:
-            return
         self.received.append(number)
         if self._ask is not None and len(self.received) == 1:
             self._ask()

@@ -178,10 +178,13 @@ class Controller:
         state = self.look()
         return state.objects[here], state
 
-    def answer(self, frame: Frame, state: WorldState | None = None) -> Answer:
+    def answer(
+        self, frame: Frame, state: WorldState | None = None, *, stop: StopToken | None = None
+    ) -> Answer:
         """The answer to a resolved question, by what is believed now or then; nothing is moved.
 
         Raises:
+            Stopped: that was asked for.
             ControlError: why it cannot be answered.
         """
         from nlcontrol.questions.question_answers import answer
@@ -190,10 +193,14 @@ class Controller:
         return answer(
             frame,
             self.about(frame) if state is None else state,
-            lambda: self.robot,
+            lambda: self._robot_until(stop),
             self.defaults,
             position_sd=vision.position_noise_m / math.sqrt(max(vision.rate_hz * LOOK, 1.0)),
         )
+
+    def _robot_until(self, stop: StopToken | None) -> Robot:
+        """The robot to ask; it raises `Stopped` once that was asked for."""
+        return self.robot if stop is None else StoppableRobot(self.robot, stop)
 
     def about(self, frame: Frame) -> WorldState:
         """The belief about the object of a question, which may not be on the table."""
@@ -231,7 +238,7 @@ class Controller:
         made = (self.planner or plan)(
             frame,
             state,
-            self.robot if stop is None else StoppableRobot(self.robot, stop),
+            self._robot_until(stop),
             defaults=self.defaults,
             previous=previous,
             failed=failed,

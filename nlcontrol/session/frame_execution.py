@@ -58,7 +58,7 @@ def run_command(
         if frame.action == "explore" or (not plan_only and _to_be_found_out(controller, frame)):
             result = _explore_frame(controller, index, frame, result, plan_only, supervisor)
         elif frame.query is not None:
-            result = _answer_question(controller, index, frame, result)
+            result = _answer_question(controller, index, frame, result, supervisor)
         else:
             result = FrameRun(controller, index, frame, result, supervisor).run(plan_only)
         if result.error or result.status == "planned":
@@ -72,13 +72,17 @@ def run_command(
     return result
 
 
-def _answer_question(controller: Controller, index: int, frame: g.Frame, result: Result) -> Result:
+def _answer_question(
+    controller: Controller, index: int, frame: g.Frame, result: Result, supervisor: Supervisor
+) -> Result:
     """The result with the answer to one more question."""
     step = Step(frame=index, status="failed")
     try:
         state = controller.about(frame)
         step = step.model_copy(update={"basis": Basis.of(frame, state, controller.defaults)})
-        answer = controller.answer(frame, state)
+        answer = controller.answer(frame, state, stop=supervisor.stop)
+    except Stopped:
+        return _result_with_step(result, step, "cancelled", _stop_info(controller, None))
     except ControlError as raised:
         return _result_with_step(result, step, _unanswered_status(raised.info), raised.info)
     step = step.model_copy(update={"answer": answer})

@@ -104,7 +104,9 @@ class TraceRecorder:
         Raises:
             EarlyEndError: `stopped` if that was asked for, but on the way to rest.
         """
-        if self._monitor.stop.requested and self.phase not in UNSTOPPED:
+        # A trace shows where everything was seen, so that the first frame is waited for.
+        stoppable = self._newest and self.phase not in UNSTOPPED
+        if self._monitor.stop.requested and stoppable:
             raise EarlyEndError("stopped", f"it was told to stop (phase {self.phase})")
         self.port.step(q_arm, q_hand)
         self.frames = self.port.frames()

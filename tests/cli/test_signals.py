@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.interruptions import cases, interrupted, run
 from nlcontrol.interruption import EXIT_CODES, Signals, Terminated
-from tests.cli.signals import interrupted
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
 
@@ -54,6 +54,11 @@ def test_no_worker_outlives_its_parent(number: signal.Signals, tmp_path: Path) -
     ending = interrupted([*MAP, "--json"], [number], 2.5, folder=tmp_path)
     assert ending.exit_code in (EXIT_CODES[signal.SIGINT], -signal.SIGKILL)
     assert (ending.orphans, list(tmp_path.iterdir())) == ((), [])
+
+
+@pytest.mark.slow
+def test_random_times() -> None:
+    assert [wrong for case in cases(5, seed=1) for wrong in run(case)[1]] == []
 
 
 def test_a_signal_waits_then_asks_and_then_ends() -> None:
