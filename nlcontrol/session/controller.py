@@ -24,7 +24,7 @@ from nlcontrol.references.object_names import names_on_table
 from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve_references
 from nlcontrol.results.result import Result, result_with
 from nlcontrol.session.events import FORCE_RATE, Supervisor
-from nlcontrol.session.executor import Executor, Planner
+from nlcontrol.session.executor import Executor, Motion, Planner
 from nlcontrol.session.stoppable_robot import StoppableRobot
 from objectmodels import ModelError, ObjectModel, Registry
 from planner.types.plan import Plan, Reached
@@ -269,6 +269,7 @@ class Controller:
         text: str,
         *,
         plan_only: bool = False,
+        motion: Motion | None = None,
         progress: Progress | None = None,
         on_event: Callable[[Event], object] | None = None,
         stop: StopToken | None = None,
@@ -276,12 +277,15 @@ class Controller:
     ) -> Result:
         """Does what a sentence says, and tells what came of it.
 
-        A question is answered and moves nothing. Nothing is remembered from one sentence to the
-        next; see `nlcontrol.session.conversation.Conversation` for that.
+        A question is answered from what is believed, and moves nothing unless `motion` says so.
+        Nothing is remembered from one sentence to the next; see
+        `nlcontrol.session.conversation.Conversation` for that.
 
         Args:
             text: an English sentence.
             plan_only: stop before anything is executed.
+            motion: `never`, as `plan_only`; `simulate`: a question too may move the robot, where it
+                asks for a weight or a friction that is not known well and touching would tell.
             progress: told what happens during the simulation.
             on_event: told of every event on the way (`nlcontrol.session.events`).
             stop: asked all the time whether to go on; the result is then `cancelled`.
@@ -298,6 +302,7 @@ class Controller:
         return Conversation(self).say(
             text,
             plan_only=plan_only,
+            motion=motion,
             progress=progress,
             on_event=on_event,
             stop=stop,
@@ -317,6 +322,7 @@ class Controller:
         context: Context = NOTHING_SAID,
         *,
         plan_only: bool = False,
+        motion: Motion | None = None,
         progress: Progress | None = None,
     ) -> Result:
         """Does what a command says, as `say` does; see `nlcontrol.session.frame_execution`."""
@@ -330,7 +336,7 @@ class Controller:
             command = self.resolve(command, replace(context, held=held))
         except ControlError as raised:
             return result_with(result, status=status_of(raised.info), error=raised.info)
-        return run_command(self, command, result, supervisor, plan_only=plan_only)
+        return run_command(self, command, result, supervisor, plan_only=plan_only, motion=motion)
 
 
 def _initial_model(item: CellObject, registry: Registry) -> ObjectModel:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from nlcontrol.results.result import Result, Step
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.events import Event
+    from nlcontrol.session.executor import Motion
     from sim.supervision import Progress, StopToken
 
 
@@ -57,6 +58,7 @@ class Conversation:
         text: str,
         *,
         plan_only: bool = False,
+        motion: Motion | None = None,
         progress: Progress | None = None,
         on_event: Callable[[Event], object] | None = None,
         stop: StopToken | None = None,
@@ -73,13 +75,15 @@ class Conversation:
             force_rate=force_rate,
             clock=lambda: self.controller.executor.time,
         )
-        return supervisor.end(self._say(encodable_text(text), plan_only, supervisor))
+        plan_only = plan_only or motion == "never"
+        said = self._say(encodable_text(text), plan_only, motion, supervisor)
+        return supervisor.end(said)
 
-    def _say(self, text: str, plan_only: bool, progress: Progress) -> Result:
+    def _say(self, text: str, plan_only: bool, motion: Motion | None, progress: Progress) -> Result:
         command = None
         try:
             command = self.controller.parse(text)
-            return self._answer(command, plan_only, progress)
+            return self._answer(command, plan_only, motion, progress)
         except ControlError as raised:
             begun = self.controller.empty_result(text, command)
             self._last = result_with(begun, status=status_of(raised.info), error=raised.info)
@@ -87,7 +91,9 @@ class Conversation:
                 self._said = None
             return self._last
 
-    def _answer(self, command: g.Command, plan_only: bool, progress: Progress) -> Result:
+    def _answer(
+        self, command: g.Command, plan_only: bool, motion: Motion | None, progress: Progress
+    ) -> Result:
         remark = _sole_remark(command)
         if remark == "stop":
             # Sentences are carried out before the next one is read, so there is nothing to stop.
@@ -99,7 +105,7 @@ class Conversation:
         notes = self._notes(command)
         command = self._rewrite_remarks(command)
         result = self.controller.carry_out(
-            command, self.context, plan_only=plan_only, progress=progress
+            command, self.context, plan_only=plan_only, motion=motion, progress=progress
         )
         result = result_with(result, notes=notes + result.notes)
         self._remember(result)

@@ -7,7 +7,7 @@ real robot is another one: it has the members of `Executor`, and derives from no
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
 
 from sim.cell.cell_description import LOOK
 
@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from sim.exploration.trial_extraction import Recording
     from sim.supervision import Progress
     from sim.traces.trace import Trace
+
+
+Motion = Literal["never", "simulate"]
+"""Whether a sentence may move the robot: never, or a question too, to know the answer better."""
 
 
 class Perception(Protocol):

@@ -1,8 +1,9 @@
 """Sentences that have the robot find something out, by touching or by lifting.
 
-"Find out how heavy it is" always touches. "How slippery is it?" is answered from the model if the
-answer is known well enough, else by touching first; where nothing may move, the model answers. The
-experiment that tells most is done next, until what is asked is known.
+"Find out how heavy it is" touches. "How slippery is it?" is answered from the model; if that does
+not know it well, the answer says what a touch would improve, or, where a question may move the
+robot, the touch comes first. The experiment that tells most is done next, until what is asked is
+known.
 
 The other way to a weight: the object is held, lifted, weighed by the finger joints' torques and set
 down where it stood. What was believed before, perhaps from tilting it, stands beside what was felt.
@@ -12,6 +13,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol
 
+import grammar
 from grammar.frames import command as g
 from nlcontrol.errors import ControlError, error, refusal_error, whole_span
 from nlcontrol.learning.exploration_session import (
@@ -21,12 +23,18 @@ from nlcontrol.learning.exploration_session import (
     kinds_for,
     precisions_asked,
 )
-from nlcontrol.learning.lessons import felt_weight, weight_from_grasp
+from nlcontrol.learning.lessons import SPREAD, felt_weight, weight_from_grasp
 from nlcontrol.questions.answer import Answer
 from nlcontrol.questions.asked_push import target_of
 from nlcontrol.text_format import enumeration, with_sd_text
-from objectmodels.identification.experiment_design import is_precise_enough, parameter_precisions
+from objectmodels.identification.experiment_design import (
+    Candidate,
+    is_precise_enough,
+    parameter_precisions,
+    rank_candidates,
+)
 from objectmodels.mechanics.push_thresholds import GRAVITY
+from planner.touch_experiments import expected_trials, experiments
 from planner.types.actions import SetDown
 from planner.types.plan import Plan
 from planner.types.refusal import Refusal
@@ -37,6 +45,7 @@ if TYPE_CHECKING:
     from objectmodels import ObjectModel
     from planner.types.defaults import Defaults
     from planner.types.plan import PlanningResult
+    from planner.types.robot import RobotLimits
     from planner.types.world_state import WorldState
     from sim.supervision import Progress
     from sim.traces.trace import Trace
@@ -118,8 +127,41 @@ def is_unknown(frame: g.Frame, model: ObjectModel, known: float) -> bool:
     goal = frame.goal
     if frame.query != "value" or not isinstance(goal, g.Parameters) or not goal.which:
         return False
-    asked = [name for name in goal.which if name in ("mass", "friction")]
-    return any(sd > known for sd in parameter_precisions(model, asked).values())
+    return any(sd > known for sd in parameter_precisions(model, _asked(goal)).values())
+
+
+def _asked(goal: g.Parameters) -> list[str]:
+    """Parameters in a question that touching tells."""
+    return [name for name in goal.which if name in ("mass", "friction")]
+
+
+def answer_with_offer(
+    answer: Answer, frame: g.Frame, state: WorldState, limits: RobotLimits
+) -> Answer:
+    """The answer to a question for something not known well, with what one touch would improve."""
+    goal, target = frame.goal, target_of(frame, state)
+    assert isinstance(goal, g.Parameters), "no other question asks for a value"
+    asked, kinds = _asked(goal), kinds_for(_asked(goal))
+    candidates = [
+        Candidate(touch.name, expected_trials(touch, target.model))
+        for touch in experiments(target, limits)
+        if touch.kind in kinds
+    ]
+    if not candidates:
+        return answer
+    best = rank_candidates(target.model, candidates, asked, spread=SPREAD)[0]
+    better = enumeration([f"its {name} to ± {sd:.0%}" for name, sd in best.precisions.items()])
+    known = {
+        f"{name}_sd_after": getattr(target.model, name) * sd for name, sd in best.precisions.items()
+    }
+    command = grammar.paraphrase(frame.model_copy(update={"query": None, "action": "explore"}))
+    return answer.model_copy(
+        update={
+            "lines": (*answer.lines, f"one touch ({best.candidate.name}) would tell {better}"),
+            "numbers": answer.numbers | known,
+            "suggestions": (*answer.suggestions, f"say “{command}”: that touches it"),
+        }
+    )
 
 
 def explore_parameters(

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from nlcontrol.learning.learning_reports import Lesson
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.events import Supervisor
+    from nlcontrol.session.executor import Motion
 
 
 def run_command(
@@ -46,16 +47,19 @@ def run_command(
     supervisor: Supervisor,
     *,
     plan_only: bool = False,
+    motion: Motion | None = None,
 ) -> Result:
     """Does what a command says, frame after frame, up to the first that fails.
 
     With `plan_only` the first frame alone is planned: where the others start is not known yet. The
-    command's objects are resolved; the result has been begun by the controller.
+    command's objects are resolved; the result has been begun by the controller. A question moves
+    the robot with the motion `simulate` alone.
     """
     result = result_with(result, frames=command.frames)
     for index, frame in enumerate(command.frames):
         supervisor.frame = index
-        if frame.action == "explore" or (not plan_only and _to_be_found_out(controller, frame)):
+        touches = motion == "simulate" and not plan_only
+        if frame.action == "explore" or (touches and _to_be_found_out(controller, frame)):
             result = _explore_frame(controller, index, frame, result, plan_only, supervisor)
         elif frame.query is not None:
             result = _answer_question(controller, index, frame, result, supervisor)
@@ -85,6 +89,10 @@ def _answer_question(
         return _result_with_step(result, step, "cancelled", _stop_info(controller, None))
     except ControlError as raised:
         return _result_with_step(result, step, _unanswered_status(raised.info), raised.info)
+    if _to_be_found_out(controller, frame):
+        from nlcontrol.session.exploration_commands import answer_with_offer
+
+        answer = answer_with_offer(answer, frame, state, controller.robot.limits)
     step = step.model_copy(update={"answer": answer})
     return _result_with_step(result_with(result, answer=answer), step, "answered")
 

@@ -10,7 +10,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from nlcontrol.cli.console.command_options import Settings, open_controller, world_options
+from nlcontrol.cli.console.command_options import (
+    Settings,
+    motion_option,
+    open_controller,
+    world_options,
+)
 from nlcontrol.cli.console.console_output import (
     FILE,
     Narrator,
@@ -28,6 +33,7 @@ from objectmodels.files.file_writing import replace_file
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
     from nlcontrol.session.controller import Controller
+    from nlcontrol.session.executor import Motion
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -50,18 +56,21 @@ def _sentence_options(command: Command) -> Command:
 @_sentence_options
 @click.option("--plan-only", is_flag=True, help="Stop before anything is executed.")
 @click.option("--replay", type=FILE, help="Write a replay of the run, one HTML file.")
-def say(plan_only: bool, replay: Path | None, **options: Any) -> int:
+@motion_option
+def say(plan_only: bool, motion: Motion | None, replay: Path | None, **options: Any) -> int:
     """Do what SENTENCE says, in simulation, and check every clause of it; or answer it."""
-    if plan_only and replay:
+    if plan_only:
+        motion = "never"
+    if motion == "never" and replay:
         raise click.UsageError("--replay needs a run; leave out --plan-only")
-    return _answer_sentence(**options, plan_only=plan_only, replay=replay)
+    return _answer_sentence(**options, motion=motion, replay=replay)
 
 
 @click.command()
 @_sentence_options
 def plan(**options: Any) -> int:
     """Plan what SENTENCE says: where and how hard to push, and what that will do."""
-    return _answer_sentence(**options, plan_only=True, replay=None)
+    return _answer_sentence(**options, motion="never", replay=None)
 
 
 @click.command()
@@ -120,7 +129,7 @@ def _answer_sentence(
     as_json: bool,
     explain: bool,
     picture: Path | None,
-    plan_only: bool,
+    motion: Motion | None,
     replay: Path | None,
 ) -> int:
     """Carry out, plan or answer a sentence, write its files and print the result."""
@@ -128,8 +137,8 @@ def _answer_sentence(
     require_writable(picture)
     controller = open_controller(scene, seed, settings)
     print_skipped_with_words(controller.registry.problems)
-    with Narrator() as narrate, nullcontext() if plan_only else stop_on_signal() as stop:
-        result = controller.say(sentence, plan_only=plan_only, progress=narrate, stop=stop)
+    with Narrator() as narrate, nullcontext() if motion == "never" else stop_on_signal() as stop:
+        result = controller.say(sentence, motion=motion, progress=narrate, stop=stop)
     files = _write_files(controller, result, explain=explain, picture=picture, replay=replay)
     result = result.model_copy(
         update={"files": files, "explanation": result.explained() if explain else None}

@@ -16,7 +16,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from nlcontrol.cli.console.command_options import Settings, open_controller, world_options
+from nlcontrol.cli.console.command_options import (
+    Settings,
+    motion_option,
+    open_controller,
+    world_options,
+)
 from nlcontrol.cli.console.console_output import Narrator, print_skipped_with_words
 from nlcontrol.cli.console.prompt_lines import prompt_lines
 from nlcontrol.cli.console.robot_stop import exit_code_of, stop_on_signal
@@ -27,6 +32,7 @@ if TYPE_CHECKING:
     from nlcontrol.results.result import Result
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.conversation import Conversation
+    from nlcontrol.session.executor import Motion
 
 LEAVING = {"exit", "quit", "bye"}
 REMARKS = ("again", "a bit more", "no, to the left", "undo that", "why?")
@@ -38,10 +44,20 @@ WORDS = ("help", *sorted(LEAVING), "again", "a bit more", "undo that", "why")
 @click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document per line.")
 @world_options
 @click.option("--plan-only", is_flag=True, help="Stop before anything is executed.")
-def command(as_json: bool, scene: str, seed: int, settings: Settings, plan_only: bool) -> int:
+@motion_option
+def command(
+    as_json: bool,
+    scene: str,
+    seed: int,
+    settings: Settings,
+    plan_only: bool,
+    motion: Motion | None,
+) -> int:
     """Do one sentence after another: "push it away", "again", "undo that", "why?"."""
     from nlcontrol.session.conversation import Conversation
 
+    if plan_only:
+        motion = "never"
     controller = open_controller(scene, seed, settings)
     print_skipped_with_words(controller.registry.problems)
     conversation = Conversation(controller)
@@ -53,12 +69,12 @@ def command(as_json: bool, scene: str, seed: int, settings: Settings, plan_only:
             prompt_lines("nlcontrol> ", controller.cell.names, _line_beginnings())
         ) as lines:
             status = _answer_lines(
-                conversation, lines, as_json=as_json, plan_only=plan_only, at_prompt=True
+                conversation, lines, as_json=as_json, motion=motion, at_prompt=True
             )
         return status if status == EXIT_CODES[signal.SIGTERM] else OK
     if isinstance(sys.stdin, io.TextIOWrapper):
         sys.stdin.reconfigure(errors="replace")  # bytes that are no text end no shell
-    return _answer_lines(conversation, sys.stdin, as_json=as_json, plan_only=plan_only)
+    return _answer_lines(conversation, sys.stdin, as_json=as_json, motion=motion)
 
 
 def _answer_lines(
@@ -66,7 +82,7 @@ def _answer_lines(
     lines: Iterable[str],
     *,
     as_json: bool,
-    plan_only: bool,
+    motion: Motion | None,
     at_prompt: bool = False,
 ) -> int:
     """Answer line after line; return the exit code of the last that failed."""
@@ -82,7 +98,7 @@ def _answer_lines(
             # Standard output carries nothing but documents if they were asked for.
             click.echo(_help_text(conversation.controller), err=as_json)
             continue
-        result = _answer_line(conversation, text, plan_only)
+        result = _answer_line(conversation, text, motion)
         _print_answer(result, as_json)
         status = exit_code_of(result) or status
         if result.status == "cancelled" and not (at_prompt and status == EXIT_CODES[signal.SIGINT]):
@@ -90,11 +106,11 @@ def _answer_lines(
     return status
 
 
-def _answer_line(conversation: Conversation, text: str, plan_only: bool) -> Result:
+def _answer_line(conversation: Conversation, text: str, motion: Motion | None) -> Result:
     """Result of one sentence, whatever goes wrong."""
     try:
         with Narrator() as narrate, stop_on_signal() as stop:
-            return conversation.say(text, plan_only=plan_only, progress=narrate, stop=stop)
+            return conversation.say(text, motion=motion, progress=narrate, stop=stop)
     except Exception as raised:
         begun = conversation.controller.empty_result(text)
         return begun.model_copy(update={"error": exception_info(raised)})

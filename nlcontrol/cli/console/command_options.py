@@ -52,6 +52,14 @@ set_option = click.option(
 )
 
 
+motion_option = click.option(
+    "--motion",
+    type=click.Choice(["never", "simulate"]),
+    help="Whether anything may move: never, as with --plan-only; simulate: a question too may "
+    "touch an object, to know the answer better.",
+)
+
+
 def world_options(command: Command) -> Command:
     """Add --scene, --seed and --set, as `scene`, `seed` and `settings`."""
     for option in (set_option, seed_option, scene_option):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import pytest
 
@@ -90,11 +91,34 @@ def test_a_plan_tells_what_would_be_touched_and_moves_nothing(kitchen: Controlle
     assert not simulation(kitchen.executor).is_built
 
 
-def test_where_nothing_may_move_the_model_answers(kitchen: Controller) -> None:
-    result = kitchen.say("how slippery is the coffee box?", plan_only=True)
+def test_the_model_answers_a_question_and_offers_a_touch(kitchen: Controller) -> None:
+    result = kitchen.say("how slippery is the coffee box?")
     assert (result.status, simulation(kitchen.executor).is_built) == ("answered", False)
     assert result.answer is not None
     assert "0.313" in result.answer.text
+    assert result.answer.numbers["friction_sd_after"] < result.answer.numbers["friction_sd"]
+    assert "slide at the" in result.answer.lines[0]
+    (command,) = re.findall("“(.*)”", result.answer.suggestions[0])
+    assert kitchen.parse(command).frames[0].action == "explore"
+
+
+def test_what_is_known_well_is_told_without_an_offer(kitchen: Controller) -> None:
+    answer = kitchen.say("how heavy is the soup can?").answer
+    assert answer is not None
+    assert (answer.lines, answer.suggestions) == ((), ())
+
+
+def test_a_question_touches_where_the_caller_lets_it(kitchen: Controller) -> None:
+    executor = played(kitchen)
+    kitchen.say("how slippery is the coffee box?", motion="never")
+    assert not executor.touched
+    kitchen.say("how slippery is the coffee box?", motion="simulate")
+    assert executor.touched
+
+
+def test_no_motion_means_none_for_a_command_either(kitchen: Controller) -> None:
+    result = kitchen.say("push the ice tea box away", motion="never")
+    assert (result.status, simulation(kitchen.executor).is_built) == ("planned", False)
 
 
 @pytest.mark.slow
