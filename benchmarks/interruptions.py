@@ -93,19 +93,22 @@ def interrupted(
         cwd=folder,
         start_new_session=True,
     )
-    assert process.stderr is not None
-    _wait_until_taken(process)
-    told = ""
-    while after and after not in told and (line := process.stderr.readline()):
-        told += line
-    time.sleep(delay)
-    sent = time.monotonic()
-    for number in numbers:
-        if process.poll() is None:
-            process.send_signal(number)
-            sent = time.monotonic()
-            time.sleep(0.1)
-    out, error = process.communicate(timeout=PATIENCE)
+    try:
+        assert process.stderr is not None
+        _wait_until_taken(process)
+        told = ""
+        while after and after not in told and (line := process.stderr.readline()):
+            told += line
+        time.sleep(delay)
+        sent = time.monotonic()
+        for number in numbers:
+            if process.poll() is None:
+                process.send_signal(number)
+                sent = time.monotonic()
+                time.sleep(0.1)
+        out, error = process.communicate(timeout=PATIENCE)
+    finally:
+        process.kill()
     wall_time = time.monotonic() - sent
     return Ending(
         process.returncode,
@@ -182,7 +185,7 @@ def faults(case: Case, ending: Ending, left: set[str]) -> Iterator[str]:
     finished = ending.document is not None and ending.code is None
     allowed = {EXIT_CODES[number] for number in case.numbers}
     if not finished and (ending.exit_code not in allowed or ending.code != "interrupted"):
-        yield f"exit {ending.exit_code}, code {ending.code}"
+        yield f"exit {ending.exit_code}, {(ending.document or {}).get('error')}"
     if "Traceback" in ending.error:
         yield "a traceback"
     if ending.orphans:

@@ -62,11 +62,12 @@ class Signals:
                 signal.signal(number, signal.SIG_IGN)
 
     @contextmanager
-    def ask_first(self, ask: Callable[[], None]) -> Iterator[None]:
+    def ask_first(self, ask: Callable[[], None] | None) -> Iterator[None]:
         """Context in which the first signal asks for a stop.
 
         Args:
-            ask: called in the midst of anything else, so that it takes no lock.
+            ask: called in the midst of anything else, so that it takes no lock; the first signal
+                ends the command if there is none.
         """
         self.received.clear()
         self._ask = ask

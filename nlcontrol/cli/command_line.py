@@ -104,7 +104,8 @@ def run(args: Sequence[str]) -> int:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return INTERNAL
     except Exception as raised:
-        return _print_failure(raised, as_json)
+        # What a signal raises, a library may have turned into something else.
+        return _print_interruption(as_json) if SIGNALS.received else _print_failure(raised, as_json)
 
 
 def _print_usage_error(raised: click.UsageError, as_json: bool) -> int:

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.interruptions import cases, interrupted, run
+from nlcontrol.cli.console import robot_stop
 from nlcontrol.interruption import EXIT_CODES, Signals, Terminated
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
@@ -78,3 +79,13 @@ def test_a_signal_waits_then_asks_and_then_ends() -> None:
     finally:
         signal.signal(signal.SIGINT, signal.default_int_handler)
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
+@pytest.mark.parametrize(("moves", "signals"), [(True, 2), (False, 1)])
+def test_what_a_library_made_of_a_signal_does_not_count(
+    moves: bool, signals: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    signals_of_process = Signals()
+    monkeypatch.setattr(robot_stop, "SIGNALS", signals_of_process)
+    with pytest.raises(KeyboardInterrupt), robot_stop.stop_on_signal(moves=moves):
+        signals_of_process.received += [signal.SIGINT] * signals

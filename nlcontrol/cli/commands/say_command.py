@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -137,7 +136,7 @@ def _answer_sentence(
     require_writable(picture)
     controller = open_controller(scene, seed, settings)
     print_skipped_with_words(controller.registry.problems)
-    with Narrator() as narrate, nullcontext() if motion == "never" else stop_on_signal() as stop:
+    with Narrator() as narrate, stop_on_signal(moves=motion != "never") as stop:
         result = controller.say(sentence, motion=motion, progress=narrate, stop=stop)
     files = _write_files(controller, result, explain=explain, picture=picture, replay=replay)
     result = result.model_copy(

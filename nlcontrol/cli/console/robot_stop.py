@@ -32,8 +32,8 @@ class SignalToken(StopToken):
 
 
 @contextmanager
-def stop_on_signal() -> Iterator[SignalToken]:
-    """Context with a token by which the first signal stops the robot.
+def stop_on_signal(*, moves: bool = True) -> Iterator[SignalToken]:
+    """Context with a token by which the first signal stops the robot, if that moves at all.
 
     Raises:
         KeyboardInterrupt: control-C has stopped it, or was pressed twice.
@@ -46,11 +46,14 @@ def stop_on_signal() -> Iterator[SignalToken]:
         # A stream may be in the midst of a line, and must not be entered twice.
         os.write(sys.stderr.fileno(), b"\nstopping, letting go ...\n")
 
-    with SIGNALS.ask_first(ask):
+    with SIGNALS.ask_first(ask if moves else None):
         try:
             yield token
         except Stopped:
             SIGNALS.end()
+    # What a signal raises, a library may have turned into something else.
+    if len(SIGNALS.received) > int(moves):
+        SIGNALS.end()
 
 
 def exit_code_of(result: Result) -> int:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from threading import Thread
+
 import numpy as np
 import pytest
 
-from nlcontrol import Controller
+from nlcontrol import Controller, Event
 from planner.types.plan import Plan
 from sim.supervision import Monitor, StopToken
 from sim.traces.trace import Trace
@@ -88,3 +90,16 @@ def test_what_is_held_or_tilted_is_set_down(sentence: str, phase: str, delay: fl
     name = trace.pushed
     assert np.linalg.norm(trace.displacement(name)) < 0.01
     assert trace.tilt(name)[-1] < np.radians(1.0)
+
+
+@pytest.mark.slow
+def test_another_thread_stops_a_push_and_the_robot_goes_on_afterwards() -> None:
+    controller, stop = Controller("kitchen"), StopToken()
+
+    def ask(event: Event) -> None:
+        if event.phase == "push":
+            Thread(target=stop.request).start()
+
+    result = controller.say("push the ice tea box away", on_event=ask, stop=stop)
+    assert (result.status, result.execution and result.execution.end) == ("cancelled", "stopped")
+    assert controller.say("push the ice tea box 3 cm to the left").ok

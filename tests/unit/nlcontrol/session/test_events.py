@@ -13,9 +13,11 @@ from nlcontrol.errors import ControlError
 from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.events import KINDS, Event, EventKind
 from objectmodels import ObjectModel
+from planner.touch_experiments import Experiment
 from planner.types.actions import Grasp, Push
 from planner.types.robot import ReachAnswer, ReachEffort
 from planner.types.world_state import Held, WorldState
+from sim.exploration.trial_extraction import Recording
 from sim.supervision import Stopped, StopToken
 from sim.traces.trace import Trace
 from tests.fakes.played_executor import PlayedExecutor, played
@@ -96,6 +98,25 @@ def _held() -> Held:
         width=0.08, squeeze=5.0, needed=3.0, strongest=20.0,
     )  # fmt: skip
     return Held("mug", grasp, 0.1, (0.0,) * 7)
+
+
+def test_an_exploration_stops_before_the_next_touch(controller: Controller) -> None:
+    stage, stop = played(controller), StopToken()
+    touch = stage.touch
+
+    def touch_and_stop(experiment: Experiment, *rest: Any) -> Recording:
+        stop.request()
+        return touch(experiment, *rest)
+
+    stage.touch = touch_and_stop  # type: ignore[assignment,method-assign]
+    result = controller.say("find out how heavy the ice tea box is", stop=stop)
+    assert (result.status, len(stage.touched)) == ("cancelled", 1)
+
+
+def test_a_question_is_not_answered_any_more(controller: Controller) -> None:
+    stop = StopToken()
+    stop.request()
+    assert controller.say("can you push the ice tea box?", stop=stop).status == "cancelled"
 
 
 def test_planning_stops_at_the_next_question_to_the_robot(controller: Controller) -> None:
