@@ -13,9 +13,11 @@ from pathlib import Path
 from objectmodels.errors import ModelError
 from objectmodels.files.file_reading import error_of_system
 
-_PREFIX = ".nlcontrol-"
+PREFIX = ".nlcontrol-"
+"""Beginning of the names of temporary files."""
+
 _STALE = 600.0  # age from which on nobody writes a temporary file any more [s]
-_PATIENCE, _PAUSE = 10.0, 0.02  # waiting for another process that changes the same folder [s]
+_PATIENCE, _PAUSE = 60.0, 0.02  # waiting for another process that changes the same folder [s]
 
 
 @contextlib.contextmanager
@@ -42,7 +44,7 @@ def replace_file(path: Path, *, private: bool = False) -> Iterator[Path]:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         _remove_leftovers(path.parent)
-        handle, name = tempfile.mkstemp(prefix=_PREFIX, suffix=path.suffix, dir=path.parent)
+        handle, name = tempfile.mkstemp(prefix=PREFIX, suffix=path.suffix, dir=path.parent)
         os.close(handle)
         temporary = Path(name)
         try:
@@ -111,7 +113,7 @@ def _try_lock(handle: int) -> bool:
 
 def _remove_leftovers(folder: Path) -> None:
     """Removes temporary files that nobody writes any more."""
-    for left in folder.glob(f"{_PREFIX}*"):
+    for left in folder.glob(f"{PREFIX}*"):
         with contextlib.suppress(OSError):
             if time.time() - left.stat().st_mtime > _STALE:
                 left.unlink()

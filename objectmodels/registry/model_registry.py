@@ -178,7 +178,8 @@ class Registry:
         if not os.path.isdir(path):
             self._load_file(path, place, over)
             return
-        for file in sorted(path.glob("*.yaml")):
+        # Hidden files are those that are being written, or that others keep beside their own.
+        for file in sorted(path.glob("[!.]*.yaml")):
             free = [name for name in over if self.replaced_place(name) is None]
             try:
                 self._load_file(file, place, free)

@@ -69,7 +69,7 @@ def mutated_documents(draw: st.DrawFn, folder: str) -> bytes:
         elif isinstance(holder, dict):
             holder[draw(names)] = draw(odd_values)
         else:
-            holder.extend([draw(odd_values)] * draw(st.integers(1, 3000)))
+            holder.extend([draw(numbers)] * draw(st.integers(1, 3000)))
         if not places(document):
             break
     return _text(document).encode("utf-8", "surrogatepass")

@@ -35,6 +35,12 @@ def test_a_broken_file_is_not_written_over(objects_folder: Path) -> None:
     assert (objects_folder / "crate.yaml").read_text() == "name: crate, half"
 
 
+def test_a_file_that_is_being_written_is_no_model_yet(objects_folder: Path) -> None:
+    path, _ = store_model(Registry.default(), box("crate"))
+    (objects_folder / ".nlcontrol-x.yaml").write_bytes(path.read_bytes())
+    assert Registry.default().problems == ()
+
+
 def test_ones_own_model_is_replaced_only_if_that_is_asked_for(objects_folder: Path) -> None:
     store_model(Registry.default(), box("crate"))
     with pytest.raises(ModelError) as raised:
