@@ -11,6 +11,7 @@ import math
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
+from threading import RLock
 from typing import TYPE_CHECKING
 
 from grammar.frames.command import Command, Frame
@@ -26,6 +27,7 @@ from nlcontrol.results.result import Result, result_with
 from nlcontrol.session.events import FORCE_RATE, Supervisor
 from nlcontrol.session.executor import Executor, Motion, Planner
 from nlcontrol.session.stoppable_robot import StoppableRobot
+from nlcontrol.session.turns import in_turn
 from objectmodels import ModelError, ObjectModel, Registry
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
@@ -50,7 +52,7 @@ if TYPE_CHECKING:
 
 
 class Controller:
-    """A robot at a table, ready to be told what to do.
+    """A robot at a table, ready to be told what to do; threads that share it take turns.
 
     Args:
         scene: name of a built-in scene, path of a scene file, or a scene, to be simulated.
@@ -75,6 +77,7 @@ class Controller:
         seed: int = 0,
         defaults: Defaults | None = None,
     ) -> None:
+        self.turn = RLock()
         with known_errors_raised():
             if executor is None:
                 from sim.simulated_executor import SimulatedExecutor
@@ -102,6 +105,7 @@ class Controller:
         """Extent of the table top."""
         return self.cell.table.extent
 
+    @in_turn
     def parse(self, text: str) -> Command:
         """The frames of a sentence.
 
@@ -120,6 +124,7 @@ class Controller:
         models = (name for model in self.registry for name in (model.name, *model.synonyms))
         return parser_for({*objects, *models})
 
+    @in_turn
     def resolve(self, command: Command, context: Context = NOTHING_SAID) -> Command:
         """The command with every object bound to one on the table, and lengths in metres.
 
@@ -133,6 +138,7 @@ class Controller:
         on_table = names_on_table(self.cell.objects, self.models)
         return resolve_references(command, on_table, tuple(self.registry), self.look, context)
 
+    @in_turn
     def look(self) -> WorldState:
         """The robot's belief now: poses from the camera port, models from the registry."""
         with executor_failures_raised():
@@ -143,6 +149,7 @@ class Controller:
         """The object in the hand, as the robot knows; None if it holds nothing."""
         return self.executor.held
 
+    @in_turn
     def affordances(self, name: str) -> tuple[Affordance, ...]:
         """Outcomes that this robot can bring about with an object; for the others, why not.
 
@@ -158,6 +165,7 @@ class Controller:
         seen, state = self.surroundings(name)
         return affordances(seen, state, self.robot, defaults=self.defaults)
 
+    @in_turn
     def surroundings(self, name: str) -> tuple[SeenObject, WorldState]:
         """An object and everything about it that is believed.
 
@@ -178,6 +186,7 @@ class Controller:
         state = self.look()
         return state.objects[here], state
 
+    @in_turn
     def answer(
         self, frame: Frame, state: WorldState | None = None, *, stop: StopToken | None = None
     ) -> Answer:
@@ -202,11 +211,13 @@ class Controller:
         """The robot to ask; it raises `Stopped` once that was asked for."""
         return self.robot if stop is None else StoppableRobot(self.robot, stop)
 
+    @in_turn
     def about(self, frame: Frame) -> WorldState:
         """The belief about the object of a question, which may not be on the table."""
         name = frame.object.id if frame.object else None
         return self.look() if name is None else self.surroundings(name)[1]
 
+    @in_turn
     def plan(
         self,
         frame: Frame,
@@ -248,22 +259,26 @@ class Controller:
             require_checkable(frame)
         return made
 
+    @in_turn
     def execute(self, plan: Plan, progress: Progress | None = None) -> Trace:
         """Carries out a plan; see `nlcontrol.session.executor.Executor.execute`."""
         with executor_failures_raised():
             return self.executor.execute(plan, self.models, progress)
 
+    @in_turn
     def watch(self, name: str) -> Trace:
         """A look during which nothing is done; see `nlcontrol.session.executor.Executor.watch`."""
         with executor_failures_raised():
             return self.executor.watch(name)
 
+    @in_turn
     def check(self, frame: Frame, trace: Trace) -> tuple[Check, ...]:
         """A verdict for each clause of a frame."""
         from nlcontrol.checks.frame_checks import check
 
         return check(frame, trace, self.models, self.table, defaults=self.defaults)
 
+    @in_turn
     def say(
         self,
         text: str,
@@ -316,6 +331,7 @@ class Controller:
             return result
         return result_with(result, paraphrase=command.paraphrase, frames=command.frames)
 
+    @in_turn
     def carry_out(
         self,
         command: Command,

@@ -25,6 +25,7 @@ from nlcontrol.results.result import result_with
 from nlcontrol.session import follow_up_frames as follow_up
 from nlcontrol.session.events import FORCE_RATE, Supervisor
 from nlcontrol.session.frame_execution import status_of
+from nlcontrol.session.turns import in_turn
 from nlcontrol.session.undo_frames import PastPush, undo_frames, undo_text
 from nlcontrol.text_format import encodable_text, quantity
 
@@ -36,23 +37,30 @@ if TYPE_CHECKING:
     from sim.supervision import Progress, StopToken
 
 
+REMEMBERED = 50
+"""Pushes that can be undone."""
+
+
 class Conversation:
     """Sentences said one after another to one robot.
 
     Attributes:
         controller: the robot.
         context: what was spoken of, for "it" and "that one".
-        past: pushes that were carried out and not undone, the most recent last.
+        past: pushes that were carried out and not undone, the most recent last; no more than
+            `REMEMBERED`.
     """
 
     def __init__(self, controller: Controller) -> None:
         self.controller = controller
+        self.turn = controller.turn
         self.context = Context()
         self.past: list[PastPush] = []
         self._last: Result | None = None  # what "why" is about
         self._said: Result | None = None  # what "no, …" is about; None if it was not understood
         self._done: Result | None = None  # the last command, what "a bit more" is about
 
+    @in_turn
     def say(
         self,
         text: str,
@@ -129,6 +137,7 @@ class Conversation:
             if step.execution and step.plan and step.before:
                 done, before = step.plan, step.before
                 self.past.append(PastPush(kept, done.object, before, done.task))
+        del self.past[:-REMEMBERED]
 
     def _speak_of(self, frames: Sequence[g.Frame]) -> None:
         parts = (part for frame in reversed(frames) for part in parts_within(frame))
