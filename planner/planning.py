@@ -14,11 +14,13 @@ Frames: W is the world, B the object.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from grammar.frames import command as g
 from planner.problem.frame_interpretation import grasp_problem, interpret_frame, require_upright
 from planner.problem.place_regions import region
 from planner.problem.planning_problem import is_handled
+from planner.problem.search_budget import SearchBudget
 from planner.pushing.strategies import plan_pushes
 from planner.refusals.refusal_builder import no_plan
 from planner.types.defaults import DEFAULTS, Defaults
@@ -37,6 +39,7 @@ def plan(
     previous: Plan | None = None,
     failed: Sequence[FailedPush] = (),
     notify: Callable[[str], None] = lambda _: None,
+    budget: SearchBudget | None = None,
 ) -> PlanningResult:
     """Plan what satisfies a frame: pushes, or what a whole hand does.
 
@@ -48,23 +51,25 @@ def plan(
         previous: the plan whose first push was made last; its aim is kept.
         failed: pushes of this frame that went wrong; their contacts are not tried again.
         notify: called with a sentence before a search that takes long.
+        budget: of work; one of `defaults.most_work` if not given.
 
     Returns:
         A plan; that nothing is left to be done; or the reason why there is no plan.
     """
+    budget = SearchBudget(defaults.most_work) if budget is None else budget
     only_pushes = robot.limits.grasp_widths is None or previous is not None
     try:
         if not only_pushes and is_handled(frame) and not _is_placed(frame, state, defaults):
             grasps = Alternatives()
             with grasps:
-                return _plan_with_hand(frame, state, robot, defaults)
+                return _plan_with_hand(frame, state, robot, defaults, budget)
             if frame.goal.kind != "place" or state.held is not None:
                 raise grasps.first
         problem = interpret_frame(frame, state, defaults, robot, previous=previous, failed=failed)
         if state.held is not None:
             raise no_plan("hand_not_free", object=state.held.name)
         require_upright(problem.target)
-        return plan_pushes(problem, notify)
+        return plan_pushes(replace(problem, budget=budget), notify)
     except NoPlanError as error:
         return error.refusal
 
@@ -80,12 +85,12 @@ def _is_placed(frame: g.Frame, state: WorldState, defaults: Defaults) -> bool:
 
 
 def _plan_with_hand(
-    frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults
+    frame: g.Frame, state: WorldState, robot: Robot, defaults: Defaults, budget: SearchBudget
 ) -> Plan | Reached:
     """Plan a grasp and the steps after it, or what a fingertip does to a lid."""
     from planner.grasping import lid_planner, lift_planner, pour_planner  # pushes do without them
 
-    problem = grasp_problem(frame, state, robot, defaults)
+    problem = replace(grasp_problem(frame, state, robot, defaults), budget=budget)
     match frame.goal:
         case g.Lift() as goal:
             return lift_planner.lift(problem, goal)

@@ -323,7 +323,7 @@ def first_reachable_plan(problem: GraspProblem, action: PlanTask, ways: Sequence
     """
     answers: list[ReachAnswer] = []
     unlikely: Plan | None = None
-    for hold, draft in ways:
+    for number, (hold, draft) in enumerate(ways):
         made = _plan_with_grasp(problem, action, hold, draft)
         made = made.model_copy(update={"considered": len(ways), "satisfying": len(ways)})
         if made.probability < problem.effort.probability:
@@ -331,7 +331,9 @@ def first_reachable_plan(problem: GraspProblem, action: PlanTask, ways: Sequence
             continue
         if len(answers) == problem.defaults.most_grasps:
             break
+        problem.budget.require_rest(problem.target.name, len(ways) - number)
         answers.append(problem.robot.reach_plan(made, problem.state))
+        problem.budget.spend(answers[-1].work)
         if answers[-1].ok:
             return made
     doing, name = problem.goal.doing, problem.target.name

@@ -17,6 +17,7 @@ import numpy as np
 
 from grammar.frames import command as g
 from objectmodels.geometry.side_faces import Face
+from planner.problem.search_budget import SearchBudget
 from planner.types.actions import Aim, FaceName, Limits, StopEvent
 from planner.types.defaults import Defaults
 from planner.types.plan import DefaultUsed, Plan
@@ -240,6 +241,7 @@ class PlanningProblem(Generic[GoalT]):
         defaults_used: what the sentence left open.
         previous: the plan whose first push was made last; its aim is kept.
         failed: pushes of this frame that went wrong.
+        budget: of work, shared by all that is tried.
     """
 
     frame: g.Frame
@@ -255,6 +257,7 @@ class PlanningProblem(Generic[GoalT]):
     defaults_used: tuple[DefaultUsed, ...] = ()
     previous: Plan | None = None
     failed: tuple[FailedPush, ...] = field(default=())
+    budget: SearchBudget = field(default_factory=SearchBudget)
 
     @property
     def others(self) -> Mapping[str, SeenObject]:

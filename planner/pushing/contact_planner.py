@@ -23,7 +23,7 @@ from planner.problem.tilt_goals import push_with_tilt
 from planner.pushing import outcome_prediction
 from planner.pushing.contact_diagnosis import contact_refusal, require_place
 from planner.pushing.contact_sampling import Contact, Contacts, rate_contacts
-from planner.pushing.search_budget import ContactQueries, ReachSearch
+from planner.pushing.reach_search import ContactQueries, ReachSearch
 from planner.pushing.touchable_sides import push_direction, require_room, touchable_sides
 from planner.refusals.reach_refusals import no_push_reached
 from planner.refusals.refusal_builder import no_plan
@@ -32,6 +32,7 @@ from planner.types.refusal import Alternatives, NoPlanError
 
 _OF_A_CASE = 0.6  # share of the contacts asked for that may be equally sure
 _FLAT = math.radians(85.0)  # a box that leans so far lies
+_RATED, _CONFIRMED = 1, 3  # units of work of a face rated and of a contact confirmed
 _SLACK = 0.03  # travel of a topple beyond what the model says, for what it does not know [m]
 
 
@@ -95,7 +96,11 @@ def _best_candidate(
     for rated in rate_contacts(problem, step, sides):
         strong, needed = _strong_enough(problem, step, rated)
         least = min(least, needed)
-        for contact in _in_order(problem, step, strong):
+        problem.budget.spend(_RATED * len(sides))
+        order = _in_order(problem, step, strong)
+        for number, contact in enumerate(order):
+            problem.budget.require_rest(problem.target.name, len(order) - number)
+            problem.budget.spend(_CONFIRMED)
             if not outcome_prediction.confirm_with_exact_tier(problem, step, contact):
                 doubted = True
                 continue

@@ -20,7 +20,7 @@ from planner.problem.place_regions import object_at
 from planner.problem.planning_problem import PushProblem, PushStep
 from planner.pushing import push_paths, turn_planner
 from planner.pushing.contact_planner import PushCandidate, best_push
-from planner.pushing.search_budget import ReachSearch
+from planner.pushing.reach_search import ReachSearch
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Aim, Push
 from planner.types.plan import Reached

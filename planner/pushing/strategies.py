@@ -21,7 +21,7 @@ from planner.problem.goal_poses import pose_as_aim
 from planner.problem.planning_problem import PushProblem
 from planner.pushing.contact_planner import PushCandidate
 from planner.pushing.push_sequence import PushSequencePlanner, require_one_push
-from planner.pushing.search_budget import ReachSearch
+from planner.pushing.reach_search import ReachSearch
 from planner.pushing.topple_planner import TopplePlanner
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Aim, Limits, Push
@@ -225,8 +225,12 @@ def plan_pushes(
         NoPlanError: none finds one.
     """
     so_far: list[FailedStrategy] = []
+    budget, untried = problem.budget, 0
     for strategy in STRATEGIES:
         if not strategy.applies(problem, so_far):
+            continue
+        if budget.is_used_up:
+            untried += 1
             continue
         relaxed = strategy.relax(problem, so_far)
         if relaxed.effort.thorough:
@@ -243,6 +247,8 @@ def plan_pushes(
         why = f"another way, since {deciding_refusal(so_far).message}"
         notes = (why, *strategy.notes(relaxed, made.aim), *made.notes)
         return made.model_copy(update={"notes": notes})
+    if untried or so_far[-1].refusal.code == "work_used_up":
+        raise budget.dead_end(problem.target.name, untried)
     raise NoPlanError(deciding_refusal(so_far))
 
 

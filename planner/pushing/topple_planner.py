@@ -22,7 +22,7 @@ from planner.pushing.push_paths import (
     push_headings,
 )
 from planner.pushing.push_sequence import PushSequencePlanner, path_clearances
-from planner.pushing.search_budget import ReachSearch
+from planner.pushing.reach_search import ReachSearch
 from planner.pushing.touchable_sides import straightest_side
 from planner.refusals.refusal_builder import no_plan
 from planner.types.actions import Aim, Push

@@ -45,6 +45,11 @@ _GIVEN_UP = (
     "the search was given up after {looks:count} pushes of the {object}; {out_of_reach:count} of "
     "them are out of the hand's reach, the first since {last}"
 )
+_USED_UP = (
+    "the search for a plan was given up after {work:count} units of work, all that one plan may "
+    "take; {untried:count} more ways to touch the {object} and {untried_strategies:count} other "
+    "strategies were not tried"
+)
 _OFF_TABLE = (
     "the table ends after {room:mm} in that direction; {distance:mm} would push the {object} off it"
 )
@@ -156,6 +161,7 @@ _PUSHES = {
     ),
     "no_push_reached": _out_of_reach(_UNREACHED, ("another direction",)),
     "pushes_blocked": _blocked(_UNREACHED, ("move the {blocker}",)),
+    "work_used_up": _out_of_time(_USED_UP, ("--set most_work={more:count}",)),
     "search_given_up": _out_of_time(_GIVEN_UP, ("another direction",)),
     "search_blocked": _out_of_time(_GIVEN_UP, ("move the {blocker}",)),
 }

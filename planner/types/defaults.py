@@ -51,6 +51,7 @@ Time = Annotated[float, Kind("s", "_s", 1.0, 1000.0)]
 Share = Annotated[float, Kind("", "", 1.0, 1.0)]
 Probability = Annotated[float, Kind("", "", 1.0, 0.9999)]
 Count = Annotated[int, Kind("", "", 1.0, 1000.0, whole=True)]
+Work = Annotated[int, Kind("", "", 1.0, 1e6, whole=True)]
 Factor = Annotated[float, Kind("", "", 1.0, 10.0)]
 
 
@@ -111,8 +112,7 @@ class Defaults:
         edge_gap: between an object at the table's edge and that edge [m].
         edge_tolerance: of that gap [m].
         centre_tolerance: of the middle of the table [m].
-        clear_tolerance: of a distance that is to be kept from another object, from their shapes
-            [m].
+        clear_tolerance: of a distance that is kept from another object, between shapes [m].
         in_line_tolerance: between two objects that are in line [m].
         tap: the farthest that an object is to go when it is only touched [m].
         turn: angle of a turn, if none is said [rad].
@@ -169,14 +169,13 @@ class Defaults:
         pour_least: share of what was to be poured in that must arrive, if no volume is said.
         pour_share: by which the volume that arrives may differ from one that is said.
         pour_margin: the same as a volume; the larger of the two counts [m³].
-        most_contacts: of one push, with as many fingertips, for which it is asked whether the hand
-            gets there.
+        most_contacts: of a push with as many fingers for which it is asked if the hand gets there.
         most_contacts_last: the same before it is refused that the hand gets there.
         most_looks: pushes for which one plan asks whether the hand gets there.
         most_looks_last: the same once more before it is refused that the hand gets there.
+        most_work: work of one plan; a quiet core does a thousand in about a second.
         most_pushes: pushes made for one frame before it is given up.
-        known_to: relative standard deviation up to which a property counts as known: a question
-            about it is then answered without touching the object.
+        known_to: relative standard deviation up to which a question is answered without touching.
         found_to: relative standard deviation to which a property is found out by touching.
     """
 
@@ -274,6 +273,7 @@ class Defaults:
     most_contacts_last: Count = 24
     most_looks: Count = 100
     most_looks_last: Count = 300
+    most_work: Work = 10_000
     most_pushes: Count = 12
     known_to: Share = 0.10
     found_to: Share = 0.03

@@ -33,6 +33,7 @@ class ReachAnswer:
         blocker: name of the obstacle, if one is in the way.
         margin: if ok, smallest distance to a joint limit on the way [rad].
         numbers: figures behind the answer [SI].
+        work: units of work behind it, whatever was known before; see `Defaults.most_work`.
     """
 
     ok: bool
@@ -41,6 +42,7 @@ class ReachAnswer:
     blocker: str | None = None
     margin: float = 0.0
     numbers: dict[str, float] = field(default_factory=dict)
+    work: int = 1
 
 
 @dataclass(frozen=True, eq=False)

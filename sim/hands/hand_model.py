@@ -124,6 +124,11 @@ class PostureSet:
         far = np.hypot(self.centres[..., 0], self.centres[..., 1]) + self.radii
         return float(far.max(initial=0.0))
 
+    def palms_along(self, R_WD: Array, points: Array) -> tuple[Array, Array]:
+        """Palm poses in W with T at points, shapes (n, w, 3, 3) and (n, w, 3); see below."""
+        p_WP = points + (R_WD @ self.palm[:, None, :, None])[..., 0]
+        return R_WD @ self.R_DP[:, None], p_WP
+
     def spheres_along(self, R_WD: Array, points: Array) -> Array:
         """The spheres in W with T at w points, shape (n, w, k, 4).
 

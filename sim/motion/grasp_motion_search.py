@@ -52,6 +52,7 @@ _LARGEST_STEP = 0.6  # more change of a joint between poses that are looked at i
 _HOMESICK = 0.1  # room to the limits that a joint's being one radian nearer to home is worth
 _MOST_ARMS, _MOST_TRANSITS = 40, 4
 _SAME = 0.15  # a joint's change up to which an arm is in the pose in which it was left [rad]
+_BEGUN, _SOLVED, _FOLLOWED, _ROAD = 4, 5, 2, 1  # units of work of the parts of a search
 _SWING = 5.0  # between elbow angles while it swings [degrees]
 _RAISED = (0.10, 0.20, 0.30)  # of places above the first pose of the hand [m]
 
@@ -70,6 +71,7 @@ class GraspMotion:
         there, back: arm poses between home and the first pose, and between the last one and home;
             with something held already, `there` is how the elbow swings to its angle.
         room: least room to the joint limits [rad].
+        work: units of work behind it.
     """
 
     mount: Mount
@@ -82,6 +84,7 @@ class GraspMotion:
     there: tuple[Array, ...] = ()
     back: tuple[Array, ...] = ()
     room: float = 0.0
+    work: int = 1
 
     def joint_angles(self, R_WB: Array, p_WB: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Arm angles for object poses, shape (n, joints), and which of them are reached, (n,)."""
@@ -95,6 +98,9 @@ class GraspMotionSearch:
     """The search for one plan; `spare` [m] as of `CollisionScene.from_state`.
 
     The open hand gets off the object by a vector in W, shape (3,) [m].
+
+    Attributes:
+        work: units of work done so far.
     """
 
     def __init__(
@@ -105,6 +111,7 @@ class GraspMotionSearch:
         off: Array,
         spare: float = 0.0,
     ) -> None:
+        self.work = _BEGUN
         self._mount = mount
         self._grip = grip
         plan, state = handled.plan, handled.state
@@ -157,6 +164,7 @@ class GraspMotionSearch:
         blocked = self._hand_blocked()
         if blocked is not None:
             return blocked
+        self.work += _SOLVED
         q, elbow, branch, room = self._arm_solutions()
         if not len(q):
             return ReachAnswer(
@@ -165,6 +173,7 @@ class GraspMotionSearch:
         hindered: str | None = None
         tried = 0
         for k in range(min(len(q), _MOST_ARMS)):
+            self.work += _FOLLOWED
             what = self._arm_blocked(q[k])
             if what is not None:
                 hindered = hindered or what
@@ -349,6 +358,7 @@ class GraspMotionSearch:
         open_hand = self._hand_spheres(is_open=True)
 
         def is_free(q: Array) -> NDArray[np.bool_]:
+            self.work += _ROAD
             return self._scenery.is_free(self._mount.robot_spheres(open_hand, q), stands)
 
         arm, home = self._mount.arm, self._mount.home
@@ -367,14 +377,16 @@ def best_grasp_motion(
 ) -> GraspMotion | ReachAnswer:
     """The best way through a plan with a grasp, or why there is none; see `GraspMotionSearch`."""
     first: ReachAnswer | None = None
-    handled = HeldObject.from_plan(plan, state)
+    handled, work = HeldObject.from_plan(plan, state), 0
     for off in withdrawal_vectors(handled.grasp, handled.held):
-        found = GraspMotionSearch(mount, handled, grip, off, spare).best_motion()
+        search = GraspMotionSearch(mount, handled, grip, off, spare)
+        found = search.best_motion()
+        work += search.work
         if isinstance(found, GraspMotion):
-            return found
+            return replace(found, work=work)
         first = first or found
     assert first is not None, "there is a way off everything"
-    return first
+    return replace(first, work=work)
 
 
 def _in_itself(held: Obstacle) -> Obstacle:

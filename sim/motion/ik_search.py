@@ -32,6 +32,7 @@ _LIFTS = np.array([0.36, 0.30, 0.24, 0.18])  # heights of T above the start, the
 _DESCENT = np.linspace(0.0, 1.0, 6)
 _LARGEST_STEP = 1.0  # more change of a joint between points of the way is a jump [rad]
 _HOMESICK = 0.2  # room to the limits that a joint's being one radian nearer to home is worth
+_WORK = 4  # units of work of what is followed together
 _FOLLOWED, _SOLVED = 24, 240  # solutions that are followed along the way together, and in all
 
 
@@ -74,6 +75,7 @@ class PushIkSearch:
 
     Attributes:
         too_weak: whether an arm did not bear the force of the push.
+        work: units of work done so far.
     """
 
     def __init__(self, mount: Mount, push: Push, points: Array, R_WD: Array) -> None:
@@ -82,6 +84,7 @@ class PushIkSearch:
         self._points = points
         self._R_WD = R_WD
         self.too_weak = False
+        self.work = 0
 
     def solutions_along(self, hands: PostureSet, least: float) -> Iterator[IkSolutions]:
         """Solutions that are reachable and strong enough, the best first, some at a time.
@@ -93,6 +96,7 @@ class PushIkSearch:
         hand, elbow, branch = self._at_both_ends(hands, least)
         for first in range(0, len(hand), _FOLLOWED):
             few = slice(first, first + _FOLLOWED)
+            self.work += _WORK
             solved = self._follow_path(hands, hand[few], elbow[few], branch[few])
             solved = solved[solved.room > least]
             strong = self._bear_force(solved)
@@ -190,9 +194,7 @@ def solve_poses(
         Angles, shape (n, w, branches, joints), and which of them are to be used, shape
         (n, w, branches).
     """
-    R_WP = R_WD @ hands.R_DP[:, None]
-    p_WP = points + (R_WD @ hands.palm[:, None, :, None])[..., 0]
-    q, usable = mount.solve_palm(R_WP, p_WP, elbow)
+    q, usable = mount.solve_palm(*hands.palms_along(R_WD, points), elbow)
     return q, usable & (mount.arm.joint_room(q) > LIMIT_MARGIN)
 
 

@@ -31,7 +31,7 @@ from sim.collision.collision_scene import (
 )
 from sim.hands.hand_model import PostureSet
 from sim.hands.mount import Mount
-from sim.motion.arm_configuration import ArmConfiguration, UnreachableError
+from sim.motion.arm_configuration import ArmConfiguration
 from sim.motion.ik_search import ENOUGH_MARGIN, IkSolutions, PushIkSearch, descent_points, in_range
 from sim.motion.roadmap import (
     LIMIT_MARGIN,
@@ -48,6 +48,7 @@ _OVER = 0.47  # height of T in places over the table [m]
 _RAISED = (0.4, 0.8, 1.2)  # how far the arm swings up halfway [rad]
 
 _AT_ONCE, _ASKED = 48, 12  # hands that are looked at together, and the arm is asked for
+_BEGUN, _LOOKED, _ROAD = 1, 2, 1  # units of work: to begin, of some hands, of some arm poses
 _BACK_POINTS = 4  # places on the way back from a turned face that are looked at
 
 
@@ -100,6 +101,7 @@ class PushMotionSearch:
         effort: Effort,
         spare: float = 0.0,
     ) -> None:
+        self._work = _BEGUN
         self._effort = effort
         self._mount = mount
         self._push = push
@@ -116,6 +118,11 @@ class PushMotionSearch:
             self._scenery.pushed.after_motion(touch, self._points[max(k, 1)], float(turn))
             for k, turn in enumerate(way.turns_at())
         ]
+
+    @property
+    def work(self) -> int:
+        """Units of work done so far."""
+        return self._work + self._arms.work
 
     def best_configuration(
         self, hands: PostureSet
@@ -136,9 +143,7 @@ class PushMotionSearch:
         ):
             asked += len(some)
             least = LIMIT_MARGIN if best is None else best.room
-            stances = (
-                found for found in self._configurations(some, least) if self._comes_off(found)
-            )
+            stances = self._configurations(some, least)
             for found in itertools.islice(stances, self._effort.most_transits):
                 via = self._way_there(found, self._transit_places(found))
                 if via is not None:
@@ -189,6 +194,7 @@ class PushMotionSearch:
         R_WD, points = self._swept_path() if near else (self._R_WD[:2], self._points[:2])
         for first in range(0, len(hands), _AT_ONCE):
             some = hands[first : first + _AT_ONCE]
+            self._work += _LOOKED
             robot = some.spheres_along(R_WD, points)
             free = np.ones(len(some), dtype=bool)
             # The fingertips come last; they alone may touch the pushed object.
@@ -228,18 +234,19 @@ class PushMotionSearch:
             least: only what has more room than this to the joint limits [rad].
         """
         for solved in self._arms.solutions_along(hands, least):
-            for k in np.flatnonzero(self._are_unhindered(hands, solved)).tolist():
-                hand = solved.hand[k]
+            unhindered = solved[self._are_unhindered(hands, solved)]
+            free = unhindered[self._come_off(hands, unhindered)]
+            for k, hand in enumerate(free.hand.tolist()):
                 stance = ArmConfiguration(
                     mount=self._mount,
                     posture=hands.posture_at(hand),
                     R_WP=self._R_WD[0] @ hands.R_DP[hand],
-                    elbow=float(solved.elbow[k]),
-                    branch=int(solved.branch[k]),
-                    lift=float(solved.lift[k]),
+                    elbow=float(free.elbow[k]),
+                    branch=int(free.branch[k]),
+                    lift=float(free.lift[k]),
                 )
                 strength = self._push.fingers * float(hands.strength[hand])
-                yield _Found(stance, solved.descent[k, 0], float(solved.room[k]), strength)
+                yield _Found(stance, free.descent[k, 0], float(free.room[k]), strength)
 
     # -- whole arms -----------------------------------------------------------------------------
 
@@ -262,32 +269,37 @@ class PushMotionSearch:
 
         def is_free(q: Array) -> NDArray[np.bool_]:
             # The hand comes back the same way, when the object is where it was pushed.
+            self._work += _ROAD
             robot = found.stance.robot_spheres(q)
             back = self._scenery.is_free(robot, self._pushed[-1])
             return np.asarray(self._scenery.is_free(robot) & back)
 
         return free_path(self._mount.arm, self._mount.home, found.above, places, is_free)
 
-    def _comes_off(self, found: _Found) -> bool:
-        """True if the hand also gets off a face that it has turned, and back to the start."""
-        if not self._way.turn:
-            return True
+    def _come_off(self, hands: PostureSet, solved: IkSolutions) -> NDArray[np.bool_]:
+        """Which hands also get off a face that they have turned, and back to the start, (k,)."""
+        if not self._way.turn or not len(solved):
+            return np.ones(len(solved), dtype=bool)
         end, turned = self._points[-1], self._way.turn
         off = end - BACK * rot_z(turned) @ self._way.inward
         shares = np.linspace(0.0, 1.0, _BACK_POINTS)[:, None]
         points = np.vstack([end, off + shares * (self._points[0] - off)])
-        turns = turned * np.append(1.0, 1.0 - shares)
-        try:
-            q = [
-                found.stance.joint_angles(p, t) for p, t in zip(points, turns.tolist(), strict=True)
-            ]
-        except UnreachableError:
-            return False
-        robot = found.stance.robot_spheres(np.array(q))
+        R_WD = rot_z(turned * np.append(1.0, 1.0 - shares)) @ self._R_WD[0]
+        some = hands[solved.hand]
+        R_AF, p_AF = self._mount.flange_poses(*some.palms_along(R_WD, points))
+        q, valid = self._mount.arm.inverse(
+            R_AF.reshape(-1, 3, 3), p_AF.reshape(-1, 3), np.repeat(solved.elbow, len(points))
+        )
+        # Of all solutions of the arm, the one that it keeps.
+        kept = np.arange(len(valid)).reshape(len(solved), -1), solved.branch[:, None]
+        arms = self._mount.arm_spheres(q[kept])
+        robot = np.concatenate([some.spheres_along(R_WD, points), arms], axis=-2)
         # Its fingertips still touch at the first of them.
-        clear = self._pushed[-1].is_clear(robot[1:], _FACE_CLEARANCE)
-        others = [each.is_clear(robot[1:]) for each in self._scenery.others]
-        return bool(clear.all() and all(each.all() for each in others))
+        free = valid[kept].all(axis=1)
+        free &= self._pushed[-1].is_clear(robot[:, 1:], _FACE_CLEARANCE).all(axis=1)
+        for each in self._scenery.others:
+            free &= each.is_clear(robot[:, 1:]).all(axis=1)
+        return np.asarray(free)
 
     def _transit_places(self, found: _Found) -> Array:
         """Arm poses over which a way may lead: swung up halfway, and high over the table."""

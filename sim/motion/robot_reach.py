@@ -13,6 +13,7 @@ what is true.
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 
 import numpy as np
 
@@ -169,7 +170,7 @@ class ArmHandReach:
         if isinstance(found, ReachAnswer):
             return found
         numbers = {"strength": found.grip.grip.strongest}
-        return ReachAnswer(ok=True, margin=found.room, numbers=numbers)
+        return ReachAnswer(ok=True, margin=found.room, numbers=numbers, work=found.work)
 
     def flip_configuration(
         self, step: FlipOver, name: str, state: WorldState
@@ -217,6 +218,15 @@ class ArmHandReach:
             )
         way = self.fingertip_path(push, state)
         search = PushMotionSearch(self.mount, push, way, state, self._effort, spare)
+        found = self._best_configuration(push, search)
+        if isinstance(found, ReachAnswer):
+            return replace(found, work=search.work)
+        return found[0], replace(found[1], work=search.work)
+
+    def _best_configuration(
+        self, push: Push, search: PushMotionSearch
+    ) -> tuple[ArmConfiguration, ReachAnswer] | ReachAnswer:
+        """The best stance that bears the force of a push, or why there is none."""
         every = self.mount.hand.pushing_postures(push.fingers, push.spread, fine=self._effort.fine)
         strong = every.strength * push.fingers >= push.force_limit
         found = search.best_configuration(every[strong])

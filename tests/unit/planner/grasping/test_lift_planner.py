@@ -131,6 +131,15 @@ def test_the_hand_looks_at_so_many_ways(table: WorldState) -> None:
     assert len(hand.plans) == 3
 
 
+def test_the_hand_looks_for_so_much_work(table: WorldState) -> None:
+    hand = RuledHand(holds=lambda _: False)
+    few = replace(DEFAULTS, most_work=3)
+    made = plan(frame_of("lift the ice tea"), table, hand, defaults=few)
+    assert isinstance(made, Refusal)
+    assert (made.code, len(hand.plans)) == ("work_used_up", 3)
+    assert made.numbers["untried"] > 0.0
+
+
 # -- what the hand holds ------------------------------------------------------------------------
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from planner.problem.frame_interpretation import interpret_frame
-from planner.pushing.search_budget import ContactQueries, ReachSearch
+from planner.pushing.reach_search import ContactQueries, ReachSearch
 from planner.types.defaults import DEFAULTS
 from planner.types.refusal import NoPlanError
 from planner.types.robot import FailedPush

@@ -40,6 +40,7 @@ class ReachSearch:
             raise search_given_up(self._problem.target.name, self._answers)
         answer = self._failed_before(push) or self._robots_answer(push, state)
         self._answers.append(answer)
+        self._problem.budget.spend(answer.work)
         return answer
 
     def _failed_before(self, push: Push) -> ReachAnswer | None:

@@ -1,0 +1,56 @@
+"""The budget of one plan, counted in work instead of time: a loaded machine gives the same answer.
+
+A unit is about what a quiet core of today does in a millisecond. `benchmarks.search_work` compares
+the two.
+"""
+
+from __future__ import annotations
+
+from planner.refusals.refusal_builder import no_plan
+from planner.types.defaults import DEFAULTS, kinds
+from planner.types.refusal import NoPlanError
+
+
+class SearchBudget:
+    """The work that all strategies of one plan may take together.
+
+    Attributes:
+        most: units that it may take.
+        done: units that it has taken.
+        untried: contacts or grasps that were left of one attempt when it was used up.
+    """
+
+    def __init__(self, most: int = DEFAULTS.most_work) -> None:
+        self.most = most
+        self.done = self.untried = 0
+
+    @property
+    def is_used_up(self) -> bool:
+        """True if no work is left."""
+        return self.done >= self.most
+
+    def spend(self, work: int) -> None:
+        """Count work that was done."""
+        self.done += work
+
+    def require_rest(self, name: str, untried: int) -> None:
+        """Make sure that there is work left for contacts or grasps of an object.
+
+        Raises:
+            NoPlanError: it is used up.
+        """
+        if self.is_used_up:
+            self.untried = untried
+            raise self.dead_end(name, 0)
+
+    def dead_end(self, name: str, strategies: int) -> NoPlanError:
+        """Dead end since it is used up, with some other strategies untried."""
+        numbers = {
+            "work": float(self.done),
+            "most_work": float(self.most),
+            "untried": float(self.untried),
+            "untried_strategies": float(strategies),
+        }
+        more = min(2.0 * self.most, kinds()["most_work"].most)
+        made = no_plan("work_used_up", numbers, object=name, more=more)
+        return NoPlanError(made.refusal, ends_search=True)

@@ -1,0 +1,79 @@
+"""The budget of work: one for all that a plan tries, and never a clock."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+
+import pytest
+
+from planner import plan
+from planner.types.actions import Push
+from planner.types.defaults import DEFAULTS, with_settings
+from planner.types.plan import PlanningResult
+from planner.types.refusal import Refusal
+from planner.types.robot import ReachAnswer, ReachEffort
+from planner.types.world_state import WorldState
+from tests.unit.planner.conftest import RuledReach, frame_of
+
+SENTENCE = "push the ice tea box away"
+
+
+@dataclass
+class Laborious(RuledReach):
+    """A robot that works for its answers, and gets nowhere before so many questions."""
+
+    work: int = 1
+    seconds: float = 0.0
+    finds: int = 1_000_000
+
+    def reach(self, push: Push, state: WorldState, effort: ReachEffort = "usual") -> ReachAnswer:
+        time.sleep(self.seconds)
+        answer = super().reach(push, state, effort)
+        return replace(answer, ok=len(self.asked) >= self.finds, work=self.work)
+
+
+def made(robot: RuledReach, kitchen: WorldState, most: int) -> PlanningResult:
+    """What comes of the sentence within so much work."""
+    defaults = with_settings(DEFAULTS, {"most_work": most})
+    return plan(frame_of(SENTENCE), kitchen, robot, defaults=defaults)
+
+
+def test_a_search_that_is_out_of_work_says_what_was_left(kitchen: WorldState) -> None:
+    robot = Laborious(work=100)
+    found = made(robot, kitchen, 500)
+    assert isinstance(found, Refusal)
+    assert (found.code, found.reason) == ("work_used_up", "out_of_time")
+    assert 500 <= found.numbers["work"] < 600 + 100
+    assert found.numbers["untried"] >= 1
+    assert found.numbers["untried_strategies"] >= 1
+    # The suggestion is one that the command line and the defaults take, and it leads on.
+    option, _, value = found.suggestions[0].removeprefix("--set ").partition("=")
+    more = made(Laborious(work=100), kitchen, int(value))
+    assert option == "most_work"
+    assert isinstance(more, Refusal)
+    assert more.numbers.get("work", 1e9) > found.numbers["work"]
+
+
+def test_all_strategies_share_one_budget(kitchen: WorldState) -> None:
+    free = Laborious()
+    assert isinstance(made(free, kitchen, 1_000_000), Refusal)
+    bounded = Laborious(work=100)
+    made(bounded, kitchen, 1000)
+    assert len(bounded.asked) <= 10 < len(free.asked)
+
+
+@pytest.mark.parametrize("most", [400, 1_000_000])
+def test_the_answer_does_not_depend_on_the_speed(kitchen: WorldState, most: int) -> None:
+    quick, slow = (
+        made(Laborious(work=100, seconds=seconds, finds=6), kitchen, most)
+        for seconds in (0.0, 0.02)
+    )
+    assert quick == slow
+    assert quick.status == ("refused" if most == 400 else "planned")
+
+
+def test_a_budget_that_is_large_enough_changes_nothing(kitchen: WorldState) -> None:
+    least, most = (made(Laborious(finds=3), kitchen, work) for work in (200, 1_000_000))
+    assert least.status == "planned"
+    assert least == most
