@@ -51,8 +51,8 @@ def load_model(path: Path, kinds: Kinds = BUILT_IN_KINDS) -> ObjectModel:
         kinds: classes of model by name.
 
     Raises:
-        ModelError: `unreadable_file`, `bad_yaml`, `unknown_format`, `missing_key`, `unknown_key` or
-            `bad_value`; names the file, the key, the value found and what was expected.
+        ModelError: `unreadable_file`, `bad_yaml`, `unknown_format`, `missing_key`, `unknown_key`,
+            `bad_value` or `broken_kind`; names the file, the key, what was found and expected.
     """
     content = read_mapping(path, "model_file")
     cls = _class_of(content, path, kinds)
@@ -75,6 +75,13 @@ def load_model(path: Path, kinds: Kinds = BUILT_IN_KINDS) -> ObjectModel:
         return cls.model_validate(stated, by_alias=True, by_name=False)
     except ValidationError as error:
         raise _model_fault(error, cls).error(str(path)) from error
+    except Exception as error:  # kinds of plug-ins may fail in any way
+        raise ModelError(
+            "broken_kind",
+            f"{cls.__name__} fails on it: {type(error).__name__}: {short_text(str(error))}",
+            path=str(path),
+            suggestions=("mend or uninstall the package that the kind is from",),
+        ) from error
 
 
 def save_model(model: ObjectModel, path: Path) -> None:

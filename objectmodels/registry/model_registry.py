@@ -21,7 +21,6 @@ from pathlib import Path
 from types import MappingProxyType
 
 from objectmodels.errors import ModelError, fold_text, suggest
-from objectmodels.files.validation_faults import short_text
 from objectmodels.models.object_model import ObjectModel
 from objectmodels.registry.model_files import BUILT_IN_KINDS, kind_of, load_model
 from objectmodels.registry.user_folder import user_folder
@@ -185,8 +184,6 @@ class Registry:
                 self._load_file(file, place, free)
             except ModelError as error:
                 self._problems.append(error)
-            except Exception as error:  # kinds of plug-ins may fail in any way
-                self._problems.append(_file_error(file, error))
 
     def _load_file(self, path: Path, place: str | None, over: Collection[str]) -> None:
         where = f"{place} ({path.name})" if place else str(path)
@@ -274,15 +271,6 @@ def _built_in() -> Registry:
     with as_file(files("objectmodels.registry") / "builtin") as folder:
         registry.load(folder, place="built in")
     return registry
-
-
-def _file_error(file: Path, error: Exception) -> ModelError:
-    return ModelError(
-        "unreadable_file",
-        f"cannot be made a model: {type(error).__name__}: {short_text(str(error))}",
-        path=str(file),
-        suggestions=("take the file out of the folder", "check the plug-in that its kind is from"),
-    )
 
 
 def plugin_offers() -> Iterator[tuple[str, Offer | ModelError]]:

@@ -109,6 +109,24 @@ def test_a_kind_serves_the_files_of_any_plugin(install: Install, tmp_path: Path)
     assert other.get("paving slab") == slab
 
 
+class Fragile(Slab):
+    """A kind that fails on every file."""
+
+    kind: Literal["fragile"] = "fragile"  # type: ignore[assignment]
+
+    @property
+    def footprint(self) -> Polygon:
+        raise KeyError("side")
+
+
+def test_a_kind_that_fails_takes_no_command_down(install: Install, objects_folder: Path) -> None:
+    (objects_folder / "a.yaml").write_text(SLAB.replace("slab/3", "fragile/3"), encoding="utf-8")
+    registry = install(the_kind=Fragile)
+    assert [problem.code for problem in registry.problems] == ["broken_kind"]
+    assert registry.problems[0].suggestions
+    assert len(registry) == len(Registry.built_in())
+
+
 @pytest.mark.parametrize(
     ("thing", "words"),
     [
