@@ -17,8 +17,16 @@ EXIT_CODES = {signal.SIGINT: 130, signal.SIGTERM: 143}
 """Exit codes of a command that a signal has ended, as shells expect them."""
 
 
+class Interrupted(KeyboardInterrupt):
+    """Raised where control-C ends a command.
+
+    Of a plain `KeyboardInterrupt` that comes out of `exec` Python remembers for ever that it should
+    end by the signal, also if it is caught.
+    """
+
+
 class Terminated(BaseException):
-    """Raised where SIGTERM ends a command, as `KeyboardInterrupt` is where control-C does."""
+    """Raised where SIGTERM ends a command."""
 
 
 class Signals:
@@ -48,7 +56,7 @@ class Signals:
         """Ends the command if a signal waits, and from now on with the next one.
 
         Raises:
-            KeyboardInterrupt: control-C was pressed.
+            Interrupted: control-C was pressed.
             Terminated: SIGTERM came.
         """
         self._wait = False
@@ -80,10 +88,10 @@ class Signals:
         """Ends the command.
 
         Raises:
-            KeyboardInterrupt: control-C was pressed last.
+            Interrupted: control-C was pressed last.
             Terminated: SIGTERM came last.
         """
-        raise KeyboardInterrupt if self.received[-1] == signal.SIGINT else Terminated
+        raise Interrupted if self.received[-1] == signal.SIGINT else Terminated
 
     def _take(self, number: int, frame: FrameType | None) -> None:
         self.received.append(number)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import subprocess
 import sys
 from pathlib import Path
 
@@ -79,6 +80,24 @@ def test_a_signal_waits_then_asks_and_then_ends() -> None:
     finally:
         signal.signal(signal.SIGINT, signal.default_int_handler)
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
+IN_EXEC = """
+import signal
+from nlcontrol.interruption import SIGNALS
+SIGNALS.hold()
+SIGNALS.release()
+try:
+    exec("signal.raise_signal(signal.SIGINT)")
+except KeyboardInterrupt:
+    raise SystemExit(SIGNALS.exit_code)
+"""
+
+
+def test_python_does_not_end_by_a_signal_that_was_caught(tmp_path: Path) -> None:
+    (tmp_path / "in_exec.py").write_text(IN_EXEC, encoding="utf-8")
+    done = subprocess.run([sys.executable, "-m", "in_exec"], cwd=tmp_path, check=False)
+    assert done.returncode == 130
 
 
 @pytest.mark.parametrize(("moves", "signals"), [(True, 2), (False, 1)])

@@ -23,7 +23,7 @@ class SignalToken(StopToken):
         """A stop was asked for.
 
         Raises:
-            KeyboardInterrupt: again, and impatiently.
+            Interrupted: again, and impatiently.
             Terminated: the same by SIGTERM.
         """
         if len(SIGNALS.received) > 1:
@@ -36,7 +36,7 @@ def stop_on_signal(*, moves: bool = True) -> Iterator[SignalToken]:
     """Context with a token by which the first signal stops the robot, if that moves at all.
 
     Raises:
-        KeyboardInterrupt: control-C has stopped it, or was pressed twice.
+        Interrupted: control-C has stopped it, or was pressed twice.
         Terminated: the same by SIGTERM.
     """
     token = SignalToken()
