@@ -131,7 +131,7 @@ class Result(Document):
         scene: name of the scene.
         seed: what everything random was drawn from.
         explanation: which words became which parameters, if that was asked for.
-        files: what was written, by kind (`replay`, `picture`).
+        files: what was written, by kind (`replay`, `trace`, `picture`).
         trace: what happened over time; not a part of the JSON document.
     """
 

@@ -33,6 +33,7 @@ LIMITS: Mapping[str, Limit] = MappingProxyType(
         "data_file": Limit("data file (CSV)", 0, 50_000_000, "bytes"),
         "mesh_file": Limit("mesh file, also unpacked", 0, 60_000_000, "bytes"),
         "record_file": Limit("record of experiments", 0, 200_000_000, "bytes"),
+        "trace_file": Limit("file of a trace, also unpacked", 0, 500_000_000, "bytes"),
         "history_file": Limit("history of the shell", 0, 10_000_000, "bytes"),
         "yaml_nodes": Limit("values in a YAML file, aliases written out", 0, 20_000, ""),
         "yaml_depth": Limit("lists and mappings inside each other", 0, 20, ""),

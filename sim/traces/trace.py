@@ -2,18 +2,25 @@
 
 `poses` is what an observer of the world recorded; it is for judging and for replay, and nothing
 that plans or controls reads it. `seen` and `felt` are what the robot itself knew.
+
+A trace is saved as an npz file with an array for each attribute, named as it, and for each name of
+those that are kept by name (`poses/mug`). `contacts` are three arrays, one for each of their
+attributes; `format` names the form of the file, `units` says the unit of every attribute.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from pathlib import Path
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sim.rotations import Array, from_quaternion, yaw_of
+from sim.traces.array_file import read_arrays, refuse_trace, write_arrays
 
 EndReason = Literal[
     "stroke",  # the stroke was travelled
@@ -40,6 +47,36 @@ EndReason = Literal[
 ]
 
 
+FORMAT = "nlcontrol-trace/1"
+"""Form of the file of a trace, and its version."""
+
+UNITS = {
+    "time": "s",
+    "poses": "quaternion (w, x, y, z), then m",
+    "seen": "quaternion (w, x, y, z), then m",
+    "joints": "rad",
+    "tips": "m",
+    "felt": "N",
+    "force_limit": "N",
+    "contacts/time": "s",
+    "contents": "m^3",
+    "lids": "rad, or m of one that lifts off",
+    "seen_lids": "rad, or m of one that lifts off",
+    "lid_poses": "quaternion (w, x, y, z), then m",
+    "spilled": "m^3",
+}
+"""Units of what a trace holds; the rest has none."""
+
+_SAMPLED: Mapping[str, tuple[int, ...]] = {
+    "time": (), "phase": (), "force_limit": (),
+}  # fmt: skip
+_BY_NAME: Mapping[str, tuple[int, ...]] = {
+    "poses": (7,), "seen": (7,), "tips": (3,), "felt": (3,),
+    "contents": (), "lids": (), "seen_lids": (), "lid_poses": (7,),
+}  # fmt: skip
+_TEXTS = ("pushed", "end", "detail")
+
+
 @dataclass(frozen=True)
 class ContactEvent:
     """Two bodies that began to touch.
@@ -54,7 +91,7 @@ class ContactEvent:
     body_b: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Trace:
     """The record of an execution, sampled n times.
 
@@ -106,6 +143,54 @@ class Trace:
     lid_poses: dict[str, Array] = field(default_factory=dict)
     spilled: Array = field(default_factory=lambda: np.zeros(0))
 
+    def save(self, path: Path | str) -> None:
+        """Writes the trace to an npz file, whole or not at all.
+
+        Raises:
+            ModelError: `cannot_write`.
+        """
+        units = np.array(json.dumps(UNITS))
+        write_arrays({"format": np.array(FORMAT), "units": units, **self._arrays()}, Path(path))
+
+    @classmethod
+    def load(cls, path: Path | str) -> Trace:
+        """The trace that `save` wrote.
+
+        Raises:
+            ModelError: `unreadable_file`, or `bad_trace` if it holds something else.
+        """
+        arrays = read_arrays(Path(path))
+        try:
+            return _trace_of(arrays)
+        except KeyError as error:
+            refuse_trace(Path(path), f"{error.args[0]} is missing", error)
+        except ValueError as error:
+            refuse_trace(Path(path), str(error), error)
+
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        """Everything in it as arrays by name."""
+        by_name = {
+            f"{key}/{name}": values
+            for key in _BY_NAME
+            for name, values in getattr(self, key).items()
+        }
+        single = ("joints", "joint_names", "direction", "seed", "spilled", *_SAMPLED, *_TEXTS)
+        contacts = {
+            f"contacts/{key}": np.array([getattr(each, key) for each in self.contacts], kind)
+            for key, kind in (("time", float), ("body_a", str), ("body_b", str))
+        }
+        return {key: np.asarray(getattr(self, key)) for key in single} | by_name | contacts
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Trace):
+            return NotImplemented
+        mine, others = self._arrays(), other._arrays()
+        return mine.keys() == others.keys() and all(
+            np.array_equal(mine[key], others[key]) for key in mine
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
     def displacement(self, name: str) -> Array:
         """Displacement p_WB(end) − p_WB(start) of an object, shape (3,) [m]."""
         p = self.poses[name][:, 4:]
@@ -147,6 +232,62 @@ class Trace:
     def push_force(self) -> Array:
         """Felt force of all fingers along the push direction over time, shape (n,) [N]."""
         return np.asarray(np.sum([f @ self.direction for f in self.felt.values()], axis=0))
+
+
+def _trace_of(arrays: Mapping[str, NDArray[Any]]) -> Trace:
+    """The trace that a file holds.
+
+    Raises:
+        KeyError: something is missing.
+        ValueError: something has another form, which is told.
+    """
+    if str(arrays["format"]) != FORMAT:
+        raise ValueError(f"its format is {arrays['format']!s:.40}, expected {FORMAT}")
+    n = len(_of_shape(arrays, "time", (-1,)))
+    names = tuple(_of_shape(arrays, "joint_names", (-1,), "U").tolist())
+    contacts = (
+        _of_shape(arrays, f"contacts/{key}", (-1,), kind).tolist()
+        for key, kind in (("time", "f"), ("body_a", "U"), ("body_b", "U"))
+    )
+    texts: dict[str, Any] = {key: str(_of_shape(arrays, key, (), "U")) for key in _TEXTS}
+    if texts["end"] not in get_args(EndReason):
+        raise ValueError(f"it ends with {texts['end']!r:.40}, which is no reason to end")
+    sampled: dict[str, Any] = {
+        key: _of_shape(arrays, key, (n, *shape), "U" if key == "phase" else "f")
+        for key, shape in _SAMPLED.items()
+    }
+    by_name: dict[str, Any] = {
+        field: {
+            key.partition("/")[2]: _of_shape(arrays, key, (n, *shape))
+            for key in arrays
+            if key.startswith(f"{field}/")
+        }
+        for field, shape in _BY_NAME.items()
+    }
+    return Trace(
+        joints=_of_shape(arrays, "joints", (n, len(names))),
+        joint_names=names,
+        contacts=tuple(ContactEvent(*each) for each in zip(*contacts, strict=True)),
+        direction=_of_shape(arrays, "direction", (3,)),
+        seed=int(_of_shape(arrays, "seed", (), "i")),
+        spilled=_of_shape(arrays, "spilled", (-1,)),
+        **texts,
+        **sampled,
+        **by_name,
+    )
+
+
+def _of_shape(
+    arrays: Mapping[str, NDArray[Any]], key: str, shape: tuple[int, ...], kind: str = "f"
+) -> NDArray[Any]:
+    """An array of that shape, -1 for any length, and kind of values."""
+    found = arrays[key]
+    fits = len(found.shape) == len(shape) and all(
+        of in (-1, had) for of, had in zip(shape, found.shape, strict=True)
+    )
+    if not fits or found.dtype.kind != kind:
+        raise ValueError(f"{key!r:.60} has shape {found.shape} of {found.dtype}, expected {shape}")
+    return found
 
 
 def join_traces(traces: Sequence[Trace]) -> Trace:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from nlcontrol import Trace
 from nlcontrol.cli import run
 from nlcontrol.results.result import Result
 
@@ -38,11 +39,15 @@ def test_carried_out_and_satisfied(capsys: pytest.CaptureFixture[str], sentence:
 
 
 def test_the_first_sentence(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    replay = tmp_path / "run.html"
+    replay, trace = tmp_path / "run.html", tmp_path / "run.npz"
     sentence = "push the ice tea box away without toppling it"
-    status, result, narration = _say(capsys, sentence, "--replay", str(replay))
+    status, result, narration = _say(
+        capsys, sentence, "--replay", str(replay), "--trace", str(trace)
+    )
     assert status == 0
     assert result.execution is not None
+    assert result.files == {"replay": str(replay), "trace": str(trace)}
+    assert Trace.load(trace).displacement("ice tea box")[0] == result.execution.displacement[0]
     # The default distance of 10 cm within 1 cm, upright within 5°, turned by less than 3°.
     assert result.execution.displacement[0] == pytest.approx(0.10, abs=0.01)
     assert result.execution.largest_tilt < math.radians(5)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -55,21 +55,30 @@ def _sentence_options(command: Command) -> Command:
 @_sentence_options
 @click.option("--plan-only", is_flag=True, help="Stop before anything is executed.")
 @click.option("--replay", type=FILE, help="Write a replay of the run, one HTML file.")
+@click.option("--trace", type=FILE, help="Write what happened over time, as arrays (npz).")
 @motion_option
-def say(plan_only: bool, motion: Motion | None, replay: Path | None, **options: Any) -> int:
+def say(
+    plan_only: bool,
+    motion: Motion | None,
+    replay: Path | None,
+    trace: Path | None,
+    **options: Any,
+) -> int:
     """Do what SENTENCE says, in simulation, and check every clause of it; or answer it."""
     if plan_only:
         motion = "never"
-    if motion == "never" and replay:
-        raise click.UsageError("--replay needs a run; leave out --plan-only")
-    return _answer_sentence(**options, motion=motion, replay=replay)
+    of_run = {"replay": replay, "trace": trace}
+    for kind, path in of_run.items():
+        if motion == "never" and path:
+            raise click.UsageError(f"--{kind} needs a run; leave out --plan-only")
+    return _answer_sentence(**options, motion=motion, of_run=of_run)
 
 
 @click.command()
 @_sentence_options
 def plan(**options: Any) -> int:
     """Plan what SENTENCE says: where and how hard to push, and what that will do."""
-    return _answer_sentence(**options, motion="never", replay=None)
+    return _answer_sentence(**options, motion="never", of_run={})
 
 
 @click.command()
@@ -129,16 +138,17 @@ def _answer_sentence(
     explain: bool,
     picture: Path | None,
     motion: Motion | None,
-    replay: Path | None,
+    of_run: Mapping[str, Path | None],
 ) -> int:
     """Carry out, plan or answer a sentence, write its files and print the result."""
-    require_writable(replay)
-    require_writable(picture)
+    wanted = {**of_run, "picture": picture}
+    for path in wanted.values():
+        require_writable(path)
     controller = open_controller(scene, seed, settings)
     print_skipped_with_words(controller.registry.problems)
     with Narrator() as narrate, stop_on_signal(moves=motion != "never") as stop:
         result = controller.say(sentence, motion=motion, progress=narrate, stop=stop)
-    files = _write_files(controller, result, explain=explain, picture=picture, replay=replay)
+    files = _write_files(controller, result, wanted, explain=explain)
     result = result.model_copy(
         update={"files": files, "explanation": result.explained() if explain else None}
     )
@@ -170,14 +180,13 @@ def _print_result(result: Result, files: dict[str, str], *, explain: bool) -> No
 def _write_files(
     controller: Controller,
     result: Result,
+    wanted: Mapping[str, Path | None],
     *,
     explain: bool,
-    picture: Path | None,
-    replay: Path | None,
 ) -> dict[str, str]:
     """Write the files that were asked for, as far as the sentence got."""
     files: dict[str, str] = {}
-    for what, path in (("replay", replay), ("picture", picture)):
+    for what, path in wanted.items():
         if path is None:
             continue
         if save := _writer(controller, result, what, explain=explain):
@@ -190,12 +199,14 @@ def _write_files(
 def _writer(
     controller: Controller, result: Result, what: str, *, explain: bool
 ) -> Callable[[Path], None] | None:
-    """Function that writes a replay or a picture of a result; None if there is nothing to show."""
+    """Function that writes a file of some kind about a result; None if there is nothing to show."""
     answer = result.answer
     if what == "picture" and explain and result.frames:
         from nlcontrol.reports.explanation_drawing import save_explanation
 
         return partial(save_explanation, result)
+    if result.trace and what == "trace":
+        return result.trace.save
     if result.trace:
         from sim import save_picture, save_replay
         from sim.simulated_executor import simulation
