@@ -117,10 +117,10 @@ class Supervisor(Monitor):
         super().__init__(progress, _Wish(stop))
         self.frame: int | None = None
         self._on_event = on_event
-        self._between = 1.0 / force_rate if force_rate > 0.0 else math.inf
+        self._force_rate = force_rate
         self._clock = clock
         self._began = wall_clock.monotonic()
-        self._felt = -math.inf
+        self._due = -math.inf if force_rate > 0.0 else math.inf  # time of the next force [s]
         self._failure: Exception | None = None
 
     def __call__(self, phase: str, time: float, text: str) -> None:
@@ -135,9 +135,9 @@ class Supervisor(Monitor):
 
     def feel(self, time: float, fingers: Sequence[str], forces: Array) -> None:
         """Tells what is felt, at the rate asked for; see `Monitor`."""
-        if self._on_event is None or time < self._felt + self._between:
+        if self._on_event is None or time < self._due:
             return
-        self._felt = time
+        self._due = time + 1.0 / self._force_rate
         sizes = _sizes(fingers, forces)
         self.tell("force", f"{sum(sizes.values()):.2f} N", time=time, forces=sizes)
 

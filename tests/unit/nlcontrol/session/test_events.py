@@ -6,12 +6,13 @@ import logging
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import numpy as np
 import pytest
 
 from nlcontrol import Controller
 from nlcontrol.errors import ControlError
 from nlcontrol.session.conversation import Conversation
-from nlcontrol.session.events import KINDS, Event, EventKind
+from nlcontrol.session.events import KINDS, Event, EventKind, Supervisor
 from objectmodels import ObjectModel
 from planner.touch_experiments import Experiment
 from planner.types.actions import Grasp, Push
@@ -184,3 +185,13 @@ def test_diagnostics_go_through_logging(
     with caplog.at_level(logging.DEBUG, logger="nlcontrol"):
         controller.say(SENTENCE)
     assert {record.args[0] for record in caplog.records if record.args} >= {"planned", "ended"}  # type: ignore[index]
+
+
+@pytest.mark.parametrize(("rate", "told"), [(4.0, [0.0, 0.25, 0.5, 0.75]), (0.0, [])])
+def test_forces_are_told_at_the_rate_asked_for(rate: float, told: list[float]) -> None:
+    events: list[Event] = []
+    supervisor = Supervisor(on_event=events.append, force_rate=rate)
+    for k in range(64):
+        supervisor.feel(k / 64.0, ("thumb", "index"), np.array([[3.0, 0.0, 4.0], [0.0, 1.0, 0.0]]))
+    assert [event.time for event in events] == told
+    assert all(event.forces == {"thumb": 5.0, "index": 1.0} for event in events)
