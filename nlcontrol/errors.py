@@ -56,6 +56,7 @@ CODES: dict[str, Status] = {
     "blocked": _NO_PLAN,
     "too_uncertain": _NO_PLAN,
     "out_of_time": _NO_PLAN,
+    "time_limit": Status(NO_PLAN, 504),
     "not_explorable": _NO_PLAN,
     "unsupported": _LACKS,
     "uncheckable": _LACKS,

@@ -62,6 +62,8 @@ class Controller:
         planner: how plans are found; `planner.plan` if not given.
         seed: of everything random; the same seed gives the same trace.
         defaults: what a clause means when a sentence does not say more; the scene's if not given.
+        time_limit: of each plan and answer, by the clock on the wall [s]; none if not given, so
+            that results do not depend on the machine.
 
     Raises:
         ControlError: the scene cannot be read, or names a model that the registry lacks.
@@ -76,6 +78,7 @@ class Controller:
         planner: Planner | None = None,
         seed: int = 0,
         defaults: Defaults | None = None,
+        time_limit: float | None = None,
     ) -> None:
         self.turn = RLock()
         with known_errors_raised():
@@ -94,6 +97,7 @@ class Controller:
         self.planner = planner
         self.seed = self.executor.seed
         self.defaults = self.cell.defaults if defaults is None else defaults
+        self.time_limit = time_limit
 
     @property
     def robot(self) -> Robot:
@@ -208,8 +212,10 @@ class Controller:
         )
 
     def _robot_until(self, stop: StopToken | None) -> Robot:
-        """The robot to ask; it raises `Stopped` once that was asked for."""
-        return self.robot if stop is None else StoppableRobot(self.robot, stop)
+        """The robot to ask; it raises what ends a search, once that was asked for."""
+        if stop is None and self.time_limit is None:
+            return self.robot
+        return StoppableRobot(self.robot, stop, self.time_limit)
 
     @in_turn
     def about(self, frame: Frame) -> WorldState:
@@ -240,7 +246,7 @@ class Controller:
 
         Raises:
             Stopped: that was asked for.
-            ControlError: `uncheckable` if a clause could not be checked afterwards.
+            ControlError: `uncheckable` if a clause could not be checked afterwards; `time_limit`.
         """
         from nlcontrol.checks.frame_checks import require_checkable
         from planner import plan

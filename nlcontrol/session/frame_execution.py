@@ -163,7 +163,7 @@ class FrameRun:
         except Stopped:
             info = _stop_info(self.controller, self.traces[-1] if self.traces else None)
         except ControlError as raised:
-            status, info = status_of(raised.info), raised.info
+            status, info = _unanswered_status(raised.info), raised.info
         result = self._result_with_trace() if self.traces else self.result
         return _result_with_step(result, self.step, status, info)
 
@@ -173,17 +173,14 @@ class FrameRun:
         for attempt in itertools.count():
             self.supervisor.stop.check()
             state = self._look()
-            try:
-                made = controller.plan(
-                    self.frame,
-                    state,
-                    previous=previous,
-                    failed=self.failed,
-                    notify=self._notify,
-                    stop=self.supervisor.stop,
-                )
-            except ControlError as raised:
-                return _result_with_step(self.result, self.step, "unsupported", raised.info)
+            made = controller.plan(
+                self.frame,
+                state,
+                previous=previous,
+                failed=self.failed,
+                notify=self._notify,
+                stop=self.supervisor.stop,
+            )
             if isinstance(made, Refusal):
                 if attempt == 0:
                     info = refusal_error(made)
@@ -362,8 +359,8 @@ def _stop_info(controller: Controller, trace: Trace | None) -> ErrorInfo:
 
 
 def _unanswered_status(info: ErrorInfo) -> ResultStatus:
-    """Status of a question that has no answer."""
-    if info.code == "unsupported":
+    """Status of a question without an answer, or of a frame that got no further."""
+    if info.code in ("unsupported", "uncheckable"):
         return "unsupported"
     if info.status.exit == INTERNAL:
         return "failed"

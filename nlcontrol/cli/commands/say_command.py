@@ -13,6 +13,7 @@ from nlcontrol.cli.console.command_options import (
     Settings,
     motion_option,
     open_controller,
+    time_limit_option,
     world_options,
 )
 from nlcontrol.cli.console.console_output import (
@@ -46,7 +47,7 @@ _picture = click.option(
 
 
 def _sentence_options(command: Command) -> Command:
-    for option in (_picture, _explain, world_options, json_option):
+    for option in (_picture, _explain, time_limit_option, world_options, json_option):
         command = option(command)
     return click.argument("sentence")(command)
 
@@ -134,6 +135,7 @@ def _answer_sentence(
     scene: str,
     seed: int,
     settings: Settings,
+    time_limit: float | None,
     as_json: bool,
     explain: bool,
     picture: Path | None,
@@ -144,7 +146,7 @@ def _answer_sentence(
     wanted = {**of_run, "picture": picture}
     for path in wanted.values():
         require_writable(path)
-    controller = open_controller(scene, seed, settings)
+    controller = open_controller(scene, seed, settings, time_limit)
     print_skipped_with_words(controller.registry.problems)
     with Narrator() as narrate, stop_on_signal(moves=motion != "never") as stop:
         result = controller.say(sentence, motion=motion, progress=narrate, stop=stop)

@@ -20,6 +20,7 @@ from nlcontrol.cli.console.command_options import (
     Settings,
     motion_option,
     open_controller,
+    time_limit_option,
     world_options,
 )
 from nlcontrol.cli.console.console_output import Narrator, print_skipped_with_words
@@ -43,6 +44,7 @@ WORDS = ("help", *sorted(LEAVING), "again", "a bit more", "undo that", "why")
 @click.command(name="shell")
 @click.option("--json", "as_json", is_flag=True, help="Answer with one JSON document per line.")
 @world_options
+@time_limit_option
 @click.option("--plan-only", is_flag=True, help="Stop before anything is executed.")
 @motion_option
 def command(
@@ -50,6 +52,7 @@ def command(
     scene: str,
     seed: int,
     settings: Settings,
+    time_limit: float | None,
     plan_only: bool,
     motion: Motion | None,
 ) -> int:
@@ -58,7 +61,7 @@ def command(
 
     if plan_only:
         motion = "never"
-    controller = open_controller(scene, seed, settings)
+    controller = open_controller(scene, seed, settings, time_limit)
     print_skipped_with_words(controller.registry.problems)
     conversation = Conversation(controller)
     if sys.stdin.isatty() and sys.stdout.isatty():

@@ -60,6 +60,14 @@ motion_option = click.option(
 )
 
 
+time_limit_option = click.option(
+    "--time-limit",
+    type=click.FloatRange(0.0, min_open=True),
+    metavar="SECONDS",
+    help="Give up a plan that takes longer, by the clock on the wall.",
+)
+
+
 def world_options(command: Command) -> Command:
     """Add --scene, --seed and --set, as `scene`, `seed` and `settings`."""
     for option in (set_option, seed_option, scene_option):
@@ -67,7 +75,9 @@ def world_options(command: Command) -> Command:
     return command
 
 
-def open_controller(scene: str, seed: int, settings: Settings) -> Controller:
+def open_controller(
+    scene: str, seed: int, settings: Settings, time_limit: float | None = None
+) -> Controller:
     """The controller that the options ask for; the settings go on top of the scene's defaults.
 
     Raises:
@@ -81,7 +91,7 @@ def open_controller(scene: str, seed: int, settings: Settings) -> Controller:
     with known_errors_raised():
         loaded = load_scene(scene)
         defaults = with_settings(loaded.defaults, dict(settings))
-    return Controller(loaded, seed=seed, defaults=defaults)
+    return Controller(loaded, seed=seed, defaults=defaults, time_limit=time_limit)
 
 
 face_option = click.option(
