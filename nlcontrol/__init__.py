@@ -14,9 +14,9 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
-from nlcontrol.package_imports import refuse_shadowed, serve_former_names
+from nlcontrol.package_imports import guard_packages, serve_former_names
 
-refuse_shadowed()
+guard_packages()
 serve_former_names()
 
 if TYPE_CHECKING:

@@ -75,6 +75,9 @@ CODES: dict[str, Status] = {
     "no_pictures": Status(INTERNAL, 501),
     "scene_and_registry_differ": _CALLER,
     "worker_lost": Status(INTERNAL, 500),
+    # The machine and the installation.
+    "cannot_import": Status(INTERNAL, 500),
+    "system_error": Status(INTERNAL, 500),
     # During the execution, and after it.
     "interrupted": Status(EXIT_CODES[signal.SIGINT], 499),
     "executor_failed": Status(INTERNAL, 500),
@@ -198,9 +201,14 @@ def exception_info(raised: Exception) -> ErrorInfo:
 
     NLCONTROL_DEBUG shows a defect's traceback on standard error.
     """
+    # First, since knowing the others imports their packages.
+    if isinstance(raised, ImportError):
+        return _system_failure("cannot_import", raised, "`nlcontrol doctor` says what is missing")
     known = known_error(raised)
     if known is not None:
         return known.info
+    if isinstance(raised, OSError):
+        return _system_failure("system_error", raised, "see to that, and run it again")
     if os.environ.get("NLCONTROL_DEBUG"):
         traceback.print_exception(raised)
     place = traceback.extract_tb(raised.__traceback__)[-1]
@@ -210,6 +218,15 @@ def exception_info(raised: Exception) -> ErrorInfo:
     )
     hint = "this is a defect of nlcontrol; NLCONTROL_DEBUG=1 shows where it comes from"
     return ErrorInfo(code="internal", message=message, suggestions=(hint,))
+
+
+def _system_failure(code: str, raised: Exception, hint: str) -> ErrorInfo:
+    """What goes wrong around nlcontrol, and is no defect of it."""
+    said = raised.strerror if isinstance(raised, OSError) and raised.strerror else str(raised)
+    path = raised.filename if isinstance(raised, OSError) else None
+    return ErrorInfo(
+        code=code, message=said, path=None if path is None else str(path), suggestions=(hint,)
+    )
 
 
 @contextmanager

@@ -1,8 +1,8 @@
 """Imports of the five packages: no other people's folders, and documented modules' former names.
 
 Four of the packages have everyday names. A folder `planner/` of the user's own, found first on the
-path, would be imported in place of ours, and the error would surface far from its cause. So the
-front looks before it imports.
+path, would be imported in place of ours, and the error would surface far from its cause. So each is
+looked at before it is imported.
 
 The front also serves former names for one version: `import nlcontrol` comes first, as it does
 wherever a plug-in is loaded. A former name is looked up only when Python finds no module of that
@@ -13,13 +13,12 @@ add a row to `FORMER`.
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import os
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from importlib.abc import Loader, MetaPathFinder
-from importlib.machinery import ModuleSpec
+from importlib.machinery import ModuleSpec, PathFinder
 from types import ModuleType
 
 SIBLINGS = ("grammar", "objectmodels", "planner", "sim")
@@ -32,7 +31,8 @@ def home() -> str:
 
 def package_path(name: str) -> str | None:
     """The folder or file that `import name` takes, without importing it; None if there is none."""
-    spec = importlib.util.find_spec(name)
+    loaded = sys.modules.get(name)
+    spec = PathFinder.find_spec(name) if loaded is None else loaded.__spec__
     if spec is None:
         return None
     if spec.submodule_search_locations:  # a package, with an __init__ or without
@@ -48,26 +48,52 @@ def misplaced_packages() -> Iterator[tuple[str, str | None]]:
             yield name, path
 
 
-def refuse_shadowed() -> None:
-    """Stops the import of nlcontrol if a sibling package is missing or shadowed.
+def _require_own(name: str) -> None:
+    """Refuses a sibling package that is missing or somebody else's.
 
     Raises:
         ImportError: names the package, what was found in its place, and where ours lies.
     """
-    for name, path in misplaced_packages():
-        ours = os.path.join(home(), name)
-        if path is None:
-            raise ImportError(
-                f"nlcontrol's package '{name}' is missing: it should be at {ours}. "
-                "Install nlcontrol again.",
-                name=name,
-            )
+    path, ours = package_path(name), os.path.join(home(), name)
+    if path is None:
+        raise ImportError(
+            f"nlcontrol's package '{name}' is missing: it should be at {ours}. "
+            "Install nlcontrol again.",
+            name=name,
+        )
+    if path != ours:
         raise ImportError(
             f"nlcontrol's package '{name}' is shadowed by {path}: Python finds that one before "
             f"nlcontrol's own at {ours}. Rename it, or start Python from another folder.",
             name=name,
             path=path,
         )
+
+
+class _OwnPackages(MetaPathFinder):
+    """Finder that lets nobody else's package through in the place of one of ours."""
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """None, so that others find the package, unless it would not be ours."""
+        if fullname in SIBLINGS:
+            _require_own(fullname)
+        return None
+
+
+def guard_packages() -> None:
+    """Refuses a shadowed sibling package, now if it is loaded, else when it is imported.
+
+    So the command line starts, and its error is one as all others are.
+
+    Raises:
+        ImportError: as from the import of a shadowed package.
+    """
+    for name in SIBLINGS:
+        if name in sys.modules:
+            _require_own(name)
+    sys.meta_path.insert(0, _OwnPackages())
 
 
 FORMER: dict[str, tuple[str, dict[str, str]]] = {

@@ -9,6 +9,7 @@ and `plan` never load the simulator.
 from __future__ import annotations
 
 import contextlib
+import errno
 import gc
 import importlib
 import io
@@ -20,7 +21,7 @@ import click
 
 from nlcontrol import __version__
 from nlcontrol.cli.console.console_output import print_error
-from nlcontrol.errors import INTERNAL, OK, USAGE, ErrorInfo, exception_info
+from nlcontrol.errors import OK, USAGE, ErrorInfo, exception_info
 from nlcontrol.interruption import SIGNALS, Terminated
 
 _EXIT_CODES = (
@@ -89,30 +90,77 @@ def run(args: Sequence[str]) -> int:
         if isinstance(stream, io.TextIOWrapper):
             # A terminal that lacks a sign gets a substitute rather than an error.
             stream.reconfigure(errors="replace")
-    as_json = "--json" in args
+    # Pictures are drawn without a window: which backend the environment names does not matter.
+    os.environ.pop("MPLBACKEND", None)
+    try:
+        _require_output()
+        return _run_command(args, as_json="--json" in args)
+    except OSError as raised:
+        return _tell_lost_output(raised)
+
+
+def _run_command(args: Sequence[str], *, as_json: bool) -> int:
+    """Run one command; only the loss of standard output gets through."""
     try:
         SIGNALS.release()
         status = cli.main(args=list(args), prog_name="nlcontrol", standalone_mode=False)
         return status if isinstance(status, int) else OK
     except click.UsageError as raised:
         return _print_usage_error(raised, as_json)
+    except SystemExit as raised:  # the way of click to tell that the reader has gone
+        raise BrokenPipeError from raised
     except (click.Abort, KeyboardInterrupt, Terminated):
         return _print_interruption(as_json)
-    except BrokenPipeError:
-        # The reader has gone, and Python would complain once more when it flushes at the end.
+    except Exception as raised:
+        if SIGNALS.received:  # what a signal raises, a library may have turned into something else
+            return _print_interruption(as_json)
+        if isinstance(raised, OSError):
+            _require_output()
+            if raised.filename is None and not as_json:  # of a stream, not of a file
+                raise
+        return _print_failure(raised, as_json)
+
+
+def _require_output() -> None:
+    """Refuse to go on without standard output.
+
+    Raises:
+        OSError: it is closed, or what stands in its buffer cannot be written.
+    """
+    if sys.stdout is None:
+        raise OSError(errno.EBADF, "it is closed")
+    sys.stdout.flush()
+
+
+def _tell_lost_output(raised: OSError) -> int:
+    """Tell on standard error that standard output takes nothing; not of a reader that has gone."""
+    if sys.stdout is not None:
+        # Python would complain once more when it flushes at the end.
         with contextlib.suppress(OSError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return INTERNAL
-    except Exception as raised:
-        # What a signal raises, a library may have turned into something else.
-        return _print_interruption(as_json) if SIGNALS.received else _print_failure(raised, as_json)
+    info = ErrorInfo(
+        code="cannot_write",
+        message=f"cannot write to standard output: {raised.strerror or raised}",
+        suggestions=("let standard output go to a file with room, a pipe or a terminal",),
+    )
+    if not isinstance(raised, BrokenPipeError):
+        with contextlib.suppress(OSError):
+            print_error(info, as_json=False)
+    return info.status.exit
 
 
 def _print_usage_error(raised: click.UsageError, as_json: bool) -> int:
     if not as_json:
         raised.show()
         return USAGE
-    print_error(ErrorInfo(code="usage", message=raised.format_message()), as_json=True)
+    command = raised.ctx.command_path if raised.ctx else "nlcontrol"
+    hints = [f"`{command} --help` shows what it takes"]
+    if "unexpected extra argument" in raised.format_message():
+        hints.insert(0, "put what belongs together, like a sentence, in quotes")
+    print_error(
+        ErrorInfo(code="usage", message=raised.format_message(), suggestions=tuple(hints)),
+        as_json=True,
+    )
     return USAGE
 
 

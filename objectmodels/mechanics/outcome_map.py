@@ -166,9 +166,11 @@ def outcome_map(
 def _require_sense(face: Face, spacing: float, band: float, level: float | None) -> None:
     if not (spacing > 0.0 and 0.0 <= band < 1.0 and (level is None or 0.5 <= level <= 1.0)):
         raise ModelError(
-            "bad_value", "expected spacing > 0 m, 0 ≤ band < 1 and a level between 0.5 and 1"
+            "bad_value",
+            "expected spacing > 0 m, 0 ≤ band < 1 and a level between 0.5 and 1",
+            suggestions=("take a spacing of some millimetres and a band of a few percent",),
         )
-    if face.width * face.height / spacing**2 > MOST_CONTACTS:
+    if face.width / spacing * face.height / spacing > MOST_CONTACTS:
         raise ModelError(
             "bad_value",
             f"a spacing of {spacing} m makes more than {MOST_CONTACTS} contacts",

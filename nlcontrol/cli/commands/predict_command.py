@@ -31,7 +31,7 @@ from nlcontrol.cli.console.console_output import json_option, print_answer
 @click.option(
     "--direction", type=Numbers(3), metavar="X,Y,Z", help="Of the force; straight in by default."
 )
-@click.option("--force", type=click.FloatRange(min=0.0), help="Its size [N].")
+@click.option("--force", type=click.FloatRange(0.0, 1e6), help="Its size [N].")
 @click.option(
     "--friction",
     type=click.Choice(["static", "kinetic"]),

@@ -105,12 +105,27 @@ def parse(sentence: str, as_json: bool) -> int:
     return print_answer(command.model_dump(mode="json"), lines, as_json=as_json)
 
 
+def _require_names(
+    ctx: click.Context, param: click.Parameter, nouns: tuple[str, ...]
+) -> tuple[str, ...]:
+    for noun in nouns:
+        if not noun.strip() or not noun.isprintable():
+            raise click.BadParameter(f"{noun!r} is no name", ctx, param)
+    return nouns
+
+
 @click.command()
 @click.option("--count", default=10, show_default=True, type=click.IntRange(1), help="How many.")
 @click.option(
     "--seed", default=0, show_default=True, type=click.IntRange(0), help="Of the random words."
 )
-@click.option("--noun", "nouns", multiple=True, help="A name to speak of; may be repeated.")
+@click.option(
+    "--noun",
+    "nouns",
+    multiple=True,
+    callback=_require_names,
+    help="A name to speak of; may be repeated.",
+)
 @json_option
 def sample(count: int, seed: int, nouns: tuple[str, ...], as_json: bool) -> int:
     """Make up random sentences of the language, each with the frames that it means."""

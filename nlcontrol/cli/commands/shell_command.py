@@ -59,6 +59,8 @@ def command(
     """Do one sentence after another: "push it away", "again", "undo that", "why?"."""
     from nlcontrol.session.conversation import Conversation
 
+    if sys.stdin is None:
+        raise click.UsageError("standard input is closed, so there is no sentence to read")
     if plan_only:
         motion = "never"
     controller = open_controller(scene, seed, settings, time_limit)

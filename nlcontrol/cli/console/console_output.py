@@ -70,11 +70,22 @@ def require_writable(path: Path | None) -> None:
     """
     if path is None:
         return
-    folder = path.absolute().parent
-    if not folder.is_dir():
-        raise error("cannot_write", f"cannot write {path}: there is no folder {folder}")
-    if path.is_dir() or not os.access(folder, os.W_OK):
-        raise error("cannot_write", f"cannot write {path}")
+    folder, reason = path.absolute().parent, ""
+    try:
+        if not folder.is_dir():
+            reason = f"there is no folder {folder}"
+        elif path.is_dir():
+            reason = "it is a folder"
+        elif not os.access(folder, os.W_OK):
+            reason = "nothing can be written in its folder"
+    except (OSError, ValueError) as raised:  # no name of a file, as one that is too long
+        reason = getattr(raised, "strerror", None) or str(raised)
+    if reason:
+        raise error(
+            "cannot_write",
+            f"cannot write {path}: {reason}",
+            suggestions=("choose a file in a folder of yours",),
+        )
 
 
 class Narrator:

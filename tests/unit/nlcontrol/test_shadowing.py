@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -31,7 +32,7 @@ def test_a_package_of_the_same_name_is_reported_with_its_path(tmp_path: Path, na
     culprit = tmp_path / name
     culprit.mkdir()
     (culprit / "__init__.py").write_text("raise SystemExit('the wrong package was imported')")
-    done = _python("import nlcontrol", first=tmp_path)
+    done = _python(f"import nlcontrol, {name}", first=tmp_path)
     assert done.returncode == 1
     last = done.stderr.strip().splitlines()[-1]
     assert last.startswith("ImportError:")
@@ -41,8 +42,20 @@ def test_a_package_of_the_same_name_is_reported_with_its_path(tmp_path: Path, na
 
 def test_a_module_of_the_same_name_is_reported(tmp_path: Path) -> None:
     (tmp_path / "planner.py").write_text("")
-    done = _python("import nlcontrol", first=tmp_path)
+    done = _python("from nlcontrol import Plan", first=tmp_path)
     assert str(tmp_path / "planner.py") in done.stderr.strip().splitlines()[-1]
+
+
+@pytest.mark.parametrize("name", ["grammar", "sim"])
+def test_a_command_tells_it_in_its_one_document(tmp_path: Path, name: str) -> None:
+    (tmp_path / f"{name}.py").write_text("")
+    code = "from nlcontrol.cli import main; main(['plan', 'push it', '--json'])"
+    done = _python(code, first=tmp_path)
+    document = json.loads(done.stdout)
+    assert (done.returncode, document["error"]["code"]) == (1, "cannot_import")
+    assert str(tmp_path / f"{name}.py") in document["error"]["message"]
+    assert document["error"]["suggestions"]
+    assert not done.stderr
 
 
 def test_an_already_imported_culprit_is_reported(tmp_path: Path) -> None:
