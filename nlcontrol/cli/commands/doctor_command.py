@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import base64
+import csv
 import ctypes
+import hashlib
 import importlib.metadata
 import importlib.util
 import sys
@@ -14,7 +17,7 @@ import click
 
 from nlcontrol.cli.console.console_output import json_option, print_json
 from nlcontrol.errors import INTERNAL, OK
-from nlcontrol.package_imports import misplaced_packages
+from nlcontrol.package_imports import SIBLINGS, home, misplaced_packages
 
 _EGL_VENDORS = (Path("/usr/share/glvnd/egl_vendor.d"), Path("/etc/glvnd/egl_vendor.d"))
 
@@ -66,12 +69,45 @@ def examine_all() -> Iterator[Finding]:
     yield Finding(
         "packages", not wrong, True, "; ".join(wrong) or "all five beside each other", "rename it"
     )
+    foreign = list(foreign_files(Path(home())))
+    yield Finding(
+        "files of the packages",
+        not foreign,
+        True,
+        "; ".join(foreign) or "nobody else's",
+        "install nlcontrol in an environment of its own, without that distribution",
+    )
     yield _examine_drake()
     yield _examine_by_use("object models", _use_registry)
     yield _examine_own_models()
     yield _examine_by_use("scenes", _use_scenes)
     yield _examine_by_use("grammar", _use_grammar)
+    yield _examine_by_use("planner", _use_planner)
     yield _examine_egl()
+
+
+def foreign_files(folder: Path) -> Iterator[str]:
+    """What other distributions have put into our packages in a folder, and what was changed there.
+
+    Packages with everyday names may be those of another distribution too, and who is installed
+    last writes over the other's files.
+    """
+    for found in importlib.metadata.distributions(path=[str(folder)]):
+        for path, digest, *_ in csv.reader((found.read_text("RECORD") or "").splitlines()):
+            if path.partition("/")[0] not in ("nlcontrol", *SIBLINGS):
+                continue
+            if found.name != "nlcontrol":
+                yield f"{path} belongs to {found.name} {found.version}"
+            elif digest and digest != f"sha256={_digest(folder / path)}":
+                yield f"{path} is not as it was installed"
+
+
+def _digest(path: Path) -> str:
+    """SHA-256 of a file as the record of an installation states it; empty without the file."""
+    if not path.is_file():
+        return ""
+    found = hashlib.sha256(path.read_bytes()).digest()
+    return base64.urlsafe_b64encode(found).rstrip(b"=").decode()
 
 
 def _examine_drake() -> Finding:
@@ -130,6 +166,16 @@ def _use_grammar() -> str:
     import grammar
 
     return grammar.parse("push the ice tea box away without toppling it").paraphrase
+
+
+def _use_planner() -> str:
+    from nlcontrol.errors import ControlError
+    from nlcontrol.session.controller import Controller
+
+    result = Controller("kitchen").say("push the ice tea box away", plan_only=True)
+    if result.error:
+        raise ControlError(result.error)
+    return result.status
 
 
 def _examine_egl() -> Finding:
