@@ -32,7 +32,7 @@ from objectmodels.models.object_model import ObjectModel
 BAND = 0.05
 """Where slide and topple are nearer to each other than this share of the onset, no class counts."""
 
-WITHOUT_MUJOCO = "MuJoCo is left out: it is not installed; pip install 'nlcontrol[dev]' brings it."
+WITHOUT_MUJOCO = "MuJoCo is left out: it is not installed; pip install '.[dev]' brings it."
 
 
 @dataclass(frozen=True)

@@ -141,7 +141,7 @@ def _load_mesh(path: Path) -> Any:
         raise ModelError(
             "missing_extra",
             "reading meshes needs the package trimesh",
-            suggestions=("pip install 'nlcontrol[mesh]'",),
+            suggestions=("in nlcontrol's checkout: pip install '.[mesh]'",),
         ) from error
     content = read_bytes(path, "mesh_file")
     ending = path.suffix.lower().removeprefix(".")

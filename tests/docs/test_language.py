@@ -23,6 +23,7 @@ from grammar.parser import default_parser
 from grammar.words.lexicon_plugins import installed_lexicon
 from nlcontrol import Controller, Conversation
 from nlcontrol.cli import run
+from planner.types.defaults import DEFAULTS
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "language.md").read_text(encoding="utf-8")
 SECTIONS = dict(re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", GUIDE, re.MULTILINE | re.DOTALL))
@@ -224,3 +225,7 @@ def test_without_the_plug_in_its_words_are_unknown() -> None:
     with pytest.raises(ParseError) as caught:
         parse("scoot the mug to port")
     assert caught.value.code == "unknown_verb"
+
+
+def test_the_guide_says_how_far_almost_is() -> None:
+    assert f"by {DEFAULTS.tilt_lot:.0%}".replace("%", " %") in GUIDE

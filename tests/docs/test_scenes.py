@@ -90,3 +90,9 @@ def test_defaults_in_the_tables_are_those_of_the_code() -> None:
 
 def test_every_built_in_scene_is_named() -> None:
     assert all(f"`{name}`" in GUIDE for name in built_in_scenes())
+
+
+def test_the_kitchen_is_described_as_it_is() -> None:
+    assert "`kitchen` (three boxes, a carton, a mug and a cup)" in GUIDE
+    names = [item.name for item in load_scene("kitchen").objects]
+    assert (len(names), sum(name.endswith(" box") for name in names)) == (6, 3)

@@ -192,7 +192,8 @@ def test_without_the_extra_it_says_what_to_install(
     with pytest.raises(ModelError) as error:
         read_mesh(tmp_path / "x.stl")
     assert error.value.code == "missing_extra"
-    assert "nlcontrol[mesh]" in str(error.value)
+    # By the checkout: in the package index the name is another project's.
+    assert error.value.suggestions == ("in nlcontrol's checkout: pip install '.[mesh]'",)
 
 
 def test_a_cone_is_pushed_on_its_leaning_side(tmp_path: Path) -> None:
