@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from grammar import Command, Frame, ParseError, parse
     from nlcontrol.checks.verdicts import Check
     from nlcontrol.errors import ControlError, ErrorInfo
+    from nlcontrol.questions.answer import Answer
     from nlcontrol.results.result import Result
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.conversation import Conversation
@@ -37,16 +38,25 @@ if TYPE_CHECKING:
         PrismModel,
         Registry,
     )
-    from planner.types.plan import Plan
+    from objectmodels.identification import fit
+    from objectmodels.mechanics.push_outcomes import Prediction, Thresholds
+    from planner.affordances import Affordance
+    from planner.types.defaults import DEFAULTS, Defaults, with_settings
+    from planner.types.plan import Plan, Reached
     from planner.types.refusal import Refusal
     from planner.types.robot import Robot
     from sim.simulated_executor import SimulatedExecutor
     from sim.supervision import Monitor, StopToken
     from sim.traces.trace import Trace
+    from sim.truth.scene_file import Scene, load_scene
+    from sim.views.html_replay import save_replay
+    from sim.views.trace_picture import save_picture
 
 __version__ = "0.1.0"
 
 _HOMES = {
+    "Affordance": "planner.affordances",
+    "Answer": "nlcontrol.questions.answer",
     "BoxModel": "objectmodels",
     "Check": "nlcontrol.checks.verdicts",
     "Command": "grammar",
@@ -54,30 +64,44 @@ _HOMES = {
     "Controller": "nlcontrol.session.controller",
     "Conversation": "nlcontrol.session.conversation",
     "CylinderModel": "objectmodels",
-    "HullModel": "objectmodels",
-    "ObjectModel": "objectmodels",
-    "PrismModel": "objectmodels",
+    "DEFAULTS": "planner.types.defaults",
+    "Defaults": "planner.types.defaults",
     "ErrorInfo": "nlcontrol.errors",
     "Event": "nlcontrol.session.events",
     "Executor": "nlcontrol.session.executor",
-    "Monitor": "sim.supervision",
-    "StopToken": "sim.supervision",
-    "Perception": "nlcontrol.session.executor",
-    "Planner": "nlcontrol.session.executor",
-    "Robot": "planner.types.robot",
-    "SimulatedExecutor": "sim.simulated_executor",
-    "Trace": "sim.traces.trace",
     "Frame": "grammar",
+    "HullModel": "objectmodels",
     "ModelError": "objectmodels",
+    "Monitor": "sim.supervision",
+    "ObjectModel": "objectmodels",
     "ParseError": "grammar",
+    "Perception": "nlcontrol.session.executor",
     "Plan": "planner.types.plan",
-    "Refusal": "planner.types.plan",
+    "Planner": "nlcontrol.session.executor",
+    "Prediction": "objectmodels.mechanics.push_outcomes",
+    "PrismModel": "objectmodels",
+    "Reached": "planner.types.plan",
+    "Refusal": "planner.types.refusal",
     "Registry": "objectmodels",
     "Result": "nlcontrol.results.result",
+    "Robot": "planner.types.robot",
+    "Scene": "sim.truth.scene_file",
+    "SimulatedExecutor": "sim.simulated_executor",
+    "StopToken": "sim.supervision",
+    "Thresholds": "objectmodels.mechanics.push_outcomes",
+    "Trace": "sim.traces.trace",
+    "fit": "objectmodels.identification",
+    "load_scene": "sim.truth.scene_file",
     "parse": "grammar",
+    "save_picture": "sim.views.trace_picture",
+    "save_replay": "sim.views.html_replay",
+    "with_settings": "planner.types.defaults",
 }
 
 __all__ = [
+    "DEFAULTS",
+    "Affordance",
+    "Answer",
     "BoxModel",
     "Check",
     "Command",
@@ -85,6 +109,7 @@ __all__ = [
     "Controller",
     "Conversation",
     "CylinderModel",
+    "Defaults",
     "ErrorInfo",
     "Event",
     "Executor",
@@ -97,16 +122,25 @@ __all__ = [
     "Perception",
     "Plan",
     "Planner",
+    "Prediction",
     "PrismModel",
+    "Reached",
     "Refusal",
     "Registry",
     "Result",
     "Robot",
+    "Scene",
     "SimulatedExecutor",
     "StopToken",
+    "Thresholds",
     "Trace",
     "__version__",
+    "fit",
+    "load_scene",
     "parse",
+    "save_picture",
+    "save_replay",
+    "with_settings",
 ]
 
 

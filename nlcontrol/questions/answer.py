@@ -6,6 +6,7 @@ Values are SI inside; people read newtons, millimetres and chances.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from textwrap import shorten
 from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field
@@ -95,6 +96,9 @@ class Answer(DocumentPart):
     map: SkipJsonSchema[Annotated[OutcomeMap, AsItIs()] | None] = Field(
         default=None, exclude=True, repr=False
     )
+
+    def __repr__(self) -> str:
+        return f"<Answer: {shorten(self.text, 150, placeholder=' …')}>"
 
 
 def force_text(value: float, sd: float | None = None) -> str:

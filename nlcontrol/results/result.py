@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from textwrap import shorten
 from typing import Annotated, Literal
 
 import numpy as np
@@ -187,6 +188,18 @@ class Result(Document):
 
     def __str__(self) -> str:
         return self.report()
+
+    def __repr__(self) -> str:
+        code = f" ({self.error.code})" if self.error else ""
+        told = ""
+        if self.checks:
+            told = f"; {sum(check.ok for check in self.checks)} of {len(self.checks)} clauses held"
+        return f"<Result {self.status}{code}: “{shorten(self.text, 100, placeholder=' …')}”{told}>"
+
+    def _repr_html_(self) -> str:
+        from nlcontrol.reports.notebook_view import result_html
+
+        return result_html(self)
 
 
 def result_with(result: Result, **changes: object) -> Result:

@@ -152,7 +152,7 @@ def answer_with_offer(
     best = rank_candidates(target.model, candidates, asked, spread=SPREAD)[0]
     better = enumeration([f"its {name} to ± {sd:.0%}" for name, sd in best.precisions.items()])
     known = {
-        f"{name}_sd_after": getattr(target.model, name) * sd for name, sd in best.precisions.items()
+        f"{name}_after_sd": getattr(target.model, name) * sd for name, sd in best.precisions.items()
     }
     command = grammar.paraphrase(frame.model_copy(update={"query": None, "action": "explore"}))
     return answer.model_copy(

@@ -58,6 +58,9 @@ class Thresholds:
     push: tuple[Array, Array] = field(repr=False)
     body: tuple[Base, Array, float, float] = field(repr=False)
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {_told_of(self.outcome)}, onset {_range_of(self.onset)} N>"
+
     @cached_property
     def onset(self) -> Array:
         """The smaller of the two [N]."""
@@ -150,6 +153,9 @@ class Prediction:
     force: Array
     thresholds: Thresholds
 
+    def __repr__(self) -> str:
+        return f"<Prediction: {_told_of(self.outcome)}, force {_range_of(self.force)} N>"
+
     @cached_property
     def moves(self) -> NDArray[np.bool_]:
         """Return True where the force reaches the onset."""
@@ -176,6 +182,23 @@ class Prediction:
             apart = np.where(np.isinf(t.onset), np.inf, np.abs(t.slide - t.topple))
         margin = np.abs(self.force - t.onset)
         return np.where(self.moves, np.minimum(margin, apart), margin)
+
+
+def _told_of(outcome: NDArray[np.str_]) -> str:
+    """Outcomes of one push or of many, in a few words."""
+    if len(outcome) == 1:
+        return str(outcome[0])
+    names, counts = np.unique(outcome, return_counts=True)
+    told = ", ".join(f"{n} {name}" for name, n in zip(names, counts, strict=True))
+    return f"{len(outcome)} pushes ({told})"
+
+
+def _range_of(values: Array) -> str:
+    """Least and largest of some values."""
+    if not values.size:
+        return "–"
+    low, high = (f"{value:.3g}" for value in (values.min(), values.max()))
+    return low if low == high else f"{low} to {high}"
 
 
 def closed_form_thresholds(

@@ -195,7 +195,7 @@ def object_name(ref: g.ObjectRef) -> str:
 def si_text(value: float, unit: str) -> str:
     """An SI value as people read it, in whole millimetres, millilitres and degrees."""
     if unit in ("m", "m/s"):
-        return f"{1e3 * value:.0f} m{unit}"
+        return f"{round(1e3 * value) + 0.0:.0f} m{unit}"  # never −0
     if unit == "m³":
         return f"{1e6 * value:.0f} ml"
     if unit == "rad/s":

@@ -6,6 +6,7 @@ of the public contract; every number is in SI units.
 
 from __future__ import annotations
 
+from textwrap import shorten
 from typing import Literal
 
 from planner.types.actions import Action, Aim, GraspAction, Limits, PushAction, Value
@@ -58,6 +59,14 @@ class Plan(Value):
     considered: int = 0
     satisfying: int = 0
     notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        kinds = ", ".join(action.kind for action in self.actions[:6])
+        more = ", …" if len(self.actions) > 6 else ""
+        name = shorten(self.object, 40, placeholder="…")
+        return (
+            f"<Plan to {self.task} the {name}: {kinds}{more}; probability {self.probability:.3g}>"
+        )
 
     @property
     def push(self) -> PushAction:

@@ -62,7 +62,7 @@ _FEW = 24  # points up to which all changes of the loaded ones are looked at ins
 Index = NDArray[np.intp]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ExactThresholds(Thresholds):
     """Thresholds of the exact tier; arrays over n pushes.
 

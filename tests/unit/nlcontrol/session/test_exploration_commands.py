@@ -96,7 +96,7 @@ def test_the_model_answers_a_question_and_offers_a_touch(kitchen: Controller) ->
     assert (result.status, simulation(kitchen.executor).is_built) == ("answered", False)
     assert result.answer is not None
     assert "0.313" in result.answer.text
-    assert result.answer.numbers["friction_sd_after"] < result.answer.numbers["friction_sd"]
+    assert result.answer.numbers["friction_after_sd"] < result.answer.numbers["friction_sd"]
     assert "slide at the" in result.answer.lines[0]
     (command,) = re.findall("“(.*)”", result.answer.suggestions[0])
     assert kitchen.parse(command).frames[0].action == "explore"
