@@ -82,8 +82,6 @@ class Truth(Part):
     def _inside(self) -> Truth:
         if not self._contains(self.centre_of_mass):
             raise ValueError(f"centre_of_mass_m {self.centre_of_mass} lies outside the object")
-        if self.support_m is not None and len(self.support_m) < 3:
-            raise ValueError("support_m needs three points or more")
         if self.lid is not None and not (
             self.lid.mass < self.mass_kg and self._contains(self.without_lid.centre_of_mass)
         ):
