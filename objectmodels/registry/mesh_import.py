@@ -50,6 +50,7 @@ COM_SHARE_SD = 0.08
 """Standard deviation of a centre of mass at uniform density, as a share of the extents."""
 
 _DOWNWARDS = np.cos(np.radians(10.0))  # a face this near to looking down is what it stands on
+_LARGEST_NUMBER = 1e9  # of an argument; formulae would overflow with some
 _MOST_VERTICES = 400
 _MOST_POINTS = 20_000  # of more, those extreme in so many directions are looked at
 _DIRECTIONS = 1000
@@ -102,7 +103,7 @@ def read_mesh(path: Path, *, unit: str = "m", up: str = "+z") -> Solid:
             raise ModelError("bad_value", found, suggestions=(f"take {known[0]!r}",))
     mesh = _load_mesh(path)
     points = np.asarray(mesh.vertices, dtype=np.float64) * UNITS[unit]
-    if len(points) < 4 or not np.isfinite(points).all():
+    if points.shape[1:] != (3,) or len(points) < 4 or not np.isfinite(points).all():
         raise _mesh_error(path, f"holds {len(points)} usable vertices", "export it once more")
     extents = np.ptp(points, axis=0)
     if not (extents.max() <= LARGEST and extents.min() >= SMALLEST):
@@ -262,12 +263,15 @@ def import_mesh(
             given and positive, or if another argument is out of its range.
     """
     given = [value for value in (mass, density) if value is not None]
-    if len(given) != 1 or not 0.0 < given[0] < np.inf:
+    if len(given) != 1 or not 0.0 < given[0] <= _LARGEST_NUMBER:
         raise ModelError(
             "bad_value",
             "state either the mass [kg] or the density [kg/m³], a positive number",
             suggestions=("a full carton has about 900 kg/m³",),
         )
+    if friction is not None and not abs(friction) <= _LARGEST_NUMBER:
+        hint = "leave it out if it is not known"
+        raise ModelError("bad_value", "expected a number", path="friction", suggestions=(hint,))
     solid = read_mesh(path, unit=unit, up=up)
     heavy = mass if density is None else density * solid.volume
     assert heavy is not None

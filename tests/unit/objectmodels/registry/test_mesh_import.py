@@ -153,6 +153,7 @@ def test_what_is_imported_is_written_and_read_again(tmp_path: Path) -> None:
         (b"\x00" * 300, "zeros.stl", "unreadable_file"),
         (b"hello", "model.xyz123", "unreadable_file"),
         (b"solid x", "model", "unreadable_file"),
+        (b"v 0 0\n" + b"v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n", "level.obj", "bad_mesh"),
         (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR\xff\xfe", "picture.stl", "unreadable_file"),
         (b"mtllib /dev/zero\nv 0 0 0\n", "other.obj", "bad_mesh"),
     ],
