@@ -15,6 +15,7 @@ class ParseError(Exception):
             the whole.
         spans: every place that it is about; two for a contradiction.
         suggestions: what might have been meant, or could stand there.
+        path: the place in a document of frames, if it is about one.
     """
 
     def __init__(
@@ -25,6 +26,7 @@ class ParseError(Exception):
         suggestions: tuple[str, ...] = (),
         *,
         spans: Spans = (),
+        path: str | None = None,
     ) -> None:
         super().__init__(message)
         self.code = code
@@ -32,3 +34,4 @@ class ParseError(Exception):
         self.span = span
         self.spans = spans or (() if span is None else (span,))
         self.suggestions = suggestions
+        self.path = path

@@ -42,6 +42,8 @@ _LACKS = Status(NO_PLAN, 501)
 _CALLER = Status(USAGE, 400)
 
 CODES: dict[str, Status] = {
+    # Frames that others wrote.
+    "bad_frame": _SENTENCE,
     # Names that do not lead to one object, and questions about nothing.
     "unknown_object": _SENTENCE,
     "ambiguous_object": _SENTENCE,
@@ -183,9 +185,9 @@ def known_error(raised: Exception) -> ControlError | None:
     match raised:
         case DefaultsError():
             return error("bad_default", str(raised), suggestions=raised.suggestions)
-        case ParseError(span=span, spans=spans):
+        case ParseError(span=span, spans=spans, path=path):
             several = spans if len(spans) > 1 else ()
-            about = {"family": "sentence", "span": span, "spans": several}
+            about = {"family": "sentence", "span": span, "spans": several, "path": path}
         case ModelError(path=path):
             about = {"family": "model", "path": path}
         case SimError():

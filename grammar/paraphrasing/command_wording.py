@@ -75,13 +75,13 @@ class _Speaker(Phrasing):
     def _verb_and_result(self, frame: g.Frame) -> tuple[str, list[str]]:
         """The verb, and the result if another outcome than its own is wanted."""
         action, goal = frame.action or "", frame.goal
-        if isinstance(goal, g.Open | g.Close) and goal.part and frame.object is not None:
-            # Only what is called "the …" has a "lid of the …".
-            named = self.object_words(frame.object).startswith("the ")
-            moved = "take" if isinstance(goal, g.Open) else "put"
-            return goal.words.verbs[action] if named else moved, []
         if action in goal.words.verbs:
-            return goal.words.verbs[action], []
+            verb, thing = goal.words.verbs[action], frame.object
+            if isinstance(goal, g.Open | g.Close) and goal.part and thing is not None:
+                # Only what is called "the …" has a "lid of the …".
+                moved = "take" if isinstance(goal, g.Open) else "put"
+                verb = verb if self.object_words(thing).startswith("the ") else moved
+            return verb, []
         if action in g.Displace.words.verbs and goal.words.outcomes:
             event = self.phrase_for("EVENT", goal.words.outcomes[0])
             return g.Displace.words.verbs[action], [f"so that it {event}"]
@@ -111,7 +111,8 @@ class _Speaker(Phrasing):
 
     def _property_words(self, frame: g.Frame, which: Sequence[str]) -> str:
         """The mass and the friction of an object."""
-        assert frame.object is not None
+        if frame.object is None or not which:
+            raise no_words("a property without an object")
         if frame.object.text == "its":
             return " and ".join(self.phrase_for("ITS_PROPERTY", name) for name in which)
         *others, last = which
@@ -150,7 +151,8 @@ class _Speaker(Phrasing):
     def _prediction_words(self, frame: g.Frame) -> str:
         if frame.event is None:
             return f"{self.phrase_for('WHAT_IF')} you {self._command_words(frame)}"
-        assert frame.object is not None
+        if frame.object is None:
+            raise no_words(f"event {frame.event} without an object")
         happens = self.phrase_for("EVENT_INFINITIVE", frame.event)
         partly = isinstance(frame.goal, g.Pour | g.Open | g.Close)
         name, text = self.object_words(frame.object), frame.object.text

@@ -189,7 +189,7 @@ class _Binder:
     def _measuring_object(self, ref: ObjectRef) -> str:
         """The object that a length is measured in: the frame's own, wherever that fits."""
         ref = self.fill_part(ref)
-        if self.own and (ref.pronoun or self._fits_own(ref)):
+        if self.own and ref.id is None and (ref.pronoun or self._fits_own(ref)):
             return self.own[0]
         return find_object(ref, self.around, self.spoken, alone=True)
 

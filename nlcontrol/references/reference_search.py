@@ -80,7 +80,7 @@ def find_object(
     """Name of the one object that a reference means.
 
     Args:
-        ref: what was said; the objects that it is beside have their ids.
+        ref: what was said, or the id of what is meant; the objects that it is beside have theirs.
         around: objects that may be meant.
         spoken: what was spoken of before.
         alone: whether a model of the registry will do if there is none on the table.
@@ -88,6 +88,8 @@ def find_object(
     Raises:
         ControlError: `unknown_object`, `ambiguous_object`, `not_on_table` or `no_antecedent`.
     """
+    if ref.id is not None:
+        return _object_by_id(ref.id, ref, around, alone)
     if ref.pronoun and not set(_SPOKEN) & set(ref.qualities):
         return _pronoun_object(ref, around, spoken, alone)
     if not _objects_named(ref, around):
@@ -104,6 +106,14 @@ def find_object(
     if len(found) > 1:
         raise ambiguity_error(ref, found, lambda other: matching_objects(other, around, spoken))
     return found[0].name
+
+
+def _object_by_id(name: str, ref: ObjectRef, around: Surroundings, alone: bool) -> str:
+    """The object that is named exactly, whatever words there are for it."""
+    known = tuple(model.name for model in around.known) if alone else ()
+    if name in (*around.names, *known):
+        return name
+    return _model_elsewhere(ObjectRef(text=name, spans=ref.spans), around, alone)
 
 
 def matching_objects(ref: ObjectRef, around: Surroundings, spoken: Spoken) -> list[Candidate]:

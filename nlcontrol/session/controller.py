@@ -36,11 +36,14 @@ from sim.cell.cell_description import LOOK
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from typing import Unpack
 
     from grammar.parser import Parser
     from nlcontrol.checks.verdicts import Check
     from nlcontrol.questions.answer import Answer
+    from nlcontrol.session.conversation import Options
     from nlcontrol.session.events import Event
+    from nlcontrol.session.frame_documents import Frames
     from planner.affordances import Affordance
     from planner.types.defaults import Defaults
     from planner.types.plan import Plan
@@ -118,6 +121,16 @@ class Controller:
         """
         with known_errors_raised():
             return self._parser.parse(text)
+
+    def command(self, said: str | Frames) -> Command:
+        """What a sentence or frames say, once they are found to make sense.
+
+        Raises:
+            ControlError: it is not understood; see `nlcontrol.session.frame_documents.command_of`.
+        """
+        from nlcontrol.session.frame_documents import command_of
+
+        return command_of(said, self._parser)
 
     @cached_property
     def _parser(self) -> Parser:
@@ -287,7 +300,7 @@ class Controller:
     @in_turn
     def say(
         self,
-        text: str,
+        text: str | Frames,
         *,
         plan_only: bool = False,
         motion: Motion | None = None,
@@ -303,7 +316,7 @@ class Controller:
         `nlcontrol.session.conversation.Conversation` for that.
 
         Args:
-            text: an English sentence.
+            text: an English sentence; frames are taken too, see `do`.
             plan_only: stop before anything is executed.
             motion: `never`, as `plan_only`; `simulate`: a question too may move the robot, where it
                 asks for a weight or a friction that is not known well and touching would tell.
@@ -329,6 +342,20 @@ class Controller:
             stop=stop,
             force_rate=force_rate,
         )
+
+    def do(self, frames: Frames, **options: Unpack[Options]) -> Result:
+        """Does what frames say, as `say` does what a sentence says.
+
+        Args:
+            frames: a command, its JSON, or a list of frames or of their JSON (docs/frames.md).
+            options: those of `say`.
+
+        Returns:
+            A result in every case; frames that make no sense give one with the place in `error`.
+        """
+        from nlcontrol.session.conversation import Conversation
+
+        return Conversation(self).do(frames, **options)
 
     def empty_result(self, text: str, command: Command | None = None) -> Result:
         """The result of a sentence of which nothing has come yet."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, Literal, NoReturn
+from typing import TYPE_CHECKING, Literal, NoReturn, TypedDict
 
 import grammar
 from grammar.frames import command as g
@@ -24,21 +24,36 @@ from nlcontrol.references.reference_resolution import Context, parts_within
 from nlcontrol.results.result import result_with
 from nlcontrol.session import follow_up_frames as follow_up
 from nlcontrol.session.events import FORCE_RATE, Supervisor
+from nlcontrol.session.frame_documents import text_of
 from nlcontrol.session.frame_execution import status_of
 from nlcontrol.session.turns import in_turn
 from nlcontrol.session.undo_frames import PastPush, undo_frames, undo_text
-from nlcontrol.text_format import encodable_text, quantity
+from nlcontrol.text_format import quantity
 
 if TYPE_CHECKING:
+    from typing import Unpack
+
     from nlcontrol.results.result import Result, Step
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Motion
+    from nlcontrol.session.frame_documents import Frames
     from sim.supervision import Progress, StopToken
 
 
 REMEMBERED = 50
 """Pushes that can be undone."""
+
+
+class Options(TypedDict, total=False):
+    """Options of `say` and `do`; see `nlcontrol.session.controller.Controller.say`."""
+
+    plan_only: bool
+    motion: Motion | None
+    progress: Progress | None
+    on_event: Callable[[Event], object] | None
+    stop: StopToken | None
+    force_rate: float
 
 
 class Conversation:
@@ -63,7 +78,7 @@ class Conversation:
     @in_turn
     def say(
         self,
-        text: str,
+        text: str | Frames,
         *,
         plan_only: bool = False,
         motion: Motion | None = None,
@@ -74,7 +89,8 @@ class Conversation:
     ) -> Result:
         """Does what a sentence says, as it is meant after those before it.
 
-        It may be a remark on what was said and done before; otherwise as `Controller.say`.
+        It may be a remark on what was said and done before; otherwise as `Controller.say`. Frames
+        are taken in place of a sentence; see `do`.
         """
         supervisor = Supervisor(
             progress,
@@ -84,13 +100,21 @@ class Conversation:
             clock=lambda: self.controller.executor.time,
         )
         plan_only = plan_only or motion == "never"
-        said = self._say(encodable_text(text), plan_only, motion, supervisor)
-        return supervisor.end(said)
+        return supervisor.end(self._say(text, plan_only, motion, supervisor))
 
-    def _say(self, text: str, plan_only: bool, motion: Motion | None, progress: Progress) -> Result:
-        command = None
+    def do(self, frames: Frames, **options: Unpack[Options]) -> Result:
+        """Does what frames say, as they are meant after what was said before; as `Controller.do`.
+
+        They may be a remark ("again", "undo that") and hold pronouns, as a sentence may.
+        """
+        return self.say(frames, **options)
+
+    def _say(
+        self, said: str | Frames, plan_only: bool, motion: Motion | None, progress: Progress
+    ) -> Result:
+        text, command = text_of(said), None
         try:
-            command = self.controller.parse(text)
+            command = self.controller.command(said)
             return self._answer(command, plan_only, motion, progress)
         except ControlError as raised:
             begun = self.controller.empty_result(text, command)

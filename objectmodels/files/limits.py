@@ -35,6 +35,7 @@ LIMITS: Mapping[str, Limit] = MappingProxyType(
         "record_file": Limit("record of experiments", 0, 200_000_000, "bytes"),
         "trace_file": Limit("file of a trace, also unpacked", 0, 500_000_000, "bytes"),
         "history_file": Limit("history of the shell", 0, 10_000_000, "bytes"),
+        "frames_file": Limit("file of frames", 0, 1_000_000, "bytes"),
         "yaml_nodes": Limit("values in a YAML file, aliases written out", 0, 20_000, ""),
         "yaml_depth": Limit("lists and mappings inside each other", 0, 20, ""),
         "yaml_text": Limit("one text in a YAML file", 0, 10_000, "characters"),

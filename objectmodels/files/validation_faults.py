@@ -98,15 +98,16 @@ def _all_keys(cls: type[BaseModel]) -> set[str]:
     """Keys of a class in a file, and those of the blocks in it."""
     found = set(file_keys(cls))
     for field in cls.model_fields.values():
-        for part in _classes_in(field.annotation):
+        for part in classes_in(field.annotation):
             found |= _all_keys(part)
     return found
 
 
-def _classes_in(annotation: Any) -> list[type[BaseModel]]:
+def classes_in(annotation: Any) -> list[type[BaseModel]]:
+    """Models of pydantic that a type is made of."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
-    return [part for argument in get_args(annotation) for part in _classes_in(argument)]
+    return [part for argument in get_args(annotation) for part in classes_in(argument)]
 
 
 def short_text(value: object) -> str:

@@ -27,13 +27,14 @@ from nlcontrol.cli.console.console_output import (
     require_writable,
 )
 from nlcontrol.cli.console.robot_stop import exit_code_of, stop_on_signal
-from nlcontrol.errors import ControlError, known_errors_raised
+from nlcontrol.errors import ControlError
 from objectmodels.files.file_writing import replace_file
 
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.executor import Motion
+    from nlcontrol.session.frame_documents import Frames
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -49,7 +50,31 @@ _picture = click.option(
 def _sentence_options(command: Command) -> Command:
     for option in (_picture, _explain, time_limit_option, world_options, json_option):
         command = option(command)
-    return click.argument("sentence")(command)
+    return _said_options(command)
+
+
+def _said_options(command: Command) -> Command:
+    """Add what is to be done, as `sentence` or `frames`."""
+    frames = click.option(
+        "--frames",
+        type=click.Path(dir_okay=False, path_type=Path, allow_dash=True),
+        help="Take frames (JSON, docs/frames.md) in place of a sentence; - is standard input.",
+    )
+    return click.argument("sentence", required=False)(frames(command))
+
+
+def _said(sentence: str | None, frames: Path | None) -> str | Frames:
+    """What is to be done: a sentence, or what a file of frames says."""
+    if frames is not None and sentence is not None:
+        raise click.UsageError("give SENTENCE or --frames, not both")
+    if frames is not None:
+        from nlcontrol.session.frame_documents import read_frames
+
+        found: Frames = read_frames(frames)
+        return found
+    if sentence is None:
+        raise click.UsageError("Missing argument 'SENTENCE'; or give --frames.")
+    return sentence
 
 
 @click.command()
@@ -83,25 +108,25 @@ def plan(**options: Any) -> int:
 
 
 @click.command()
-@click.argument("sentence")
+@_said_options
 @json_option
-def parse(sentence: str, as_json: bool) -> int:
-    """Read SENTENCE: what was understood, as frames."""
-    import grammar
-    from nlcontrol.text_format import encodable_text, frame_lines
+def parse(sentence: str | None, frames: Path | None, as_json: bool) -> int:
+    """Read SENTENCE: what was understood, as frames; of frames, whether they make sense."""
+    from grammar.parser import default_parser
+    from nlcontrol.session.frame_documents import command_of, text_of
+    from nlcontrol.text_format import frame_lines
 
-    text = encodable_text(sentence)
+    said = _said(sentence, frames)
     print_skipped_with_words()
     try:
-        with known_errors_raised():
-            command = grammar.parse(text)
+        command = command_of(said, default_parser())
     except ControlError as raised:
-        print_error(raised.info, as_json=as_json, text=text)
+        print_error(raised.info, as_json=as_json, text=text_of(said) if sentence else None)
         return raised.info.status.exit
     lines = [f"I understood: {command.paraphrase}"]
     for number, frame in enumerate(command.frames, start=1):
         lines += [f"{number}."] if len(command.frames) > 1 else []
-        lines += frame_lines(frame, text)
+        lines += frame_lines(frame, command.text)
     return print_answer(command.model_dump(mode="json"), lines, as_json=as_json)
 
 
@@ -146,7 +171,8 @@ def sample(count: int, seed: int, nouns: tuple[str, ...], as_json: bool) -> int:
 
 def _answer_sentence(
     *,
-    sentence: str,
+    sentence: str | None,
+    frames: Path | None,
     scene: str,
     seed: int,
     settings: Settings,
@@ -161,10 +187,11 @@ def _answer_sentence(
     wanted = {**of_run, "picture": picture}
     for path in wanted.values():
         require_writable(path)
+    said = _said(sentence, frames)
     controller = open_controller(scene, seed, settings, time_limit)
     print_skipped_with_words(controller.registry.problems)
     with Narrator() as narrate, stop_on_signal(moves=motion != "never") as stop:
-        result = controller.say(sentence, motion=motion, progress=narrate, stop=stop)
+        result = controller.say(said, motion=motion, progress=narrate, stop=stop)
     files = _write_files(controller, result, wanted, explain=explain)
     result = result.model_copy(
         update={"files": files, "explanation": result.explained() if explain else None}
