@@ -205,12 +205,18 @@ def turn_obstacle(
     Returns:
         Name of another object, "table", or None if the turn is free.
     """
+    names, apart = list(clearances), np.array(list(clearances.values()))[:, None]
+    others = [footprint(state.objects[name]) for name in names]
+    low = np.array([other.min(axis=0) for other in others]).reshape(-1, 2) - apart
+    high = np.array([other.max(axis=0) for other in others]).reshape(-1, 2) + apart
     for step in steps:
         for share in np.linspace(0.0, 1.0, _LOOKED_AT + 1)[1:]:
             here = footprint(step.target_after(target, float(share)))
-            for name, apart in clearances.items():
-                if gap(here, footprint(state.objects[name])) < apart:
-                    return name
+            # What is farther off along an axis is farther off.
+            near = ((low <= here.max(axis=0)) & (here.min(axis=0) <= high)).all(axis=1)
+            for k in np.flatnonzero(near).tolist():
+                if gap(here, others[k]) < clearances[names[k]]:
+                    return names[k]
             if room_to_edge(here, state.table, margin) < 0.0:
                 return "table"
         target = step.target_after(target)

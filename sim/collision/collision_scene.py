@@ -9,6 +9,7 @@ Frames: W is the world, B an object.
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -38,6 +39,8 @@ FRAGILE_CLEARANCE = 0.030
 
 SPARE = 0.002
 """How much nearer the hand may get than was planned, as two looks differ by their noise [m]."""
+
+_ROUNDING = 1e-9  # so that it leaves none out that is near [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,6 +162,26 @@ class CollisionScene:
             < size + each.around + each.clearance
         )
 
+    @functools.cached_property
+    def _circles(self) -> tuple[Array, Array, float]:
+        """Middles of the others (n, 2), how near to them is near (n,), and over all of them [m]."""
+        middles = np.array([each.middle for each in self.others]).reshape(-1, 2)
+        tops = [each.p_WB[2] + each.height + each.clearance for each in self.others]
+        near = np.array([each.around + each.clearance for each in self.others])
+        return middles, near + _ROUNDING, max(tops, default=-np.inf) + _ROUNDING
+
+    def others_near(self, robot: Array) -> tuple[Obstacle, ...]:
+        """The others that spheres in W, shape (..., 4), may come too near to; no more are hit."""
+        middles, near, top = self._circles
+        robot = robot[robot[..., 2] - robot[..., 3] < top]
+        if not len(robot):
+            return ()
+        at, reach = robot[:, :2], robot[:, 3:]
+        low, high = (at - reach).min(axis=0), (at + reach).max(axis=0)
+        apart = np.maximum(np.maximum(low - middles, middles - high), 0.0)
+        chosen = np.hypot(apart[:, 0], apart[:, 1]) <= near
+        return tuple(self.others[k] for k in np.flatnonzero(chosen))
+
     def is_free(self, robot: Array, pushed: Obstacle | None = None) -> NDArray[np.bool_]:
         """Which poses keep clear of table and objects.
 
@@ -170,11 +193,12 @@ class CollisionScene:
             Shape (...).
         """
         free = np.asarray(height_above_table(robot).min(axis=-1) >= TABLE_CLEARANCE)
-        for each in (pushed or self.pushed, *self.others):
+        for each in (pushed or self.pushed, *self.others_near(robot)):
             if free.any():
                 free[free] = each.is_clear(robot[free])
         return free
 
     def hit_by(self, robot: Array) -> str | None:
         """Which of the others is in the robot's way, in any of its poses; None if none is."""
-        return next((each.name for each in self.others if not each.is_clear(robot).all()), None)
+        near = self.others_near(robot)
+        return next((each.name for each in near if not each.is_clear(robot).all()), None)

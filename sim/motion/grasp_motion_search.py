@@ -212,7 +212,7 @@ class GraspMotionSearch:
                 return ReachAnswer(
                     False, "table", f"the hand would come to {up:.0f} mm over the table"
                 )
-            for each in self._scenery.others:
+            for each in self._scenery.others_near(hand):
                 if not each.is_clear(hand).all():
                     return _blocked_answer(each.name, "the hand")
         free = np.flatnonzero(self._free)
@@ -297,7 +297,7 @@ class GraspMotionSearch:
         robot = self._mount.arm_spheres(q)
         if (height_above_table(robot) < TABLE_CLEARANCE).any():
             return "table"
-        for each in self._scenery.others:
+        for each in self._scenery.others_near(robot):
             if not each.is_clear(robot).all():
                 return each.name
         held = _in_itself(self._scenery.pushed)
@@ -349,7 +349,8 @@ class GraspMotionSearch:
         """True if the arm keeps clear of the table and of all others."""
         robot = self._mount.arm_spheres(q)
         high = height_above_table(robot).min() >= TABLE_CLEARANCE
-        return bool(high and all(each.is_clear(robot).all() for each in self._scenery.others))
+        near = self._scenery.others_near(robot)
+        return bool(high and all(each.is_clear(robot).all() for each in near))
 
     def _transit_path(
         self, way: GraspMotion, q: Array, p_WB: Array, R_WB: Array, stands: Obstacle

@@ -297,7 +297,7 @@ class PushMotionSearch:
         # Its fingertips still touch at the first of them.
         free = valid[kept].all(axis=1)
         free &= self._pushed[-1].is_clear(robot[:, 1:], _FACE_CLEARANCE).all(axis=1)
-        for each in self._scenery.others:
+        for each in self._scenery.others_near(robot[:, 1:]):
             free &= each.is_clear(robot[:, 1:]).all(axis=1)
         return np.asarray(free)
 

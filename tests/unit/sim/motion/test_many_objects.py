@@ -1,0 +1,67 @@
+"""A table full of objects: pushes among them are planned in seconds, and nothing is left out."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+
+import numpy as np
+import pytest
+
+from objectmodels import Registry
+from planner import plan
+from planner.types.world_state import PlanarPose, SeenObject, WorldState
+from sim import load_scene
+from sim.collision.collision_scene import CollisionScene
+from sim.motion.robot_reach import ArmHandReach
+from sim.standard_robot import ARM, HAND
+from tests.unit.planner.conftest import TABLE, frame_of
+
+STEP, ROOM = 0.09, 0.19  # between the mugs, and around the box in their midst [m]
+
+
+def crowded(most: int) -> WorldState:
+    """A box on the table with mugs all around it."""
+    registry = Registry.built_in()
+    box = SeenObject("ice tea box", PlanarPose(0.45, 0.0), registry.get("ice tea box"))
+    objects, mug = {box.name: box}, registry.get("mug")
+    for i, j in itertools.product(range(15), range(17)):
+        x, y = -0.13 + STEP * i, -0.72 + STEP * j
+        if math.dist((x, y), (0.45, 0.0)) > ROOM and len(objects) < most:
+            name = f"mug {len(objects)}"
+            objects[name] = SeenObject(name, PlanarPose(x, y), mug)
+    assert len(objects) == most
+    return WorldState(objects, TABLE)
+
+
+def test_what_is_far_off_is_left_out_and_nothing_else() -> None:
+    scenery = CollisionScene.from_state(crowded(60), "ice tea box")
+    random = np.random.default_rng(3)
+    found = []
+    for _ in range(200):
+        middle = random.uniform((-0.2, -0.8, 0.0), (1.2, 0.8, 0.3))
+        centres = middle + random.normal(0.0, 0.05, (5, 4, 3))
+        robot = np.concatenate([centres, random.uniform(0.005, 0.03, (5, 4, 1))], axis=-1)
+        near = scenery.others_near(robot)
+        hit = {each.name for each in scenery.others if not each.is_clear(robot).all()}
+        assert hit <= {each.name for each in near}
+        found.append((len(hit), len(near)))
+    hits, looked_at = np.sum(found, axis=0)
+    assert hits > 0
+    assert looked_at < 0.2 * 200 * len(scenery.others)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("sentence", "status"),
+    [
+        ("turn the ice tea box 90 degrees", "planned"),
+        ("push the ice tea box 40 cm away", "refused"),
+    ],
+)
+def test_a_push_among_two_hundred_objects(sentence: str, status: str) -> None:
+    robot = ArmHandReach(load_scene("kitchen").cell, ARM, HAND)
+    start = time.process_time()
+    assert plan(frame_of(sentence), crowded(200), robot).status == status
+    assert time.process_time() - start < 10.0
