@@ -79,6 +79,7 @@ def main(args: Sequence[str] | None = None) -> None:
     """Run the command line and end the process with its exit code."""
     # A start allocates much and frees little: looking for garbage seldom saves a tenth of it.
     gc.set_threshold(100_000)
+    SIGNALS.hold()
     status = run(sys.argv[1:] if args is None else args)
     SIGNALS.ignore()
     sys.exit(status)

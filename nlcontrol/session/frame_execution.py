@@ -348,14 +348,12 @@ def status_of(info: ErrorInfo) -> ResultStatus:
 def _stop_info(controller: Controller, trace: Trace | None) -> ErrorInfo:
     """The way in which a stop has left the robot."""
     held = controller.held
-    when = "before anything moved" if trace is None else f"({trace.detail})"
+    told = "it was told to stop before anything moved" if trace is None else trace.detail
     left = "the hand is empty and at rest"
     if held is not None:
         left = f"the hand holds the {held.name} and stands still"
     hint = "say it again" if held is None else "say “put it down”"
-    return ErrorInfo(
-        code="interrupted", message=f"it was stopped {when}; {left}", suggestions=(hint,)
-    )
+    return ErrorInfo(code="interrupted", message=f"{told}; {left}", suggestions=(hint,))
 
 
 def _unanswered_status(info: ErrorInfo) -> ResultStatus:
