@@ -211,6 +211,11 @@ def exception_info(raised: Exception) -> ErrorInfo:
         return known.info
     if isinstance(raised, OSError):
         return _system_failure("system_error", raised, "see to that, and run it again")
+    return _place_of_failure("internal", raised, "this is a defect of nlcontrol")
+
+
+def _place_of_failure(code: str, raised: Exception, hint: str) -> ErrorInfo:
+    """What nobody has foreseen, with the place where it arose."""
     if os.environ.get("NLCONTROL_DEBUG"):
         traceback.print_exception(raised)
     place = traceback.extract_tb(raised.__traceback__)[-1]
@@ -218,8 +223,8 @@ def exception_info(raised: Exception) -> ErrorInfo:
         f"{type(raised).__name__}: {raised} "
         f"(in {os.path.basename(place.filename)}, line {place.lineno})"
     )
-    hint = "this is a defect of nlcontrol; NLCONTROL_DEBUG=1 shows where it comes from"
-    return ErrorInfo(code="internal", message=message, suggestions=(hint,))
+    hint = f"{hint}; NLCONTROL_DEBUG=1 shows where it comes from"
+    return ErrorInfo(code=code, message=message, suggestions=(hint,))
 
 
 def _system_failure(code: str, raised: Exception, hint: str) -> ErrorInfo:
@@ -253,11 +258,8 @@ def executor_failures_raised() -> Iterator[None]:
     except Exception as raised:
         if isinstance(raised, Stopped) or known_error(raised) is not None:
             raise
-        info = exception_info(raised)
         hint = "the robot may stand anywhere: look at it, and open a new controller"
-        debug = "NLCONTROL_DEBUG=1 shows where it comes from"
-        changes = {"code": "executor_failed", "suggestions": (hint, debug)}
-        raise ControlError(info.model_copy(update=changes)) from raised
+        raise ControlError(_place_of_failure("executor_failed", raised, hint)) from raised
 
 
 def refusal_error(refusal: Refusal) -> ErrorInfo:
