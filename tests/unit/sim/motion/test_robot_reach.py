@@ -186,6 +186,16 @@ def test_far_away_is_out_of_reach(reach: ArmHandReach, scene: Scene) -> None:
     assert (answer.ok, answer.reason) == (False, "kinematics")
 
 
+def test_the_work_of_an_answer_is_the_same_each_time(reach: ArmHandReach, scene: Scene) -> None:
+    state = _believed(scene)
+    push = _push(state, "ice tea box", "front", 0.029)
+    usual = [reach.reach(push, state).work for _ in range(2)]
+    hidden = push.model_copy(update={"force_limit": 1e3})  # more than any hand bears
+    thorough = [reach.reach(hidden, state, "thorough").work for _ in range(2)]
+    assert usual[0] == usual[1] > 1
+    assert thorough[0] == thorough[1] > usual[0]
+
+
 def test_distance_to_a_box_against_sampled_points() -> None:
     rng = np.random.default_rng(0)
     low, high = np.array([-0.1, -0.2, 0.0]), np.array([0.1, 0.2, 0.3])
