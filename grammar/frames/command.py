@@ -120,7 +120,13 @@ class Frame(Part):
 
 
 class Command(Part):
-    """A sentence, and what was understood."""
+    """A sentence, and what was understood.
+
+    Attributes:
+        text: the sentence as given; of frames that came without one, the paraphrase.
+        frames: what is to be done, one after the other.
+        paraphrase: the frames in plain words, which are read as the same frames.
+    """
 
     text: str
     frames: tuple[Frame, ...]

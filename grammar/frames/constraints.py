@@ -43,7 +43,12 @@ class Words:
 
 
 class BaseConstraint(Part):
-    """A constraint; its class holds the words of its kind."""
+    """A constraint; its class holds the words of its kind.
+
+    Attributes:
+        kind: of the constraint; it says which other fields there are.
+        spans: the words that say it, places in the sentence.
+    """
 
     words: ClassVar[Words]
 
@@ -56,7 +61,12 @@ class PlainConstraint(BaseConstraint):
 
 
 class Limit(BaseConstraint):
-    """A constraint by a quantity, in the unit of its words."""
+    """A constraint by a quantity, in the unit of its words.
+
+    Attributes:
+        value: the quantity in SI units and radians; more than 0, at most 1000 N, 10 m, 10 m/s, an
+            hour, ten turns.
+    """
 
     kind: str
     value: Positive
@@ -120,7 +130,12 @@ class MaxTurn(Limit):
 
 
 class NoTouch(BaseConstraint):
-    """The moved object keeps off another one, by `clearance` [m] if given; None: off everything."""
+    """The moved object keeps off another one, or off everything.
+
+    Attributes:
+        object: that is not touched; None for everything.
+        clearance: how far it keeps off `object` [m]; None if touching it is all that is forbidden.
+    """
 
     words: ClassVar[Words] = Words("TOUCHING")
     kind: Literal["no_touch"] = "no_touch"
@@ -238,7 +253,13 @@ class ContactRegion(BaseConstraint):
 
 
 class Effector(BaseConstraint):
-    """Tool that touches the object: how many of it, on which side of the robot."""
+    """Tool that touches the object.
+
+    Attributes:
+        tool: that touches it.
+        count: how many of it; None for "your hand".
+        side: of the robot, on which the tool is.
+    """
 
     words: ClassVar[Words] = Words("TOOL")
     kind: Literal["effector"] = "effector"
@@ -249,7 +270,12 @@ class Effector(BaseConstraint):
 
 
 class Until(BaseConstraint):
-    """Event at which to stop."""
+    """Event at which to stop.
+
+    Attributes:
+        event: that ends it.
+        object: that is touched, or that it comes in line with or next to; None for other events.
+    """
 
     words: ClassVar[Words] = Words("UNTIL")
     kind: Literal["until"] = "until"

@@ -41,7 +41,12 @@ class GoalWords:
 
 
 class BaseGoal(Part):
-    """A goal; its class holds the words of its kind."""
+    """A goal; its class holds the words of its kind.
+
+    Attributes:
+        kind: of the goal; it says which other fields there are.
+        spans: the words that say it, places in the sentence.
+    """
 
     words: ClassVar[GoalWords]
 
@@ -51,12 +56,14 @@ class Displace(BaseGoal):
 
     Attributes:
         direction: a direction, or two whose bisector is meant; None if not said.
-        heading: direction as an angle, counter-clockwise from +x of W [rad].
+        heading: direction as an angle, counter-clockwise from +x of W [rad]; at most one turn.
         toward: object, or part of the table, to move towards.
         away_from: object, or part of the table, to move away from.
-        distance: how far [m], or measured in objects; None if not said.
+        distance: how far [m], more than 0 and at most 10, or measured in objects; None if not
+            said.
         bound: whether `distance` is meant exactly or as a bound.
-        fraction: share of the way to the place that is named ("halfway").
+        fraction: share of the way to `toward` ("halfway"): a quarter, a third, half, two thirds,
+            three quarters.
         amount: `little` or `lot`, if the sentence says no more.
     """
 
@@ -93,8 +100,10 @@ class Place(BaseGoal):
     Attributes:
         relation: where, as seen from `reference`.
         reference: objects, a point or a part of the table.
-        distance: gap between the surfaces [m]; None if not said.
-        fraction: share of the way to the place ("halfway to the left edge").
+        distance: gap between the surfaces [m], at most 10, or measured in objects; None if not
+            said.
+        fraction: share of the way to a part of the table ("halfway to the left edge"), as of
+            `displace`.
     """
 
     words: ClassVar[GoalWords] = GoalWords(
@@ -112,7 +121,7 @@ class Rotate(BaseGoal):
     """Turn the object about the vertical.
 
     Attributes:
-        angle: how far [rad]; None if not said.
+        angle: how far [rad], more than 0, at most ten turns; None if not said.
         sense: `ccw` or `cw`, as seen from above; None if not said.
         bound: whether `angle` is meant exactly or as a bound.
         amount: `little` or `lot`, if the sentence says no more.
@@ -128,7 +137,14 @@ class Rotate(BaseGoal):
 
 
 class Tilt(BaseGoal):
-    """Tilt the object about an edge of its base by `angle` [rad], towards `direction`."""
+    """Tilt the object about an edge of its base.
+
+    Attributes:
+        angle: how far [rad], more than 0; None if not said.
+        direction: towards which it tilts; None if not said.
+        bound: whether `angle` is meant exactly or as a bound.
+        amount: `little` or `lot`, if the sentence says no more.
+    """
 
     words: ClassVar[GoalWords] = GoalWords(verbs={"tilt": "tilt"}, outcomes=("tilts",))
     kind: Literal["tilt"] = "tilt"
@@ -140,7 +156,11 @@ class Tilt(BaseGoal):
 
 
 class Topple(BaseGoal):
-    """Make the object fall over."""
+    """Make the object fall over.
+
+    Attributes:
+        direction: towards which it falls; None if not said.
+    """
 
     words: ClassVar[GoalWords] = GoalWords(verbs={"topple": "topple"}, outcomes=("tips",))
     kind: Literal["topple"] = "topple"
@@ -157,7 +177,13 @@ class Upright(BaseGoal):
 
 
 class Lift(BaseGoal):
-    """Lift the object by `height` [m], or measured in objects."""
+    """Lift the object.
+
+    Attributes:
+        height: how far [m], more than 0 and at most 10, or measured in objects; None if not said.
+        bound: whether `height` is meant exactly or as a bound.
+        amount: `little` or `lot`, if the sentence says no more.
+    """
 
     words: ClassVar[GoalWords] = GoalWords(verbs={"lift": "lift"})
     kind: Literal["lift"] = "lift"
@@ -176,7 +202,11 @@ class SetDown(BaseGoal):
 
 
 class Open(BaseGoal):
-    """Open the object, or a named part of it."""
+    """Open the object, or a named part of it.
+
+    Attributes:
+        part: name of the part ("lid", "drawer"); None if the object itself is named.
+    """
 
     words: ClassVar[GoalWords] = GoalWords(verbs={"open": "open"})
     kind: Literal["open"] = "open"
@@ -185,7 +215,11 @@ class Open(BaseGoal):
 
 
 class Close(BaseGoal):
-    """Close the object, or a named part of it."""
+    """Close the object, or a named part of it.
+
+    Attributes:
+        part: as of `open`.
+    """
 
     words: ClassVar[GoalWords] = GoalWords(verbs={"close": "close"})
     kind: Literal["close"] = "close"
@@ -199,8 +233,9 @@ class Pour(BaseGoal):
     Attributes:
         into: what it is poured into.
         amount: `little` or `lot`, if the sentence says no more.
-        fraction: share of what the object holds.
-        volume: how much [m³].
+        fraction: share of what the object holds: a quarter, a third, half, two thirds, three
+            quarters, 1.
+        volume: how much [m³], more than 0, at most 0.1.
         fill: share of the volume of `into` up to which that is to be filled.
     """
 

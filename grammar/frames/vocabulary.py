@@ -6,14 +6,12 @@ Directions are the robot's, which stands at the table's −x edge of W and looks
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
-    SerializerFunctionWrapHandler,
-    model_serializer,
 )
 
 Span = tuple[int, int]
@@ -88,7 +86,13 @@ class ObjectRef(Part):
 
 
 class RelativeLength(Part):
-    """A length measured in objects ("two box widths"): `value` times a side of `of`."""
+    """A length measured in objects ("two box widths").
+
+    Attributes:
+        value: how many times; more than 0, at most 100.
+        of: object that it is measured in; "its" is the frame's own.
+        side: side that is meant, of the object as it lies.
+    """
 
     value: Positive
     of: ObjectRef
@@ -96,7 +100,12 @@ class RelativeLength(Part):
 
 
 class Point(Part):
-    """A point on the table, in W [m]."""
+    """A point on the table, in W.
+
+    Attributes:
+        x: along the robot's line of sight, growing away from it [m].
+        y: to the left as the robot sees it [m].
+    """
 
     x: float
     y: float
@@ -107,16 +116,14 @@ class ContactHeight(Part):
 
     Attributes:
         value: in metres, or measured in objects ("half its height").
-        origin: where it is measured from; `from` in JSON.
+        origin: end that it is measured from, `from` in JSON.
         bound: whether the contact is at this height, or at least or at most so high above the
             table (so far below the top).
     """
 
+    model_config = ConfigDict(serialize_by_alias=True)
+
     value: Annotated[float, Field(ge=0.0)] | RelativeLength
+    # `from` is a keyword of Python, so the field cannot bear the contract's name itself.
     origin: Annotated[Literal["table", "top"], Field(alias="from")]
     bound: Bound = "exact"
-
-    @model_serializer(mode="wrap")
-    def _with_the_contract_s_key(self, fields: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        # `from` is a keyword of Python, so the field cannot bear the contract's name itself.
-        return {"from" if key == "origin" else key: value for key, value in fields(self).items()}

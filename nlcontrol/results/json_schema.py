@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
+import re
 from typing import Any
 
-from pydantic.json_schema import models_json_schema
+from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue, models_json_schema
+from pydantic_core.core_schema import ModelSchema
 
 from grammar.frames.command import Command
 from nlcontrol.errors import ErrorInfo
@@ -16,6 +19,32 @@ from planner.types.defaults import settings
 
 _ANSWERS = (Result, Command, PushPrediction, FitReport, ExplorationReport)
 _SCHEMA = "https://json-schema.org/draft/2020-12/schema"
+
+
+class _DescribedSchema(GenerateJsonSchema):
+    """Schema of models whose docstrings, or those of their bases, describe the fields."""
+
+    def model_schema(self, schema: ModelSchema) -> JsonSchemaValue:
+        made = super().model_schema(schema)
+        said: dict[str, str] = {}
+        for cls in reversed(schema["cls"].__mro__):
+            summary, described = docstring_parts(cls.__dict__.get("__doc__") or "")
+            said |= described
+        names = {field.alias: name for name, field in schema["cls"].model_fields.items()}
+        for key, field in made.get("properties", {}).items():
+            if told := said.get(names.get(key, key)):
+                field["description"] = told
+        return {**made, "description": summary} if summary else made
+
+
+def docstring_parts(docstring: str) -> tuple[str, dict[str, str]]:
+    """The text of a docstring before its sections, and what it says of each attribute."""
+    summary, _, rest = inspect.cleandoc(docstring).partition("\n\nAttributes:\n")
+    found = re.findall(r"^    ([\w, ]+): (.*(?:\n {8}.*)*)", rest, re.MULTILINE)
+    described = {
+        name: " ".join(said.split()) for names, said in found for name in names.split(", ")
+    }
+    return summary, described
 
 
 def schema() -> dict[str, Any]:
@@ -32,6 +61,7 @@ def schema() -> dict[str, Any]:
     _, definitions = models_json_schema(
         [(model, "serialization") for model in (*_ANSWERS, Lesson, ErrorInfo)],
         title="nlcontrol",
+        schema_generator=_DescribedSchema,
         description=" ".join((schema.__doc__ or "").split()),
     )
     parts = definitions["$defs"]
@@ -52,8 +82,12 @@ def _versioned_schema(answer: dict[str, Any]) -> dict[str, Any]:
     """JSON schema of a document with what all of them bear."""
     major = SCHEMA_VERSION.partition(".")[0]
     every = {
-        "schema_version": {"type": "string", "pattern": rf"^{major}\.\d+$"},
-        "ok": {"type": "boolean"},
+        "schema_version": {
+            "type": "string",
+            "pattern": rf"^{major}\.\d+$",
+            "description": "of the form, major.minor",
+        },
+        "ok": {"type": "boolean", "description": "whether the command did what was asked"},
     }
     required = dict.fromkeys((*every, *answer.get("required", ())))
     return {

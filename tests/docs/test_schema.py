@@ -121,6 +121,22 @@ def test_the_names_of_the_frames() -> None:
     }  # fmt: skip
 
 
+def test_every_field_of_a_frame_is_described() -> None:
+    definitions: Any = schema()["$defs"]
+    named, found = ["Command"], set()
+    while named:
+        name = named.pop()
+        found.add(name)
+        for field in definitions[name]["properties"].values():
+            assert field["description"], name
+        inner = re.findall(r'"#/\$defs/(\w+)"', json.dumps(definitions[name]))
+        named += [other for other in inner if other not in found]
+    assert {"Frame", "ObjectRef", "Pour", "ContactHeight", "RelativeLength", "Until"} <= found
+    said = definitions["Displace"]["properties"]["heading"]["description"]
+    assert "counter-clockwise from +x of W [rad]" in said
+    assert "Attributes" not in definitions["Displace"]["description"]
+
+
 def test_what_can_be_set() -> None:
     properties = _definition("Defaults")["properties"]
     assert set(properties) == {setting.name for setting in settings()}

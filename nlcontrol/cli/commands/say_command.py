@@ -121,7 +121,7 @@ def parse(sentence: str | None, frames: Path | None, as_json: bool) -> int:
     try:
         command = command_of(said, default_parser())
     except ControlError as raised:
-        print_error(raised.info, as_json=as_json, text=text_of(said) if sentence else None)
+        print_error(raised.info, as_json=as_json, text=None if frames else text_of(said))
         return raised.info.status.exit
     lines = [f"I understood: {command.paraphrase}"]
     for number, frame in enumerate(command.frames, start=1):
