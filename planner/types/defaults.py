@@ -62,7 +62,11 @@ class DefaultsError(ValueError):
         suggestions: what would be right.
     """
 
-    def __init__(self, message: str, suggestions: tuple[str, ...] = ()) -> None:
+    def __init__(
+        self,
+        message: str,
+        suggestions: tuple[str, ...] = ("nlcontrol defaults lists all with their units",),
+    ) -> None:
         super().__init__(message)
         self.suggestions = suggestions
 
