@@ -6,7 +6,7 @@ The parser is built with the first sentence and kept.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import cache
+from functools import cache, lru_cache
 
 from grammar.clauses.frame_builder import frames_of
 from grammar.frames.command import Command
@@ -64,7 +64,7 @@ def parser_for(names: Iterable[str]) -> Parser:
     return _parser_with(tuple(unread)) if unread else default_parser()
 
 
-@cache
+@lru_cache(maxsize=8)
 def _parser_with(names: tuple[str, ...]) -> Parser:
     lexicon, _ = installed_lexicon()
     return Parser(lexicon.extended(names=names))

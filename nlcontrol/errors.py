@@ -73,6 +73,8 @@ CODES: dict[str, Status] = {
     "bad_model_file": _CALLER,
     "not_yours": _CALLER,
     "bad_record": _CALLER,
+    "bad_recipe": _CALLER,
+    "not_repeatable": _CALLER,
     "missing_extra": Status(USAGE, 501),
     "no_pictures": Status(INTERNAL, 501),
     "scene_and_registry_differ": _CALLER,

@@ -6,10 +6,11 @@ Implements `nlcontrol.session.executor.Executor`. What the robot believes comes 
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -54,6 +55,19 @@ class SimulatedExecutor:
             SceneError: the scene cannot be read.
         """
         return cls(scene if isinstance(scene, Scene) else load_scene(scene), seed=seed)
+
+    @classmethod
+    def from_document(cls, document: Mapping[str, Any], *, seed: int) -> SimulatedExecutor:
+        """The executor of a scene as `scene_document` has it.
+
+        Raises:
+            ValueError: it is no scene.
+        """
+        return cls(Scene.model_validate_json(json.dumps(document)), seed=seed)
+
+    def scene_document(self) -> dict[str, Any]:
+        """The scene as JSON, but for defaults and models, which belong to who uses the robot."""
+        return self.scene.model_dump(mode="json", by_alias=True, exclude={"defaults", "models"})
 
     @cached_property
     def robot(self) -> ArmHandReach:

@@ -15,17 +15,13 @@ from threading import RLock
 from typing import TYPE_CHECKING
 
 from grammar.frames.command import Command, Frame
-from nlcontrol.errors import (
-    ControlError,
-    error,
-    executor_failures_raised,
-    known_errors_raised,
-)
+from nlcontrol.errors import ControlError, error, executor_failures_raised, known_errors_raised
 from nlcontrol.references.object_names import names_on_table
 from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve_references
 from nlcontrol.results.result import Result, result_with
 from nlcontrol.session.events import FORCE_RATE, Supervisor
 from nlcontrol.session.executor import Executor, Motion, Planner
+from nlcontrol.session.recipe import LOOKED, Journal, Recipe
 from nlcontrol.session.stoppable_robot import StoppableRobot
 from nlcontrol.session.turns import in_turn
 from objectmodels import ModelError, ObjectModel, Registry
@@ -46,7 +42,6 @@ if TYPE_CHECKING:
     from nlcontrol.session.frame_documents import Frames
     from planner.affordances import Affordance
     from planner.types.defaults import Defaults
-    from planner.types.plan import Plan
     from planner.types.robot import FailedPush, Robot
     from sim import Scene
     from sim.cell.cell_description import CellObject
@@ -97,6 +92,7 @@ class Controller:
         self.models: dict[str, ObjectModel] = {
             item.name: _initial_model(item, self.registry) for item in self.cell.objects
         }
+        self.journal = Journal(self.executor, self.models)
         self.planner = planner
         self.seed = self.executor.seed
         self.defaults = self.cell.defaults if defaults is None else defaults
@@ -158,8 +154,13 @@ class Controller:
     @in_turn
     def look(self) -> WorldState:
         """The robot's belief now: poses from the camera port, models from the registry."""
-        with executor_failures_raised():
+        with executor_failures_raised(), self.journal.deed(LOOKED, self.models):
             return self.executor.look(self.models)
+
+    @in_turn
+    def recipe(self) -> Recipe:
+        """All that it takes to build this controller elsewhere; raises `not_repeatable`."""
+        return self.journal.recipe(self.registry, self.models, self.defaults)
 
     @property
     def held(self) -> Held | None:
@@ -230,7 +231,6 @@ class Controller:
             return self.robot
         return StoppableRobot(self.robot, stop, self.time_limit)
 
-    @in_turn
     def about(self, frame: Frame) -> WorldState:
         """The belief about the object of a question, which may not be on the table."""
         name = frame.object.id if frame.object else None
@@ -290,7 +290,6 @@ class Controller:
         with executor_failures_raised():
             return self.executor.watch(name)
 
-    @in_turn
     def check(self, frame: Frame, trace: Trace) -> tuple[Check, ...]:
         """A verdict for each clause of a frame."""
         from nlcontrol.checks.frame_checks import check

@@ -26,6 +26,7 @@ from nlcontrol.session import follow_up_frames as follow_up
 from nlcontrol.session.events import FORCE_RATE, Supervisor
 from nlcontrol.session.frame_documents import text_of
 from nlcontrol.session.frame_execution import status_of
+from nlcontrol.session.recipe import Deed
 from nlcontrol.session.turns import in_turn
 from nlcontrol.session.undo_frames import PastPush, undo_frames, undo_text
 from nlcontrol.text_format import quantity
@@ -69,6 +70,8 @@ class Conversation:
     def __init__(self, controller: Controller) -> None:
         self.controller = controller
         self.turn = controller.turn
+        self._number = controller.journal.conversations
+        controller.journal.conversations += 1
         self.context = Context()
         self.past: list[PastPush] = []
         self._last: Result | None = None  # what "why" is about
@@ -100,7 +103,13 @@ class Conversation:
             clock=lambda: self.controller.executor.time,
         )
         plan_only = plan_only or motion == "never"
-        return supervisor.end(self._say(text, plan_only, motion, supervisor))
+        journal = self.controller.journal
+        deed = Deed.of(text, self._number, "never" if plan_only else motion)
+        with journal.deed(deed, self.controller.models):
+            said = self._say(text, plan_only, motion, supervisor)
+        if supervisor.stop.requested:
+            journal.interrupt()
+        return supervisor.end(said)
 
     def do(self, frames: Frames, **options: Unpack[Options]) -> Result:
         """Does what frames say, as they are meant after what was said before; as `Controller.do`.

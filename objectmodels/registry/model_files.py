@@ -54,7 +54,17 @@ def load_model(path: Path, kinds: Kinds = BUILT_IN_KINDS) -> ObjectModel:
         ModelError: `unreadable_file`, `bad_yaml`, `unknown_format`, `missing_key`, `unknown_key`,
             `bad_value` or `broken_kind`; names the file, the key, what was found and expected.
     """
-    content = read_mapping(path, "model_file")
+    return model_from_document(read_mapping(path, "model_file"), str(path), kinds)
+
+
+def model_from_document(
+    content: Mapping[str, Any], path: str, kinds: Kinds = BUILT_IN_KINDS
+) -> ObjectModel:
+    """The model of which `content` stands in a file, as `model_document` has it.
+
+    Raises:
+        ModelError: as `load_model` does; names `path`.
+    """
     cls = _class_of(content, path, kinds)
     stated = {key: value for key, value in content.items() if key != "format"}
     if "provenance" not in stated:
@@ -74,14 +84,21 @@ def load_model(path: Path, kinds: Kinds = BUILT_IN_KINDS) -> ObjectModel:
     try:
         return cls.model_validate(stated, by_alias=True, by_name=False)
     except ValidationError as error:
-        raise _model_fault(error, cls).error(str(path)) from error
+        raise _model_fault(error, cls).error(path) from error
     except Exception as error:  # kinds of plug-ins may fail in any way
         raise ModelError(
             "broken_kind",
             f"{cls.__name__} fails on it: {type(error).__name__}: {short_text(str(error))}",
-            path=str(path),
+            path=path,
             suggestions=("mend or uninstall the package that the kind is from",),
         ) from error
+
+
+def model_document(model: ObjectModel) -> dict[str, Any]:
+    """Contents of a model's file."""
+    stated = model.model_dump(mode="json", by_alias=True, exclude_unset=True, exclude={"kind"})
+    stated.setdefault("provenance", model.provenance.model_dump(exclude_none=True))
+    return {"format": f"{kind_of(model)}/{type(model).version}", **stated}
 
 
 def save_model(model: ObjectModel, path: Path) -> None:
@@ -90,15 +107,14 @@ def save_model(model: ObjectModel, path: Path) -> None:
     Raises:
         ModelError: `cannot_write`.
     """
-    stated = model.model_dump(mode="json", by_alias=True, exclude_unset=True, exclude={"kind"})
-    stated.setdefault("provenance", model.provenance.model_dump(exclude_none=True))
-    document = {"format": f"{kind_of(model)}/{type(model).version}", **stated}
-    text = yaml.safe_dump(document, sort_keys=False, allow_unicode=True, default_flow_style=None)
+    text = yaml.safe_dump(
+        model_document(model), sort_keys=False, allow_unicode=True, default_flow_style=None
+    )
     with replace_file(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 
-def _class_of(content: dict[str, Any], path: Path, kinds: Kinds) -> type[ObjectModel]:
+def _class_of(content: Mapping[str, Any], path: str, kinds: Kinds) -> type[ObjectModel]:
     known = [f"{kind}/{cls.version}" for kind, cls in kinds.items()]
     found = content.get("format")
     if found in known:
@@ -107,7 +123,7 @@ def _class_of(content: dict[str, Any], path: Path, kinds: Kinds) -> type[ObjectM
     raise ModelError(
         "unknown_format",
         f"{what}, expected one of: {', '.join(known)}",
-        path=str(path),
+        path=path,
         suggestions=(f"begin the file with `format: {known[0]}`",),
     )
 

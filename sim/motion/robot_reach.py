@@ -40,6 +40,9 @@ CELL = 0.04
 TURNS = 24
 """Headings in a full turn."""
 
+MOST_CELLS = 100_000
+"""Cells of a map that are kept, about 25 MB."""
+
 _SAMPLED = 32  # hands
 _LOWEST_TIP = 0.015  # height of a pushing fingertip over the table [m]
 
@@ -75,6 +78,8 @@ class ReachabilityMap:
         turn = round(heading * TURNS / (2.0 * np.pi)) % TURNS
         cell = (fingers, round(1e6 * spread), i, j, k, turn)
         if cell not in self._kept:
+            if len(self._kept) >= MOST_CELLS:
+                self._kept.clear()
             middle = CELL * (np.array([i, j, k]) + 0.5)
             R_WD = rot_z(turn * 2.0 * np.pi / TURNS)
             self._kept[cell] = self._best_room(fingers, spread, middle, R_WD)
