@@ -66,7 +66,8 @@ class ObjectRef(Part):
     Attributes:
         text: the name as written, without its article and without the place that tells it apart.
         spans: where it stands in the sentence, the place included.
-        id: name of the object in the scene, filled in when the name is resolved.
+        id: name of the object in the scene, filled in when the name is resolved; where it is
+            given, it decides, whatever the words are.
         pronoun: whether it stands for what was spoken of before ("it", "that one").
         qualities: what its adjectives say; of colours, sizes and positions each is the one that
             has most of it ("the tall box": the tallest).
