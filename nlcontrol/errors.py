@@ -148,8 +148,8 @@ def error(
     code: str,
     message: str,
     *,
+    suggestions: tuple[str, ...],
     span: Span | None = None,
-    suggestions: tuple[str, ...] = (),
     numbers: dict[str, float] | None = None,
     capability: str | None = None,
 ) -> ControlError:

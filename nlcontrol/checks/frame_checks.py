@@ -83,7 +83,12 @@ def not_held(missed: Sequence[Check], trace: Trace, stuck: str | None = None) ->
     if stuck is not None:
         message += f" (nothing more was done: {stuck})"
     spans = missed[0].spans
-    return error("clause_not_held", message, span=spans[0] if spans else None).info
+    return error(
+        "clause_not_held",
+        message,
+        span=spans[0] if spans else None,
+        suggestions=("say it again: it is planned anew, with what was learned",),
+    ).info
 
 
 def require_checkable(frame: g.Frame) -> None:
@@ -108,4 +113,5 @@ def _uncheckable(what: str, spans: g.Spans) -> Exception:
         f"this version cannot check '{what.replace('_', ' ')}' after the execution, "
         "so it does not execute it",
         span=whole_span(spans),
+        suggestions=("leave that out",),
     )

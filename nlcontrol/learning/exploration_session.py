@@ -144,7 +144,7 @@ def explore(
     kinds = kinds_for(parameters)
     if not explorer.possible(kinds):
         message = f"no side of the {name} is high and wide enough for a fingertip"
-        raise error("not_explorable", message)
+        raise error("not_explorable", message, suggestions=("weigh it by lifting it",))
     asked = {}
     if precision is not None:
         asked = precisions_asked(before.model, parameters, precision)

@@ -117,7 +117,11 @@ def target_of(frame: g.Frame, state: WorldState) -> SeenObject:
         ControlError: `unknown_object` if it names none.
     """
     if frame.object is None or frame.object.id is None:
-        raise error("unknown_object", "the question does not say which object it is about")
+        raise error(
+            "unknown_object",
+            "the question does not say which object it is about",
+            suggestions=("name the object",),
+        )
     return state.objects[frame.object.id]
 
 

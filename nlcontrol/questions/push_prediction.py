@@ -130,7 +130,11 @@ def predict_push(
     point, normal = _place(face_name, face, lateral, height)
     u = -normal if direction is None else _unit(direction)
     if u @ normal >= 0.0:
-        raise error("bad_push", f"that force does not press on the {face_name} face")
+        raise error(
+            "bad_push",
+            f"that force does not press on the {face_name} face",
+            suggestions=("leave the direction out: it is then straight in",),
+        )
     push = AskedPush(
         face=face_name,
         lateral=lateral,
@@ -202,7 +206,11 @@ def _prediction_text(
 def _unit(direction: tuple[float, float, float]) -> np.ndarray:
     v = np.asarray(direction, dtype=np.float64)
     if v.shape != (3,) or not np.isfinite(v).all() or not v.any():
-        raise error("bad_push", f"{direction} is no direction")
+        raise error(
+            "bad_push",
+            f"{direction} is no direction",
+            suggestions=("give three numbers of which one is not 0, like 1,0,0 for away",),
+        )
     return np.asarray(v / np.linalg.norm(v))
 
 

@@ -116,7 +116,9 @@ def face_of(model: ObjectModel, name: str) -> Face:
         return named[name]
     if not named:
         raise error(
-            "unknown_face", f"the {model.name} has no side that is wide enough for a fingertip"
+            "unknown_face",
+            f"the {model.name} has no side that is wide enough for a fingertip",
+            suggestions=("choose another object, or one that lies on another face",),
         )
     near = [known for known in named if known.startswith(name)]
     raise error(

@@ -217,7 +217,11 @@ def _on_table(controller: Explorer, frame: g.Frame) -> str:
     name = frame.object.id if frame.object else None
     if name is None or name not in controller.executor.cell.names:
         text = name or "object"
-        raise error("not_on_table", f"the {text} is not on the table, so that it cannot be touched")
+        raise error(
+            "not_on_table",
+            f"the {text} is not on the table, so that it cannot be touched",
+            suggestions=(f"on the table: {', '.join(controller.executor.cell.names)}",),
+        )
     return name
 
 
@@ -242,7 +246,11 @@ def weigh_by_lifting(
         raise Stopped(trace)
     felt, found = felt_weight(plan, trace), weight_from_grasp(plan, model, trace)
     if felt is None:
-        raise error("not_explorable", f"the {name} was not lifted: {trace.detail}")
+        raise error(
+            "not_explorable",
+            f"the {name} was not lifted: {trace.detail}",
+            suggestions=("find its weight out by tilting it",),
+        )
     if found is not None:
         controller.models[name] = found[0]
     measured = with_sd_text(felt.mean / GRAVITY, felt.sd / GRAVITY, " kg")

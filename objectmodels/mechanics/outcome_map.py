@@ -182,8 +182,16 @@ def _all_along(direction: ArrayLike, normals: Array) -> Array:
     """One direction for all contacts, as a unit vector that must go into the face there."""
     given = np.asarray(direction, dtype=np.float64)
     if given.shape != (3,) or not np.isfinite(given).all() or not given.any():
-        raise ModelError("bad_array", f"expected a direction of three numbers, found {given}")
+        raise ModelError(
+            "bad_array",
+            f"expected a direction of three numbers, found {given}",
+            suggestions=("leave it out: pushes then go straight in",),
+        )
     u = np.tile(given / np.linalg.norm(given), (len(normals), 1))
     if (np.sum(u * normals, axis=1) >= 0.0).any():
-        raise ModelError("bad_array", "the direction does not go into the face")
+        raise ModelError(
+            "bad_array",
+            "the direction does not go into the face",
+            suggestions=("leave it out: pushes then go straight in",),
+        )
     return u

@@ -68,7 +68,7 @@ def test_translated_keeps_the_cause() -> None:
 
 def test_a_code_outside_the_table_is_refused_at_once() -> None:
     with pytest.raises(KeyError):
-        error("no_such_code", "?")
+        error("no_such_code", "?", suggestions=())
 
 
 def test_an_unknown_code_of_no_family_is_internal() -> None:
