@@ -72,6 +72,17 @@ def test_json_lines() -> None:
     assert second.status == "not_understood"
 
 
+def test_a_line_may_be_frames() -> None:
+    push = '[{"action": "push", "object": {"text": "coffee box"}, "goal": {"kind": "displace"}}]'
+    lines = f'{push}\n[{{"dialogue": "repeat"}}]\npush it away\n[{{"dialogue"\n'
+    status, told = shell(lines, "--json")
+    *planned, broken = [Answer.model_validate(json.loads(x)) for x in told.stdout.splitlines()]
+    assert [result.plan and result.plan.object for result in planned] == ["coffee box"] * 3
+    assert (status, broken.status) == (3, "not_understood")
+    assert broken.error
+    assert broken.error.code == "bad_frame"
+
+
 def test_help_shows_sentences_and_objects() -> None:
     _, told = shell("help\n", "--scene", "counter")
     assert "push the soup can away" in told.stdout

@@ -112,13 +112,17 @@ def _answer_lines(
 
 
 def _answer_line(conversation: Conversation, text: str, motion: Motion | None) -> Result:
-    """Result of one sentence, whatever goes wrong."""
+    """Result of one sentence, or of frames as JSON, whatever goes wrong."""
+    from nlcontrol.session.frame_documents import frames_of_json
+    from nlcontrol.session.frame_execution import status_of
+
     try:
+        said = frames_of_json(text) if text.startswith(("[", "{")) else text
         with Narrator() as narrate, stop_on_signal() as stop:
-            return conversation.say(text, motion=motion, progress=narrate, stop=stop)
+            return conversation.say(said, motion=motion, progress=narrate, stop=stop)
     except Exception as raised:
-        begun = conversation.controller.empty_result(text)
-        return begun.model_copy(update={"error": exception_info(raised)})
+        begun, info = conversation.controller.empty_result(text), exception_info(raised)
+        return begun.model_copy(update={"error": info, "status": status_of(info)})
 
 
 def _print_answer(result: Result, as_json: bool) -> None:
