@@ -461,7 +461,7 @@ def _read_as(monkeypatch: pytest.MonkeyPatch, *frames: g.Frame) -> None:
     """Whatever is said is read as these frames."""
     monkeypatch.setattr(
         Controller,
-        "parse",
+        "command",
         lambda _, text: g.Command(text=text, frames=frames, paraphrase="asked"),
     )
 

@@ -94,7 +94,7 @@ def test_frames_are_carried_out_in_turn_up_to_the_first_that_fails(
 ) -> None:
     one = grammar.parse(SENTENCE)
     three = one.model_copy(update={"frames": one.frames * 3})
-    monkeypatch.setattr(Controller, "parse", lambda *_: three)
+    monkeypatch.setattr(Controller, "command", lambda *_: three)
     stage = played(controller, goes(), stands(force=60.0))
     result = controller.say(SENTENCE)
     assert len(stage.executed) == result.planned == 2
