@@ -39,6 +39,7 @@ class Kind:
 
 
 DEGREE = math.radians(1.0)
+_LISTED = ("nlcontrol defaults lists all with their units",)
 
 Length = Annotated[float, Kind("m", "_m", 1.0, 10.0)]
 Gap = Annotated[float, Kind("m", "_m", 1.0, 10.0, zero=True)]
@@ -62,11 +63,7 @@ class DefaultsError(ValueError):
         suggestions: what would be right.
     """
 
-    def __init__(
-        self,
-        message: str,
-        suggestions: tuple[str, ...] = ("nlcontrol defaults lists all with their units",),
-    ) -> None:
+    def __init__(self, message: str, suggestions: tuple[str, ...] = _LISTED) -> None:
         super().__init__(message)
         self.suggestions = suggestions
 
@@ -386,7 +383,7 @@ def _unknown_default(said: str, names: tuple[str, ...]) -> DefaultsError:
     close = units or difflib.get_close_matches(said, names, n=3)
     return DefaultsError(
         f"there is no default '{said}'",
-        tuple(f"did you mean '{name}'?" for name in close) or ("nlcontrol defaults lists them",),
+        tuple(f"did you mean '{name}'?" for name in close) or _LISTED,
     )
 
 

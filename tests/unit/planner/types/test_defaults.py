@@ -60,7 +60,7 @@ def test_a_gap_may_be_nothing() -> None:
         ("turn", "turn_deg"),  # the field, without the unit in which people set it
         ("speed", "speed_m_s"),
         ("distnce_m", "distance_m"),
-        ("xyz", "nlcontrol defaults lists them"),
+        ("xyz", "nlcontrol defaults lists all with their units"),
     ],
 )
 def test_a_name_that_is_none_gets_a_suggestion(said: str, meant: str) -> None:
