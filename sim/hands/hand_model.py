@@ -12,7 +12,7 @@ from __future__ import annotations
 import functools
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from importlib.resources.abc import Traversable
 from typing import Protocol
 
@@ -26,6 +26,8 @@ from sim.rotations import Array
 
 Angles = tuple[float, ...]
 """Angles of a finger's independent joints [rad]."""
+
+_BLOCK = 1024  # hands whose spheres are computed at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,24 +61,27 @@ class Posture:
 class PostureSet:
     """Postures that push and orientations of the palm, n of them, the best first.
 
+    Where the spheres of each are is computed for the few that are looked at.
+
     Attributes:
         postures: the different ones.
+        spheres: of the hand in each, in P, the pushing tips last, shape (p, k, 4) [m].
         which: index of the posture, shape (n,).
         R_DP: orientation of the palm, shape (n, 3, 3).
         strength: force along the push that each pushing finger bears, shape (n,) [N].
-        centres: of the spheres of the hand, the pushing tips last, from T, in D,
-            shape (n, k, 3) [m].
-        radii: of these, shape (n, k) [m].
         palm: origin of P, from T, in D, shape (n, 3) [m].
+        lowest_points: height of the lowest point but the pushing tips above T, shape (n,) [m].
+        extents: largest horizontal distance of any point from T, shape (n,) [m].
     """
 
     postures: tuple[Posture, ...]
+    spheres: Array
     which: NDArray[np.intp]
     R_DP: Array
     strength: Array
-    centres: Array
-    radii: Array
     palm: Array
+    lowest_points: Array
+    extents: Array
 
     @classmethod
     def from_postures(
@@ -89,40 +94,55 @@ class PostureSet:
     ) -> PostureSet:
         """The set of some postures with their spheres in P, shape (k, 4) each."""
         tips = np.array([posture.tip_midpoint for posture in postures])[which]
-        about_T = np.array(padded_spheres(spheres))[which]
-        return cls(
-            postures,
-            which,
-            R_DP,
-            strength,
-            (about_T[..., :3] - tips[:, None]) @ np.swapaxes(R_DP, -1, -2),
-            about_T[..., 3],
-            -(R_DP @ tips[..., None])[..., 0],
+        palm = -(R_DP @ tips[..., None])[..., 0]
+        unknown = np.zeros(len(which))
+        made = cls(
+            postures, np.array(padded_spheres(spheres)), which, R_DP, strength, palm,
+            unknown, unknown,
+        )  # fmt: skip
+        touching = len(postures[0].pushing)
+        blocks = [made[k : k + _BLOCK] for k in range(0, len(made), _BLOCK)]
+        lowest = [
+            (each.centres[:, :-touching, 2] - each.radii[:, :-touching]).min(axis=1, initial=np.inf)
+            for each in blocks
+        ]
+        extents = [
+            (np.hypot(each.centres[..., 0], each.centres[..., 1]) + each.radii).max(axis=1)
+            for each in blocks
+        ]
+        return replace(
+            made,
+            lowest_points=np.concatenate([unknown[:0], *lowest]),
+            extents=np.concatenate([unknown[:0], *extents]),
         )
 
     def __len__(self) -> int:
         return len(self.which)
 
     def __getitem__(self, chosen: NDArray[np.bool_] | NDArray[np.intp] | slice) -> PostureSet:
-        each = (getattr(self, field.name)[chosen] for field in fields(self)[1:])
-        return PostureSet(self.postures, *each)
+        each = (getattr(self, field.name)[chosen] for field in fields(self)[2:])
+        return PostureSet(self.postures, self.spheres, *each)
 
     def posture_at(self, index: int) -> Posture:
         """Posture of one of them."""
         return self.postures[int(self.which[index])]
 
     @functools.cached_property
-    def lowest_points(self) -> Array:
-        """Height of the lowest point but the pushing tips above T, shape (n,) [m]."""
-        tips = len(self.postures[0].pushing)
-        below = self.centres[:, :-tips, 2] - self.radii[:, :-tips]
-        return np.asarray(below.min(axis=1, initial=np.inf))
+    def centres(self) -> Array:
+        """Centres of the spheres, the pushing tips last, from T, in D, shape (n, k, 3) [m]."""
+        tips = np.array([posture.tip_midpoint for posture in self.postures])[self.which]
+        in_P = self.spheres[self.which, :, :3]
+        return np.asarray((in_P - tips[:, None]) @ np.swapaxes(self.R_DP, -1, -2))
 
-    @functools.cached_property
+    @property
+    def radii(self) -> Array:
+        """Radii of these, shape (n, k) [m]."""
+        return np.asarray(self.spheres[self.which, :, 3])
+
+    @property
     def horizontal_size(self) -> float:
         """Largest horizontal distance of any point from T [m]."""
-        far = np.hypot(self.centres[..., 0], self.centres[..., 1]) + self.radii
-        return float(far.max(initial=0.0))
+        return float(self.extents.max(initial=0.0))
 
     def palms_along(self, R_WD: Array, points: Array) -> tuple[Array, Array]:
         """Palm poses in W with T at points, shapes (n, w, 3, 3) and (n, w, 3); see below."""
