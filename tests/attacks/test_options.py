@@ -1,6 +1,6 @@
 """Generated commands: whatever options are given, there is one document and a documented end.
 
-`NLCONTROL_ATTACKS=20000` makes 500 of them.
+`NLCONTROL_ATTACKS=20000` makes 500 of them in one process, and 500 as processes.
 """
 
 from __future__ import annotations
@@ -8,6 +8,9 @@ from __future__ import annotations
 import contextlib
 import io
 import json
+import subprocess
+import sys
+from pathlib import Path
 
 import click
 import pytest
@@ -94,13 +97,41 @@ def command_lines(draw: st.DrawFn) -> list[str]:
 @attacks(0.025)
 @given(line=command_lines())
 def test_commands(line: list[str], tmp_path_factory: pytest.TempPathFactory) -> None:
-    folder = tmp_path_factory.mktemp("commands")
-    (folder / "examples").symlink_to(ROOT / "examples")
     out, err = io.StringIO(), io.StringIO()
-    with contextlib.chdir(folder), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+    with (
+        contextlib.chdir(folder_with_examples(tmp_path_factory)),
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(err),
+    ):
         status = run(line)
-    document = json.loads(out.getvalue())
-    assert "Traceback" not in err.getvalue()
+    require_documented_end(line, status, out.getvalue(), err.getvalue())
+
+
+@pytest.mark.slow
+@attacks(0.025)
+@given(line=command_lines())
+def test_commands_as_processes(line: list[str], tmp_path_factory: pytest.TempPathFactory) -> None:
+    # What comes of a process's own start and end: streams, exit code, what libraries print.
+    ended = subprocess.run(
+        [sys.executable, "-m", "nlcontrol", *line],
+        cwd=folder_with_examples(tmp_path_factory),
+        capture_output=True,
+        stdin=subprocess.DEVNULL,
+        timeout=120,  # for a loaded machine; most take one second
+        check=False,
+    )
+    require_documented_end(line, ended.returncode, ended.stdout.decode(), ended.stderr.decode())
+
+
+def folder_with_examples(factory: pytest.TempPathFactory) -> Path:
+    folder = factory.mktemp("commands")
+    (folder / "examples").symlink_to(ROOT / "examples")
+    return folder
+
+
+def require_documented_end(line: list[str], status: int, out: str, err: str) -> None:
+    document = json.loads(out)
+    assert "Traceback" not in err
     if document["ok"]:
         assert status == 0
         return
