@@ -34,8 +34,9 @@ def test_no_stream_at_all() -> None:
 
 
 def test_a_reader_that_goes_is_no_defect() -> None:
-    done = shell(f"{NLCONTROL} sample --count 300 | head -c 1; echo ${{PIPESTATUS[0]}}")
-    assert done.stdout[1:] == "2\n"
+    # It is gone before the first line, so that no pipe takes all of them in.
+    done = shell(f"{NLCONTROL} sample --count 300 | true; echo ${{PIPESTATUS[0]}}")
+    assert done.stdout == "2\n"
     assert not done.stderr
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import inspect
 import io
 import re
 import shlex
@@ -33,7 +34,9 @@ def test_every_default_is_explained_in_its_unit() -> None:
         field.name + kinds()[field.name].suffix for field in fields(Defaults)
     ]
     assert all(setting.meaning for setting in settings())
-    told = re.findall(r"^ {8}(\w+): (.*(?:\n {12}.*)*)", Defaults.__doc__ or "", re.MULTILINE)
+    told = re.findall(
+        r"^ {4}(\w+): (.*(?:\n {8}.*)*)", inspect.getdoc(Defaults) or "", re.MULTILINE
+    )
     unit = re.compile(r"\[(m/s|m³|m|rad/s|rad|N|s)\]")
     units = {name: unit.findall(text) for name, text in told if name in kinds()}
     assert units == {name: [kind.unit] if kind.unit else [] for name, kind in kinds().items()}
