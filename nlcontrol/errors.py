@@ -217,7 +217,7 @@ def exception_info(raised: Exception) -> ErrorInfo:
 
 
 def _place_of_failure(code: str, raised: Exception, hint: str) -> ErrorInfo:
-    """What nobody has foreseen, with the place where it arose."""
+    """A failure that nobody has foreseen, with the place where it arose."""
     if os.environ.get("NLCONTROL_DEBUG"):
         traceback.print_exception(raised)
     place = traceback.extract_tb(raised.__traceback__)[-1]
@@ -230,7 +230,7 @@ def _place_of_failure(code: str, raised: Exception, hint: str) -> ErrorInfo:
 
 
 def _system_failure(code: str, raised: Exception, hint: str) -> ErrorInfo:
-    """What goes wrong around nlcontrol, and is no defect of it."""
+    """A failure of what is around nlcontrol, and no defect of it."""
     said = raised.strerror if isinstance(raised, OSError) and raised.strerror else str(raised)
     path = raised.filename if isinstance(raised, OSError) else None
     return ErrorInfo(

@@ -119,7 +119,7 @@ class Controller:
             return self._parser.parse(text)
 
     def command(self, said: str | Frames) -> Command:
-        """What a sentence or frames say, once they are found to make sense.
+        """The command of a sentence or of frames that make sense.
 
         Raises:
             ControlError: it is not understood; see `nlcontrol.session.frame_documents.command_of`.

@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 
 
 class Explorer(Protocol):
-    """What finds something out: a `nlcontrol.session.controller.Controller`."""
+    """Robot that finds something out: a `nlcontrol.session.controller.Controller`."""
 
     executor: Executor
     models: dict[str, ObjectModel]
@@ -62,7 +62,7 @@ class Explorer(Protocol):
         """The answer to a question."""
 
     def plan(self, frame: g.Frame) -> PlanningResult:
-        """What satisfies a frame, or why nothing does."""
+        """A plan for a frame, or the reason why there is none."""
 
     def execute(self, plan: Plan, progress: Progress | None = None) -> Trace:
         """Carries out a plan."""

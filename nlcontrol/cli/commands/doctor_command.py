@@ -87,7 +87,7 @@ def examine_all() -> Iterator[Finding]:
 
 
 def foreign_files(folder: Path) -> Iterator[str]:
-    """What other distributions have put into our packages in a folder, and what was changed there.
+    """Files of other distributions in our packages in a folder, and files changed there.
 
     Packages with everyday names may be those of another distribution too, and who is installed
     last writes over the other's files.

@@ -64,7 +64,7 @@ def _said_options(command: Command) -> Command:
 
 
 def _said(sentence: str | None, frames: Path | None) -> str | Frames:
-    """What is to be done: a sentence, or what a file of frames says."""
+    """The task: a sentence, or the frames of a file."""
     if frames is not None and sentence is not None:
         raise click.UsageError("give SENTENCE or --frames, not both")
     if frames is not None:
