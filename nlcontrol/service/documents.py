@@ -1,0 +1,262 @@
+"""What the service is asked and answers, as documents: tables, sessions, plans to approve, runs.
+
+All numbers are in SI units, places in W. The result of a sentence is a
+`nlcontrol.results.result.Result`, whichever way it comes.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from nlcontrol.errors import ErrorInfo
+from nlcontrol.json_document import Document, DocumentPart
+from nlcontrol.results.result import Result
+from nlcontrol.session.events import Event
+
+RunKind = Literal["execute", "say"]
+RunState = Literal["queued", "running", "ended", "aborted", "cut_off", "defect"]
+
+
+class StatedObject(DocumentPart):
+    """An object, and where a caller's own camera says that it stands.
+
+    Attributes:
+        name: what it is called on this table; unique.
+        model: name of the registry's model; the object's name if not given.
+        x, y: position of B's origin in W [m].
+        yaw: heading of B's x axis, counter-clockwise from W's [rad].
+        synonyms: further names on this table.
+        fragile: hand and other objects keep well away from it.
+        fixed: a holder keeps it where it stands.
+    """
+
+    name: str
+    model: str | None = None
+    x: float
+    y: float
+    yaw: float = 0.0
+    synonyms: tuple[str, ...] = ()
+    fragile: bool = False
+    fixed: bool = False
+
+
+class TableSpec(DocumentPart):
+    """A table to plan for: that of a simulated scene, or one that the caller states.
+
+    Attributes:
+        scene: name of a scene of the host. Where objects are stated, its mount, table top and
+            sensors count, and its own objects do not.
+        seed: of everything random; the same seed gives the same trace.
+        defaults: what a clause means when a sentence does not say more, by the names that
+            `nlcontrol defaults` lists, on top of the scene's.
+        objects: all that stands on the caller's own table; null for the simulated one.
+    """
+
+    scene: str = "kitchen"
+    seed: int = Field(default=0, ge=0, lt=2**32)
+    defaults: dict[str, float] = Field(default={})
+    objects: tuple[StatedObject, ...] | None = None
+
+
+class SessionSpec(TableSpec):
+    """A session to be opened.
+
+    Attributes:
+        approval: `plan`: only plans that were approved are carried out; `none`: sentences are too.
+    """
+
+    approval: Literal["plan", "none"] = "none"
+
+
+class SessionInfo(Document):
+    """A session that is open.
+
+    Attributes:
+        session_id: of it.
+        spec: as it was asked for.
+        executes: plans can be carried out here; not on a table that was stated.
+        state: `idle`, `running` (a run is under way or queued) or `lost` (its process has ended).
+        run_id: of the run that is under way or queued.
+        expires_in: time until it is closed if nothing is asked of it [s].
+    """
+
+    session_id: str
+    spec: SessionSpec
+    executes: bool
+    state: Literal["idle", "running", "lost"]
+    run_id: str | None = None
+    expires_in: float
+
+
+class TableObject(DocumentPart):
+    """An object as it is believed to stand, or as it was stated.
+
+    Attributes:
+        name: of the object on this table; text that others wrote.
+        model: name of the registry's model that it is taken for.
+        x, y: position of B's origin in W [m].
+        yaw: heading of B's x axis [rad].
+        lies_on: name of the face that is below; `bottom` if it stands as its model does.
+        size: of a box around it as it lies, along its own axes [m].
+        fragile: whether hand and other objects keep well away from it.
+        fixed: whether a holder keeps it where it stands.
+        lid: how far its lid is seen to be open; null without one.
+    """
+
+    name: str
+    model: str
+    x: float
+    y: float
+    yaw: float
+    lies_on: str
+    size: tuple[float, float, float]
+    fragile: bool = False
+    fixed: bool = False
+    lid: float | None = None
+
+
+class TableView(Document):
+    """The table as it is believed to be.
+
+    Attributes:
+        source: `camera` if a robot looked, `stated` if the caller said where everything stands.
+        time: of the robot [s].
+        scene: name of the cell.
+        objects: that stand there.
+        held: name of the object in the hand; null if it is empty.
+        digest: of all that is believed; see `nlcontrol.service.beliefs`.
+    """
+
+    source: Literal["camera", "stated"]
+    time: float
+    scene: str
+    objects: tuple[TableObject, ...]
+    held: str | None
+    digest: str
+
+
+class Offer(Document):
+    """A plan that waits to be approved, or the reason why there is none.
+
+    Attributes:
+        plan_id: with which it is executed, once; null where nothing is to be executed.
+        expires_in: time for which that is possible [s]; null without a plan id.
+        digest: of what was believed when it was planned.
+        result: of the sentence so far: `planned`, or refused, not understood, answered.
+    """
+
+    plan_id: str | None = None
+    expires_in: float | None = None
+    digest: str
+    result: Result
+
+    @property
+    def ok(self) -> bool:
+        """There is a plan, or an answer."""
+        return self.result.ok
+
+
+class NumberedEvent(DocumentPart):
+    """An event of a run.
+
+    Attributes:
+        number: of the event in its run, from 1.
+        event: what happened.
+    """
+
+    number: int
+    event: Event
+
+
+class RunInfo(Document):
+    """A run: something that is carried out.
+
+    Attributes:
+        run_id: of it.
+        session_id: in which it is carried out.
+        kind: `execute` (a plan that was approved) or `say` (planned and executed at one go).
+        state: `queued`, `running`, `ended` (its `result` says how), `aborted` (its process was
+            ended on request), `cut_off` (the service or its process died) or `defect`.
+        place: in the queue, from 1; null if it is not queued.
+        text: the sentence.
+        plan_id: that was approved; null for `say`.
+        asked_at, begun_at, ended_at: on the clock, in seconds since 1970 (UTC).
+        events: how many there are so far.
+        result: of the sentence, once it has ended.
+        error: why there is no result.
+    """
+
+    run_id: str
+    session_id: str
+    kind: RunKind
+    state: RunState
+    place: int | None = Field(default=None, ge=1)
+    text: str
+    plan_id: str | None = None
+    asked_at: float
+    begun_at: float | None = None
+    ended_at: float | None = None
+    events: int = 0
+    result: Result | None = None
+    error: ErrorInfo | None = None
+
+
+class Affordances(Document):
+    """Outcomes that this robot can bring about with an object; for the others, why not."""
+
+    object: str
+    scene: str
+    affordances: tuple[AffordanceItem, ...]
+
+
+class AffordanceItem(DocumentPart):
+    """One of them; see `planner.affordances.Affordance`."""
+
+    outcome: str
+    direction: str
+    face: str | None
+    possible: bool
+    least_force: float | None
+    place: tuple[float, float] | None
+    heights: tuple[float, float] | None
+    can: bool
+    reason: str | None
+    message: str
+    suggestions: tuple[str, ...] = ()
+
+
+class MapContact(DocumentPart):
+    """A contact of an outcome map.
+
+    Attributes:
+        lateral, height: place on the face [m].
+        point: in B [m].
+        outcome: `slide`, `topple`, `undecided` or `none`.
+        force: at which it begins [N]; null if never.
+        slide, topple: thresholds [N]; null if never.
+        probability_slide, probability_topple: of these outcomes.
+    """
+
+    lateral: float
+    height: float
+    point: tuple[float, float, float]
+    outcome: str
+    force: float | None
+    slide: float | None
+    topple: float | None
+    probability_slide: float
+    probability_topple: float
+
+
+class FaceMap(Document):
+    """Outcomes of pushes all over a face; see `nlcontrol.outcome_maps.outcome_map_table`."""
+
+    object: str
+    face: str
+    normal: tuple[float, float, float]
+    band: float
+    level: float | None
+    friction: Literal["static", "kinetic"]
+    contacts: tuple[MapContact, ...]

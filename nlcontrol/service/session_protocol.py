@@ -1,0 +1,170 @@
+"""Protocols of a planning session and of its runs, in this process or over a wire.
+
+`nlcontrol.service.session.Session` is one in this process, `nlcontrol.service.client.Client` opens
+one at a server. A program that uses one can use the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Literal, Protocol, Self
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    from grammar.frames.command import Command
+    from nlcontrol.questions.push_prediction import PushPrediction
+    from nlcontrol.results.result import Result
+    from nlcontrol.service.documents import (
+        Affordances,
+        FaceMap,
+        NumberedEvent,
+        Offer,
+        RunInfo,
+        TableView,
+    )
+    from nlcontrol.session.events import Event
+    from nlcontrol.session.executor import Motion
+    from nlcontrol.session.frame_documents import Frames
+    from sim.traces.trace import Trace
+
+
+class Run(Protocol):
+    """Something that is carried out."""
+
+    @property
+    def run_id(self) -> str:
+        """Name of the run."""
+
+    def info(self) -> RunInfo:
+        """The run as it is now."""
+
+    def events(self, after: int = 0) -> Iterator[NumberedEvent]:
+        """Its events as they happen, until it has ended.
+
+        Args:
+            after: number of the last event that is known already.
+        """
+
+    def result(self, timeout: float | None = None) -> Result:
+        """What came of it; waits until it has ended.
+
+        Args:
+            timeout: longest time to wait, by the clock on the wall [s]; None for no limit.
+
+        Raises:
+            TimeoutError: it goes on.
+            ControlError: it has no result; the code says why.
+        """
+
+    def stop(self) -> None:
+        """Asks it to let go and come to rest; its result is then `cancelled`."""
+
+    def trace(self) -> Trace | None:
+        """What happened over time; None if nothing moved. Waits until it has ended."""
+
+
+class PlanningSession(Protocol):
+    """A table, a robot and a conversation: look, plan, approve, do, verify.
+
+    A sentence may be frames instead (docs/frames.md). What is not understood or refused is a result
+    and raises nothing; a `ControlError` says that the call itself made no sense.
+    """
+
+    def look(self) -> TableView:
+        """The table as the robot sees it now."""
+
+    def parse(self, said: str | Frames) -> Command:
+        """The frames of a sentence, its references not yet resolved.
+
+        Raises:
+            ControlError: it is not understood.
+        """
+
+    def ask(self, said: str | Frames, *, motion: Motion = "never") -> Result:
+        """The answer to a question; it moves nothing unless that is allowed.
+
+        A sentence that is no question is planned and not executed.
+        """
+
+    def predict(
+        self,
+        name: str,
+        *,
+        face: str = "front",
+        lateral: float = 0.0,
+        height: float,
+        direction: tuple[float, float, float] | None = None,
+        force: float | None = None,
+        friction: Literal["static", "kinetic"] = "static",
+    ) -> PushPrediction:
+        """The prediction of one push; see `nlcontrol.questions.push_prediction.predict_push`.
+
+        Raises:
+            ControlError: `unknown_object`, `unknown_face`, `bad_push`.
+        """
+
+    def map(self, name: str, *, face: str = "front", spacing: float = 0.01) -> FaceMap:
+        """Outcomes of pushes all over a face.
+
+        Args:
+            name: of the object.
+            face: as the robot calls it.
+            spacing: between contacts [m].
+
+        Raises:
+            ControlError: `unknown_object`, `unknown_face`, `too_many_contacts`.
+        """
+
+    def affordances(self, name: str) -> Affordances:
+        """Outcomes that the robot can bring about with an object; for the others, why not.
+
+        Raises:
+            ControlError: `unknown_object`.
+        """
+
+    def plan(self, said: str | Frames) -> Offer:
+        """A plan of a sentence, to be approved; nothing moves."""
+
+    def execute(self, plan_id: str, *, on_event: Callable[[Event], object] | None = None) -> Run:
+        """Begins to carry out a sentence by the plan that was approved.
+
+        The robot looks again first. A plan id is used once, and expires.
+
+        Args:
+            plan_id: of an `Offer`.
+            on_event: told of every event, in the thread that carries it out.
+
+        Raises:
+            ControlError: `unknown_plan`, `used_plan`, `expired_plan`, `stale_plan` (something
+                moved, or is believed in another way), `busy`, `no_robot` (the table was stated).
+        """
+
+    def say(self, said: str | Frames, *, on_event: Callable[[Event], object] | None = None) -> Run:
+        """Begins to do what a sentence says, planned and executed at one go.
+
+        Raises:
+            ControlError: `approval_required` if plans are to be approved first, `busy`, `no_robot`.
+        """
+
+    def stop(self) -> None:
+        """Asks what is being carried out to let go and come to rest; plans are dropped."""
+
+    def reset(self) -> None:
+        """Puts everything back as it was at the beginning: table, beliefs, conversation, plans.
+
+        Raises:
+            ControlError: `busy`, `no_reset` (a real robot's table).
+        """
+
+    def close(self) -> None:
+        """Ends the session; what is being carried out is stopped first."""
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        raised: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None: ...
