@@ -79,6 +79,15 @@ CODES: dict[str, Status] = {
     "no_pictures": Status(INTERNAL, 501),
     "scene_and_registry_differ": _CALLER,
     "worker_lost": Status(INTERNAL, 500),
+    # The store of the service, and bundles of its runs.
+    "store_in_use": Status(USAGE, 409),
+    "bad_store": _CALLER,
+    "unknown_run": Status(USAGE, 404),
+    "run_under_way": Status(USAGE, 409),
+    "bad_cursor": _CALLER,
+    "key_reused": Status(USAGE, 409),
+    "cut_off": Status(INTERNAL, 500),
+    "bad_bundle": _CALLER,
     # The machine and the installation.
     "cannot_import": Status(INTERNAL, 500),
     "system_error": Status(INTERNAL, 500),

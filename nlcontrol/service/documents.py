@@ -203,6 +203,18 @@ class RunInfo(Document):
     error: ErrorInfo | None = None
 
 
+class RunPage(Document):
+    """Some of the runs, the newest first.
+
+    Attributes:
+        runs: on this page.
+        cursor: of the next page; null on the last one.
+    """
+
+    runs: tuple[RunInfo, ...]
+    cursor: str | None = None
+
+
 class Affordances(Document):
     """Outcomes that this robot can bring about with an object; for the others, why not."""
 
