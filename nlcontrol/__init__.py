@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from nlcontrol.errors import ControlError, ErrorInfo
     from nlcontrol.questions.answer import Answer
     from nlcontrol.results.result import Result
+    from nlcontrol.service.client.remote_session import Client
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.conversation import Conversation
     from nlcontrol.session.events import Event
@@ -59,6 +60,7 @@ _HOMES = {
     "Answer": "nlcontrol.questions.answer",
     "BoxModel": "objectmodels",
     "Check": "nlcontrol.checks.verdicts",
+    "Client": "nlcontrol.service.client.remote_session",
     "Command": "grammar",
     "ControlError": "nlcontrol.errors",
     "Controller": "nlcontrol.session.controller",
@@ -104,6 +106,7 @@ __all__ = [
     "Answer",
     "BoxModel",
     "Check",
+    "Client",
     "Command",
     "ControlError",
     "Controller",

@@ -88,6 +88,9 @@ CODES: dict[str, Status] = {
     "key_reused": Status(USAGE, 409),
     "cut_off": Status(INTERNAL, 500),
     "bad_bundle": _CALLER,
+    # A client's service: not there, or something else.
+    "no_service": Status(INTERNAL, 503),
+    "bad_answer": Status(INTERNAL, 502),
     # The machine and the installation.
     "cannot_import": Status(INTERNAL, 500),
     "system_error": Status(INTERNAL, 500),

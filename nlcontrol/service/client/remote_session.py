@@ -1,0 +1,205 @@
+"""A planning session at a server, as one in this process is."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
+
+from pydantic import BaseModel
+
+from grammar.frames.command import Command
+from nlcontrol.errors import ControlError
+from nlcontrol.questions.push_prediction import PushPrediction
+from nlcontrol.results.result import Result
+from nlcontrol.service.client.remote_run import RemoteRun
+from nlcontrol.service.client.service_connection import ServiceConnection
+from nlcontrol.service.documents import (
+    Affordances,
+    FaceMap,
+    Offer,
+    RunInfo,
+    SessionInfo,
+    SessionSpec,
+    StatedObject,
+    TableView,
+)
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    import httpx
+
+    from nlcontrol.session.events import Event
+    from nlcontrol.session.executor import Motion
+    from nlcontrol.session.frame_documents import Frames
+
+D = TypeVar("D", bound=BaseModel)
+
+
+class Client:
+    """A planning session at a server; see `nlcontrol.service.session_protocol.PlanningSession`.
+
+    Args:
+        url: of the service, like `http://127.0.0.1:8000`.
+        scene: name of a scene of the host.
+        seed: of everything random.
+        defaults: what a clause means when a sentence does not say more.
+        objects: all that stands on the caller's own table; the scene's if not given.
+        approval: `plan`: only plans that were approved are carried out.
+        token: that the service asks for, if any.
+        timeout: longest time to wait for an answer, by the clock on the wall [s].
+        transport: of the requests, if not over a network.
+
+    Raises:
+        ControlError: `no_service`, or what the service has against it; `missing_extra` without
+            httpx. Every call raises `no_service` where the service is lost.
+    """
+
+    def __init__(
+        self,
+        url: str,
+        scene: str = "kitchen",
+        *,
+        seed: int = 0,
+        defaults: Mapping[str, float] | None = None,
+        objects: Sequence[StatedObject] | None = None,
+        approval: Literal["plan", "none"] = "none",
+        token: str | None = None,
+        timeout: float = 120.0,
+        transport: httpx.BaseTransport | None = None,
+    ) -> None:
+        self._connection = ServiceConnection(url, token=token, timeout=timeout, transport=transport)
+        spec = SessionSpec(
+            scene=scene,
+            seed=seed,
+            defaults=dict(defaults or {}),
+            objects=None if objects is None else tuple(objects),
+            approval=approval,
+        )
+        info = self._connection.document(
+            SessionInfo, "POST", "/v1/sessions", spec.model_dump(mode="json"), repeatable=False
+        )
+        self.session_id = info.session_id
+
+    def look(self) -> TableView:
+        """The table as the robot sees it now."""
+        return self._document(TableView, "look")
+
+    def parse(self, said: str | Frames) -> Command:
+        """The frames of a sentence; raises a `ControlError` if it is not understood."""
+        fields = self._post("parse", _said_fields(said)).json()
+        return Command.model_validate({key: fields[key] for key in Command.model_fields})
+
+    def ask(self, said: str | Frames, *, motion: Motion = "never") -> Result:
+        """The answer to a question; it moves nothing unless that is allowed."""
+        asked = {**_said_fields(said), "motion": motion}
+        return self._document(Result, "ask", asked, repeatable=motion == "never")
+
+    def predict(
+        self,
+        name: str,
+        *,
+        face: str = "front",
+        lateral: float = 0.0,
+        height: float,
+        direction: tuple[float, float, float] | None = None,
+        force: float | None = None,
+        friction: Literal["static", "kinetic"] = "static",
+    ) -> PushPrediction:
+        """The prediction of one push; see `PlanningSession.predict`."""
+        push = {
+            "face": face,
+            "lateral": lateral,
+            "height": height,
+            "direction": direction,
+            "force": force,
+            "friction": friction,
+        }
+        return self._document(PushPrediction, "predict", {"object": name, **push})
+
+    def map(self, name: str, *, face: str = "front", spacing: float = 0.01) -> FaceMap:
+        """Outcomes of pushes all over a face; see `PlanningSession.map`."""
+        return self._document(FaceMap, "map", {"object": name, "face": face, "spacing": spacing})
+
+    def affordances(self, name: str) -> Affordances:
+        """Outcomes that the robot can bring about with an object; for the others, why not."""
+        return self._document(Affordances, "affordances", {"object": name})
+
+    def plan(self, said: str | Frames) -> Offer:
+        """A plan of a sentence, to be approved; nothing moves."""
+        return self._document(Offer, "plans", _said_fields(said))
+
+    def execute(
+        self, plan_id: str, *, on_event: Callable[[Event], object] | None = None
+    ) -> RemoteRun:
+        """Begins to carry out a plan that was approved; see `PlanningSession.execute`."""
+        return self._begin_run("runs", {"plan_id": plan_id}, on_event)
+
+    def say(
+        self, said: str | Frames, *, on_event: Callable[[Event], object] | None = None
+    ) -> RemoteRun:
+        """Begins to do what a sentence says; see `PlanningSession.say`."""
+        return self._begin_run("say", _said_fields(said), on_event)
+
+    def stop(self) -> None:
+        """Asks what is being carried out to let go and come to rest; plans are dropped."""
+        self._post("stop")
+
+    def reset(self) -> None:
+        """Puts everything back as it was at the beginning; see `PlanningSession.reset`."""
+        self._post("reset")
+
+    def close(self) -> None:
+        """Ends the session; one that has ended with its server is left at that."""
+        try:
+            self._connection.response("DELETE", self._path, repeatable=False)
+        except ControlError as raised:
+            if raised.code not in ("unknown_session", "no_service"):
+                raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        raised: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def _path(self) -> str:
+        return f"/v1/sessions/{self.session_id}"
+
+    def _begin_run(
+        self, call: str, body: dict[str, Any], on_event: Callable[[Event], object] | None
+    ) -> RemoteRun:
+        # With a key, what is sent again moves nothing again.
+        key = {"Idempotency-Key": uuid.uuid4().hex}
+        info = self._document(RunInfo, call, body, headers=key)
+        return RemoteRun(self._connection, info, on_event)
+
+    def _document(self, kind: type[D], call: str, body: Any = None, **options: Any) -> D:
+        return self._connection.document(kind, "POST", f"{self._path}/{call}", body, **options)
+
+    def _post(self, call: str, body: Any = None) -> httpx.Response:
+        return self._connection.response("POST", f"{self._path}/{call}", body)
+
+
+def _said_fields(said: str | Frames) -> dict[str, Any]:
+    """A sentence, or frames, as a request has them."""
+    if isinstance(said, str):
+        return {"text": said}
+    return {"frames": _as_json(said)}
+
+
+def _as_json(part: Any) -> Any:
+    if isinstance(part, BaseModel):
+        return part.model_dump(mode="json")
+    if isinstance(part, Mapping):
+        return {key: _as_json(value) for key, value in part.items()}
+    if isinstance(part, list | tuple):
+        return [_as_json(each) for each in part]
+    return part

@@ -1,0 +1,266 @@
+"""A client over connections that fail: nothing is done twice, nothing is missed."""
+
+from __future__ import annotations
+
+import json
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import httpx
+import pytest
+
+from nlcontrol import Client, ControlError
+from nlcontrol.service.client import remote_run, service_connection
+from nlcontrol.service.documents import NumberedEvent
+from nlcontrol.service.session_protocol import PlanningSession, Run
+from nlcontrol.session.events import Event
+
+URL = "http://127.0.0.1:8000"
+SESSION = {
+    "session_id": "s1", "spec": {}, "executes": True, "state": "idle", "expires_in": 600.0,
+}  # fmt: skip
+RUN = {
+    "run_id": "r1", "session_id": "s1", "kind": "say", "state": "running", "text": "push the mug",
+    "asked_at": 1.0,
+}  # fmt: skip
+RESULT = {
+    "ok": True, "status": "done", "text": "push the mug", "scene": "kitchen", "seed": 0,
+}  # fmt: skip
+ENDED = {**RUN, "state": "ended", "events": 3, "result": RESULT}
+
+Answer = Callable[[httpx.Request], httpx.Response]
+
+
+@pytest.fixture(autouse=True)
+def _no_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(service_connection, "PAUSES", (0.0, 0.0, 0.0))
+    monkeypatch.setattr(remote_run, "PAUSES", (0.0, 0.0, 0.0))
+
+
+class Wire(httpx.BaseTransport):
+    """A network on which each request meets what a test says, the last of it again and again."""
+
+    def __init__(self, **answers: list[Any]) -> None:
+        self.answers = {"sessions": [SESSION], **answers}
+        self.requests: list[httpx.Request] = []
+
+    def handle_request(self, request: httpx.Request) -> httpx.Response:
+        self.requests.append(request)
+        answers = self.answers[request.url.path.rpartition("/")[2]]
+        answer = answers.pop(0) if len(answers) > 1 else answers[0]
+        if isinstance(answer, type):
+            raise answer("lost", request=request)
+        if isinstance(answer, httpx.Response):
+            return answer
+        if isinstance(answer, Stream):
+            return httpx.Response(200, stream=answer)
+        return httpx.Response(200, json=answer)
+
+    def sent(self, call: str) -> list[httpx.Request]:
+        return [each for each in self.requests if each.url.path.endswith(f"/{call}")]
+
+
+class Stream(httpx.SyncByteStream):
+    """Events by their numbers; the third is the last of the run. Then the line may be lost."""
+
+    def __init__(self, *numbers: int, lost: bool = False) -> None:
+        self.numbers = numbers
+        self.lost = lost
+
+    def __iter__(self) -> Iterator[bytes]:
+        yield b": heartbeat\n\n"
+        for number in self.numbers:
+            kind = "ended" if number == 3 else "phase"
+            event = {"kind": kind, "time": 0.0, "wall_time": 0.0, "text": str(number)}
+            data = json.dumps({"number": number, "event": event})
+            yield f"id: {number}\nevent: {kind}\ndata: {data}\n\n".encode()
+        if self.lost:
+            raise httpx.ReadError("lost")
+
+
+def problem(status: int, **fields: Any) -> httpx.Response:
+    return httpx.Response(
+        status, json={"title": "Conflict", "status": status, **fields},
+        headers={"Content-Type": "application/problem+json"},
+    )  # fmt: skip
+
+
+def client(wire: Wire) -> Client:
+    return Client(URL, transport=wire)
+
+
+def test_a_client_is_a_planning_session() -> None:
+    wire = Wire(say=[RUN])
+    session: PlanningSession = client(wire)
+    run: Run = session.say("push the mug")
+    assert run.run_id == "r1"
+
+
+def test_what_is_lost_is_sent_again_with_the_same_key() -> None:
+    wire = Wire(say=[httpx.ReadError, httpx.ConnectError, RUN], runs=[httpx.ReadError, RUN])
+    session = client(wire)
+    session.say("push the mug")
+    session.execute("p1")
+    keys = [request.headers["Idempotency-Key"] for request in wire.sent("say") + wire.sent("runs")]
+    assert len(keys) == 5
+    assert len(set(keys)) == 2
+
+
+def test_a_session_is_opened_once_and_a_question_that_moves_is_sent_once() -> None:
+    with pytest.raises(ControlError) as raised:
+        client(wire := Wire(sessions=[httpx.ReadError]))
+    assert raised.value.code == "no_service"
+    assert raised.value.info.suggestions
+    assert len(wire.requests) == 1
+
+    wire = Wire(ask=[httpx.ReadError, RESULT])
+    with pytest.raises(ControlError, match="lost"):
+        client(wire).ask("how heavy is the mug?", motion="simulate")
+    assert len(wire.sent("ask")) == 1
+    assert client(wire).ask("how heavy is the mug?").ok
+
+
+def test_a_service_that_is_slow_is_not_asked_again() -> None:
+    wire = Wire(look=[httpx.ReadTimeout])
+    with pytest.raises(ControlError) as raised:
+        client(wire).look()
+    assert raised.value.code == "no_service"
+    assert len(wire.sent("look")) == 1
+
+
+def test_a_problem_document_becomes_an_error() -> None:
+    told = {
+        "code": "stale_plan", "detail": "the mug has moved", "suggestions": ["plan again"],
+        "numbers": {"moved": 0.012}, "span": [9, 12], "instance": "/v1/sessions/s1/runs",
+    }  # fmt: skip
+    with pytest.raises(ControlError) as raised:
+        client(Wire(runs=[problem(409, **told)])).execute("p1")
+    info = raised.value.info
+    assert (info.code, info.message) == ("stale_plan", "the mug has moved")
+    assert (info.suggestions, info.numbers) == (("plan again",), {"moved": 0.012})
+    assert info.span == (9, 12)
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        httpx.Response(502, text="<html>"),
+        httpx.Response(404, json=["no problem document"]),
+        httpx.Response(400, json={"detail": "without a code"}),
+        httpx.Response(200, text="<html>"),
+        httpx.Response(307, headers={"Location": "http://elsewhere/"}),
+        {"half": "a document"},
+    ],
+)
+def test_what_is_no_planning_service_is_told_so(answer: Any) -> None:
+    with pytest.raises(ControlError) as raised:
+        client(Wire(look=[answer])).look()
+    assert raised.value.code == "bad_answer"
+
+
+@pytest.mark.parametrize("url", ["127.0.0.1:8000", "ftp://host", "http://", ""])
+def test_a_url_that_is_none(url: str) -> None:
+    with pytest.raises(ControlError) as raised:
+        Client(url)
+    assert raised.value.code == "usage"
+
+
+def test_the_token_is_sent() -> None:
+    wire = Wire()
+    Client(URL, token="secret", transport=wire)
+    assert wire.requests[0].headers["Authorization"] == "Bearer secret"
+
+
+def test_without_httpx_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "httpx", None)
+    with pytest.raises(ControlError) as raised:
+        Client(URL)
+    assert raised.value.code == "missing_extra"
+    assert "'.[serve]'" in raised.value.info.suggestions[0]
+
+
+def test_events_go_on_where_the_stream_was_lost() -> None:
+    streams = [Stream(1, lost=True), httpx.ConnectError, Stream(1, 2, lost=True), Stream(3)]
+    wire = Wire(say=[RUN], events=streams, r1=[RUN])
+    events = list(client(wire).say("push the mug").events())
+    assert [told.number for told in events] == [1, 2, 3]
+    asked = [request.headers["Last-Event-ID"] for request in wire.sent("events")]
+    assert asked == ["0", "1", "1", "2"]
+
+
+def test_events_of_a_run_that_was_cut_off_come_to_an_end() -> None:
+    cut = {**RUN, "state": "cut_off", "events": 2}
+    wire = Wire(say=[RUN], events=[Stream(1), Stream(2)], r1=[RUN, cut])
+    assert [told.number for told in client(wire).say("push the mug").events()] == [1, 2]
+
+
+def test_the_last_events_are_had_although_the_run_has_ended() -> None:
+    wire = Wire(say=[RUN], events=[Stream(1, lost=True), Stream(2, 3)], r1=[ENDED])
+    assert [told.number for told in client(wire).say("push the mug").events()] == [1, 2, 3]
+
+
+def test_a_service_that_stays_away_ends_the_events() -> None:
+    wire = Wire(say=[RUN], events=[Stream(1, lost=True), httpx.ConnectError], r1=[RUN])
+    heard: list[NumberedEvent] = []
+    with pytest.raises(ControlError) as raised:
+        heard.extend(client(wire).say("push the mug").events())
+    assert raised.value.code == "no_service"
+
+
+def test_a_callback_is_told_every_event_before_the_result_comes() -> None:
+    wire = Wire(say=[RUN], events=[Stream(1, lost=True), Stream(2, 3)], r1=[RUN, ENDED])
+    heard: list[tuple[str, threading.Thread]] = []
+    run = client(wire).say(
+        "push the mug", on_event=lambda e: heard.append((e.text, threading.current_thread()))
+    )
+    assert run.result(5.0).status == "done"
+    assert [text for text, _ in heard] == ["1", "2", "3"]
+    assert all(thread is not threading.current_thread() for _, thread in heard)
+
+
+def test_a_callback_that_fails_stops_the_run_and_its_failure_is_raised() -> None:
+    def fail(event: Event) -> None:
+        raise ZeroDivisionError(event.text)
+
+    wire = Wire(say=[RUN], events=[Stream(1, 2, 3)], r1=[ENDED], stop=[{}])
+    run = client(wire).say("push the mug", on_event=fail)
+    with pytest.raises(ZeroDivisionError, match="1"):
+        run.result(5.0)
+    assert len(wire.sent("stop")) == 1
+
+
+def test_a_result_is_waited_for_so_long_and_no_longer() -> None:
+    wire = Wire(say=[RUN], r1=[RUN])
+    run = client(wire).say("push the mug")
+    with pytest.raises(TimeoutError):
+        run.result(0.1)
+    wire.answers["r1"] = [RUN, ENDED]
+    assert run.result(5.0).ok
+
+
+def test_a_run_that_was_cut_off_raises_what_the_service_says() -> None:
+    error = {"code": "worker_lost", "message": "the service has ended", "suggestions": ["again"]}
+    wire = Wire(say=[RUN], r1=[{**RUN, "state": "cut_off", "error": error}])
+    with pytest.raises(ControlError) as raised:
+        client(wire).say("push the mug").result()
+    assert raised.value.code == "worker_lost"
+
+
+def test_nothing_moved_and_there_is_no_trace() -> None:
+    missing = problem(404, code="no_trace", detail="nothing moved")
+    wire = Wire(say=[RUN], r1=[ENDED], trace=[missing])
+    assert client(wire).say("push the mug").trace() is None
+
+
+def test_a_session_that_is_gone_closes_quietly() -> None:
+    gone = problem(404, code="unknown_session", detail="it has ended")
+    for answer in (gone, httpx.ConnectError):
+        with client(Wire(s1=[answer])):
+            pass
+    with (
+        pytest.raises(ControlError, match="busy"),
+        client(Wire(s1=[problem(409, code="busy", detail="busy")])),
+    ):
+        pass
