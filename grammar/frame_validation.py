@@ -115,7 +115,8 @@ def _error(
     return ParseError(
         objection.code,
         f"found {found}, which makes no sense there: {objection.message}",
-        suggestions=(hint,),
+        None,
+        (hint,),
         path=path_text(place),
     )
 

@@ -26,8 +26,8 @@ class ModelError(ValueError):
         code: str,
         message: str,
         *,
+        suggestions: tuple[str, ...],
         path: str | None = None,
-        suggestions: tuple[str, ...] = (),
     ) -> None:
         super().__init__(code, message)
         self.code = code

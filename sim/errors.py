@@ -12,7 +12,7 @@ class SimError(Exception):
         suggestions: what would be possible instead.
     """
 
-    def __init__(self, code: str, message: str, suggestions: tuple[str, ...] = ()) -> None:
+    def __init__(self, code: str, message: str, suggestions: tuple[str, ...]) -> None:
         super().__init__(message)
         self.code = code
         self.message = message

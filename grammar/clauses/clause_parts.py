@@ -97,9 +97,11 @@ class Clause:
         """Two parts contradict each other."""
         return contradiction_error((first.span,), (second.span,), self._sentence)
 
-    def does_not_apply_error(self, part: ph.Part, message: str, *suggestions: str) -> ParseError:
+    def does_not_apply_error(
+        self, part: ph.Part, message: str, hint: str, *more: str
+    ) -> ParseError:
         """A part that does not apply."""
-        return self._sentence.error_at(part.span, "does_not_apply", message, *suggestions)
+        return self._sentence.error_at(part.span, "does_not_apply", message, hint, *more)
 
     def quote(self, part: ph.Part) -> str:
         """The words of a part, in quotation marks."""

@@ -69,11 +69,11 @@ class TokenReader:
         return min(start for start, _ in ends), max(end for _, end in ends)
 
     def does_not_apply_error(
-        self, children: Children, message: str, *suggestions: str
+        self, children: Children, message: str, hint: str, *more: str
     ) -> ParseError:
         """The error for words that do not apply where they stand."""
         span = self.span_of(children)
-        return self.sentence.error_at(span, "does_not_apply", message, *suggestions)
+        return self.sentence.error_at(span, "does_not_apply", message, hint, *more)
 
     def value_of(self, children: Children, terminal: str, default: str = "") -> str:
         """Value of the token of a terminal; `default` if there is none."""

@@ -61,9 +61,10 @@ class Normalised:
         """The words of a span as they were written, one space apart."""
         return " ".join(self.original[span[0] : span[1]].split())
 
-    def error_at(self, span: Span, code: str, message: str, *suggestions: str) -> ParseError:
+    def error_at(self, span: Span, code: str, message: str, hint: str, *more: str) -> ParseError:
         """The error about the words of a span, with which its message begins."""
-        return ParseError(code, f'"{self.words_as_written(span)}" {message}', span, suggestions)
+        about = f'"{self.words_as_written(span)}" {message}'
+        return ParseError(code, about, span, (hint, *more))
 
 
 def normalise(text: str, contractions: Mapping[str, str]) -> Normalised:

@@ -62,6 +62,7 @@ TRIALS = 10
 
 _AGAIN = 0.1  # share by which a touch that was made before costs more
 
+_ELSEWHERE = "move it where the hand reaches more of its sides, and explore it there"
 _BELIEVING = "what was believed before counts as measured, since the touches are few"
 
 Told = Callable[["Touched", "ObjectModel"], None]
@@ -279,7 +280,7 @@ def _fit_all(
 
 
 def _not_explorable(message: str, explorer: Explorer, *hints: str) -> ControlError:
-    return error("not_explorable", message, suggestions=(*hints, *explorer.given_up))
+    return error("not_explorable", message, suggestions=(*hints, *explorer.given_up, _ELSEWHERE))
 
 
 def _report(

@@ -30,6 +30,8 @@ _FLAT = 1e-9
 # Sides of the polygon that stands for a round base where points are needed.
 ROUND_CORNERS = 24
 
+_CORNERS = "for example [[-0.03, -0.02], [0.03, -0.02], [0.03, 0.02], [-0.03, 0.02]] in metres"
+
 
 class Base(Protocol):
     """Base of an object, as the mechanics needs it."""
@@ -114,7 +116,9 @@ class Polygon(Base):
         """
         v = np.asarray(points, dtype=np.float64)
         if v.ndim != 2 or v.shape[1] != 2 or len(v) < 3 or not np.isfinite(v).all():
-            raise ModelError("bad_value", "a base needs three or more corners [x, y]")
+            raise ModelError(
+                "bad_value", "a base needs three or more corners [x, y]", suggestions=(_CORNERS,)
+            )
         v = without_collinear(v)
         ahead = np.roll(v, -1, axis=0) - v
         if len(v) >= 3 and cross(ahead, np.roll(ahead, -1, axis=0)).sum() < 0.0:
@@ -123,7 +127,11 @@ class Polygon(Base):
         turns = cross(ahead, np.roll(ahead, -1, axis=0))
         angle = np.arctan2(turns, np.sum(ahead * np.roll(ahead, -1, axis=0), axis=1)).sum()
         if len(v) < 3 or not (turns > 0.0).all() or abs(angle - 2.0 * np.pi) > 1e-6:
-            raise ModelError("bad_value", "the base is not a convex polygon, its corners in order")
+            raise ModelError(
+                "bad_value",
+                "the base is not a convex polygon, its corners in order",
+                suggestions=("give the corners counter-clockwise as seen from above", _CORNERS),
+            )
         return cls(v)
 
     @cached_property

@@ -36,7 +36,11 @@ def carrying_base(support: Support, base: Base) -> Base:
         return base
     points, _ = support_points(support, base)
     if not is_within(base, points, 1e-6 * base.size):
-        raise ModelError("bad_value", "a support point lies outside of the base")
+        raise ModelError(
+            "bad_value",
+            "a support point lies outside of the base",
+            suggestions=("give points [x, y] in metres, from the middle of the base",),
+        )
     return hull_polygon(points)
 
 
@@ -82,4 +86,8 @@ def hull_polygon(points: Array) -> Polygon:
     try:
         return Polygon.convex(points[ConvexHull(points).vertices])
     except QhullError as error:
-        raise ModelError("bad_value", "the support points lie on a line") from error
+        raise ModelError(
+            "bad_value",
+            "the support points lie on a line",
+            suggestions=("give three or more points that span an area",),
+        ) from error

@@ -14,6 +14,8 @@ from objectmodels.errors import ModelError
 
 Array = NDArray[np.float64]
 
+_UNIT_LENGTH = "divide each by its length: `v / np.linalg.norm(v, axis=1, keepdims=True)`"
+
 
 def dot(a: Array, b: Array) -> Array:
     """Scalar product a·b, shape (...); faster than a product with a stride."""
@@ -45,21 +47,57 @@ def checked_pairs(points: ArrayLike, vectors: ArrayLike) -> tuple[Array, Array]:
             f"expected two arrays of one shape (n, 3), found {p.shape} and {v.shape}",
             suggestions=("a single push is an array of shape (1, 3)",),
         )
-    if not (np.isfinite(p).all() and np.isfinite(v).all()):
-        raise ModelError("bad_array", "arrays must hold finite numbers only")
+    require_finite(p, v)
     return p, v
+
+
+def checked_rotation(R: ArrayLike) -> Array:
+    """A rotation matrix, shape (3, 3), or a `ModelError`."""
+    matrix = np.asarray(R, dtype=np.float64)
+    orthogonal = matrix.shape == (3, 3) and np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6)
+    if not orthogonal or np.linalg.det(matrix) < 0:
+        raise ModelError(
+            "bad_array",
+            "R_WB must be a rotation matrix, shape (3, 3)",
+            suggestions=("`np.eye(3)` is the one of an object that stands",),
+        )
+    return matrix
+
+
+def require_finite(*arrays: Array) -> None:
+    """Refuses arrays in which something is no number."""
+    if not all(np.isfinite(a).all() for a in arrays):
+        raise ModelError(
+            "bad_array",
+            "arrays must hold finite numbers only",
+            suggestions=("leave out rows with nan or inf: `a[np.isfinite(a).all(axis=-1)]`",),
+        )
+
+
+def require_amount(value: float, name: str, hint: str) -> None:
+    """Refuses what is no number from 0 on; `hint` says what would be one."""
+    if not 0.0 <= value < np.inf:
+        raise ModelError(
+            "bad_value", f"found {name} {value}, expected a number from 0 on", suggestions=(hint,)
+        )
 
 
 def require_units(u: Array) -> None:
     """Refuses directions that are not unit vectors, shape (n, 3)."""
     if np.any(np.abs(np.linalg.norm(u, axis=1) - 1.0) > 1e-6):
-        raise ModelError("bad_array", "directions must be unit vectors")
+        raise ModelError(
+            "bad_array", "directions must be unit vectors", suggestions=(_UNIT_LENGTH,)
+        )
 
 
 def require_normals(n: Array) -> None:
     """Refuses normals that are not those of side faces, shape (n, 3)."""
     if np.any(np.abs(np.linalg.norm(n, axis=1) - 1.0) > 1e-6) or np.any(np.abs(n[:, 2]) > 0.99):
-        raise ModelError("bad_array", "normals must be unit vectors of side faces")
+        raise ModelError(
+            "bad_array",
+            "normals must be unit vectors of side faces",
+            suggestions=("take `face.normal` of one of `model.faces`", _UNIT_LENGTH),
+        )
 
 
 def as_tuple(value: Any) -> Any:

@@ -195,7 +195,11 @@ def _of_slides(balance: Balance, values: Array) -> dict[str, float]:
     load = weight - s * u[:, 2]
     if (load <= 0.0).any():
         k = int(np.flatnonzero(i)[np.argmin(load)])
-        raise ModelError("not_possible", f"{t.sources[k]}: such a pull would lift the object")
+        raise ModelError(
+            "not_possible",
+            f"{t.sources[k]}: such a pull would lift the object",
+            suggestions=("check the force of this touch and its direction",),
+        )
     r, h = s / load, np.hypot(u[:, 0], u[:, 1])
     a = weight / load * yaw_arm(t.p[i], u, values[COM_X:])
     straight = np.abs(a) <= _STRAIGHT * radius

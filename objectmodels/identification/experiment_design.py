@@ -104,9 +104,17 @@ def rank_candidates(
         ModelError: `no_candidates`; `bad_value` if a name or a cost is wrong; `bad_trial`.
     """
     if not candidates:
-        raise ModelError("no_candidates", "there is no experiment to choose from")
+        raise ModelError(
+            "no_candidates",
+            "there is no experiment to choose from",
+            suggestions=("give one candidate or more",),
+        )
     if any(not candidate.cost > 0.0 for candidate in candidates):
-        raise ModelError("bad_value", "the cost of an experiment must be positive")
+        raise ModelError(
+            "bad_value",
+            "the cost of an experiment must be positive",
+            suggestions=("1 for each, if they cost the same",),
+        )
     require_names(tuple(asked))
     goal = dict(asked) if isinstance(asked, Mapping) else dict.fromkeys(asked, LEAST)
     before = belief_of(model, spread)

@@ -117,7 +117,11 @@ class Fit:
             ModelError: `bad_value` if there is no such parameter or probability.
         """
         if name not in UNCERTAIN or not 0.0 < level < 1.0:
-            raise ModelError("bad_value", f"no interval of {name!r} at the level {level}")
+            raise ModelError(
+                "bad_value",
+                f"no interval of {name!r} at the level {level}",
+                suggestions=(f"a level between 0 and 1, and one of: {', '.join(UNCERTAIN)}",),
+            )
         k, s = UNCERTAIN.index(name), self._solution
         half = _interval_quantile(level, _degrees_of_freedom(s, k)) * float(
             np.sqrt(s.covariance[k, k])

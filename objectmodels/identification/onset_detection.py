@@ -82,9 +82,14 @@ def detect_onset(time: ArrayLike, force: ArrayLike, travel: ArrayLike) -> Onset:
         raise ModelError(
             "bad_array",
             f"a recording needs time, force and travel of {LEAST_SAMPLES} samples or more",
+            suggestions=("give three arrays of one length",),
         )
     if not (np.isfinite([t, f, x]).all() and (np.diff(t) > 0.0).all()):
-        raise ModelError("bad_array", "a recording must be finite, its times increasing")
+        raise ModelError(
+            "bad_array",
+            "a recording must be finite, its times increasing",
+            suggestions=("sort it by time, and leave out samples with nan and repeated times",),
+        )
     smooth = _running_mean(f, max(len(f) // 50, 3))
     first = int(np.argmax(smooth > _TOUCHED * smooth.max()))
     first = min(first, len(t) - LEAST_SAMPLES)
@@ -181,7 +186,11 @@ def trial_from_series(recording: Recording) -> tuple[Trial, Onset] | None:
     way = _samples_after_onset(travel, onset.index)
     mean = force[way].mean(axis=0)
     if mean @ d <= 0.0 or onset.force <= 0.0:
-        raise ModelError("bad_array", "the force is against the travel of the finger")
+        raise ModelError(
+            "bad_array",
+            "the force is against the travel of the finger",
+            suggestions=("give the force on the object; a sensor in the finger feels −force",),
+        )
     # The size is the onset's; what acts across the push is the mean on the way.
     found = onset.force * mean / (mean @ d)
     size = float(np.linalg.norm(found))
@@ -238,7 +247,11 @@ def _push_direction(recording: Recording) -> Array:
         way = recording.force.mean(axis=0)
     length = float(np.linalg.norm(way))
     if length == 0.0:
-        raise ModelError("bad_array", "there is neither force nor travel in it")
+        raise ModelError(
+            "bad_array",
+            "there is neither force nor travel in it",
+            suggestions=("leave this recording out",),
+        )
     return np.asarray(way / length)
 
 

@@ -134,7 +134,11 @@ class Touches:
             ModelError: `no_trials`; `bad_trial` if one makes no sense.
         """
         if not trials:
-            raise ModelError("no_trials", "there is no trial to learn from")
+            raise ModelError(
+                "no_trials",
+                "there is no trial to learn from",
+                suggestions=("give one or more touches: docs/fitting.md says which teach what",),
+            )
         for trial in trials:
             _require_sense(trial)
         force = np.array([trial.force for trial in trials])
@@ -172,7 +176,8 @@ def _require_sense(trial: Trial) -> None:
     elif trial.moved != "slip" and not any(trial.force[:2]):
         wrong = "has a vertical force, which neither slides nor tilts anything"
     if wrong:
-        raise ModelError("bad_trial", f"{trial.source} {wrong}")
+        hint = "leave it out, or correct it: docs/fitting.md says what a touch consists of"
+        raise ModelError("bad_trial", f"{trial.source} {wrong}", suggestions=(hint,))
 
 
 def _slip_ratio(trial: Trial) -> tuple[float, float]:

@@ -108,7 +108,11 @@ class OutcomeMap:
             ModelError: `bad_value` if the outcome is neither `slide` nor `topple`.
         """
         if outcome not in ("slide", "topple"):
-            raise ModelError("bad_value", f"outcome must be slide or topple, not {outcome!r}")
+            raise ModelError(
+                "bad_value",
+                f"outcome must be slide or topple, not {outcome!r}",
+                suggestions=("slide", "topple"),
+            )
         return np.asarray(getattr(self.likelihood, outcome) >= probability)
 
 

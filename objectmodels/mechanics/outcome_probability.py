@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
 from objectmodels.geometry.pushed_body import UNCERTAIN
+from objectmodels.geometry.vector_arrays import require_amount
 from objectmodels.mechanics.push_thresholds import (
     critical_friction,
     slide_threshold,
@@ -139,8 +139,7 @@ def outcome_likelihood(
         )
         none = np.clip(1.0 - slide - topple, 0.0, 1.0)
         return Likelihood(none, slide, topple, "closed form", NODES, None)
-    if not 0.0 <= force < np.inf:
-        raise ModelError("bad_value", f"force must be a number from 0 on, not {force}")
+    require_amount(force, "a force of", "give it in newtons; without one, any force is meant")
     counts = np.vstack([_sample_outcomes(model, *b, force, seed) for b in _contact_blocks(p, u)])
     none, slide, topple = counts.T
     return Likelihood(none, slide, topple, "sampled", SAMPLES, seed)

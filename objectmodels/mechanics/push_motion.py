@@ -20,7 +20,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
-from objectmodels.geometry.vector_arrays import cross, left_of, rotate
+from objectmodels.geometry.vector_arrays import (
+    cross,
+    left_of,
+    require_amount,
+    require_finite,
+    rotate,
+)
 
 if TYPE_CHECKING:
     from objectmodels.geometry.pushed_body import PushedBody
@@ -59,7 +65,11 @@ def integrate_stroke(
     p, n, d = _checked_stroke(points, normals, direction, travel)
     faces = touched_faces(model, p.mean(axis=1), n)
     if p.shape[1] == 2 and faces[:, 2].any():
-        raise ModelError("bad_value", "strokes of two fingers on a round side are not modelled")
+        raise ModelError(
+            "bad_value",
+            "strokes of two fingers on a round side are not modelled",
+            suggestions=("give one point per stroke, shape (n, 3)",),
+        )
     pushes = _Pushes(model, p, n, d, faces)
     pose, slipped = np.zeros((len(p), 3)), np.zeros(p.shape[:2])
     path, stable = [pose], np.ones(len(p), dtype=bool)
@@ -73,7 +83,11 @@ def integrate_stroke(
         stable &= mode == 0
         path.append(pose)
     if not np.isfinite(pose).all():
-        raise ModelError("bad_value", "a stroke goes along its face and not against it")
+        raise ModelError(
+            "bad_value",
+            "a stroke goes along its face and not against it",
+            suggestions=("take a direction nearer to the face's inward normal",),
+        )
     return Stroke(pose, np.array(path), slipped[:, 0], np.asarray(MODES[mode]), stable)
 
 
@@ -90,18 +104,29 @@ def _checked_stroke(
             "bad_array",
             "expected points (n, 3), or (n, 2, 3) for two fingers, and normals (n, 3); "
             f"found {np.shape(points)} and {n.shape}",
+            suggestions=("a single stroke has points (1, 3) and normals (1, 3)",),
         )
     if d.shape not in ((3,), n.shape):
-        raise ModelError("bad_array", f"expected a direction (3,) or (n, 3), found {d.shape}")
+        raise ModelError(
+            "bad_array",
+            f"expected a direction (3,) or (n, 3), found {d.shape}",
+            suggestions=("one direction for all strokes is [x, y, 0]",),
+        )
     d = np.broadcast_to(d, n.shape)
-    if not all(np.isfinite(a).all() for a in (p, n, d)):
-        raise ModelError("bad_array", "arrays must hold finite numbers only")
+    require_finite(p, n, d)
     if np.any(np.abs(d[:, 2]) > 1e-9) or np.any(np.abs(np.linalg.norm(d, axis=1) - 1.0) > 1e-6):
-        raise ModelError("bad_array", "directions must be horizontal unit vectors")
+        raise ModelError(
+            "bad_array",
+            "directions must be horizontal unit vectors",
+            suggestions=("set z to 0 and divide by the length",),
+        )
     if np.any(np.sum(n * d, axis=1) >= 0.0):
-        raise ModelError("bad_array", "a stroke must go against the face's outward normal")
-    if not 0.0 <= travel < np.inf:
-        raise ModelError("bad_value", f"travel must be a length, not {travel}")
+        raise ModelError(
+            "bad_array",
+            "a stroke must go against the face's outward normal",
+            suggestions=("turn the direction round, or take the face on the other side",),
+        )
+    require_amount(travel, "a travel of", "give a length in metres")
     level = n[:, :2] / np.hypot(n[:, 0], n[:, 1])[:, None]
     return p[..., :2].copy(), level, d[:, :2].copy()
 
@@ -124,7 +149,11 @@ def touched_faces(model: PushedBody, places: Array, normals: Array) -> Array:
         ]
         face = faces[int(np.argmin(off))]
         if level[int(np.argmin(off))] @ normal < 1.0 - 1e-4:
-            raise ModelError("bad_array", f"the {model.name} has no face that looks along {normal}")
+            raise ModelError(
+                "bad_array",
+                f"the {model.name} has no face that looks along {normal}",
+                suggestions=("take `face.normal` of one of `model.faces`",),
+            )
         at = (place - face.centre[:2]) @ np.array(face.tangent[:2])
         rows.append((at, face.width / 2.0, face.curvature))
     return np.array(rows).reshape(len(places), 3)

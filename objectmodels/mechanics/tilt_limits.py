@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.vector_arrays import require_amount
 
 if TYPE_CHECKING:
     from objectmodels.geometry.pushed_body import PushedBody
@@ -67,7 +68,11 @@ def topple_stroke(model: PushedBody, direction: ArrayLike, height: float, angle:
     It pushes along a horizontal direction in B (3,), at a height of the face [m], to a tilt [rad].
     """
     if not 0.0 <= angle < np.pi / 2:
-        raise ModelError("bad_value", f"angle {angle} rad is not between 0 and π/2")
+        raise ModelError(
+            "bad_value",
+            f"angle {angle} rad is not between 0 and π/2",
+            suggestions=("give it in radians: `np.radians(degrees)`",),
+        )
     length = _length_pushed(model, direction, height)
     return max(stroke_level(height, length, angle), stroke_stuck(height, length, angle))
 
@@ -76,8 +81,7 @@ def stroke_tilt(
     model: PushedBody, direction: ArrayLike, height: float, travel: float
 ) -> tuple[float, float]:
     """Tilts after a travel of the finger if it stays level or sticks, the smaller first [rad]."""
-    if not 0.0 <= travel < np.inf:
-        raise ModelError("bad_value", f"travel must be a length, not {travel}")
+    require_amount(travel, "a travel of", "give a length in metres")
     length = _length_pushed(model, direction, height)
     tilts = tilt_level(height, length, travel), tilt_stuck(height, length, travel)
     return min(tilts), max(tilts)
@@ -112,7 +116,11 @@ def stroke_stuck(height: float, length: float, angle: float) -> float:
 def _length_pushed(model: PushedBody, direction: ArrayLike, height: float) -> float:
     """The length along a push, if its height is one on the object."""
     if not 0.0 < height <= model.top:
-        raise ModelError("bad_value", f"height {height} m is not on the object")
+        raise ModelError(
+            "bad_value",
+            f"height {height} m is not on the object",
+            suggestions=(f"take one above 0 and up to {model.top:g} m",),
+        )
     return length_along(model, direction)
 
 
@@ -133,5 +141,9 @@ def _leading_edge(model: PushedBody, direction: ArrayLike) -> Array:
     """Outward normal of the base edge that looks most along a horizontal direction, (2,)."""
     u = np.asarray(direction, dtype=np.float64)
     if u.shape not in ((2,), (3,)) or not np.isfinite(u).all() or not u[:2].any():
-        raise ModelError("bad_array", f"direction {u} is not a horizontal direction")
+        raise ModelError(
+            "bad_array",
+            f"direction {u} is not a horizontal direction",
+            suggestions=("give [x, y] or [x, y, 0], not all zero",),
+        )
     return model.base.facing_normal(u[:2] / np.hypot(*u[:2]))

@@ -30,6 +30,7 @@ from objectmodels.geometry.vector_arrays import (
     checked_pairs,
     cross,
     left_of,
+    require_amount,
     require_normals,
     rotate,
 )
@@ -138,9 +139,12 @@ def turning_motion(
     n = len(contact.r)
     beta, phi = (np.broadcast_to(np.asarray(a, float), (n,)) for a in (slants, angle))
     if not (np.isfinite(beta).all() and np.isfinite(phi).all() and phi.all()):
-        raise ModelError("bad_value", "slants and angles must be finite, and no angle may be 0")
-    if not 0.0 <= sigmas < np.inf:
-        raise ModelError("bad_value", f"sigmas must be a number from 0 on, not {sigmas}")
+        raise ModelError(
+            "bad_value",
+            "slants and angles must be finite, and no angle may be 0",
+            suggestions=("give them in radians, an angle above 0 for counter-clockwise",),
+        )
+    require_amount(sigmas, "sigmas", "2 is a usual margin, 0 takes none")
     d = np.column_stack((np.cos(beta), np.sin(beta)))
     force, rate = contact.sticking_motion(d, model.friction_radius)
     turns, sticks = rate * np.sign(phi) > _STRAIGHT, contact.is_sticking(force, sigmas)
@@ -238,7 +242,11 @@ def learned_radius(
     """
     x, y, angle = np.asarray(pose, float)
     if not np.isfinite([x, y, angle]).all() or angle == 0.0:
-        raise ModelError("bad_value", "nothing is learned from a push that did not turn the object")
+        raise ModelError(
+            "bad_value",
+            "nothing is learned from a push that did not turn the object",
+            suggestions=("push farther from the middle of the face",),
+        )
     # p − R p is the displacement.
     d, moved = np.asarray(direction, float)[:2], np.array([x, y])
     pivot = 0.5 * (moved + left_of(moved) / np.tan(0.5 * angle))

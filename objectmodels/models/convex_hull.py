@@ -55,7 +55,10 @@ class HullModel(ObjectModel):
     @model_validator(mode="after")
     def _check_standing(self) -> Self:
         if not (self.footprint.offsets > 0.0).all():
-            raise ModelError("bad_value", "the base does not enclose B's origin", path="vertices")
+            raise _vertices_error(
+                "the base does not enclose B's origin",
+                "move the vertices: [0, 0, 0] is in the base",
+            )
         return self
 
     @cached_property
@@ -67,14 +70,13 @@ class HullModel(ObjectModel):
         """The face at z = 0."""
         low, on_table = lowest_places(self._vertex_array)
         if abs(low) > _FLAT * np.ptp(self._vertex_array, axis=0).max():
-            raise ModelError(
-                "bad_value", f"the lowest vertex is at z = {low} m, not 0", path="vertices"
+            raise _vertices_error(
+                f"the lowest vertex is at z = {low} m, not 0", f"add {-low} to each z"
             )
         if len(on_table) < 3:
-            raise ModelError(
-                "bad_value",
+            raise _vertices_error(
                 f"only {len(on_table)} vertices at z = 0: it does not stand on a face",
-                path="vertices",
+                "turn it so that three or more vertices have z = 0",
             )
         return hull_polygon(on_table)
 
@@ -241,9 +243,13 @@ def _scipy_hull(points: Array):  # type: ignore[no-untyped-def]  # scipy's class
     try:
         return ConvexHull(points)
     except QhullError as error:
-        raise ModelError(
-            "bad_value", "the vertices lie in a plane: they enclose nothing", path="vertices"
+        raise _vertices_error(
+            "the vertices lie in a plane: they enclose nothing", "add vertices above the base"
         ) from error
+
+
+def _vertices_error(message: str, hint: str) -> ModelError:
+    return ModelError("bad_value", message, path="vertices", suggestions=(hint,))
 
 
 def _outlined_face(normal: Array, corners: Array) -> Face:

@@ -27,7 +27,12 @@ from objectmodels.geometry.base_shapes import Array, Base
 from objectmodels.geometry.pushed_body import Friction
 from objectmodels.geometry.side_faces import Face
 from objectmodels.geometry.support_points import carrying_base, friction_radius, is_within
-from objectmodels.geometry.vector_arrays import checked_pairs, require_normals, require_units
+from objectmodels.geometry.vector_arrays import (
+    checked_pairs,
+    require_amount,
+    require_normals,
+    require_units,
+)
 from objectmodels.mechanics import tilt_limits
 from objectmodels.mechanics.friction_cone import ConeThresholds, cone_thresholds
 from objectmodels.mechanics.push_outcomes import (
@@ -38,7 +43,7 @@ from objectmodels.mechanics.push_outcomes import (
 )
 from objectmodels.models.contact_points import checked_contacts
 from objectmodels.models.parameters import RADIUS_SHARE_SD, Parameters
-from objectmodels.models.resting_face import Resting
+from objectmodels.models.resting_face import Resting, lowest_rest
 from objectmodels.models.vessel import Vessel
 
 if TYPE_CHECKING:
@@ -50,9 +55,6 @@ if TYPE_CHECKING:
 _OF_ITS_BASE = (
     "friction_radius", "friction_radius_sd", "correlations", "container", "lid", "grasp",
 )  # fmt: skip
-
-LEVEL = np.radians(10.0)
-"""An object lies on a face that is tilted by at most so much."""
 
 
 class ObjectModel(Parameters, ABC):
@@ -140,21 +142,7 @@ class ObjectModel(Parameters, ABC):
         Raises:
             ModelError: `bad_array`; `not_resting` if no face of it is below.
         """
-        R = np.asarray(R_WB, dtype=np.float64)
-        orthogonal = R.shape == (3, 3) and np.allclose(R @ R.T, np.eye(3), atol=1e-6)
-        if not orthogonal or np.linalg.det(R) < 0:
-            raise ModelError("bad_array", "R_WB must be a rotation matrix, shape (3, 3)")
-        down = -R[2]  # W's downward direction in B
-        nearest = max(self.rests, key=lambda rest: float(rest.down @ down))
-        off = float(np.arccos(np.clip(nearest.down @ down, -1.0, 1.0)))
-        if off > LEVEL:
-            raise ModelError(
-                "not_resting",
-                f"the {self.name} does not lie on a face: it leans {np.degrees(off):.0f}° off "
-                f"{nearest.face!r}",
-                suggestions=(f"it rests on: {', '.join(rest.face for rest in self.rests)}",),
-            )
-        return nearest
+        return lowest_rest(self, R_WB)
 
     def _fields_on_face(self, **changes: object) -> dict[str, Any]:
         """Fields of a model that lies on another face: all but those stated for the base."""
@@ -184,12 +172,14 @@ class ObjectModel(Parameters, ABC):
             needed = f"inside the object, {self.top} m high"
         if needed:
             found = f"found {list(self.com)}, expected a place {needed}"
-            raise ModelError("bad_value", found, path="com")
+            hint = "give [x, y, z] in metres, from the middle of the base on the table"
+            raise ModelError("bad_value", found, path="com", suggestions=(hint,))
         if self.container is not None and self.container.mass >= self.mass:
             raise ModelError(
                 "bad_value",
                 f"the contents weigh {self.container.mass:.3f} kg, all of it {self.mass} kg",
                 path="container",
+                suggestions=("give the mass of the object with what is in it",),
             )
         _ = self.vessel  # which refuses what does not fit
         return self
@@ -309,8 +299,7 @@ class ObjectModel(Parameters, ABC):
         """
         p, n = checked_contacts(self, points, normals)
         require_normals(n)
-        if not 0.0 <= sigmas < np.inf:
-            raise ModelError("bad_value", f"sigmas must be a number from 0 on, not {sigmas}")
+        require_amount(sigmas, "sigmas", "2 is a usual margin, 0 takes none")
         return cone_thresholds(self, p, n, sigmas, yaw)
 
     def likelihood(
@@ -347,7 +336,11 @@ class ObjectModel(Parameters, ABC):
         n, f = checked_pairs(normals, forces)
         mu = self.finger_friction if friction == "static" else self.finger_friction_kinetic
         if mu is None:
-            raise ModelError("unknown_parameter", "the finger's kinetic friction is not known")
+            raise ModelError(
+                "unknown_parameter",
+                "the finger's kinetic friction is not known",
+                suggestions=("give the model one, or ask with `friction='static'`",),
+            )
         pressing = -np.sum(n * f, axis=1)
         return np.linalg.norm(f + pressing[:, None] * n, axis=1) > mu * pressing
 

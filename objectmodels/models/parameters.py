@@ -116,17 +116,19 @@ class Parameters(Part):
     def _sensible_correlations(self) -> Self:
         unknown = [name for pair in self.correlations for name in pair[:2] if name not in UNCERTAIN]
         pairs = [frozenset(pair[:2]) for pair in self.correlations]
-        wrong = None
+        wrong, hint = None, "leave it out"
         if unknown:
             wrong = f"found {unknown[0]!r}, expected one of: {', '.join(UNCERTAIN)}"
+            hint = "leave out pairs of other parameters"
         elif any(len(pair) == 1 for pair in pairs):
             wrong = "found a correlation of a parameter with itself"
         elif len(set(pairs)) < len(pairs):
             wrong = "found a correlation given twice"
         elif pairs and np.linalg.eigvalsh(self.correlation).min() < -1e-9:
             wrong = "found correlations that contradict each other: no distribution has them"
+            hint = "leave out the correlations: parameters then are independent"
         if wrong:
-            raise ModelError("bad_value", wrong, path="correlations")
+            raise ModelError("bad_value", wrong, path="correlations", suggestions=(hint,))
         return self
 
     def __eq__(self, other: object) -> bool:

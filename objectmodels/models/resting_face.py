@@ -5,10 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
+from objectmodels.geometry.vector_arrays import checked_rotation
 
 if TYPE_CHECKING:
     from objectmodels.models.object_model import ObjectModel
+
+LEVEL = np.radians(10.0)
+"""An object lies on a face that is tilted by at most so much."""
 
 
 @dataclass(frozen=True)
@@ -31,3 +39,18 @@ class Resting:
     def down(self) -> Array:
         """Outward normal of the face below in B, shape (3,)."""
         return -self.R_BN[:, 2]
+
+
+def lowest_rest(model: ObjectModel, R_WB: ArrayLike) -> Resting:
+    """The way of resting of an object in this orientation of B in W; see `resting_face`."""
+    down = -checked_rotation(R_WB)[2]  # W's downward direction in B
+    nearest = max(model.rests, key=lambda rest: float(rest.down @ down))
+    off = float(np.arccos(np.clip(nearest.down @ down, -1.0, 1.0)))
+    if off > LEVEL:
+        raise ModelError(
+            "not_resting",
+            f"the {model.name} does not lie on a face: it leans {np.degrees(off):.0f}° off "
+            f"{nearest.face!r}",
+            suggestions=(f"it rests on: {', '.join(rest.face for rest in model.rests)}",),
+        )
+    return nearest

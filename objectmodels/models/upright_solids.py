@@ -159,6 +159,7 @@ class PrismModel(ObjectModel):
                 "bad_value",
                 f"found a base around [{x:.4f}, {y:.4f}], expected one that encloses [0, 0]",
                 path="corners",
+                suggestions=(f"take {x:.4f} from each x and {y:.4f} from each y",),
             )
         return self
 
@@ -168,7 +169,9 @@ class PrismModel(ObjectModel):
         try:
             return Polygon.convex(self.corners)
         except ModelError as error:
-            raise ModelError("bad_value", error.message, path="corners") from error
+            raise ModelError(
+                "bad_value", error.message, path="corners", suggestions=error.suggestions
+            ) from error
 
     @property
     def top(self) -> float:

@@ -79,15 +79,23 @@ class Vessel:
         """
         inner = _inset_section(section, container.wall)
         if inner is None or container.wall >= top:
-            raise _container_error("wall_m", f"walls of {container.wall} m leave no room inside")
+            raise _container_error(
+                "wall_m", f"walls of {container.wall} m leave no room inside", "give thinner walls"
+            )
         opening = container.opening
         if not is_within(inner, np.array([opening.centre]), container.wall - opening.radius):
-            raise _container_error("opening", "the opening is not inside the walls")
+            raise _container_error(
+                "opening",
+                "the opening is not inside the walls",
+                "give a smaller radius_m, or a centre nearer to [0, 0]",
+            )
         vessel = cls(inner, container.wall, top, opening)
         if container.contents > vessel.capacity:
             litres = 1e3 * vessel.capacity
             raise _container_error(
-                "contents_l", f"found {container.contents_l}, but it holds {litres:.3f} l"
+                "contents_l",
+                f"found {container.contents_l}, but it holds {litres:.3f} l",
+                f"give at most {litres:.3f}",
             )
         return vessel
 
@@ -237,8 +245,8 @@ class Vessel:
         return np.asarray(level)
 
 
-def _container_error(path: str, message: str) -> ModelError:
-    return ModelError("bad_value", message, path=f"container.{path}")
+def _container_error(path: str, message: str, hint: str) -> ModelError:
+    return ModelError("bad_value", message, path=f"container.{path}", suggestions=(hint,))
 
 
 def _unit_vector(heading: ArrayLike) -> Array:

@@ -203,7 +203,11 @@ def _standing_face(points: Array, com: Array) -> tuple[Array, str]:
     """Outward normal of the face that it stands on, and how that was found."""
     faces = [face for face in hull_facets(points) if _rests_on(face, com)]
     if not faces:
-        raise ModelError("bad_mesh", "has no flat face that it could stand on")
+        raise ModelError(
+            "bad_mesh",
+            "has no flat face that it could stand on",
+            suggestions=("cut the mesh flat where it stands on the table",),
+        )
     down = max(faces, key=lambda face: -face[0][2])[0]
     if -down[2] >= _DOWNWARDS:
         return down, "the face below"

@@ -11,7 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 from objectmodels.containers.lid_geometry import detached_lid
-from objectmodels.models.object_model import LEVEL, ObjectModel
+from objectmodels.models.object_model import ObjectModel
+from objectmodels.models.resting_face import LEVEL
 from planner.types.world_state import PlanarPose, SeenObject
 from sim.cell.cell_description import CellDescription
 from sim.rotations import rot_z, yaw_of

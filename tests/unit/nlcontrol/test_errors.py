@@ -41,7 +41,7 @@ def test_every_reason_of_a_refusal_is_in_the_table_and_exits_4() -> None:
     ("raised", "exit_status", "http"),
     [
         (ParseError("unknown_verb", "?", (0, 4), ("push",)), 3, 422),
-        (ModelError("bad_value", "?", path="a.yaml"), 2, 400),
+        (ModelError("bad_value", "?", path="a.yaml", suggestions=("3",)), 2, 400),
         (SceneError("unknown_scene", "?", ("kitchen",)), 2, 400),
     ],
 )
@@ -61,7 +61,7 @@ def test_a_defect_is_no_known_error_and_passes_through() -> None:
 
 def test_translated_keeps_the_cause() -> None:
     with pytest.raises(ControlError) as raised, known_errors_raised():
-        raise ParseError("unknown_verb", "no such verb", (0, 4))
+        raise ParseError("unknown_verb", "no such verb", (0, 4), ("push",))
     assert isinstance(raised.value.__cause__, ParseError)
     assert raised.value.info.span == (0, 4)
 

@@ -150,7 +150,7 @@ def test_a_step_is_halved_eleven_times(refusals: int, possible: bool) -> None:
     def never_at_first(values: Array) -> Linear:
         tried.append(float(np.log(values[MASS] / BOX.mass)))
         if len(tried) <= refusals:
-            raise ModelError("not_possible", "not so far")
+            raise ModelError("not_possible", "not so far", suggestions=("less",))
         return balance.linear_predictions(values)
 
     if possible:

@@ -129,7 +129,11 @@ class SeedModel:
     def _checked(self, force: ArrayLike) -> Array:
         f = np.asarray(force, dtype=np.float64)
         if self._load(f) <= 0.0:
-            raise ModelError("bad_value", f"the force {f} N lifts an object of {self.weight} N")
+            raise ModelError(
+                "bad_value",
+                f"the force {f} N lifts an object of {self.weight} N",
+                suggestions=("less",),
+            )
         return f
 
     def _load(self, force: Array) -> float:
