@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
 
 from pydantic import BaseModel
 
-from grammar.frames.command import Command
-from nlcontrol.errors import ControlError
+from grammar.frames.command import Command, Frame
+from nlcontrol.errors import ControlError, ErrorInfo
+from nlcontrol.json_document import Document
 from nlcontrol.questions.push_prediction import PushPrediction
 from nlcontrol.results.result import Result
 from nlcontrol.service.client.remote_run import RemoteRun
@@ -21,7 +22,6 @@ from nlcontrol.service.documents import (
     RunInfo,
     SessionInfo,
     SessionSpec,
-    StatedObject,
     TableView,
 )
 
@@ -37,16 +37,22 @@ if TYPE_CHECKING:
 D = TypeVar("D", bound=BaseModel)
 
 
+class _Understanding(Document):
+    """The answer to `parse`: frames, or the error that says why there are none."""
+
+    text: str
+    frames: tuple[Frame, ...] = ()
+    paraphrase: str | None = None
+    error: ErrorInfo | None = None
+
+
 class Client:
     """A planning session at a server; see `nlcontrol.service.session_protocol.PlanningSession`.
 
     Args:
         url: of the service, like `http://127.0.0.1:8000`.
-        scene: name of a scene of the host.
-        seed: of everything random.
-        defaults: what a clause means when a sentence does not say more.
-        objects: all that stands on the caller's own table; the scene's if not given.
-        approval: `plan`: only plans that were approved are carried out.
+        scene: name of a scene of the host, or all that is asked for of the session.
+        seed, defaults, approval: as in a `SessionSpec`, if none is given.
         token: that the service asks for, if any.
         timeout: longest time to wait for an answer, by the clock on the wall [s].
         transport: of the requests, if not over a network.
@@ -59,24 +65,21 @@ class Client:
     def __init__(
         self,
         url: str,
-        scene: str = "kitchen",
+        scene: SessionSpec | str = "kitchen",
         *,
         seed: int = 0,
         defaults: Mapping[str, float] | None = None,
-        objects: Sequence[StatedObject] | None = None,
         approval: Literal["plan", "none"] = "none",
         token: str | None = None,
         timeout: float = 120.0,
         transport: httpx.BaseTransport | None = None,
     ) -> None:
         self._connection = ServiceConnection(url, token=token, timeout=timeout, transport=transport)
-        spec = SessionSpec(
-            scene=scene,
-            seed=seed,
-            defaults=dict(defaults or {}),
-            objects=None if objects is None else tuple(objects),
-            approval=approval,
-        )
+        spec = scene
+        if not isinstance(spec, SessionSpec):
+            spec = SessionSpec(
+                scene=spec, seed=seed, defaults=dict(defaults or {}), approval=approval
+            )
         info = self._connection.document(
             SessionInfo, "POST", "/v1/sessions", spec.model_dump(mode="json"), repeatable=False
         )
@@ -88,8 +91,14 @@ class Client:
 
     def parse(self, said: str | Frames) -> Command:
         """The frames of a sentence; raises a `ControlError` if it is not understood."""
-        fields = self._post("parse", _said_fields(said)).json()
-        return Command.model_validate({key: fields[key] for key in Command.model_fields})
+        understood = self._document(_Understanding, "parse", _said_fields(said))
+        if understood.error is not None:
+            raise ControlError(understood.error)
+        return Command(
+            text=understood.text,
+            frames=understood.frames,
+            paraphrase=understood.paraphrase or "",
+        )
 
     def ask(self, said: str | Frames, *, motion: Motion = "never") -> Result:
         """The answer to a question; it moves nothing unless that is allowed."""

@@ -264,3 +264,14 @@ def test_a_session_that_is_gone_closes_quietly() -> None:
         client(Wire(s1=[problem(409, code="busy", detail="busy")])),
     ):
         pass
+
+
+def test_a_sentence_that_is_not_understood_raises_its_error() -> None:
+    told = {"code": "unknown_verb", "message": "it knows no such verb", "family": "sentence"}
+    wire = Wire(parse=[{"ok": False, "text": "frobnicate", "error": told}])
+    with pytest.raises(ControlError) as raised:
+        client(wire).parse("frobnicate")
+    assert raised.value.info.status.exit == 3
+    frames = [{"action": "push", "object": {"text": "mug"}}]
+    wire = Wire(parse=[{"ok": True, "text": "push it", "frames": frames, "paraphrase": "push it"}])
+    assert client(wire).parse("push it").frames[0].action == "push"
