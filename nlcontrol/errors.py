@@ -88,6 +88,7 @@ CODES: dict[str, Status] = {
     "key_reused": Status(USAGE, 409),
     "cut_off": Status(INTERNAL, 500),
     "bad_bundle": _CALLER,
+    "run_differs": Status(NOT_HELD, 200),
     # A client's service: not there, or something else.
     "no_service": Status(INTERNAL, 503),
     "bad_answer": Status(INTERNAL, 502),

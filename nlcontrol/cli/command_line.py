@@ -42,6 +42,7 @@ _COMMANDS = {
     "parse": "say_command:parse",
     "plan": "say_command:plan",
     "predict": "predict_command:predict",
+    "rerun": "rerun_command:command",
     "sample": "say_command:sample",
     "say": "say_command:say",
     "schema": "schema_commands:schema",

@@ -12,9 +12,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import ConfigDict
+from pydantic import ConfigDict, Field
 from pydantic_core import to_jsonable_python
 
 from nlcontrol.errors import ControlError, error
@@ -60,6 +60,9 @@ class Deed(DocumentPart):
 LOOKED = Deed()
 """The robot looked."""
 
+MOST_DEEDS = 1000
+"""Deeds of a recipe; to do more again would take hours, and to keep them memory without end."""
+
 
 class Recipe(Document):
     """Recipe of a controller, as data.
@@ -80,7 +83,7 @@ class Recipe(Document):
     defaults: dict[str, Any]
     registry: tuple[dict[str, Any], ...]
     beliefs: dict[str, dict[str, Any]]
-    deeds: tuple[Deed, ...]
+    deeds: Annotated[tuple[Deed, ...], Field(max_length=MOST_DEEDS)]
 
 
 class Journal:
@@ -102,7 +105,7 @@ class Journal:
         self.conversations = 0
         self._executor = executor if isinstance(executor, SimulatedExecutor) else None
         self._after: tuple[float, dict[str, ObjectModel]] = (0.0, self.beliefs)
-        self._busy = self._gap = False
+        self._busy = self._gap = self._overflown = False
 
     @contextmanager
     def deed(self, deed: Deed, models: Mapping[str, ObjectModel]) -> Iterator[None]:
@@ -122,7 +125,14 @@ class Journal:
             self._busy = False
             self._after = self._executor.time, dict(models)
             if deed.said is not None or self._executor.time > begun:
-                self.deeds.append(deed.model_copy(update={"begun": place}))
+                self._note(deed.model_copy(update={"begun": place}))
+
+    def _note(self, deed: Deed) -> None:
+        """Notes a deed, unless there are too many of them for a recipe."""
+        if len(self.deeds) < MOST_DEEDS:
+            self.deeds.append(deed)
+        else:
+            self._overflown = True
 
     def interrupt(self) -> None:
         """Notes that something was not done to its end."""
@@ -148,6 +158,8 @@ class Journal:
         if self._executor is None:
             raise _not_repeatable("the robot is not a simulated one, so its world is not made anew")
         self._note_others(models)
+        if self._overflown:
+            raise _not_repeatable(f"more than {MOST_DEEDS} sentences were said, and looks made")
         if self._gap:
             raise _not_repeatable("not all that was done were sentences and looks, and whole ones")
         return Recipe(

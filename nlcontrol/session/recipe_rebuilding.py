@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from nlcontrol.errors import ControlError, error, known_errors_raised
 from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
@@ -11,6 +13,10 @@ from objectmodels.registry.model_files import model_from_document
 from planner.types.defaults import Defaults
 from sim.simulated_executor import SimulatedExecutor, simulation
 
+if TYPE_CHECKING:
+    from nlcontrol.results.result import Result
+    from sim.supervision import Progress
+
 
 def rebuild_controller(recipe: Recipe) -> Controller:
     """Builds a controller to which all has happened that its recipe says.
@@ -18,12 +24,50 @@ def rebuild_controller(recipe: Recipe) -> Controller:
     Raises:
         ControlError: `bad_recipe`.
     """
+    return repeat_recipe(recipe)[0]
+
+
+def repeat_recipe(
+    recipe: Recipe, *, exact: bool = True, progress: Progress | None = None
+) -> tuple[Controller, Result | None]:
+    """The same, and the result of the last deed; None if that was a look, or there is none.
+
+    Args:
+        recipe: of a controller.
+        exact: whether every deed has to begin at its time.
+        progress: told what happens during the simulation.
+
+    Raises:
+        ControlError: `bad_recipe`.
+    """
+    controller, result = _first_controller(recipe), None
+    conversations: dict[int, Conversation] = {}
+    for deed in recipe.deeds:
+        executor = simulation(controller.executor)
+        # The world is built even where the time does not matter: that decides how a look is made.
+        if deed.begun is not None and deed.begun != executor.world.time and exact:
+            raise _bad_recipe(f"“{deed.said}” was said at another time")
+        if deed.said is None:
+            controller.look()
+            result = None
+            continue
+        if deed.conversation not in conversations:
+            conversations[deed.conversation] = Conversation(controller)
+        conversation = conversations[deed.conversation]
+        result = conversation.say(deed.said, motion=deed.motion, progress=progress)
+    return controller, result
+
+
+def _first_controller(recipe: Recipe) -> Controller:
+    """The controller before anything was done."""
     try:
         with known_errors_raised():
             kinds = Registry.default().kinds
             registry = Registry()
             for document in recipe.registry:
                 registry.add(model_from_document(document, "recipe", kinds))
+            if recipe.scene.get("models"):
+                raise ValueError("its scene names files of this machine")
             controller = Controller(
                 executor=SimulatedExecutor.from_document(recipe.scene, seed=recipe.seed),
                 registry=registry,
@@ -35,17 +79,6 @@ def rebuild_controller(recipe: Recipe) -> Controller:
             }
     except (ValueError, TypeError, ControlError) as raised:
         raise _bad_recipe(str(raised)) from raised
-    conversations: dict[int, Conversation] = {}
-    for deed in recipe.deeds:
-        executor = simulation(controller.executor)
-        if deed.begun is not None and deed.begun != executor.world.time:
-            raise _bad_recipe(f"“{deed.said}” was said at another time")
-        if deed.said is None:
-            controller.look()
-            continue
-        if deed.conversation not in conversations:
-            conversations[deed.conversation] = Conversation(controller)
-        conversations[deed.conversation].say(deed.said, motion=deed.motion)
     return controller
 
 

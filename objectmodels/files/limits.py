@@ -34,6 +34,8 @@ LIMITS: Mapping[str, Limit] = MappingProxyType(
         "mesh_file": Limit("mesh file, also unpacked", 0, 60_000_000, "bytes"),
         "record_file": Limit("record of experiments", 0, 200_000_000, "bytes"),
         "trace_file": Limit("file of a trace, also unpacked", 0, 500_000_000, "bytes"),
+        "bundle_file": Limit("bundle of a run", 0, 200_000_000, "bytes"),
+        "bundle_part": Limit("member of a bundle, unpacked", 0, 200_000_000, "bytes"),
         "history_file": Limit("history of the shell", 0, 10_000_000, "bytes"),
         "frames_file": Limit("file of frames", 0, 1_000_000, "bytes"),
         "yaml_nodes": Limit("values in a YAML file, aliases written out", 0, 20_000, ""),

@@ -150,7 +150,7 @@ class Trace:
             ModelError: `cannot_write`.
         """
         units = np.array(json.dumps(UNITS))
-        write_arrays({"format": np.array(FORMAT), "units": units, **self._arrays()}, Path(path))
+        write_arrays({"format": np.array(FORMAT), "units": units, **self.arrays()}, Path(path))
 
     @classmethod
     def load(cls, path: Path | str) -> Trace:
@@ -167,7 +167,7 @@ class Trace:
         except ValueError as error:
             refuse_trace(Path(path), str(error), error)
 
-    def _arrays(self) -> dict[str, NDArray[Any]]:
+    def arrays(self) -> dict[str, NDArray[Any]]:
         """Everything in it as arrays by name."""
         by_name = {
             f"{key}/{name}": values
@@ -184,7 +184,7 @@ class Trace:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Trace):
             return NotImplemented
-        mine, others = self._arrays(), other._arrays()
+        mine, others = self.arrays(), other.arrays()
         return mine.keys() == others.keys() and all(
             np.array_equal(mine[key], others[key]) for key in mine
         )

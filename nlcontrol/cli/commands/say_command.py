@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -33,6 +33,7 @@ from objectmodels.files.file_writing import replace_file
 if TYPE_CHECKING:
     from nlcontrol.results.result import Result
     from nlcontrol.session.controller import Controller
+    from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Motion
     from nlcontrol.session.frame_documents import Frames
 
@@ -82,18 +83,20 @@ def _said(sentence: str | None, frames: Path | None) -> str | Frames:
 @click.option("--plan-only", is_flag=True, help="Stop before anything is executed.")
 @click.option("--replay", type=FILE, help="Write a replay of the run, one HTML file.")
 @click.option("--trace", type=FILE, help="Write what happened over time, as arrays (npz).")
+@click.option("--bundle", type=FILE, help="Write all of it into one file; `rerun` repeats it.")
 @motion_option
 def say(
     plan_only: bool,
     motion: Motion | None,
     replay: Path | None,
     trace: Path | None,
+    bundle: Path | None,
     **options: Any,
 ) -> int:
     """Do what SENTENCE says, in simulation, and check every clause of it; or answer it."""
     if plan_only:
         motion = "never"
-    of_run = {"replay": replay, "trace": trace}
+    of_run = {"replay": replay, "trace": trace, "bundle": bundle}
     for kind, path in of_run.items():
         if motion == "never" and path:
             raise click.UsageError(f"--{kind} needs a run; leave out --plan-only")
@@ -191,8 +194,10 @@ def _answer_sentence(
     controller = open_controller(scene, seed, settings, time_limit)
     print_skipped_with_words(controller.registry.problems)
     with Narrator() as narrate, stop_on_signal(moves=motion != "never") as stop:
-        result = controller.say(said, motion=motion, progress=narrate, stop=stop)
-    files = _write_files(controller, result, wanted, explain=explain)
+        told: list[Event] = []
+        on_event = told.append if wanted.get("bundle") else None
+        result = controller.say(said, motion=motion, progress=narrate, on_event=on_event, stop=stop)
+    files = _write_files(controller, result, wanted, explain=explain, told=told)
     result = result.model_copy(
         update={"files": files, "explanation": result.explained() if explain else None}
     )
@@ -227,13 +232,14 @@ def _write_files(
     wanted: Mapping[str, Path | None],
     *,
     explain: bool,
+    told: Sequence[Event],
 ) -> dict[str, str]:
     """Write the files that were asked for, as far as the sentence got."""
     files: dict[str, str] = {}
     for what, path in wanted.items():
         if path is None:
             continue
-        if save := _writer(controller, result, what, explain=explain):
+        if save := _writer(controller, result, what, explain=explain, told=told):
             with replace_file(path) as temporary:
                 save(temporary)
             files[what] = str(path)
@@ -241,7 +247,7 @@ def _write_files(
 
 
 def _writer(
-    controller: Controller, result: Result, what: str, *, explain: bool
+    controller: Controller, result: Result, what: str, *, explain: bool, told: Sequence[Event]
 ) -> Callable[[Path], None] | None:
     """Function that writes a file of some kind about a result; None if there is nothing to show."""
     answer = result.answer
@@ -249,6 +255,12 @@ def _writer(
         from nlcontrol.reports.explanation_drawing import save_explanation
 
         return partial(save_explanation, result)
+    if what == "bundle":
+        from nlcontrol.service.bundles.run_bundle import bundle_run
+        from nlcontrol.service.documents import NumberedEvent
+
+        events = [NumberedEvent(number=n, event=event) for n, event in enumerate(told, start=1)]
+        return partial(bundle_run, controller, result, events=events)
     if result.trace and what == "trace":
         return result.trace.save
     if result.trace:

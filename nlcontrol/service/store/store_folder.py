@@ -21,10 +21,10 @@ from objectmodels.files.file_writing import PREFIX
 STORE_VARIABLE = "NLCONTROL_STORE"
 """Environment variable that names the folder of the store."""
 
-FileKind = Literal["trace", "replay", "recipe"]
+FileKind = Literal["trace", "replay", "request"]
 
 FILE_NAMES: Mapping[FileKind, str] = MappingProxyType(
-    {"trace": "trace.npz", "replay": "replay.html", "recipe": "recipe.json"}
+    {"trace": "trace.npz", "replay": "replay.html", "request": "request.json"}
 )
 
 

@@ -85,7 +85,7 @@ def test_what_a_crash_left_is_marked_and_cleaned(tmp_path: Path) -> None:
     store.add_session("idle", SessionSpec())
     for name, state in (("queued", "queued"), ("running", "running"), ("lost", "aborted")):
         store.add_run(run_info(name, state=state, place=1))
-        with store.write_file(name, "recipe") as path:
+        with store.write_file(name, "request") as path:
             path.write_text("{}")
     store.add_run(ended_info("ended"))
     (tmp_path / "runs" / "2" / f"{PREFIX}half").write_bytes(b"half a trace")
@@ -102,9 +102,9 @@ def test_what_a_crash_left_is_marked_and_cleaned(tmp_path: Path) -> None:
     assert cut.error.code == "cut_off"
     assert cut.place is None
     assert cut.ended_at is not None
-    assert store.file("running", "recipe") is not None
+    assert store.file("running", "request") is not None
     assert sorted(path.name for path in (tmp_path / "runs").iterdir()) == ["1", "2", "3"]
-    assert [path.name for path in (tmp_path / "runs" / "2").iterdir()] == ["recipe.json"]
+    assert [path.name for path in (tmp_path / "runs" / "2").iterdir()] == ["request.json"]
     assert store.session_spec("s") is not None
     assert store.session_spec("idle") is None
     store.close()

@@ -1,0 +1,1 @@
+"""Bundles of runs: one file that tells all of a run, and from which the run can be repeated."""
