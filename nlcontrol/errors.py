@@ -62,6 +62,10 @@ CODES: dict[str, Status] = {
     "not_explorable": _NO_PLAN,
     "unsupported": _LACKS,
     "uncheckable": _LACKS,
+    # Tools of a language model.
+    "bad_arguments": _CALLER,
+    "unknown_tool": _CALLER,
+    "motion_not_allowed": _CALLER,
     # The caller's files and options.
     "usage": _CALLER,
     "unknown_scene": _CALLER,
@@ -116,6 +120,7 @@ class ErrorInfo(DocumentPart):
         span: the words it is about, `[start, end)` in the sentence as given.
         spans: all places that it is about, if there are several, as in a contradiction.
         suggestions: what would be possible, or might have been meant.
+        say: whole sentences that would do in place of the one that was said.
         numbers: the figures that decided, by name [SI].
         capability: what this robot lacks, if that is the matter.
         path: file and key that it is about, if any.
@@ -127,6 +132,7 @@ class ErrorInfo(DocumentPart):
     span: tuple[int, int] | None = None
     spans: tuple[tuple[int, int], ...] = ()
     suggestions: tuple[str, ...] = ()
+    say: tuple[str, ...] = ()
     numbers: dict[str, float] = Field(default={})
     capability: str | None = None
     path: str | None = None

@@ -23,6 +23,7 @@ from nlcontrol.questions.answer import Answer
 from nlcontrol.references.reference_resolution import Context, parts_within
 from nlcontrol.results.result import result_with
 from nlcontrol.session import follow_up_frames as follow_up
+from nlcontrol.session.corrected_sentences import result_with_corrections
 from nlcontrol.session.events import FORCE_RATE, Supervisor
 from nlcontrol.session.frame_documents import text_of
 from nlcontrol.session.frame_execution import status_of
@@ -107,6 +108,7 @@ class Conversation:
         deed = Deed.of(text, self._number, "never" if plan_only else motion)
         with journal.deed(deed, self.controller.models):
             said = self._say(text, plan_only, motion, supervisor)
+        said = result_with_corrections(said, self.controller.parse)
         if supervisor.stop.requested:
             journal.interrupt()
         return supervisor.end(said)

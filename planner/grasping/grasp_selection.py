@@ -200,7 +200,7 @@ def _too_heavy(problem: GraspProblem, candidate: Candidate, wanted: float) -> No
         "width": candidate.width,
     }
     crush = _crush_force(model, candidate)
-    if force.max <= min(has, crush):
+    if force.max <= min(has, crush) and wanted <= min(has, crush):
         numbers = {"allowed_force": force.max, **numbers}
         return no_plan("squeeze_not_allowed", numbers, spans=force.spans, **words)
     if crush < has:

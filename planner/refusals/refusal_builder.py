@@ -12,9 +12,15 @@ from planner.types.refusal import NoPlanError, Refusal, RefusalReason
 
 Spans = tuple[tuple[int, int], ...]
 
+
+def _floor(value: float) -> int:
+    """The largest whole number below, but for what comes of binary fractions."""
+    return math.floor(value + 1e-6)
+
+
 QUANTITIES: dict[str, Callable[[float], str]] = {
     "mm": lambda length: f"{1e3 * length:.0f} mm",
-    "cm": lambda length: f"{100 * length:.0f} cm",
+    "cm_down": lambda length: f"{_floor(100 * length)} cm",
     "deg": lambda angle: f"{math.degrees(abs(angle)):.0f}°",
     "deg1": lambda angle: f"{math.degrees(angle):.1f}°",
     "deg_exact": lambda angle: f"{math.degrees(angle):.1f}°".replace(".0°", "°"),
@@ -23,12 +29,14 @@ QUANTITIES: dict[str, Callable[[float], str]] = {
     "cm/s": lambda speed: f"{100 * speed:.0f} cm/s",
     "N": lambda force: f"{force:.1f} N",
     "N2": lambda force: f"{force:.2f} N",
+    "N_down": lambda force: f"{math.floor(10.0 * force) / 10.0:g} N",
     "N_up": lambda force: f"{math.ceil(2.0 * force) / 2.0:g} N",
     "Nm": lambda torque: f"{torque:.3f} N·m",
     "s": lambda time: f"{time:.1f} s",
     "s_up": lambda time: f"{math.ceil(2.0 * time) / 2.0:g} s",
     "kg": lambda mass: f"{mass:.2f} kg",
     "ml": lambda volume: f"{1e6 * volume:.0f} ml",
+    "ml_down": lambda volume: f"{_floor(1e6 * volume)} ml",
     "share": lambda share: f"{share:.2f}",
     "times": lambda factor: f"{factor:.1f} times",
     "count": lambda number: f"{number:.0f}",

@@ -116,9 +116,9 @@ _PUSHES = {
         "it could be pushed there"
     ),
     "off_the_table": _impossible(_OFF_TABLE),
-    "off_the_table_so_far": _impossible(_OFF_TABLE, ("up to {room:cm} would do",)),
+    "off_the_table_so_far": _impossible(_OFF_TABLE, ("up to {room:cm_down} would do",)),
     "in_the_way": _blocked(_IN_WAY, ("push the {other} out of the way first",)),
-    "in_the_way_so_far": _blocked(_IN_WAY, ("up to {free:cm} would do",)),
+    "in_the_way_so_far": _blocked(_IN_WAY, ("up to {free:cm_down} would do",)),
     "unlikely_pushes": _too_uncertain(
         "{pushes} pushes are needed, and all of them succeed with a probability of "
         "{probability:share}; {asked_probability:share} is asked",
@@ -148,7 +148,7 @@ _PUSHES = {
     "too_light": _impossible(
         "the {object} gives way at {needed_force:N} at most, so that no push presses "
         "{min_force:N} on it",
-        ("ask for no more than {needed_force:N}",),
+        ("ask for no more than {needed_force:N_down}",),
     ),
     "too_slow": _out_of_time(
         "pushing the {object} over {distance:mm} takes {least_time:s}; {max_time:s} are allowed",
@@ -345,12 +345,13 @@ _POURS = {
     "is_closed": _impossible("the {object} is closed", ("open the {object} first",)),
     "is_empty": _impossible("the {object} is empty"),
     "is_full": _impossible(_FULL),
-    "does_not_fit": _impossible(_FULL, ("pour up to {fits:ml}",)),
+    "does_not_fit": _impossible(_FULL, ("pour up to {fits:ml_down}",)),
     "all_does_not_fit": _impossible(
-        _FULL, ("pour up to {fits:ml}, which is all there is to pour",)
+        _FULL, ("pour up to {fits:ml_down}, which is all there is to pour",)
     ),
     "not_so_much": _impossible(
-        "{volume:ml} are asked; {contents:ml} are in the {object}", ("pour up to {contents:ml}",)
+        "{volume:ml} are asked; {contents:ml} are in the {object}",
+        ("pour up to {contents:ml_down}",),
     ),
     "wrong_side": _impossible(_SIDE),
     "wrong_side_in_hand": _impossible(_SIDE, ("put the {object} down, then pour from it",)),

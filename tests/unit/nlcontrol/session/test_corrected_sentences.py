@@ -1,0 +1,91 @@
+"""What is refused comes with a sentence that does."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import pytest
+
+from nlcontrol import Controller
+from nlcontrol.session.conversation import Conversation
+from nlcontrol.session.corrected_sentences import BEFORE, LEFT_OUT, REMARKS
+from planner.refusals.sentences import SENTENCES
+
+REFUSED = {
+    "push the ice tea box 3 m away": "push the ice tea box away by 69 cm",
+    "push the ice tea box to the left with at most 0.1 N": "with at most 5 N",
+    "push the ice tea box to the left with 0.1 N": "with at most 5 N",
+    "push the ice tea box 30 cm to the right in at most 1 s": "in at most 7 s",
+    "push the mug 40 cm to the left at 3 m/s": "at 0.12 m/s",
+    "topple the ice tea box at the bottom": "at the top",
+    "push the ice tea box away at the top without tilting it": "at the bottom",
+    "turn the ice tea box by 90 degrees with two fingers": "with one finger",
+    "lift the ice tea with at most 0.1 N": "with at most 3 N",
+    "put the mug at the left edge in at most 2 s": "put the mug to the left edge",
+    "push the ice te box away": "push the ice tea box away",
+    "push the box 10 cm away": "push the ice tea box away by 10 cm",
+    "push the cereal box obliquely away": "push the cereal box away",
+}
+"""Sentences that are not planned, and what stands in the first one that is offered instead."""
+
+
+@pytest.fixture(scope="module")
+def controller() -> Controller:
+    return Controller("kitchen")
+
+
+@pytest.mark.parametrize("text", REFUSED)
+def test_what_is_offered_instead_is_planned(controller: Controller, text: str) -> None:
+    error = controller.say(text, plan_only=True).error
+    assert error is not None
+    assert REFUSED[text] in error.say[0]
+    assert controller.say(error.say[0], plan_only=True).status == "planned"
+
+
+def test_it_may_take_several_turns(controller: Controller) -> None:
+    text, turns = "pour 900 ml of the ice tea into the mug", 0
+    while (result := controller.say(text, plan_only=True)).status != "planned":
+        assert result.error is not None
+        text, turns = result.error.say[0], turns + 1
+    assert (
+        text == "find out the weight of the ice tea, then pour 200 ml of the ice tea into the mug"
+    )
+    assert turns == 2
+
+
+def test_what_was_carried_out_is_not_said_again(controller: Controller) -> None:
+    talk = Conversation(controller)
+    first = talk.say("push it 3 m away, then turn it", plan_only=True)
+    assert first.error is not None
+    assert not first.error.say, "nothing was spoken of"
+    talk.say("push the mug 10 cm away", plan_only=True)
+    second = talk.say("push it 3 m away, then turn it", plan_only=True)
+    assert second.error is not None
+    assert re.fullmatch(r"push the mug away by \d+ cm, then turn the mug", second.error.say[0])
+
+
+def test_nothing_is_offered_where_nothing_is_meant_more_than_the_rest(
+    controller: Controller,
+) -> None:
+    error = controller.say("push the teapot away", plan_only=True).error
+    assert error is not None
+    assert len(error.suggestions) > 3
+    assert error.say == ()
+
+
+def suggested_phrases() -> Iterator[str]:
+    """Every suggestion of the planner's table, with a number or a name in its place."""
+    for sentence in SENTENCES.values():
+        for phrase in sentence.instead:
+            number = re.sub(r"\{\w+:([\w/]+?)(_\w+)?\}", r"7 \1", phrase)
+            yield re.sub(r"\{\w+\}", "mug", number)
+
+
+def test_every_suggestion_with_a_number_becomes_a_sentence() -> None:
+    patterns = [*(pattern for pattern, _ in REMARKS), *BEFORE, LEFT_OUT]
+    told = {phrase for phrase in suggested_phrases() if re.search(r"\d", phrase)}
+    assert len(told) >= 7
+    # An option of the command line is no sentence.
+    told = {phrase for phrase in told if not phrase.startswith("--set")}
+    assert {p for p in told if not any(re.fullmatch(each, p) for each in patterns)} == set()
