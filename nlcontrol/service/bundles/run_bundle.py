@@ -76,7 +76,7 @@ class RunBundle:
 
     Attributes:
         request: of the run.
-        result: of it, as JSON.
+        result: of it, as JSON; empty if it has none.
         trace: of it; None if nothing moved.
     """
 
@@ -149,7 +149,7 @@ def bundle_run(
 def write_bundle(
     path: Path,
     request: RunRequest,
-    result: Result,
+    result: Result | None,
     *,
     events: Sequence[NumberedEvent] = (),
     trace: Path | None = None,
@@ -160,7 +160,7 @@ def write_bundle(
     Args:
         path: of the bundle.
         request: of the run.
-        result: of it.
+        result: of it; None if it has none.
         events: of it.
         trace: file of its trace.
         replay: file of its replay.
@@ -168,7 +168,9 @@ def write_bundle(
     Raises:
         ModelError: `cannot_write`.
     """
-    texts = {"request.json": request.model_dump_json(), "result.json": result.to_json()}
+    texts = {"request.json": request.model_dump_json()}
+    if result is not None:
+        texts["result.json"] = result.to_json()
     if events:
         texts["events.json"] = json.dumps([each.model_dump(mode="json") for each in events])
     with replace_file(path) as temporary, zipfile.ZipFile(temporary, "w") as members:
@@ -196,10 +198,7 @@ def read_bundle(path: Path) -> RunBundle:
             raise ValueError(f"it has more than {_MOST_MEMBERS} members")
         with zipfile.ZipFile(io.BytesIO(content)) as members:
             request = RunRequest.model_validate_json(_member(members, "request.json"))
-            result = json.loads(_member(members, "result.json"))
-            if not isinstance(result, dict) or not is_readable(str(result.get("schema_version"))):
-                raise ValueError("its result is none that this version reads")
-            return RunBundle(request, result, _trace_in(members))
+            return RunBundle(request, _result_in(members), _trace_in(members))
     except (*_BROKEN, KeyError, NotImplementedError, RecursionError, ControlError) as raised:
         raise _bad_bundle(path, raised) from raised
 
@@ -212,6 +211,15 @@ def _member(members: zipfile.ZipFile, name: str) -> bytes:
     if len(content) > most:
         raise ValueError(f"{name} unpacks to more than {most} bytes")
     return content
+
+
+def _result_in(members: zipfile.ZipFile) -> dict[str, Any]:
+    if "result.json" not in members.namelist():
+        return {}
+    result = json.loads(_member(members, "result.json"))
+    if not isinstance(result, dict) or not is_readable(str(result.get("schema_version"))):
+        raise ValueError("its result is none that this version reads")
+    return result
 
 
 def _trace_in(members: zipfile.ZipFile) -> Trace | None:

@@ -21,10 +21,15 @@ from objectmodels.files.file_writing import PREFIX
 STORE_VARIABLE = "NLCONTROL_STORE"
 """Environment variable that names the folder of the store."""
 
-FileKind = Literal["trace", "replay", "request"]
+FileKind = Literal["trace", "replay", "request", "bundle"]
 
 FILE_NAMES: Mapping[FileKind, str] = MappingProxyType(
-    {"trace": "trace.npz", "replay": "replay.html", "request": "request.json"}
+    {
+        "trace": "trace.npz",
+        "replay": "replay.html",
+        "request": "request.json",
+        "bundle": "bundle.zip",
+    }
 )
 
 

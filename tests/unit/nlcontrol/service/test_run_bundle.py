@@ -22,6 +22,9 @@ from nlcontrol.service.bundles.run_comparison import (
     trace_differences,
     version_differences,
 )
+from nlcontrol.service.documents import RunInfo, SessionSpec
+from nlcontrol.service.store.run_store import RunStore
+from nlcontrol.service.store.stored_bundle import bundle_file
 from nlcontrol.session import recipe as recipes
 from objectmodels.files import limits
 from sim.traces.trace import ContactEvent, Trace
@@ -224,6 +227,35 @@ def test_a_recipe_reads_no_files(bundle: Path, tmp_path: Path) -> None:
     with pytest.raises(ControlError) as raised:
         rerun(found)
     assert raised.value.code == "bad_recipe"
+
+
+def test_the_bundle_of_a_run_in_a_store(tmp_path: Path) -> None:
+    controller, store = Controller(seed=3), RunStore(tmp_path)
+    store.add_session("s", SessionSpec(seed=3))
+    result = controller.say("where is the mug?")
+    for name, state in (("whole", "ended"), ("cut", "aborted")):
+        store.add_run(
+            RunInfo(
+                run_id=name, session_id="s", kind="say", state="running", text="t", asked_at=1.0
+            )
+        )
+        with pytest.raises(ControlError) as raised:
+            bundle_file(store, name)
+        assert raised.value.code == "run_under_way"
+        info = store.run(name).model_copy(update={"state": state, "ended_at": 2.0})
+        store.put_run(info.model_copy(update={"result": result if name == "whole" else None}))
+    with store.write_file("whole", "request") as path:
+        path.write_text(run_request(controller, result, "digest").model_dump_json())
+    bundle = read_bundle(bundle_file(store, "whole"))
+    assert bundle.request.digest == "digest"
+    assert rerun(bundle).ok
+    assert bundle_file(store, "whole") == store.file("whole", "bundle")
+    aborted = read_bundle(bundle_file(store, "cut"))
+    assert (aborted.result, aborted.trace, aborted.request.seed) == ({}, None, 3)
+    with pytest.raises(ControlError) as raised:
+        rerun(aborted)
+    assert raised.value.code == "not_repeatable"
+    store.close()
 
 
 @pytest.mark.slow
