@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from nlcontrol.questions.answer import Answer
     from nlcontrol.results.result import Result
     from nlcontrol.service.client.remote_session import Client
+    from nlcontrol.service.session import Session
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.conversation import Conversation
     from nlcontrol.session.events import Event
@@ -88,6 +89,7 @@ _HOMES = {
     "Result": "nlcontrol.results.result",
     "Robot": "planner.types.robot",
     "Scene": "sim.truth.scene_file",
+    "Session": "nlcontrol.service.session",
     "SimulatedExecutor": "sim.simulated_executor",
     "StopToken": "sim.supervision",
     "Thresholds": "objectmodels.mechanics.push_outcomes",
@@ -133,6 +135,7 @@ __all__ = [
     "Result",
     "Robot",
     "Scene",
+    "Session",
     "SimulatedExecutor",
     "StopToken",
     "Thresholds",

@@ -96,6 +96,16 @@ CODES: dict[str, Status] = {
     # A client's service: not there, or something else.
     "no_service": Status(INTERNAL, 503),
     "bad_answer": Status(INTERNAL, 502),
+    # Sessions: plans to be approved, and what a session can do.
+    "unknown_plan": Status(USAGE, 404),
+    "used_plan": Status(NO_PLAN, 409),
+    "expired_plan": Status(NO_PLAN, 410),
+    "stale_plan": Status(NO_PLAN, 409),
+    "approval_required": Status(USAGE, 409),
+    "busy": Status(NO_PLAN, 409),
+    "no_robot": Status(USAGE, 409),
+    "no_reset": Status(USAGE, 409),
+    "bad_table": _CALLER,
     # The machine and the installation.
     "cannot_import": Status(INTERNAL, 500),
     "system_error": Status(INTERNAL, 500),

@@ -2,8 +2,8 @@
 
 An object's name is taken in three steps, the first that fits decides: the whole name, a synonym (of
 the scene or of the registry's model), or some of the words of a name ("the box", "the coffee"). A
-misspelled name is never guessed; it only yields a suggestion. Faces are named as if B's axes were
-the robot's, since no scene says how the object is turned.
+misspelled name is never guessed; it only yields a suggestion. Faces are named as they look at the
+robot; where nothing says how the object is turned, as if B's axes were the robot's.
 """
 
 from __future__ import annotations
@@ -89,15 +89,17 @@ def likely_name(text: str, candidates: Iterable[Candidate]) -> str | None:
 _STRAIGHT = np.radians(5.0)
 
 
-def face_names(model: ObjectModel) -> dict[str, Face]:
-    """The side faces by name, in the model's order.
+def face_names(model: ObjectModel, yaw: float = 0.0) -> dict[str, Face]:
+    """The side faces by name, in the model's order, of an object that is turned by so much [rad].
 
     A face that looks aside is called after the nearest of `front`, `back`, `left` and `right` and
     its angle from that, counter-clockwise: `front+60`.
     """
+    c, s = np.cos(yaw), np.sin(yaw)
+    rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     named: dict[str, Face] = {}
     for face in model.faces():
-        nearest, off = face_name(np.array(face.normal))
+        nearest, off = face_name(rotation @ face.normal)
         name = f"{nearest}{np.degrees(off):+.0f}" if abs(off) > _STRAIGHT else str(nearest)
         while name in named:
             name += "'"
@@ -105,13 +107,13 @@ def face_names(model: ObjectModel) -> dict[str, Face]:
     return named
 
 
-def face_of(model: ObjectModel, name: str) -> Face:
-    """The side face of that name.
+def face_of(model: ObjectModel, name: str, yaw: float = 0.0) -> Face:
+    """The side face of that name, of an object that is turned by so much [rad].
 
     Raises:
         ControlError: `unknown_face`, with the names that there are.
     """
-    named = face_names(model)
+    named = face_names(model, yaw)
     if name in named:
         return named[name]
     if not named:

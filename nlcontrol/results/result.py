@@ -104,6 +104,14 @@ class Step(DocumentPart):
         default=None, exclude=True, repr=False
     )
 
+    @property
+    def heading(self) -> float | None:
+        """In which direction its object was to go [rad]; None if it was to go nowhere."""
+        if self.plan is None or self.plan.aim is None or self.before is None:
+            return None
+        aim, here = self.plan.aim, self.before
+        return math.atan2(aim.y - here.y, aim.x - here.x)
+
 
 class Result(Document):
     """Everything that one sentence led to; what is missing was not reached.

@@ -6,7 +6,9 @@ All numbers are in SI units, places in W. The result of a sentence is a
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Iterable
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Literal
 
 from pydantic import Field
 
@@ -14,6 +16,9 @@ from nlcontrol.errors import ErrorInfo
 from nlcontrol.json_document import Document, DocumentPart
 from nlcontrol.results.result import Result
 from nlcontrol.session.events import Event
+
+if TYPE_CHECKING:
+    from planner.affordances import Affordance
 
 RunKind = Literal["execute", "say"]
 RunState = Literal["queued", "running", "ended", "aborted", "cut_off", "defect"]
@@ -221,6 +226,12 @@ class Affordances(Document):
     object: str
     scene: str
     affordances: tuple[AffordanceItem, ...]
+
+    @classmethod
+    def of(cls, name: str, scene: str, found: Iterable[Affordance]) -> Affordances:
+        """The document of what was found out about an object."""
+        items = tuple(AffordanceItem(**asdict(each)) for each in found)
+        return cls(object=name, scene=scene, affordances=items)
 
 
 class AffordanceItem(DocumentPart):

@@ -113,7 +113,7 @@ class PlanningSession(Protocol):
             spacing: between contacts [m].
 
         Raises:
-            ControlError: `unknown_object`, `unknown_face`, `too_many_contacts`.
+            ControlError: `unknown_object`, `unknown_face`, `bad_value`.
         """
 
     def affordances(self, name: str) -> Affordances:

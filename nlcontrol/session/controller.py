@@ -15,7 +15,8 @@ from threading import RLock
 from typing import TYPE_CHECKING
 
 from grammar.frames.command import Command, Frame
-from nlcontrol.errors import ControlError, error, executor_failures_raised, known_errors_raised
+from nlcontrol.errors import ControlError, executor_failures_raised, known_errors_raised
+from nlcontrol.references.initial_beliefs import initial_models
 from nlcontrol.references.object_names import names_on_table
 from nlcontrol.references.reference_resolution import NOTHING_SAID, Context, resolve_references
 from nlcontrol.results.result import Result, result_with
@@ -24,11 +25,12 @@ from nlcontrol.session.executor import Executor, Motion, Planner
 from nlcontrol.session.recipe import LOOKED, Journal, Recipe
 from nlcontrol.session.stoppable_robot import StoppableRobot
 from nlcontrol.session.turns import in_turn
-from objectmodels import ModelError, ObjectModel, Registry
+from objectmodels import Registry
 from planner.types.plan import Plan, Reached
 from planner.types.refusal import Refusal
 from planner.types.world_state import Held, PlanarPose, SeenObject, TableState, WorldState
 from sim.cell.cell_description import LOOK
+from sim.perception.last_look import LastLook
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -40,11 +42,11 @@ if TYPE_CHECKING:
     from nlcontrol.session.conversation import Options
     from nlcontrol.session.events import Event
     from nlcontrol.session.frame_documents import Frames
+    from nlcontrol.session.proposals import Approved
     from planner.affordances import Affordance
     from planner.types.defaults import Defaults
     from planner.types.robot import FailedPush, Robot
     from sim import Scene
-    from sim.cell.cell_description import CellObject
     from sim.supervision import Progress, StopToken
     from sim.traces.trace import Trace
 
@@ -89,14 +91,13 @@ class Controller:
             self.registry = Registry.default() if registry is None else registry.copy()
             for path in self.cell.models:
                 self.registry.load(path)
-        self.models: dict[str, ObjectModel] = {
-            item.name: _initial_model(item, self.registry) for item in self.cell.objects
-        }
+        self.models = initial_models(self.cell, self.registry)
         self.journal = Journal(self.executor, self.models)
         self.planner = planner
         self.seed = self.executor.seed
         self.defaults = self.cell.defaults if defaults is None else defaults
         self.time_limit = time_limit
+        self.last_look = LastLook()
 
     @property
     def robot(self) -> Robot:
@@ -155,7 +156,7 @@ class Controller:
     def look(self) -> WorldState:
         """The robot's belief now: poses from the camera port, models from the registry."""
         with executor_failures_raised(), self.journal.deed(LOOKED, self.models):
-            return self.executor.look(self.models)
+            return self.last_look.look(self.executor, self.models)
 
     @in_turn
     def recipe(self) -> Recipe:
@@ -281,6 +282,7 @@ class Controller:
     @in_turn
     def execute(self, plan: Plan, progress: Progress | None = None) -> Trace:
         """Carries out a plan; see `nlcontrol.session.executor.Executor.execute`."""
+        self.last_look.forget()
         with executor_failures_raised():
             return self.executor.execute(plan, self.models, progress)
 
@@ -359,9 +361,8 @@ class Controller:
     def empty_result(self, text: str, command: Command | None = None) -> Result:
         """The result of a sentence of which nothing has come yet."""
         result = Result(ok=False, status="failed", text=text, scene=self.cell.name, seed=self.seed)
-        if command is None:
-            return result
-        return result_with(result, paraphrase=command.paraphrase, frames=command.frames)
+        said = command and {"paraphrase": command.paraphrase, "frames": command.frames}
+        return result_with(result, **(said or {}))
 
     @in_turn
     def carry_out(
@@ -372,27 +373,28 @@ class Controller:
         plan_only: bool = False,
         motion: Motion | None = None,
         progress: Progress | None = None,
+        approved: Approved | None = None,
     ) -> Result:
-        """Does what a command says, as `say` does; see `nlcontrol.session.frame_execution`."""
+        """Does what a command says, as `say` does; see `nlcontrol.session.frame_execution`.
+
+        Where its first plan was approved, its objects are resolved already.
+        """
         from nlcontrol.session.frame_execution import run_command, status_of
 
-        result = self.empty_result(command.text, command)
-        supervisor = Supervisor.of(progress)
+        result, supervisor = self.empty_result(command.text, command), Supervisor.of(progress)
         supervisor.tell("understood", command.paraphrase)
         try:
-            held = None if self.held is None else self.held.name
-            command = self.resolve(command, replace(context, held=held))
+            if approved is None:
+                held = None if self.held is None else self.held.name
+                command = self.resolve(command, replace(context, held=held))
         except ControlError as raised:
             return result_with(result, status=status_of(raised.info), error=raised.info)
-        return run_command(self, command, result, supervisor, plan_only=plan_only, motion=motion)
-
-
-def _initial_model(item: CellObject, registry: Registry) -> ObjectModel:
-    """The registry's model of an object of the scene."""
-    try:
-        return registry.get(item.model)
-    except ModelError as raised:
-        message = f"the scene's '{item.name}' is a '{item.model}', but {raised.message}"
-        raise error(
-            "scene_and_registry_differ", message, suggestions=raised.suggestions
-        ) from raised
+        return run_command(
+            self,
+            command,
+            result,
+            supervisor,
+            plan_only=plan_only,
+            motion=motion,
+            approved=approved,
+        )

@@ -9,33 +9,32 @@ may, with its numbers.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal, NoReturn, TypedDict
 
 import grammar
 from grammar.frames import command as g
-from nlcontrol.checks.verdicts import HAND_ENDS, PLANNED_ENDS, Check
 from nlcontrol.errors import ControlError, error
-from nlcontrol.plan_text import deciding_figures, plan_reason
 from nlcontrol.questions.answer import Answer
 from nlcontrol.references.reference_resolution import Context, parts_within
+from nlcontrol.reports.why_answers import why_answer
 from nlcontrol.results.result import result_with
 from nlcontrol.session import follow_up_frames as follow_up
 from nlcontrol.session.corrected_sentences import result_with_corrections
 from nlcontrol.session.events import FORCE_RATE, Supervisor
 from nlcontrol.session.frame_documents import text_of
 from nlcontrol.session.frame_execution import status_of
+from nlcontrol.session.proposals import Approved, Intention, Proposal
 from nlcontrol.session.recipe import Deed
 from nlcontrol.session.turns import in_turn
-from nlcontrol.session.undo_frames import PastPush, undo_frames, undo_text
-from nlcontrol.text_format import quantity
+from nlcontrol.session.undo_frames import PastPush, WayBack, undo_frames, undo_text
 
 if TYPE_CHECKING:
     from typing import Unpack
 
-    from nlcontrol.results.result import Result, Step
+    from nlcontrol.results.result import Result
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Motion
@@ -72,6 +71,7 @@ class Conversation:
         self.controller = controller
         self.turn = controller.turn
         self._number = controller.journal.conversations
+        self._proposals = 0
         controller.journal.conversations += 1
         self.context = Context()
         self.past: list[PastPush] = []
@@ -96,22 +96,12 @@ class Conversation:
         It may be a remark on what was said and done before; otherwise as `Controller.say`. Frames
         are taken in place of a sentence; see `do`.
         """
-        supervisor = Supervisor(
-            progress,
-            stop,
-            on_event=on_event,
-            force_rate=force_rate,
-            clock=lambda: self.controller.executor.time,
-        )
-        plan_only = plan_only or motion == "never"
-        journal = self.controller.journal
+        plan_only |= motion == "never"
+        supervisor = self._supervisor(progress, stop, on_event, force_rate)
         deed = Deed.of(text, self._number, "never" if plan_only else motion)
-        with journal.deed(deed, self.controller.models):
-            said = self._say(text, plan_only, motion, supervisor)
-        said = result_with_corrections(said, self.controller.parse)
-        if supervisor.stop.requested:
-            journal.interrupt()
-        return supervisor.end(said)
+        return self._supervised(
+            deed, supervisor, lambda: self._say(text, plan_only, motion, supervisor)[0]
+        )
 
     def do(self, frames: Frames, **options: Unpack[Options]) -> Result:
         """Does what frames say, as they are meant after what was said before; as `Controller.do`.
@@ -120,38 +110,135 @@ class Conversation:
         """
         return self.say(frames, **options)
 
-    def _say(
-        self, said: str | Frames, plan_only: bool, motion: Motion | None, progress: Progress
+    @in_turn
+    def plan(
+        self,
+        said: str | Frames,
+        *,
+        stop: StopToken | None = None,
+        on_event: Callable[[Event], object] | None = None,
+    ) -> Proposal:
+        """Plans a sentence from what was seen last; what is planned does not count as done."""
+        number, self._proposals = self._proposals, self._proposals + 1
+        deed = Deed.of(said, self._number, "never").model_copy(update={"proposes": number})
+        supervisor = self._supervisor(None, stop, on_event, 0.0)
+        meant: Intention | None = None
+
+        def say() -> Result:
+            nonlocal meant
+            result, meant = self._say(said, True, None, supervisor, proposed=True)
+            return result
+
+        with self.controller.last_look.kept():
+            result = self._supervised(deed, supervisor, say)
+        if meant is None or result.status != "planned":
+            return Proposal(number, result, None)
+        resolved = meant.command.model_copy(update={"frames": result.frames})
+        return Proposal(number, result, replace(meant, command=resolved))
+
+    @in_turn
+    def execute(
+        self,
+        proposal: Proposal,
+        *,
+        progress: Progress | None = None,
+        on_event: Callable[[Event], object] | None = None,
+        stop: StopToken | None = None,
+        force_rate: float = FORCE_RATE,
     ) -> Result:
+        """Does what was proposed, from where things were seen last, beginning with its plan.
+
+        After that it goes on as `say` does. The options are those of `say`.
+        """
+        meant, approved = proposal.intention, proposal.approved
+        assert meant is not None, "nothing was proposed"
+        supervisor = self._supervisor(progress, stop, on_event, force_rate)
+        deed = Deed(said=proposal.result.text, conversation=self._number, executes=proposal.number)
+        return self._supervised(
+            deed, supervisor, lambda: self._do(meant, False, None, supervisor, approved)
+        )
+
+    def _supervisor(
+        self,
+        progress: Progress | None,
+        stop: StopToken | None,
+        on_event: Callable[[Event], object] | None,
+        force_rate: float,
+    ) -> Supervisor:
+        def clock() -> float:
+            return self.controller.executor.time
+
+        return Supervisor(progress, stop, on_event=on_event, force_rate=force_rate, clock=clock)
+
+    def _supervised(self, deed: Deed, supervisor: Supervisor, do: Callable[[], Result]) -> Result:
+        """What comes of something that is done, which is noted."""
+        journal = self.controller.journal
+        with journal.deed(deed, self.controller.models):
+            result = result_with_corrections(do(), self.controller.parse)
+        if supervisor.stop.requested:
+            journal.interrupt()
+        return supervisor.end(result)
+
+    def _say(
+        self,
+        said: str | Frames,
+        plan_only: bool,
+        motion: Motion | None,
+        progress: Progress,
+        *,
+        proposed: bool = False,
+    ) -> tuple[Result, Intention | None]:
+        """What comes of a sentence, and what it meant; None if there is nothing to be done."""
         text, command = text_of(said), None
         try:
             command = self.controller.command(said)
-            return self._answer(command, plan_only, motion, progress)
+            meant = self._intention(command)
+            if not isinstance(meant, Intention):
+                return meant, None
+            return self._do(meant, plan_only, motion, progress, proposed=proposed), meant
         except ControlError as raised:
             begun = self.controller.empty_result(text, command)
             self._last = result_with(begun, status=status_of(raised.info), error=raised.info)
             if command is None:
                 self._said = None
-            return self._last
+            return self._last, None
 
-    def _answer(
-        self, command: g.Command, plan_only: bool, motion: Motion | None, progress: Progress
-    ) -> Result:
-        remark = _sole_remark(command)
+    def _intention(self, command: g.Command) -> Intention | Result:
+        """What a command is to do, or what there is to say to a remark."""
+        remark = follow_up.sole_remark(command)
         if remark == "stop":
             # Sentences are carried out before the next one is read, so there is nothing to stop.
             return self._plain_result(command, Answer(text="Nothing is being done."), "done")
         if remark == "why":
             return self._plain_result(command, self._explain_last(command), "answered")
         if remark == "undo":
-            return self._undo(command, plan_only, progress)
-        notes = self._notes(command)
-        command = self._rewrite_remarks(command)
+            return self._way_back(command)
+        return Intention(self._rewrite_remarks(command), self._notes(command))
+
+    def _do(
+        self,
+        meant: Intention,
+        plan_only: bool,
+        motion: Motion | None,
+        progress: Progress,
+        approved: Approved | None = None,
+        *,
+        proposed: bool = False,
+    ) -> Result:
+        """What comes of an intention, which is remembered."""
+        context = Context() if meant.back else self.context
         result = self.controller.carry_out(
-            command, self.context, plan_only=plan_only, motion=motion, progress=progress
+            meant.command,
+            context,
+            plan_only=plan_only,
+            motion=motion,
+            progress=progress,
+            approved=approved,
         )
-        result = result_with(result, notes=notes + result.notes)
-        self._remember(result)
+        if meant.back is not None:
+            return self._remember_undoing(meant.undone, meant.back, result)
+        result = result_with(result, notes=meant.notes + result.notes)
+        self._remember(result, proposed=proposed)
         return result
 
     def _plain_result(
@@ -162,10 +249,10 @@ class Conversation:
 
     # --- memory ------------------------------------------------------------------------------
 
-    def _remember(self, result: Result) -> None:
+    def _remember(self, result: Result, *, proposed: bool) -> None:
         # Remarks are about what was said and what came of it; a trace is megabytes.
         self._last = self._said = kept = result_with(result, trace=None)
-        if any(frame.query is None for frame in kept.frames):
+        if not proposed and any(frame.query is None for frame in kept.frames):
             self._done = kept
         self._speak_of(kept.frames)
         for step in kept.steps:
@@ -206,7 +293,7 @@ class Conversation:
         before = frames or _frames(self._done) or _nothing("nothing was done that could go on")
         last, heading = follow_up.latest_matching(before, said), None
         if not frames and self._done and self._done.plan:
-            heading = _goal_heading(self._done.steps[-1])
+            heading = self._done.steps[-1].heading
         if isinstance(last.goal, g.Place) and heading is None:
             _nothing("nothing was pushed there yet, so there is no direction to go on in")
         return follow_up.continue_frame(last, said, heading)
@@ -228,7 +315,7 @@ class Conversation:
 
     # --- undo --------------------------------------------------------------------------------
 
-    def _undo(self, command: g.Command, plan_only: bool, progress: Progress) -> Result:
+    def _way_back(self, command: g.Command) -> Intention | Result:
         pushed = self._to_undo(command)
         text = pushed[-1].of.text
         back = undo_frames(pushed, self.controller.look(), self.controller.defaults)
@@ -239,7 +326,12 @@ class Conversation:
             return result_with(self._plain_result(command, told, "done"), notes=back.notes)
         words = f"to undo “{text}”, {undo_text(back.frames)}"
         command = command.model_copy(update={"frames": back.frames, "paraphrase": words})
-        result = self.controller.carry_out(command, plan_only=plan_only, progress=progress)
+        return Intention(command, undone=tuple(pushed), back=back)
+
+    def _remember_undoing(
+        self, pushed: Sequence[PastPush], back: WayBack, result: Result
+    ) -> Result:
+        """Remembers what came of an undoing, and returns that with its notes."""
         self._last = result_with(result, trace=None)
         self._speak_of(result.frames)
         done = [back.undoes[step.frame] for step in result.steps if step.status == "done"]
@@ -248,7 +340,8 @@ class Conversation:
             self._forget([push for push in done if push not in back.undoes[len(done) :]])
             return result_with(result, notes=back.notes + result.notes)
         self._forget(pushed)
-        return result_with(result, notes=(f"undone: “{text}”", *back.notes, *result.notes))
+        undone = f"undone: “{pushed[-1].of.text}”"
+        return result_with(result, notes=(undone, *back.notes, *result.notes))
 
     def _to_undo(self, command: g.Command) -> list[PastPush]:
         """The pushes of the last sentence, or the last push of the object that is named."""
@@ -280,43 +373,15 @@ class Conversation:
             with suppress(ControlError):
                 asked = self.controller.resolve(asked, self.context)
             last = self._last.frames if self._last else ()
-            if not any(_says_all_of(frame, asked.frames[0]) for frame in last):
+            if not any(follow_up.says_all_of(frame, asked.frames[0]) for frame in last):
                 return why_answer(self.controller.carry_out(asked, self.context, plan_only=True))
         return why_answer(self._last or _nothing("nothing was said or done yet"))
-
-
-def _sole_remark(command: g.Command) -> str | None:
-    """The remark that a whole sentence is; None if it is to be carried out as frames.
-
-    Raises:
-        ControlError: `not_alone`.
-    """
-    kinds = [frame.dialogue or frame.query for frame in command.frames]
-    if len(kinds) == 1:
-        return kinds[0] if kinds[0] in ("stop", "why", "undo") else None
-    for frame, kind in zip(command.frames, kinds, strict=True):
-        if kind in ("stop", "why", "undo", "correct"):
-            raise error(
-                "not_alone",
-                f"“{kind}” is about what was said and done before, so it is a sentence of its own",
-                span=frame.spans[0] if frame.spans else None,
-                suggestions=("say it when the other sentence is done",),
-            )
-    return None
 
 
 def _nothing(message: str) -> NoReturn:
     raise error(
         "nothing_before", message, suggestions=("say first what to do, as “push the box away”",)
     )
-
-
-def _goal_heading(step: Step) -> float | None:
-    """In which direction a step was to bring its object; None if it was to bring it nowhere."""
-    if step.plan is None or step.plan.aim is None or step.before is None:
-        return None
-    aim, here = step.plan.aim, step.before
-    return math.atan2(aim.y - here.y, aim.x - here.x)
 
 
 def _frames(result: Result | None) -> list[g.Frame]:
@@ -328,72 +393,8 @@ def _stop_index(result: Result) -> int:
     return result.steps[-1].frame if result.steps else 0
 
 
-def _says_all_of(frame: g.Frame, asked: g.Frame) -> bool:
-    """Check for a frame that says all that is asked about."""
-    frame, asked = follow_up.without_spans(frame), follow_up.without_spans(asked)
-    wanted = asked.goal.model_dump(exclude_defaults=True)
-    return (
-        frame.action == asked.action
-        and asked.object in (None, frame.object)
-        and asked.goal.kind in ("none", frame.goal.kind)
-        and wanted.items() <= frame.goal.model_dump().items()
-        and set(asked.constraints) <= set(frame.constraints)
-    )
-
-
 def _in_words(frames: Sequence[g.Frame], command: g.Command) -> str:
     try:
         return ", then ".join(grammar.paraphrase(frame) for frame in frames)
     except ValueError:
         return command.paraphrase  # not everything that a frame can say has words
-
-
-# --- why -------------------------------------------------------------------------------------
-
-
-def why_answer(result: Result) -> Answer:
-    """Why a sentence was refused, or failed, or is done in this way and no other."""
-    missed = [check for check in result.checks if not check.ok]
-    if result.error and missed:
-        told = "; ".join(map(_missed_text, missed))
-        text = " ".join((f"It was executed, but {told}.", *_end_texts(result)))
-        return Answer(text=text, numbers=_measured_figures(missed))
-    if result.error:
-        understood = result.status != "not_understood" or result.error.code == "nothing_before"
-        failed = "I cannot" if understood else "I did not understand it"
-        instead = "".join(f" What would do: {s}." for s in result.error.suggestions[:1])
-        text = f"{failed}: {result.error.message}.{instead}"
-        return Answer(text=text, numbers=result.error.numbers)
-    if result.plan:
-        return Answer(text=plan_reason(result.plan), numbers=deciding_figures(result.plan))
-    if result.answer:
-        return result.answer
-    return Answer(text="There was nothing to be done.")
-
-
-def _missed_text(check: Check) -> str:
-    if isinstance(check.measured, str) or isinstance(check.expected, str):
-        return f"{check.quantity} was {check.measured} instead of {check.expected}"
-    bound = {"at_most": "at most ", "at_least": "at least "}.get(check.relation, "")
-    spare = f" ± {quantity(check.tolerance, check.unit)}" if check.tolerance and not bound else ""
-    limit = check.expected
-    if bound and check.tolerance and check.expected == 0.0:
-        limit = check.tolerance
-    return (
-        f"{check.quantity} was {quantity(check.measured, check.unit)}, "
-        f"where {bound}{quantity(limit, check.unit)}{spare} was asked"
-    )
-
-
-def _end_texts(result: Result) -> Iterator[str]:
-    """Why the pushes ended before it was there."""
-    execution = result.execution
-    if execution is not None and execution.end not in PLANNED_ENDS:
-        what = "The hand stopped" if execution.end in HAND_ENDS else "The push ended early"
-        yield f"{what}: {execution.detail}."
-    if result.steps and result.steps[-1].stuck:
-        yield f"Nothing more was done: {result.steps[-1].stuck}."
-
-
-def _measured_figures(missed: list[Check]) -> dict[str, float]:
-    return {check.clause: float(c) for check in missed if not isinstance(c := check.measured, str)}

@@ -14,7 +14,7 @@ from pydantic import BaseModel
 
 from grammar.frames import command as g
 from grammar.frames.conflicts import FORBIDS, FORBIDS_BELOW, HOW_FAR, SAME_MATTER
-from nlcontrol.errors import whole_span
+from nlcontrol.errors import error, whole_span
 
 Part = TypeVar("Part", bound=BaseModel)
 Rename = Callable[[g.ObjectRef], g.ObjectRef]
@@ -220,3 +220,36 @@ def _as_kind_of(last: g.Goal, new: g.Goal) -> g.Goal:
     if isinstance(last, g.Place):
         return last.model_copy(update=values)
     return type(last)(**values, spans=new.spans)
+
+
+def sole_remark(command: g.Command) -> str | None:
+    """The remark that a whole sentence is; None if it is to be carried out as frames.
+
+    Raises:
+        ControlError: `not_alone`.
+    """
+    kinds = [frame.dialogue or frame.query for frame in command.frames]
+    if len(kinds) == 1:
+        return kinds[0] if kinds[0] in ("stop", "why", "undo") else None
+    for frame, kind in zip(command.frames, kinds, strict=True):
+        if kind in ("stop", "why", "undo", "correct"):
+            raise error(
+                "not_alone",
+                f"“{kind}” is about what was said and done before, so it is a sentence of its own",
+                span=frame.spans[0] if frame.spans else None,
+                suggestions=("say it when the other sentence is done",),
+            )
+    return None
+
+
+def says_all_of(frame: g.Frame, asked: g.Frame) -> bool:
+    """Check for a frame that says all that is asked about."""
+    frame, asked = without_spans(frame), without_spans(asked)
+    wanted = asked.goal.model_dump(exclude_defaults=True)
+    return (
+        frame.action == asked.action
+        and asked.object in (None, frame.object)
+        and asked.goal.kind in ("none", frame.goal.kind)
+        and wanted.items() <= frame.goal.model_dump().items()
+        and set(asked.constraints) <= set(frame.constraints)
+    )

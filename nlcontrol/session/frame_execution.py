@@ -26,7 +26,7 @@ from nlcontrol.reports.result_report import check_line
 from nlcontrol.results.result import Result, ResultStatus, Step, result_with, summary
 from planner.explanation.push_explanation import Basis
 from planner.geometry.directions import angle_between
-from planner.types.plan import Plan, Reached
+from planner.types.plan import Plan, PlanningResult, Reached
 from planner.types.refusal import Refusal
 from planner.types.robot import FailedPush
 from planner.types.world_state import WorldState
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from nlcontrol.session.controller import Controller
     from nlcontrol.session.events import Supervisor
     from nlcontrol.session.executor import Motion
+    from nlcontrol.session.proposals import Approved
 
 
 def run_command(
@@ -48,12 +49,14 @@ def run_command(
     *,
     plan_only: bool = False,
     motion: Motion | None = None,
+    approved: Approved | None = None,
 ) -> Result:
     """Does what a command says, frame after frame, up to the first that fails.
 
     With `plan_only` the first frame alone is planned: where the others start is not known yet. The
     command's objects are resolved; the result has been begun by the controller. A question moves
-    the robot with the motion `simulate` alone.
+    the robot with the motion `simulate` alone. What was approved is carried out from where things
+    were seen last.
     """
     result = result_with(result, frames=command.frames)
     for index, frame in enumerate(command.frames):
@@ -64,7 +67,9 @@ def run_command(
         elif frame.query is not None:
             result = _answer_question(controller, index, frame, result, supervisor)
         else:
-            result = FrameRun(controller, index, frame, result, supervisor).run(plan_only)
+            run = FrameRun(controller, index, frame, result, supervisor)
+            made = approved.made if approved is not None and approved.frame == index else None
+            result = run.run(plan_only, made)
         if result.error or result.status == "planned":
             break
     if result.status == "planned" and len(command.frames) > 1:
@@ -155,11 +160,11 @@ class FrameRun:
         self.failed: list[FailedPush] = []
         self._yaw: float | None = None
 
-    def run(self, plan_only: bool) -> Result:
-        """The result with what came of the frame."""
+    def run(self, plan_only: bool, approved: Plan | Reached | None = None) -> Result:
+        """The result with what came of the frame; its first plan may have been approved before."""
         status: ResultStatus = "cancelled"
         try:
-            return self._run(plan_only)
+            return self._run(plan_only, approved)
         except Stopped:
             info = _stop_info(self.controller, self.traces[-1] if self.traces else None)
         except ControlError as raised:
@@ -167,20 +172,12 @@ class FrameRun:
         result = self._result_with_trace() if self.traces else self.result
         return _result_with_step(result, self.step, status, info)
 
-    def _run(self, plan_only: bool) -> Result:
+    def _run(self, plan_only: bool, approved: Plan | Reached | None) -> Result:
         controller = self.controller
         previous: Plan | None = None
         for attempt in itertools.count():
             self.supervisor.stop.check()
-            state = self._look()
-            made = controller.plan(
-                self.frame,
-                state,
-                previous=previous,
-                failed=self.failed,
-                notify=self._notify,
-                stop=self.supervisor.stop,
-            )
+            state, made = self._look_and_plan(previous, approved if attempt == 0 else None)
             if isinstance(made, Refusal):
                 if attempt == 0:
                     info = refusal_error(made)
@@ -211,6 +208,24 @@ class FrameRun:
         if plan_only:
             return _result_with_step(self.result, self.step, "planned")
         return self._check_frame(self._result_with_trace())
+
+    def _look_and_plan(
+        self, previous: Plan | None, approved: Plan | Reached | None
+    ) -> tuple[WorldState, PlanningResult]:
+        """The belief, and the plan from there; what was approved holds for what was seen last."""
+        if approved is not None:
+            with self.controller.last_look.kept():
+                return self._look(), approved
+        state = self._look()
+        made = self.controller.plan(
+            self.frame,
+            state,
+            previous=previous,
+            failed=self.failed,
+            notify=self._notify,
+            stop=self.supervisor.stop,
+        )
+        return state, made
 
     def _budget(self, made: Plan) -> int:
         """Pushes, or tries of a hand, that may be made; what is to be quick is not corrected."""

@@ -40,12 +40,16 @@ class Deed(DocumentPart):
         conversation: in which it was said, by number.
         motion: as in `Controller.say`; `never` if it was only planned.
         begun: simulated time at its beginning [s]; None before there was a world.
+        proposes: number of the proposal in its conversation, if it was planned as one.
+        executes: number of the proposal that was carried out; `said` is its text.
     """
 
     said: str | dict[str, Any] | list[Any] | None = None
     conversation: int = 0
     motion: Motion | None = None
     begun: float | None = None
+    proposes: int | None = None
+    executes: int | None = None
 
     @classmethod
     def of(cls, said: str | Frames, conversation: int, motion: Motion | None) -> Deed:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from nlcontrol.errors import ControlError, error, known_errors_raised
 from nlcontrol.session.controller import Controller
 from nlcontrol.session.conversation import Conversation
+from nlcontrol.session.proposals import Proposal
 from nlcontrol.session.recipe import Recipe
 from objectmodels import Registry
 from objectmodels.registry.model_files import model_from_document
@@ -42,6 +43,7 @@ def repeat_recipe(
     """
     controller, result = _first_controller(recipe), None
     conversations: dict[int, Conversation] = {}
+    proposals: dict[tuple[int, int | None], Proposal] = {}
     for deed in recipe.deeds:
         executor = simulation(controller.executor)
         # The world is built even where the time does not matter: that decides how a look is made.
@@ -54,7 +56,17 @@ def repeat_recipe(
         if deed.conversation not in conversations:
             conversations[deed.conversation] = Conversation(controller)
         conversation = conversations[deed.conversation]
-        result = conversation.say(deed.said, motion=deed.motion, progress=progress)
+        if deed.proposes is not None:
+            proposal = conversation.plan(deed.said)
+            proposals[deed.conversation, deed.proposes] = proposal
+            result = proposal.result
+        elif deed.executes is not None:
+            approved = proposals.get((deed.conversation, deed.executes))
+            if approved is None or approved.intention is None:
+                raise _bad_recipe(f"“{deed.said}” was not planned before")
+            result = conversation.execute(approved, progress=progress)
+        else:
+            result = conversation.say(deed.said, motion=deed.motion, progress=progress)
     return controller, result
 
 

@@ -1,0 +1,62 @@
+"""Answers to "why": what a result, its plan or its refusal was decided by."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from nlcontrol.checks.verdicts import HAND_ENDS, PLANNED_ENDS, Check
+from nlcontrol.plan_text import deciding_figures, plan_reason
+from nlcontrol.questions.answer import Answer
+from nlcontrol.text_format import quantity
+
+if TYPE_CHECKING:
+    from nlcontrol.results.result import Result
+
+
+def why_answer(result: Result) -> Answer:
+    """Why a sentence was refused, or failed, or is done in this way and no other."""
+    missed = [check for check in result.checks if not check.ok]
+    if result.error and missed:
+        told = "; ".join(map(_missed_text, missed))
+        text = " ".join((f"It was executed, but {told}.", *_end_texts(result)))
+        return Answer(text=text, numbers=_measured_figures(missed))
+    if result.error:
+        understood = result.status != "not_understood" or result.error.code == "nothing_before"
+        failed = "I cannot" if understood else "I did not understand it"
+        instead = "".join(f" What would do: {s}." for s in result.error.suggestions[:1])
+        text = f"{failed}: {result.error.message}.{instead}"
+        return Answer(text=text, numbers=result.error.numbers)
+    if result.plan:
+        return Answer(text=plan_reason(result.plan), numbers=deciding_figures(result.plan))
+    if result.answer:
+        return result.answer
+    return Answer(text="There was nothing to be done.")
+
+
+def _missed_text(check: Check) -> str:
+    if isinstance(check.measured, str) or isinstance(check.expected, str):
+        return f"{check.quantity} was {check.measured} instead of {check.expected}"
+    bound = {"at_most": "at most ", "at_least": "at least "}.get(check.relation, "")
+    spare = f" ± {quantity(check.tolerance, check.unit)}" if check.tolerance and not bound else ""
+    limit = check.expected
+    if bound and check.tolerance and check.expected == 0.0:
+        limit = check.tolerance
+    return (
+        f"{check.quantity} was {quantity(check.measured, check.unit)}, "
+        f"where {bound}{quantity(limit, check.unit)}{spare} was asked"
+    )
+
+
+def _end_texts(result: Result) -> Iterator[str]:
+    """Why the pushes ended before it was there."""
+    execution = result.execution
+    if execution is not None and execution.end not in PLANNED_ENDS:
+        what = "The hand stopped" if execution.end in HAND_ENDS else "The push ended early"
+        yield f"{what}: {execution.detail}."
+    if result.steps and result.steps[-1].stuck:
+        yield f"Nothing more was done: {result.steps[-1].stuck}."
+
+
+def _measured_figures(missed: list[Check]) -> dict[str, float]:
+    return {check.clause: float(c) for check in missed if not isinstance(c := check.measured, str)}

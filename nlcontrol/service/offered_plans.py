@@ -1,0 +1,102 @@
+"""Plans that wait to be approved: each is used once, and for so long only."""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+from nlcontrol.errors import ControlError, error
+
+if TYPE_CHECKING:
+    from nlcontrol.session.proposals import Proposal
+    from planner.types.world_state import WorldState
+
+LIFE = 600.0
+"""Time for which a plan can be carried out [s]: a person looks at it, and nothing else has."""
+
+MOST_OFFERED = 100
+"""Plans that wait at a time; before one more, the oldest expires."""
+
+_MOST_PAST = 10_000
+"""Identifiers of plans that are over, of which it is still told why."""
+
+
+class OfferedPlan(NamedTuple):
+    """A plan that waits.
+
+    Attributes:
+        proposal: the sentence as it was planned.
+        state: what was believed then.
+        until: when it expires, on the clock [s].
+    """
+
+    proposal: Proposal
+    state: WorldState
+    until: float
+
+
+class OfferedPlans:
+    """Plans of a session by their identifiers.
+
+    Args:
+        clock: by which they expire [s].
+    """
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._clock = clock
+        self._waiting: dict[str, OfferedPlan] = {}
+        self._past: dict[str, ControlError] = {}
+
+    def offer(self, proposal: Proposal, state: WorldState) -> str:
+        """Offers a plan, and returns its identifier."""
+        while len(self._waiting) >= MOST_OFFERED:
+            self._end(next(iter(self._waiting)), _expired("newer plans have taken its place"))
+        plan_id = f"plan-{secrets.token_hex(8)}"
+        self._waiting[plan_id] = OfferedPlan(proposal, state, self._clock() + LIFE)
+        return plan_id
+
+    def waiting(self, plan_id: str) -> OfferedPlan:
+        """The plan of an identifier.
+
+        Raises:
+            ControlError: `unknown_plan`, `used_plan`, `expired_plan`.
+        """
+        plan = self._waiting.get(plan_id)
+        if plan is not None and plan.until <= self._clock():
+            self._end(plan_id, _expired(f"it was made more than {LIFE / 60:g} min ago"))
+        elif plan is not None:
+            return plan
+        raise self._past.get(plan_id) or error(
+            "unknown_plan",
+            "no plan of that identifier was made in this session",
+            suggestions=("plan the sentence, and execute the `plan_id` of that offer",),
+        )
+
+    def use(self, plan_id: str) -> None:
+        """Notes that a plan is carried out."""
+        told = error(
+            "used_plan",
+            "this plan was carried out before, and a plan is carried out once",
+            suggestions=("plan the sentence again, and execute the `plan_id` of that offer",),
+        )
+        self._end(plan_id, told)
+
+    def drop(self) -> None:
+        """Lets all plans expire."""
+        for plan_id in list(self._waiting):
+            self._end(plan_id, _expired("the session was stopped or reset since"))
+
+    def _end(self, plan_id: str, reason: ControlError) -> None:
+        del self._waiting[plan_id]
+        self._past[plan_id] = reason
+        if len(self._past) > _MOST_PAST:
+            del self._past[next(iter(self._past))]
+
+
+def _expired(why: str) -> ControlError:
+    return error(
+        "expired_plan",
+        f"this plan has expired: {why}",
+        suggestions=("plan the sentence again, and execute the `plan_id` of that offer",),
+    )

@@ -1,0 +1,367 @@
+"""A planning session in this process: look, plan, approve, do, verify.
+
+    from nlcontrol import Session
+
+    with Session("kitchen") as session:
+        offer = session.plan("push the ice tea box away without toppling it")
+        print(offer.result.text)
+        result = session.execute(offer.plan_id).result()
+
+A plan is carried out as it was approved, from a table that is as it was then: `execute` looks
+again first. After the first plan the robot looks, learns and plans anew as in every sentence.
+"""
+
+from __future__ import annotations
+
+import secrets
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from threading import RLock
+from typing import TYPE_CHECKING, Literal, Self
+
+from nlcontrol.errors import ControlError, error, known_errors_raised
+from nlcontrol.service.beliefs import Tolerances, belief_digest, require_unchanged, table_view
+from nlcontrol.service.documents import Affordances, FaceMap, Offer, SessionSpec, TableView
+from nlcontrol.service.offered_plans import LIFE, OfferedPlans
+from nlcontrol.service.session_runs import SessionRun
+from nlcontrol.session.controller import Controller
+from nlcontrol.session.conversation import Conversation
+from nlcontrol.session.frame_documents import text_of
+from planner.types.defaults import with_settings
+from sim.simulated_executor import SimulatedExecutor
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    from grammar.frames.command import Command
+    from nlcontrol.questions.push_prediction import PushPrediction
+    from nlcontrol.results.result import Result
+    from nlcontrol.service.documents import RunKind
+    from nlcontrol.service.session_runs import Deed
+    from nlcontrol.session.events import Event
+    from nlcontrol.session.executor import Executor, Motion
+    from nlcontrol.session.frame_documents import Frames
+    from objectmodels import Registry
+    from planner.types.world_state import SeenObject
+    from sim.supervision import StopToken
+
+
+class Session:
+    """A table, a robot and a conversation; see `nlcontrol.service.session_protocol`.
+
+    Args:
+        table: what is asked for, or the name of a scene, or the path of a scene file.
+        registry: object models; the default ones if not given.
+        executor: a robot of one's own, whose cell takes the scene's place.
+        seed, defaults, approval: as in a `SessionSpec`, if none is given.
+        time_limit: of each plan and answer, by the clock on the wall [s]; none if not given.
+        clock: by which plans expire [s].
+
+    Attributes:
+        session_id: of it.
+        spec: as it was asked for.
+        controller: the robot, and what is believed.
+        conversation: what was said and done.
+
+    Raises:
+        ControlError: the scene cannot be read, or a default is none.
+    """
+
+    def __init__(
+        self,
+        table: SessionSpec | str | Path = "kitchen",
+        *,
+        registry: Registry | None = None,
+        executor: Executor | None = None,
+        seed: int = 0,
+        defaults: Mapping[str, float] | None = None,
+        approval: Literal["plan", "none"] = "none",
+        time_limit: float | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        if not isinstance(table, SessionSpec):
+            table = SessionSpec(
+                scene=str(table), seed=seed, defaults=dict(defaults or {}), approval=approval
+            )
+        self.session_id = f"session-{secrets.token_hex(8)}"
+        self.spec = table
+        self._registry, self._executor, self._time_limit = registry, executor, time_limit
+        self._own_turn = RLock()
+        self._run: SessionRun | None = None
+        self._plans = OfferedPlans(clock)
+        self._open()
+
+    def _open(self) -> None:
+        """Begins with the table as it was asked for."""
+        executor = self._executor
+        with known_errors_raised():
+            if executor is None:
+                executor = SimulatedExecutor.open(self.spec.scene, seed=self.spec.seed)
+            defaults = with_settings(executor.cell.defaults, self.spec.defaults)
+        self.controller = Controller(
+            executor=executor,
+            registry=self._registry,
+            defaults=defaults,
+            time_limit=self._time_limit,
+        )
+        self.conversation = Conversation(self.controller)
+        self._plans.drop()
+
+    @property
+    def executes(self) -> bool:
+        """Plans can be carried out here."""
+        return True
+
+    # --- questions -----------------------------------------------------------------------------
+
+    def look(self) -> TableView:
+        """The table as the robot sees it now."""
+        with self._idle():
+            state = self.controller.look()
+            executor = self.controller.executor
+            return table_view(state, executor.cell, executor.time, "camera")
+
+    def parse(self, said: str | Frames) -> Command:
+        """The frames of a sentence, its references not yet resolved; see `PlanningSession`."""
+        return self.controller.command(said)
+
+    def ask(self, said: str | Frames, *, motion: Motion = "never") -> Result:
+        """The answer to a question; it moves nothing unless that is allowed.
+
+        A sentence that is no question is planned and not executed.
+
+        Raises:
+            ControlError: `busy`; where motion is allowed, also what `say` raises.
+        """
+        if motion == "simulate" and self._is_question(said):
+            return self._begin_saying(said, motion, None).result()
+        with self._idle():
+            return self.conversation.plan(said).result
+
+    def _is_question(self, said: str | Frames) -> bool:
+        try:
+            frames = self.controller.command(said).frames
+        except ControlError:
+            return False
+        return all(frame.query is not None for frame in frames)
+
+    def predict(
+        self,
+        name: str,
+        *,
+        face: str = "front",
+        lateral: float = 0.0,
+        height: float,
+        direction: tuple[float, float, float] | None = None,
+        force: float | None = None,
+        friction: Literal["static", "kinetic"] = "static",
+    ) -> PushPrediction:
+        """The prediction of one push; see `nlcontrol.questions.push_prediction.predict_push`.
+
+        Args:
+            name: of the object, as it lies and is turned on the table.
+            face: as the robot calls it.
+            lateral: place on the face, to the right of who looks at it [m].
+            height: of the place above the table [m].
+            direction: of the force in W; straight in if not given.
+            force: its size [N].
+            friction: which coefficient at the table decides.
+
+        Raises:
+            ControlError: `unknown_object`, `unknown_face`, `bad_push`, `busy`.
+        """
+        from nlcontrol.questions.push_prediction import predict_push
+        from nlcontrol.references.object_names import face_of
+
+        seen = self._seen(name)
+        yaw = seen.pose.yaw
+        if direction is not None:
+            x, y, z = (direction @ seen.pose.R_WB).tolist()
+            direction = (x, y, z)
+        return predict_push(
+            seen.model,
+            face,
+            face_of(seen.model, face, yaw),
+            lateral=lateral,
+            height=height,
+            direction=direction,
+            force=force,
+            friction=friction,
+            yaw=yaw,
+        )
+
+    def map(self, name: str, *, face: str = "front", spacing: float = 0.01) -> FaceMap:
+        """Outcomes of pushes all over a face.
+
+        Args:
+            name: of the object, as it lies and is turned on the table.
+            face: as the robot calls it.
+            spacing: between contacts [m].
+
+        Raises:
+            ControlError: `unknown_object`, `unknown_face`, `bad_value`, `busy`.
+        """
+        from nlcontrol.outcome_maps.outcome_map_table import map_document
+        from nlcontrol.references.object_names import face_of
+        from objectmodels.mechanics.outcome_map import outcome_map
+
+        seen = self._seen(name)
+        side = face_of(seen.model, face, seen.pose.yaw)
+        with known_errors_raised():
+            chart = outcome_map(seen.model, side, spacing=spacing)
+        return FaceMap.model_validate(map_document(chart, face))
+
+    def affordances(self, name: str) -> Affordances:
+        """Outcomes that the robot can bring about with an object; see `PlanningSession`."""
+        with self._idle(), self.controller.last_look.kept():
+            found = self.controller.affordances(name)
+        return Affordances.of(name, self.controller.cell.name, found)
+
+    def _seen(self, name: str) -> SeenObject:
+        """An object as it was seen last."""
+        with self._idle(), self.controller.last_look.kept():
+            return self.controller.surroundings(name)[0]
+
+    # --- plan, approve, do ---------------------------------------------------------------------
+
+    def plan(self, said: str | Frames) -> Offer:
+        """A plan of a sentence, to be approved; nothing moves.
+
+        Raises:
+            ControlError: `busy`.
+        """
+        with self._idle(), self.controller.last_look.kept():
+            proposal = self.conversation.plan(said)
+            state = self.controller.look()
+            plan_id = None
+            if proposal.intention is not None and self.executes:
+                plan_id = self._plans.offer(proposal, state)
+            return Offer(
+                plan_id=plan_id,
+                expires_in=None if plan_id is None else LIFE,
+                digest=belief_digest(state),
+                result=proposal.result,
+            )
+
+    def execute(
+        self, plan_id: str, *, on_event: Callable[[Event], object] | None = None
+    ) -> SessionRun:
+        """Begins to carry out a sentence by the plan that was approved; see `PlanningSession`."""
+        with self._idle():
+            self._require_robot()
+            plan = self._plans.waiting(plan_id)
+            tolerances = Tolerances.of(self.controller.cell.vision)
+            require_unchanged(plan.state, self.controller.look(), tolerances)
+            self._plans.use(plan_id)
+
+            def execute(tell: Callable[[Event], None], stop: StopToken) -> Result:
+                return self.conversation.execute(plan.proposal, on_event=tell, stop=stop)
+
+            return self._begin("execute", execute, plan.proposal.result.text, on_event, plan_id)
+
+    def say(
+        self, said: str | Frames, *, on_event: Callable[[Event], object] | None = None
+    ) -> SessionRun:
+        """Begins to do what a sentence says, planned and executed at one go.
+
+        Raises:
+            ControlError: `approval_required`, `busy`, `no_robot`.
+        """
+        return self._begin_saying(said, None, on_event)
+
+    def _begin_saying(
+        self,
+        said: str | Frames,
+        motion: Motion | None,
+        on_event: Callable[[Event], object] | None,
+    ) -> SessionRun:
+        with self._idle():
+            self._require_robot()
+            if self.spec.approval == "plan":
+                raise error(
+                    "approval_required",
+                    "in this session only plans that were approved are carried out",
+                    suggestions=("plan it, and execute the `plan_id` of that offer",),
+                )
+
+            def say(tell: Callable[[Event], None], stop: StopToken) -> Result:
+                return self.conversation.say(said, motion=motion, on_event=tell, stop=stop)
+
+            return self._begin("say", say, text_of(said), on_event)
+
+    def _begin(
+        self,
+        kind: RunKind,
+        deed: Deed,
+        text: str,
+        on_event: Callable[[Event], object] | None,
+        plan_id: str | None = None,
+    ) -> SessionRun:
+        self._run = SessionRun(
+            deed,
+            session_id=self.session_id,
+            kind=kind,
+            text=text,
+            plan_id=plan_id,
+            on_event=on_event,
+        )
+        return self._run
+
+    # --- stop and begin anew -------------------------------------------------------------------
+
+    def stop(self) -> None:
+        """Asks what is being carried out to let go and come to rest; plans are dropped."""
+        with self._own_turn:
+            self._plans.drop()
+            if self._run is not None:
+                self._run.stop()
+
+    def reset(self) -> None:
+        """Puts everything back as it was at the beginning; see `PlanningSession`."""
+        with self._idle():
+            if self._executor is not None:
+                raise error(
+                    "no_reset",
+                    "what was done on this robot's table is not undone by itself",
+                    suggestions=("put things back by hand, and open another session",),
+                )
+            self._open()
+
+    def close(self) -> None:
+        """Ends the session; what is being carried out is stopped first."""
+        self.stop()
+        if self._run is not None:
+            self._run.join()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        raised: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @contextmanager
+    def _idle(self) -> Iterator[None]:
+        """Context in which no run begins; raises `busy` if one is under way."""
+        with self._own_turn:
+            if self._run is not None and not self._run.is_over:
+                raise error(
+                    "busy",
+                    "something is being carried out in this session",
+                    suggestions=("wait for the result of the run, or stop it",),
+                )
+            yield
+
+    def _require_robot(self) -> None:
+        if not self.executes:
+            raise error(
+                "no_robot",
+                "this table was stated, so there is no robot that could move anything on it",
+                suggestions=("open a session without stated objects, to have it simulated",),
+            )

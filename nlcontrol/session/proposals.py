@@ -1,0 +1,67 @@
+"""What a sentence would do, planned and not yet done: to be approved, then carried out as it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from planner.types.plan import Plan, Reached
+
+if TYPE_CHECKING:
+    from grammar.frames.command import Command
+    from nlcontrol.results.result import Result
+    from nlcontrol.session.undo_frames import PastPush, WayBack
+
+
+@dataclass(frozen=True)
+class Approved:
+    """The first plan of a command, which is carried out as it is.
+
+    Attributes:
+        frame: place in the command of the frame that it is for, from 0; only questions stand
+            before it.
+        made: the plan.
+    """
+
+    frame: int
+    made: Plan | Reached
+
+
+@dataclass(frozen=True)
+class Intention:
+    """What a sentence is to do, as it is meant after those before it.
+
+    Attributes:
+        command: with each remark replaced by the frames that it means.
+        notes: on how a remark was taken.
+        undone: what was pushed, if that is undone.
+        back: the way back then.
+    """
+
+    command: Command
+    notes: tuple[str, ...] = ()
+    undone: tuple[PastPush, ...] = ()
+    back: WayBack | None = None
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A sentence that was planned.
+
+    Attributes:
+        number: of it in its conversation, from 0.
+        result: of the sentence so far.
+        intention: what it is to do, its objects resolved; None if nothing is to be carried out.
+    """
+
+    number: int
+    result: Result
+    intention: Intention | None
+
+    @property
+    def approved(self) -> Approved | None:
+        """What is carried out first; None if a touch decides what comes next."""
+        frame = self.result.steps[-1].frame
+        if self.result.frames[frame].action == "explore":
+            return None
+        return Approved(frame, self.result.plan or Reached())
