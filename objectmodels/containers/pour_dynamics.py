@@ -182,11 +182,11 @@ def simulate_pour(
         np.asarray(volume, float), np.asarray(heading, float), time[..., 0]
     )
     time, tilt = (np.broadcast_to(x, (*volume.shape, x.shape[-1])) for x in (time, tilt))
-    brim = vessel.brim(tilt, heading[..., None])
+    brim, strips = vessel.brim(tilt, heading[..., None]), vessel.strips(heading)
     left, heads = [volume], []
     for i in range(time.shape[-1]):
         now = left[-1]
-        heads.append(np.maximum(vessel.liquid_head(now, tilt[..., i], heading), 0.0))
+        heads.append(np.maximum(vessel.liquid_head(now, tilt[..., i], heading, strips), 0.0))
         if i + 1 < time.shape[-1]:
             flow = outflow_rate(heads[-1], tilt[..., i], vessel.opening.radius)
             most = np.maximum(now - brim[..., i], 0.0)

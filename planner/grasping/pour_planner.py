@@ -42,7 +42,7 @@ from planner.types.plan import DefaultUsed, Plan, Reached
 from planner.types.refusal import NoPlanError
 from planner.types.world_state import SeenObject
 
-_TURNS = np.radians([0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0, 135.0, -135.0, 180.0])
+_TURNS = np.radians([0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0, 135.0, -135.0, 180.0]).tolist()
 _ANGLES = np.radians(np.arange(0.0, 60.0, 5.0))  # beyond the tilt at which it would run out slowly
 _LEAST_LEFT = 0.01  # share that may stay where everything is poured
 _SOON = 1.0  # everything has run out so soon after the tilt [s]
@@ -165,14 +165,14 @@ class _Pouring:
             ways = sorted(
                 stable_grasps(problem, self._grasp_loads(each, motions)), key=_comes_from_above
             )
-        found = []
-        for rank, hold in enumerate(ways):
-            assert hold.lean is not None, "it is tilted"
-            motion = motions[_lean_key(hold.lean)]
-            for times, turn in enumerate(_TURNS.tolist()):
-                found.append((rank + times, (hold, self._motion_draft(motion, turn))))
-        found.sort(key=lambda each: each[0])
-        return first_reachable_plan(problem, "pour", [way for _, way in found])
+        drafts = {k: [self._motion_draft(m, turn) for turn in _TURNS] for k, m in motions.items()}
+        ranked = [
+            (rank + times, (hold, draft))
+            for rank, hold in enumerate(ways)
+            for times, draft in enumerate(drafts[_lean_key(hold.lean)])
+        ]
+        found = [way for _, way in sorted(ranked, key=lambda each: each[0])]
+        return first_reachable_plan(problem, "pour", found)
 
     # -- how it is tilted -----------------------------------------------------------------------
 
@@ -309,8 +309,9 @@ class _Pouring:
         return PourPrediction(**mean, level_after=filled / self._into.vessel.capacity)
 
 
-def _lean_key(lean: float) -> int:
+def _lean_key(lean: float | None) -> int:
     """A direction in whole degrees."""
+    assert lean is not None, "it is tilted"
     return round(math.degrees(lean)) % 360
 
 

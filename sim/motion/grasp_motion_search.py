@@ -17,37 +17,29 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.types.actions import PourOut
 from planner.types.plan import Plan
 from planner.types.robot import ReachAnswer
 from planner.types.world_state import WorldState
 from sim.collision.collision_scene import (
     OBJECT_CLEARANCE,
     TABLE_CLEARANCE,
-    CollisionScene,
     Obstacle,
 )
-from sim.collision.collision_spheres import height_above_table, place_spheres, surface_spheres
+from sim.collision.collision_spheres import height_above_table, place_spheres
 from sim.hands.hand_model import GraspPosture
 from sim.hands.mount import Mount
+from sim.motion.hold_clearance import HoldClearance, WaySamples, in_itself
 from sim.motion.ik_search import best_solutions
 from sim.motion.roadmap import LIMIT_MARGIN, free_path, sample_configurations
 from sim.paths.held_object_path import (
     HeldObject,
     HeldSegment,
-    grasp_frame,
-    held_segments,
+    free_segments,
+    step_segments,
     withdrawal_vectors,
 )
 from sim.rotations import Array
 
-HELD_CLEARANCE = 0.004
-"""Least distance of what is held from the object into which it is poured [m]."""
-
-_OWNER_CLEARANCE = 0.0023  # of the hand from the object whose lid it holds [m]
-_LID_CLEARANCE = 0.0015  # of a hand that puts a lid aside from the table [m]
-_FACE_CLEARANCE = 0.002  # of the open hand from what it is about to hold [m]
-_OFF_TABLE = 0.002  # of what is tilted over the table [m]
 _LARGEST_STEP = 0.6  # more change of a joint between poses that are looked at is a jump [rad]
 _HOMESICK = 0.1  # room to the limits that a joint's being one radian nearer to home is worth
 _MOST_ARMS, _MOST_TRANSITS = 40, 4
@@ -97,71 +89,61 @@ class GraspMotion:
 class GraspMotionSearch:
     """The search for one plan; `spare` [m] as of `CollisionScene.from_state`.
 
-    The open hand gets off the object by a vector in W, shape (3,) [m].
-
     Attributes:
         work: units of work done so far.
     """
 
     def __init__(
-        self,
-        mount: Mount,
-        handled: HeldObject,
-        grip: GraspPosture,
-        off: Array,
-        spare: float = 0.0,
+        self, mount: Mount, handled: HeldObject, grip: GraspPosture, spare: float = 0.0
     ) -> None:
-        self.work = _BEGUN
+        self.work = 0
         self._mount = mount
         self._grip = grip
+        self._handled = handled
         plan, state = handled.plan, handled.state
         self._plan = plan
-        self._held = handled.held
-        self._owner = handled.owner
         self._is_held = handled.grasp.held
         already = state.held if self._is_held else None
         self._at = np.array(already.arm) if already is not None and already.arm else None
-        self._legs = held_segments(handled, off)
-        R_BG, p_BG = grasp_frame(handled.grasp, self._held.pose.R_WB)
-        self._R_BP, self._p_BP = R_BG, p_BG - R_BG @ grip.middle
-        self._closed, self._open = grip.posture_at(), grip.posture_at(grip.opening)
-        self._spare = spare
-        self._scenery = self._around_it(
-            CollisionScene.from_state(state, plan.object, spare), handled
-        )
-        self._kept = dict(plan.limits.clear_of)
-        flat = [leg for some in self._legs for leg in some]
-        self._free = np.concatenate([np.full(len(leg.sample_shares()), leg.free) for leg in flat])
-        self._last = np.concatenate(
-            [np.full(len(leg.sample_shares()), leg.phase == "retreat") for leg in flat]
-        )
-        poses = [leg.poses_at(leg.sample_shares()) for leg in flat]
-        self._R_WB = np.concatenate([R for R, _ in poses])
-        self._p_WB = np.concatenate([p for _, p in poses])
-        # Where it stands in the end, for the hand that lets go of it there.
-        held = self._about = handled.grasped_obstacle
-        self._stood = replace(held, p_WB=held.p_WB)
-        if self._last.any():
-            k = int(np.flatnonzero(self._last)[0])
-            turned = self._R_WB[k] @ held.R_WB.T
-            angle = float(np.arctan2(turned[1, 0], turned[0, 0]))
-            self._stood = held.after_motion(held.p_WB, self._p_WB[k], angle)
-
-    def _around_it(self, scenery: CollisionScene, handled: HeldObject) -> CollisionScene:
-        """The scene for the hand, which may come near to the object of a lid."""
-        others = (
-            replace(each, clearance=_OWNER_CLEARANCE - self._spare)
-            if each.name == self._owner
-            else each
-            for each in scenery.others
-        )
-        lifted = np.array([0.0, 0.0, handled.height if handled.owner else 0.0])
-        pushed = replace(scenery.pushed, p_WB=scenery.pushed.p_WB + lifted)
-        return CollisionScene(pushed, tuple(others))
+        self._steps = step_segments(handled)
+        self._carried = WaySamples.along(tuple(leg for legs in self._steps for leg in legs))
+        self._hold = HoldClearance(mount.hand, handled, grip, self._carried, spare)
+        self._scenery = self._hold.scenery
+        self._legs: tuple[tuple[HeldSegment, ...], ...] = ()
+        self._way, self._stood = self._carried, self._hold.about
 
     def best_motion(self) -> GraspMotion | ReachAnswer:
-        """The best way, or why there is none."""
-        blocked = self._hand_blocked()
+        """The best way, or why there is none, by the first way of the open hand off the object."""
+        first: ReachAnswer | None = None
+        for off in withdrawal_vectors(self._handled.grasp, self._handled.held):
+            self.work += _BEGUN
+            if first is not None and self._hold.blocked_hold is not None:
+                continue  # however the hand gets off
+            self._withdraw_by(off)
+            found = self._motion_of_way()
+            if isinstance(found, GraspMotion):
+                return found
+            first = first or found
+        assert first is not None, "there is a way off everything"
+        return first
+
+    def _withdraw_by(self, off: Array) -> None:
+        """Takes the open hand to and off the object by a vector in W, shape (3,) [m]."""
+        before, after = free_segments(self._handled, off, self._steps)
+        self._legs = (before, *self._steps, after)
+        ends = [WaySamples.along(legs) for legs in (before, after)]
+        self._way = WaySamples.joined([ends[0], self._carried, ends[1]])
+        # Where it stands in the end, for the hand that lets go of it there.
+        held = self._stood = self._hold.about
+        if self._way.last.any():
+            k = int(np.flatnonzero(self._way.last)[0])
+            turned = self._way.R_WB[k] @ held.R_WB.T
+            angle = float(np.arctan2(turned[1, 0], turned[0, 0]))
+            self._stood = held.after_motion(held.p_WB, self._way.p_WB[k], angle)
+
+    def _motion_of_way(self) -> GraspMotion | ReachAnswer:
+        """The best way with these legs, or why there is none."""
+        blocked = self._hold.blocked_along(self._way, self._stood)
         if blocked is not None:
             return blocked
         self.work += _SOLVED
@@ -179,7 +161,7 @@ class GraspMotionSearch:
                 hindered = hindered or what
                 continue
             way = GraspMotion(
-                self._mount, self._grip, self._R_BP, self._p_BP, self._legs,
+                self._mount, self._grip, self._hold.R_BP, self._hold.p_BP, self._legs,
                 float(elbow[k]), int(branch[k]), room=float(room[k]),
             )  # fmt: skip
             found = self._from_home(way, q[k])
@@ -197,74 +179,14 @@ class GraspMotionSearch:
             None if own else hindered,
         )
 
-    # -- hand and held object -------------------------------------------------------------------
-
-    def _hand_blocked(self) -> ReachAnswer | None:
-        """The answer if something is in the way of the hand or of what it holds; else None."""
-        R_WP, p_WP = self._R_WB @ self._R_BP, self._p_WB + self._R_WB @ self._p_BP
-        what = f"the {self._plan.object}"
-        for is_open in (True, False):
-            some = self._free == is_open
-            hand = place_spheres(self._hand_spheres(is_open=is_open), R_WP[some], p_WP[some])
-            low = height_above_table(hand).min(initial=np.inf)
-            if low < (TABLE_CLEARANCE if self._owner is None else _LID_CLEARANCE):
-                up = 1e3 * float(low)
-                return ReachAnswer(
-                    False, "table", f"the hand would come to {up:.0f} mm over the table"
-                )
-            for each in self._scenery.others_near(hand):
-                if not each.is_clear(hand).all():
-                    return _blocked_answer(each.name, "the hand")
-        free = np.flatnonzero(self._free)
-        hand = place_spheres(self._hand_spheres(is_open=True), R_WP[free], p_WP[free])
-        for k, one in zip(free, hand, strict=True):
-            stands = self._stood if self._last[k] else self._about
-            if (stands.distance_to(one) < _FACE_CLEARANCE).any():
-                return ReachAnswer(False, "object", f"the open hand does not get around {what}")
-        inside = self._mount.hand.spheres(self._closed)
-        own = place_spheres(inside, self._R_BP, self._p_BP)
-        if (_in_itself(self._about).distance_to(own) < 0.0).any():
-            return ReachAnswer(
-                False, "object", f"the hand would hit {what} with more than its fingertips"
-            )
-        return self._held_blocked()
-
-    def _hand_spheres(self, *, is_open: bool) -> Array:
-        """Spheres of the hand in P, with its fingertips."""
-        hand, posture = self._mount.hand, self._open if is_open else self._closed
-        # Fingers about a knob are near to what it stands on.
-        return hand.whole_spheres(posture) if self._owner is None else hand.thin_spheres(posture)
-
-    def _held_blocked(self) -> ReachAnswer | None:
-        """The answer if something is in the way of the held object; else None."""
-        holding = ~self._free
-        body = place_spheres(
-            surface_spheres(self._scenery.pushed.outline, self._scenery.pushed.height),
-            self._R_WB[holding],
-            self._p_WB[holding],
-        )
-        what = f"the {self._plan.object}"
-        tilted = self._R_WB[holding][:, 2, 2] < 1.0 - 1e-9
-        low = height_above_table(body[tilted]).min(initial=np.inf)
-        if low < _OFF_TABLE:
-            return ReachAnswer(False, "table", f"{what} would hit the table while it is tilted")
-        into = {step.into for step in self._plan.steps if isinstance(step, PourOut)}
-        for each in self._scenery.others:
-            if each.name == self._owner:
-                continue
-            clearance = HELD_CLEARANCE - self._spare if each.name in into else each.clearance
-            clearance = max(clearance, self._kept.get(each.name, 0.0) - self._spare)
-            # What stands close already is not hit by being lifted.
-            near = each.distance_to(body[:1]).min(initial=np.inf)
-            if not each.is_clear(body, min(clearance, max(0.0, 0.9 * near))).all():
-                return _blocked_answer(each.name, what)
-        return None
-
     # -- arms -----------------------------------------------------------------------------------
 
     def _arm_solutions(self) -> tuple[Array, Array, NDArray[np.intp], Array]:
         """Arm angles along the whole way, elbow angles, branches and room; the best first."""
-        R_WP, p_WP = self._R_WB @ self._R_BP, self._p_WB + self._R_WB @ self._p_BP
+        R_WP, p_WP = (
+            self._way.R_WB @ self._hold.R_BP,
+            self._way.p_WB + self._way.R_WB @ self._hold.p_BP,
+        )
         elbows = self._mount.arm.redundancy_samples
         # Few poses sort out most elbows.
         some = np.unique(np.linspace(0, len(p_WP) - 1, 6).astype(int))
@@ -300,9 +222,9 @@ class GraspMotionSearch:
         for each in self._scenery.others_near(robot):
             if not each.is_clear(robot).all():
                 return each.name
-        held = _in_itself(self._scenery.pushed)
-        R_BW = np.swapaxes(self._R_WB, -1, -2)
-        in_B = place_spheres(robot, R_BW, -(R_BW @ self._p_WB[..., None])[..., 0])
+        held = in_itself(self._scenery.pushed)
+        R_BW = np.swapaxes(self._way.R_WB, -1, -2)
+        in_B = place_spheres(robot, R_BW, -(R_BW @ self._way.p_WB[..., None])[..., 0])
         if (held.distance_to(in_B) < OBJECT_CLEARANCE).any():
             return self._plan.object
         return None
@@ -317,10 +239,12 @@ class GraspMotionSearch:
             there = self._swing_elbow(way)
         elif not self._is_held:
             there = self._transit_path(
-                way, q[0], self._p_WB[0], self._R_WB[0], self._scenery.pushed
+                way, q[0], self._way.p_WB[0], self._way.R_WB[0], self._scenery.pushed
             )
-        if there is not None and self._last.any():
-            back = self._transit_path(way, q[-1], self._p_WB[-1], self._R_WB[-1], self._stood)
+        if there is not None and self._way.last.any():
+            back = self._transit_path(
+                way, q[-1], self._way.p_WB[-1], self._way.R_WB[-1], self._stood
+            )
         if there is None or back is None:
             return None
         return replace(way, there=there, back=back[::-1])
@@ -330,7 +254,7 @@ class GraspMotionSearch:
         assert self._at is not None, "something is held"
         steps = np.radians(np.arange(0.0, 360.0, _SWING))
         here = [replace(way, elbow=float(e)) for e in way.elbow + steps]
-        poses = [one.joint_angles(self._R_WB[:1], self._p_WB[:1]) for one in here]
+        poses = [one.joint_angles(self._way.R_WB[:1], self._way.p_WB[:1]) for one in here]
         q = np.array([one[0] for one, _ in poses])
         good = np.array([bool(valid[0]) for _, valid in poses])
         good &= self._mount.arm.joint_room(q) > LIMIT_MARGIN
@@ -356,7 +280,7 @@ class GraspMotionSearch:
         self, way: GraspMotion, q: Array, p_WB: Array, R_WB: Array, stands: Obstacle
     ) -> tuple[Array, ...] | None:
         """Arm poses between home and a pose of the open hand."""
-        open_hand = self._hand_spheres(is_open=True)
+        open_hand = self._hold.hand_spheres(is_open=True)
 
         def is_free(q: Array) -> NDArray[np.bool_]:
             self.work += _ROAD
@@ -377,23 +301,5 @@ def best_grasp_motion(
     mount: Mount, plan: Plan, grip: GraspPosture, state: WorldState, spare: float = 0.0
 ) -> GraspMotion | ReachAnswer:
     """The best way through a plan with a grasp, or why there is none; see `GraspMotionSearch`."""
-    first: ReachAnswer | None = None
-    handled, work = HeldObject.from_plan(plan, state), 0
-    for off in withdrawal_vectors(handled.grasp, handled.held):
-        search = GraspMotionSearch(mount, handled, grip, off, spare)
-        found = search.best_motion()
-        work += search.work
-        if isinstance(found, GraspMotion):
-            return replace(found, work=work)
-        first = first or found
-    assert first is not None, "there is a way off everything"
-    return replace(first, work=work)
-
-
-def _in_itself(held: Obstacle) -> Obstacle:
-    """The held object in its own frame."""
-    return replace(held, R_WB=np.eye(3), p_WB=np.zeros(3))
-
-
-def _blocked_answer(name: str, what: str) -> ReachAnswer:
-    return ReachAnswer(False, "obstacle", f"{what} would hit the {name}", name)
+    search = GraspMotionSearch(mount, HeldObject.from_plan(plan, state), grip, spare)
+    return replace(search.best_motion(), work=search.work)

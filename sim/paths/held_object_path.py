@@ -119,6 +119,12 @@ class HeldObject:
         return self.owner or self.held.name
 
     @property
+    def start_pose(self) -> tuple[Array, Array]:
+        """R_WB and p_WB of what is held, where it is taken."""
+        pose = self.held.pose
+        return pose.R_WB, pose.p_WB + np.array([0.0, 0.0, self.height])
+
+    @property
     def grasped_obstacle(self) -> Obstacle:
         """Obstacle about which the hand closes, where it is taken."""
         whole = Obstacle.from_seen(self.held, 0.0)
@@ -228,22 +234,39 @@ def held_segments(handled: HeldObject, off: Array) -> tuple[tuple[HeldSegment, .
         Of the approach and of the way back there is one, or none where the hand holds it already,
         or still does.
     """
-    plan, held = handled.plan, handled.held
-    R_WB, p_WB = held.pose.R_WB, held.pose.p_WB + np.array([0.0, 0.0, handled.height])
-    there = _straight_segment("approach", R_WB, p_WB + off, p_WB, REACH_SPEED, free=True)
-    made: list[tuple[HeldSegment, ...]] = [() if handled.grasp.held else (there,)]
-    fastest = math.inf if plan.speed is None else plan.speed
-    for step in plan.steps:
+    steps = step_segments(handled)
+    before, after = free_segments(handled, off, steps)
+    return (before, *steps, after)
+
+
+def step_segments(handled: HeldObject) -> tuple[tuple[HeldSegment, ...], ...]:
+    """The legs of each step of a plan."""
+    R_WB, p_WB = handled.start_pose
+    made: list[tuple[HeldSegment, ...]] = []
+    fastest = math.inf if handled.plan.speed is None else handled.plan.speed
+    for step in handled.plan.steps:
         legs = _step_segments(step, handled, R_WB, p_WB)
         made.append(tuple(replace(leg, speed=min(leg.speed, fastest)) for leg in legs))
         if made[-1]:
             R_WB, p_WB = made[-1][-1].end_pose
-    if not isinstance(plan.steps[-1], _LETS_GO):
-        return (*made, ())
+    return tuple(made)
+
+
+def free_segments(
+    handled: HeldObject, off: Array, steps: tuple[tuple[HeldSegment, ...], ...]
+) -> tuple[tuple[HeldSegment, ...], tuple[HeldSegment, ...]]:
+    """The legs of the open hand before and after the steps; arguments as of `held_segments`."""
+    R_WB, p_WB = handled.start_pose
+    there = _straight_segment("approach", R_WB, p_WB + off, p_WB, REACH_SPEED, free=True)
+    before = () if handled.grasp.held else (there,)
+    if not isinstance(handled.plan.steps[-1], _LETS_GO):
+        return before, ()
+    ends = [legs[-1].end_pose for legs in steps if legs]
+    R_WE, p_WE = ends[-1] if ends else (R_WB, p_WB)
     # The hand may have turned about the vertical meanwhile.
-    away = R_WB @ held.pose.R_WB.T @ off
-    back = _straight_segment("retreat", R_WB, p_WB, p_WB + away, REACH_SPEED, free=True)
-    return (*made, (back,))
+    away = R_WE @ handled.held.pose.R_WB.T @ off
+    back = _straight_segment("retreat", R_WE, p_WE, p_WE + away, REACH_SPEED, free=True)
+    return before, (back,)
 
 
 def _step_segments(
