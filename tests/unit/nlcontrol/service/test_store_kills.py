@@ -5,7 +5,9 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sqlite3
 import time
+from contextlib import closing
 from itertools import count
 from pathlib import Path
 
@@ -52,13 +54,14 @@ def test_every_run_that_had_ended_is_there(tmp_path: Path) -> None:
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(["nlcontrol.service.store.run_store"])
     folder, told = tmp_path / "store", tmp_path / "told"
+    told.touch()
     cut = 0
     for life in range(KILLS):
         process = context.Process(target=_write_runs, args=(folder, told, life))
         process.start()
-        while not told.exists():  # the first one has much to load
-            time.sleep(0.01)
-        time.sleep(float(rng.uniform(0.05, 0.3)))
+        while f"{life}-0\n" not in told.read_text():
+            time.sleep(0.001)
+        time.sleep(float(rng.uniform(0.0, 0.05)))
         assert process.pid is not None
         os.kill(process.pid, signal.SIGKILL)
         process.join()
@@ -75,7 +78,8 @@ def test_every_run_that_had_ended_is_there(tmp_path: Path) -> None:
             assert file is not None or name not in ended
         assert list(folder.rglob(f"{PREFIX}*")) == []
         cut = sum(run.state == "cut_off" for run in page.runs)
-        assert store._one("PRAGMA integrity_check") == ("ok",)
         store.close()
+        with closing(sqlite3.connect(folder / "runs.sqlite")) as database:
+            assert database.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
     assert cut > KILLS / 3
     assert len(ended) > KILLS

@@ -1,0 +1,228 @@
+"""The planning service and its processes are killed at random moments; what had ended is there.
+
+`python -m benchmarks.service_kills --kills 30 --seed 0`
+
+Two listeners at a time open sessions and say sentences, some that move something and some that do
+not. After a random time the server is killed, or one of its processes. Then every run whose end
+somebody was told is in the store, with the same result, all of its events and a trace that can be
+read; every other run is marked; the database is sound; no half file and no process is left.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import random
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import httpx
+
+from nlcontrol.service.store.run_store import RunStore
+from objectmodels.files.file_writing import PREFIX
+from sim import Trace
+
+SENTENCES = (
+    "where is the mug?",
+    "what happens if you push the ice tea box at the top?",
+    "push the mug 2 cm to the left",
+    "push the mug 2 cm to the right",
+)
+
+SERVE = (sys.executable, "-m", "nlcontrol", "serve", "--port", "0", "--workers", "2")
+
+LONGEST = 12.0
+"""Time after which something has been killed [s]; a push takes some 6 s."""
+
+PATIENCE = 60.0
+"""Time in which whatever should happen has happened [s]."""
+
+
+@dataclass
+class Told:
+    """Results that somebody was told, as JSON by the identifiers of their runs."""
+
+    results: dict[str, Any] = field(default_factory=dict)
+    unfinished: set[str] = field(default_factory=set)
+
+
+class Server:
+    """The command `nlcontrol serve`, on a store."""
+
+    def __init__(self, folder: Path) -> None:
+        begun = time.monotonic()
+        self.process = subprocess.Popen(
+            (*SERVE, "--store", str(folder)),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
+        assert self.process.stdout is not None
+        self.url = self.process.stdout.readline().split()[-1]
+        self.start_time = time.monotonic() - begun
+
+    def children(self) -> list[int]:
+        """Processes that it has started."""
+        return [pid for pid in _pids() if _parent(pid) == self.process.pid]
+
+    def kill(self) -> float:
+        """Kills it, and returns after how long all that it had started were gone [s]."""
+        children = self.children()
+        self.process.kill()
+        self.process.wait()
+        begun = time.monotonic()
+        _wait_until(lambda: not any(_lives(pid) for pid in children), "orphans end")
+        return time.monotonic() - begun
+
+
+def _pids() -> Iterator[int]:
+    return (int(name) for name in os.listdir("/proc") if name.isdigit())
+
+
+def _status(pid: int) -> list[str]:
+    """State and parent of a process, and more; empty if there is none."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return []
+
+
+def _parent(pid: int) -> int:
+    status = _status(pid)
+    return int(status[1]) if status else 0
+
+
+def _lives(pid: int) -> bool:
+    status = _status(pid)
+    return bool(status) and status[0] != "Z"
+
+
+def _wait_until(holds: Any, what: str) -> None:
+    end = time.monotonic() + PATIENCE
+    while not holds():
+        assert time.monotonic() < end, f"{what}: not within {PATIENCE} s"
+        time.sleep(0.02)
+
+
+def say_sentences(url: str, seed: int, told: Told, ended: threading.Event) -> None:
+    """Says sentences in a session of its own, until the service or the session is lost."""
+    rng = random.Random(seed)
+    with contextlib.suppress(httpx.TransportError), httpx.Client(base_url=url, timeout=30) as http:
+        session = http.post("/v1/sessions", json={"seed": seed}).raise_for_status().json()
+        place = f"/v1/sessions/{session['session_id']}"
+        while not ended.is_set():
+            answer = http.post(f"{place}/say", json={"text": rng.choice(SENTENCES)})
+            if answer.status_code != 202:  # the session was lost
+                return
+            run_id = answer.json()["run_id"]
+            told.unfinished.add(run_id)
+            run = answer.json()
+            while run["state"] in ("queued", "running"):
+                time.sleep(0.02)
+                run = http.get(f"/v1/runs/{run_id}").raise_for_status().json()
+            if run["state"] == "ended":
+                told.results[run_id] = run["result"]
+            else:
+                assert run["state"] == "cut_off", run["state"]
+            told.unfinished.discard(run_id)
+        http.delete(place)
+
+
+def require_whole(folder: Path, told: Told) -> Counter[str]:
+    """Checks a store that nobody has open; the states of its runs.
+
+    Raises:
+        AssertionError: something is lost, half or left over.
+    """
+    store = RunStore(folder)
+    runs = store.runs(limit=1_000_000).runs
+    known = {run.run_id: run for run in runs}
+    for run_id, result in told.results.items():
+        found = known[run_id]
+        assert found.state == "ended", (run_id, found.state)
+        assert found.result is not None
+        assert found.result.model_dump(mode="json") == result
+        numbers = [each.number for each in store.events(run_id)]
+        assert numbers == list(range(1, len(numbers) + 1))
+        assert store.events(run_id)[-1].event.kind == "ended"
+        trace = store.file(run_id, "trace")
+        assert (trace is not None) == (result["execution"] is not None), run_id
+        if trace is not None:
+            Trace.load(trace)
+    assert all(known[run_id].state in ("cut_off", "ended") for run_id in told.unfinished)
+    assert all(run.state in ("ended", "cut_off") for run in runs)
+    told.unfinished.clear()
+    assert not list(folder.rglob(f"{PREFIX}*"))
+    store.close()
+    with contextlib.closing(sqlite3.connect(folder / "runs.sqlite")) as database:
+        assert database.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
+    return Counter(run.state for run in runs)
+
+
+def kill_at_random(folder: Path, kills: int, seed: int) -> None:
+    """Kills, checks and prints what came of it."""
+    rng, told, server = random.Random(seed), Told(), Server(folder)
+    killed: Counter[str] = Counter()
+    slowest_end = slowest_start = 0.0
+    for number in range(kills):
+        ended = threading.Event()
+        with ThreadPoolExecutor() as pool:
+            listeners = [
+                pool.submit(say_sentences, server.url, 2 * number + n, told, ended)
+                for n in range(2)
+            ]
+            time.sleep(rng.uniform(0.0, LONGEST))
+            of_server = rng.random() < 0.5
+            if of_server:
+                slowest_end = max(slowest_end, server.kill())
+            else:
+                os.kill(rng.choice(server.children()), signal.SIGKILL)
+                time.sleep(1.0)
+                ended.set()
+            for listener in listeners:
+                listener.result(PATIENCE)
+        killed["server" if of_server else "process"] += 1
+        if of_server:
+            require_whole(folder, told)
+            server = Server(folder)
+            slowest_start = max(slowest_start, server.start_time)
+        print(f"{number + 1}: {dict(killed)}, {len(told.results)} runs have ended", flush=True)
+    children = server.children()
+    server.process.send_signal(signal.SIGTERM)
+    server.process.wait(PATIENCE)
+    _wait_until(lambda: not any(_lives(pid) for pid in children), "its processes end with it")
+    states = require_whole(folder, told)
+    print(
+        f"{kills} kills ({dict(killed)}): {len(told.results)} runs of whose end somebody was told "
+        f"are all there and whole, {states['cut_off']} are marked as cut off; no process is left "
+        f"after {slowest_end:.2f} s, the service is back within {slowest_start:.1f} s"
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--kills", type=int, default=30)
+    parser.add_argument("--seed", type=int, default=0)
+    given = parser.parse_args()
+    folder = Path(tempfile.mkdtemp(prefix="service-kills-"))
+    try:
+        kill_at_random(folder, given.kills, given.seed)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+if __name__ == "__main__":
+    main()
