@@ -83,6 +83,14 @@ CODES: dict[str, Status] = {
     "no_pictures": Status(INTERNAL, 501),
     "scene_and_registry_differ": _CALLER,
     "worker_lost": Status(INTERNAL, 500),
+    # The service: its sessions and its queues.
+    "unknown_session": Status(USAGE, 404),
+    "session_lost": Status(USAGE, 410),
+    "too_many_sessions": Status(USAGE, 429),
+    "queue_full": Status(USAGE, 503),
+    "bad_executor": _CALLER,
+    "no_file": Status(USAGE, 404),
+    "aborted": Status(INTERNAL, 500),
     # The store of the service, and bundles of its runs.
     "store_in_use": Status(USAGE, 409),
     "bad_store": _CALLER,

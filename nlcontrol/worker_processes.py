@@ -43,12 +43,17 @@ def worker_processes(
 def _begin(initializer: Callable[[], object] | None) -> None:
     """Ends this process with its parent, and with nothing else."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    end_with_parent()
     if initializer is not None:
         initializer()
 
 
-def _end_with_parent() -> None:
+def end_with_parent() -> None:
+    """Ends this process, from now on, as soon as its parent has ended."""
+    threading.Thread(target=_wait_for_parent, daemon=True).start()
+
+
+def _wait_for_parent() -> None:
     parent = multiprocessing.parent_process()
     assert parent is not None, "a worker has a parent"
     parent.join()

@@ -39,6 +39,11 @@ class LastLook:
         self._seen: _Seen | None = None
         self._holds = False
 
+    @property
+    def state(self) -> WorldState | None:
+        """The belief at the last look; None if something was done since."""
+        return None if self._seen is None else self._seen.state
+
     def look(self, camera: Camera, models: Mapping[str, ObjectModel]) -> WorldState:
         """The belief now, or within `kept` that of the last look, where it still holds."""
         seen = self._seen

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -46,22 +46,42 @@ class TraceScene:
 
     def show(self, trace: Trace, sample: int) -> None:
         """Puts everything where it was at a sample of a trace."""
-        plant, context = self._model.plant, self._plant_context
         self.context.SetTime(float(trace.time[sample] - trace.time[0]))
-        for name, angle in zip(trace.joint_names, trace.joints[sample], strict=True):
+        self.put(
+            dict(zip(trace.joint_names, trace.joints[sample].tolist(), strict=True)),
+            {name: rows[sample] for name, rows in trace.poses.items()},
+            {name: float(rows[sample]) for name, rows in trace.lids.items()},
+            {name: rows[sample] for name, rows in trace.lid_poses.items()},
+        )
+
+    def put(
+        self,
+        joints: Mapping[str, float],
+        poses: Mapping[str, Array],
+        lids: Mapping[str, float],
+        lid_poses: Mapping[str, Array],
+    ) -> None:
+        """Puts everything somewhere.
+
+        Args:
+            joints: angles of the robot's joints by their names [rad].
+            poses: of the objects; quaternion (w, x, y, z) and position in W [m], shape (7,) each.
+            lids: how far they are open, by the names of their objects; see `Trace.lids`.
+            lid_poses: of those that come off, as `poses`.
+        """
+        plant, context = self._model.plant, self._plant_context
+        for name, angle in joints.items():
             plant.GetJointByName(name).set_angle(context, angle)
         for name, body in self._model.bodies.items():
             if body.is_floating_base_body():  # one in a holder stays where it is
-                plant.SetFreeBodyPose(context, body, rigid_transform(trace.poses[name][sample]))
+                plant.SetFreeBodyPose(context, body, rigid_transform(poses[name]))
         for name, lid in self._model.lids.items():
-            if name not in trace.lids:
+            if name not in lids:
                 continue  # nobody looked: it stays closed
             if lid.seat is None:
-                lid.joint.set_angle(context, trace.lids[name][sample])
+                lid.joint.set_angle(context, lids[name])
             else:
-                plant.SetFreeBodyPose(
-                    context, lid.body, rigid_transform(trace.lid_poses[name][sample])
-                )
+                plant.SetFreeBodyPose(context, lid.body, rigid_transform(lid_poses[name]))
 
     def fill(self, trace: Trace, sample: int) -> None:
         """Shows a camera the liquid as it was at a sample of a trace."""

@@ -92,9 +92,8 @@ class RunStore:
         Raises:
             ControlError: `key_reused` if something else was asked for under that key.
         """
-        name = (key or "").encode("utf-8", "surrogatepass")
         with self._transaction(promised=True):
-            if key is not None and (known := self._run_of_key(info.session_id, name, request)):
+            if key is not None and (known := self.run_of_key(info.session_id, key, request)):
                 return known
             added = self._database.execute(
                 "INSERT INTO runs (run_id, session_id, state, ended_at, document)"
@@ -104,9 +103,27 @@ class RunStore:
             if key is not None:
                 self._database.execute(
                     "INSERT INTO idempotency_keys VALUES (?, ?, ?, ?)",
-                    (info.session_id, name, request, added.lastrowid),
+                    (
+                        info.session_id,
+                        key.encode("utf-8", "surrogatepass"),
+                        request,
+                        added.lastrowid,
+                    ),
                 )
         return info
+
+    def run_of_key(self, session_id: str, key: str, request: bytes) -> RunInfo | None:
+        """The run that a session has under a key, or None; raises `key_reused` (see `add_run`)."""
+        found = self._one(_KEYED, session_id, key.encode("utf-8", "surrogatepass"))
+        if found is None:
+            return None
+        if found[1] != request:
+            raise error(
+                "key_reused",
+                "this idempotency key belongs to another request",
+                suggestions=("give each request a key of its own",),
+            )
+        return self.run(found[0])
 
     def put_run(self, info: RunInfo) -> None:
         """Replaces what is known of a run; once it has ended, older ones may be removed.
@@ -325,22 +342,6 @@ class RunStore:
         row = self._one("SELECT number FROM runs WHERE run_id = ?", run_id)
         return int(row[0]) if row else _refuse_run(run_id)
 
-    def _run_of_key(self, session_id: str, key: bytes, request: bytes) -> RunInfo | None:
-        found = self._one(
-            "SELECT run_id, request FROM runs JOIN idempotency_keys ON run = number"
-            " WHERE idempotency_keys.session_id = ? AND key = ?",
-            *(session_id, key),
-        )
-        if found is None:
-            return None
-        if found[1] != request:
-            raise error(
-                "key_reused",
-                "this idempotency key belongs to another request",
-                suggestions=("give each request a key of its own",),
-            )
-        return self.run(found[0])
-
     def _measure(self, number: int) -> None:
         """Notes how many bytes a run takes."""
         self._database.execute(
@@ -353,6 +354,9 @@ class RunStore:
 
 _SELECT = """SELECT number, document,
     (SELECT coalesce(max(events.number), 0) FROM events WHERE run = runs.number) FROM runs"""
+
+_KEYED = """SELECT run_id, request FROM runs JOIN idempotency_keys ON run = number
+    WHERE idempotency_keys.session_id = ? AND key = ?"""
 
 _CUT_OFF = ErrorInfo(
     code="cut_off",

@@ -1,0 +1,374 @@
+"""The planning service: sessions, plans and runs for many callers; HTTP and MCP are its faces.
+
+Plans for callers without a session are made in a pool of planners, each session has a process of
+its own, and the runs of all sessions queue up for the processors. Methods may be called from any
+thread. Those that wait for a process return a future, of a JSON document.
+"""
+
+from __future__ import annotations
+
+import secrets
+import threading
+import time
+from collections.abc import AsyncIterator
+from concurrent.futures import Future
+from contextlib import ExitStack
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any, Self
+
+from nlcontrol.errors import error
+from nlcontrol.service.run_files import RunFiles
+from nlcontrol.service.service_settings import ServiceSettings
+from nlcontrol.service.store.run_store import RunStore
+from nlcontrol.service.workers.live_runs import LiveRuns
+from nlcontrol.service.workers.live_session import LiveSession
+from nlcontrol.service.workers.planner_pool import PlannerPool
+from nlcontrol.service.workers.session_host import SessionHost
+from nlcontrol.service.workers.worker_process import WorkerProcess
+from objectmodels.errors import suggest
+from sim.truth.scene_file import built_in_scenes
+
+if TYPE_CHECKING:
+    from nlcontrol.service.documents import (
+        NumberedEvent,
+        RunInfo,
+        RunPage,
+        SessionInfo,
+        SessionSpec,
+        TableSpec,
+    )
+    from nlcontrol.session.frame_documents import Frames
+    from objectmodels import ObjectModel
+
+_TICK = 1.0  # between looks for idle sessions [s]
+
+
+class PlanningService:
+    """The service, from `start` to `close`.
+
+    Args:
+        settings: of the service.
+    """
+
+    def __init__(self, settings: ServiceSettings | None = None) -> None:
+        self.settings = settings = settings or ServiceSettings()
+        self._resources = ExitStack()
+        folder = settings.store
+        if folder is None:
+            folder = Path(self._resources.enter_context(TemporaryDirectory(prefix="nlcontrol-")))
+        self._store = RunStore(folder, keep_bytes=settings.keep_bytes)
+        self._resources.callback(self._store.close)
+        self._planners = PlannerPool(settings.planners, settings.queue, settings.request_time)
+        self._runs = LiveRuns(self._store, settings.workers, settings.queue)
+        self._files = RunFiles(self._store, settings.request_time)
+        self._lock = threading.RLock()
+        self._sessions: dict[str, LiveSession] = {}
+        self._spare: WorkerProcess | None = None
+        self._closed = threading.Event()
+
+    def start(self) -> None:
+        """Starts a planner and a spare process for the first session."""
+        self._planners.start()
+        with self._lock:
+            self._keep_spare()
+        threading.Thread(target=self._close_idle_sessions, daemon=True).start()
+
+    def close(self) -> None:
+        """Asks all runs to come to rest, waits for that, and ends all processes."""
+        self._closed.set()
+        sessions = list(self._sessions.values())
+        for session in sessions:
+            self._ask_to_rest(session)
+        deadline = time.monotonic() + self.settings.stop_time
+        while time.monotonic() < deadline and any(s.run_id is not None for s in sessions):
+            time.sleep(0.05)
+        with self._lock:
+            processes = [s.process for s in sessions]
+            processes += [self._spare] if self._spare is not None else []
+        for process in processes:
+            process.kill()
+        for process in processes:
+            process.wait()
+        self._planners.close()
+        self._resources.close()
+
+    def __enter__(self) -> Self:
+        self.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    # --- without a session -----------------------------------------------------------------------
+
+    def call_planner(self, method: str, table: TableSpec, **arguments: Any) -> Future[bytes]:
+        """Calls a method of a session that is opened for this call alone; nothing moves.
+
+        Args:
+            method: `parse`, `ask`, `predict`, `map`, `affordances`, `plan` or `look`.
+            table: to be planned for.
+            arguments: of the method.
+
+        Raises:
+            ControlError: `unknown_scene`, `queue_full`; the future also what the method raises,
+                and `time_limit`.
+        """
+        self._require_scene(table)
+        return self._planners.call(method, table, **arguments)
+
+    def scenes(self) -> tuple[str, ...]:
+        """Names of the scenes that may be asked for."""
+        named = self.settings.scenes
+        return built_in_scenes() if named is None else named
+
+    def objects(self) -> tuple[ObjectModel, ...]:
+        """Object models of the host."""
+        from objectmodels import Registry
+
+        return tuple(Registry.default())
+
+    def health(self) -> dict[str, int]:
+        """Numbers of what there is and what waits."""
+        return {
+            "sessions": len(self._sessions),
+            "planners": self._planners.size,
+            "running": self._runs.queue.running,
+            "queued": self._runs.queue.waiting,
+        }
+
+    # --- sessions --------------------------------------------------------------------------------
+
+    def open_session(self, spec: SessionSpec) -> SessionInfo:
+        """Opens a session; waits until its table is there.
+
+        Raises:
+            ControlError: `unknown_scene`, `too_many_sessions`; what is wrong with the table.
+        """
+        self._require_scene(spec)
+        session_id = f"session-{secrets.token_hex(8)}"
+        with self._lock:
+            self._require_room()
+            process = self._spare or WorkerProcess(SessionHost)
+            self._spare = None
+            session = LiveSession(session_id, spec, process, self.settings)
+            self._sessions[session_id] = session
+            process.on_told = lambda topic, content: self._take(session, topic, content)
+            process.on_end = lambda: self._note_loss(session)
+            self._keep_spare()
+        try:
+            executor = self.settings.executor
+            session.call("open", spec=spec.model_dump_json(), executor=executor).result()
+        except BaseException:
+            self._end_session(session)
+            raise
+        self._store.add_session(session_id, spec)
+        return session.info()
+
+    def sessions(self) -> tuple[SessionInfo, ...]:
+        """The sessions that are open."""
+        with self._lock:
+            sessions = list(self._sessions.values())
+        return tuple(session.info() for session in sessions)
+
+    def session_pids(self) -> tuple[int, ...]:
+        """Numbers of the processes of the sessions that are open."""
+        with self._lock:
+            return tuple(session.process.pid for session in self._sessions.values())
+
+    def session(self, session_id: str) -> SessionInfo:
+        """A session that is open; raises `unknown_session`."""
+        return self._session(session_id).info()
+
+    def call_session(self, session_id: str, method: str, **arguments: Any) -> Future[bytes]:
+        """Calls a method of a session: those of `call_planner`, and `reset`.
+
+        Raises:
+            ControlError: `unknown_session`, `session_lost`, `queue_full`; the future also what the
+                method raises, and `time_limit`.
+        """
+        return self._session(session_id).call(method, **arguments)
+
+    def stop_session(self, session_id: str) -> None:
+        """Asks the run of a session to come to rest; its plans are dropped."""
+        session = self._session(session_id)
+        session.require_process()
+        session.process.call("stop_run")
+
+    def close_session(self, session_id: str) -> None:
+        """Closes a session; its run comes to rest first, but not for longer than `stop_time`."""
+        session = self._session(session_id)
+        self._ask_to_rest(session)
+        threading.Thread(target=self._end_at_rest, args=(session,), daemon=True).start()
+
+    def scene_geometry(self, session_id: str) -> Future[bytes]:
+        """All that a viewer draws of a session (JSON of `SceneGeometry`), for `live`."""
+        return self._session(session_id).call("geometry")
+
+    async def live(self, session_id: str) -> AsyncIterator[bytes]:
+        """Frames of poses for a viewer (JSON of `PoseFrame`), as long as the session is open."""
+        session = self._session(session_id)
+        with session.frames.heard() as heard:
+            session.tell_frames(wanted=True)
+            try:
+                heard.set()
+                while session.session_id in self._sessions and not session.is_lost:
+                    await heard.wait()
+                    heard.clear()
+                    if session.frame is not None:
+                        yield session.frame
+            finally:
+                session.tell_frames(wanted=session.frames.listeners > 1)
+
+    # --- runs ------------------------------------------------------------------------------------
+
+    def begin_run(
+        self,
+        session_id: str,
+        plan_id: str | None = None,
+        said: str | Frames | None = None,
+        *,
+        idempotency_key: str | None = None,
+    ) -> RunInfo:
+        """Begins to carry out a plan that was approved, or a sentence; it may have to queue.
+
+        Args:
+            session_id: in which.
+            plan_id: of an `Offer` of the session.
+            said: a sentence, or frames, if there is no plan id.
+            idempotency_key: asked twice under it, the run is begun once.
+
+        Raises:
+            ControlError: `unknown_session`, `session_lost`, `queue_full`, `key_reused`; what
+                `PlanningSession.execute` or `say` raises.
+        """
+        return self._runs.begin(self._session(session_id), plan_id, said, idempotency_key)
+
+    def runs(
+        self, session_id: str | None = None, cursor: str | None = None, limit: int = 50
+    ) -> RunPage:
+        """Runs, the newest first, a page at a time; see `RunStore.runs`."""
+        page = self._store.runs(session_id, cursor=cursor, limit=limit)
+        return page.model_copy(
+            update={"runs": tuple(self._runs.as_it_is(info) for info in page.runs)}
+        )
+
+    def run(self, run_id: str) -> RunInfo:
+        """A run as it is now; raises `unknown_run`."""
+        return self._runs.run(run_id)
+
+    def events_so_far(self, run_id: str, after: int = 0) -> tuple[NumberedEvent, ...]:
+        """Events of a run after a number; raises `unknown_run`."""
+        return self._store.events(run_id, after)
+
+    def events(self, run_id: str, after: int = 0) -> AsyncIterator[NumberedEvent]:
+        """Events of a run after a number, as they happen, until it has ended."""
+        return self._runs.events(run_id, after)
+
+    def wait_for_run(self, run_id: str, timeout: float | None = None) -> RunInfo:
+        """The run once it has ended, or as it is after a time [s]; raises `unknown_run`."""
+        return self._runs.wait(run_id, timeout)
+
+    def stop_run(self, run_id: str) -> None:
+        """Asks a run to let go and come to rest; raises `unknown_run`."""
+        self._runs.stop(run_id)
+
+    def abort_run(self, run_id: str) -> None:
+        """Ends the process of a run at once, its session with it; raises `unknown_run`."""
+        self._runs.abort(run_id)
+
+    def delete_run(self, run_id: str) -> None:
+        """Removes a run that has ended; raises `unknown_run`, `run_under_way`."""
+        self._store.delete_run(run_id)
+
+    def trace_file(self, run_id: str) -> Path:
+        """File of the trace of a run; raises `unknown_run`, `no_file`."""
+        return self._files.trace(run_id)
+
+    def replay_file(self, run_id: str) -> Path:
+        """File of the replay of a run, made the first time; raises `unknown_run`, `no_file`."""
+        return self._files.replay(run_id)
+
+    def bundle(self, run_id: str) -> Path:
+        """All of a run in one zip file; raises `unknown_run`, `run_under_way`."""
+        return self._files.bundle(run_id)
+
+    # --- inside ----------------------------------------------------------------------------------
+
+    def _session(self, session_id: str) -> LiveSession:
+        with self._lock:
+            session = self._sessions.get(session_id)
+        if session is None:
+            raise error(
+                "unknown_session",
+                f"there is no open session {session_id[:80]!r}",
+                suggestions=("open a new one: it was closed, or nothing was asked of it for long",),
+            )
+        return session
+
+    def _require_scene(self, table: TableSpec) -> None:
+        """Keeps out what is no name, such as the path of a file."""
+        if table.scene not in self.scenes():
+            raise error(
+                "unknown_scene",
+                f"there is no scene {table.scene[:80]!r}",
+                suggestions=suggest(table.scene[:80], self.scenes()) or self.scenes(),
+            )
+
+    def _require_room(self) -> None:
+        most = 1 if self.settings.executor is not None else self.settings.sessions
+        if len(self._sessions) >= most:
+            raise error(
+                "too_many_sessions",
+                f"{len(self._sessions)} sessions are open, and no more are allowed",
+                suggestions=("close one", "ask again when one has ended"),
+                numbers={"sessions": float(most), "retry_after": 30.0},
+            )
+
+    def _keep_spare(self) -> None:
+        """Keeps a process ready for the next session, so that it opens quickly."""
+        if self._spare is None and not self._closed.is_set():
+            spare = WorkerProcess(SessionHost)
+            spare.on_end = lambda: self._forget_spare(spare)
+            self._spare = spare
+
+    def _forget_spare(self, spare: WorkerProcess) -> None:
+        with self._lock:
+            if self._spare is spare:
+                self._spare = None
+
+    def _take(self, session: LiveSession, topic: str, content: bytes) -> None:
+        if topic == "pose_frame":
+            session.frame = content
+            session.frames.ring()
+        else:
+            self._runs.take(session, topic, content)
+
+    def _note_loss(self, session: LiveSession) -> None:
+        session.is_lost = True
+        self._runs.note_loss(session)
+        session.frames.ring()
+
+    def _ask_to_rest(self, session: LiveSession) -> None:
+        if session.run_id is not None and not session.is_lost:
+            session.process.call("stop_run")
+
+    def _end_at_rest(self, session: LiveSession) -> None:
+        """Ends a session once its run has come to rest, or its time for that is over."""
+        if session.run_id is not None:
+            self._runs.wait(session.run_id, self.settings.stop_time)
+        self._end_session(session)
+
+    def _end_session(self, session: LiveSession) -> None:
+        with self._lock:
+            self._sessions.pop(session.session_id, None)
+        session.process.kill()
+        session.frames.ring()
+
+    def _close_idle_sessions(self) -> None:
+        while not self._closed.wait(_TICK):
+            with self._lock:
+                sessions = list(self._sessions.values())
+            for session in sessions:
+                if session.expires_in == 0.0:
+                    self._end_session(session)

@@ -1,0 +1,76 @@
+"""Files of a run: its trace, its replay, and all of it in one bundle; made when asked for."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+from typing import NoReturn
+
+from nlcontrol.errors import error
+from nlcontrol.service.store.run_store import RunStore
+from nlcontrol.service.store.stored_bundle import bundle_file
+from nlcontrol.service.workers.replay_host import ReplayHost
+from nlcontrol.service.workers.worker_process import WorkerProcess
+
+
+class RunFiles:
+    """Files of the runs of a store.
+
+    Args:
+        store: of the runs.
+        time_limit: for a replay to be made [s].
+    """
+
+    def __init__(self, store: RunStore, time_limit: float) -> None:
+        self._store, self._time_limit = store, time_limit
+        self._making = threading.Lock()
+
+    def trace(self, run_id: str) -> Path:
+        """File of the trace of a run, an npz file; see `sim.traces.trace`.
+
+        Raises:
+            ControlError: `unknown_run`, `no_file`.
+        """
+        return self._store.file(run_id, "trace") or _refuse(run_id, "nothing has moved in it")
+
+    def replay(self, run_id: str) -> Path:
+        """File of the replay of a run, an HTML file; it is made the first time.
+
+        Raises:
+            ControlError: `unknown_run`, `no_file`.
+        """
+        trace = self.trace(run_id)
+        with self._making:
+            made = self._store.file(run_id, "replay")
+            if made is not None:
+                return made
+            session = self._store.session_spec(self._store.run(run_id).session_id)
+            if session is None:
+                return _refuse(run_id, "its session is not known any more")
+            process = WorkerProcess(ReplayHost)
+            try:
+                with self._store.write_file(run_id, "replay") as path:
+                    process.call(
+                        "replay", trace=str(trace), scene=session.scene, path=str(path)
+                    ).result(self._time_limit)
+            finally:
+                process.kill()
+        return self._store.file(run_id, "replay") or _refuse(run_id, "it was deleted")
+
+    def bundle(self, run_id: str) -> Path:
+        """All of a run in one zip file, made the first time; see `nlcontrol.service.bundles`.
+
+        Raises:
+            ControlError: `unknown_run`, `run_under_way`.
+        """
+        if self._store.file(run_id, "bundle") is None and self._store.file(run_id, "trace"):
+            self.replay(run_id)  # which belongs into it
+        return bundle_file(self._store, run_id)
+
+
+def _refuse(run_id: str, why: str) -> NoReturn:
+    raise error(
+        "no_file",
+        f"the run {run_id} has no such file: {why}",
+        suggestions=("read the run itself, and its events",),
+    )

@@ -1,0 +1,261 @@
+"""Runs that are queued or under way: their turn, their events, their end, noted in the store."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import secrets
+import threading
+import time
+from collections.abc import AsyncIterator
+from typing import TYPE_CHECKING, Any
+
+from nlcontrol.errors import INTERNAL, ControlError, ErrorInfo, error
+from nlcontrol.service.documents import NumberedEvent, RunInfo
+from nlcontrol.service.workers.bell import Bell
+from nlcontrol.service.workers.session_host import RunEnd
+from nlcontrol.service.workers.simulation_queue import SimulationQueue
+from nlcontrol.session.events import Event
+
+if TYPE_CHECKING:
+    from nlcontrol.service.documents import RunState
+    from nlcontrol.service.store.run_store import RunStore
+    from nlcontrol.service.workers.live_session import LiveSession
+
+
+class LiveRun:
+    """A run that has not ended.
+
+    Attributes:
+        info: the run as it is now.
+        session: in which it is carried out.
+        changed: rung at each change.
+        ended: set at its end.
+        has_turn: it may simulate.
+        is_aborted: its process is being ended.
+    """
+
+    def __init__(self, run_id: str, session: LiveSession) -> None:
+        self.run_id, self.session = run_id, session
+        self.info: RunInfo | None = None
+        self.changed = Bell()
+        self.ended = threading.Event()
+        self.has_turn = self.is_aborted = False
+
+
+class LiveRuns:
+    """All that are queued or under way.
+
+    Args:
+        store: where they are noted.
+        workers: runs that may simulate at once.
+        queue: runs that may wait.
+    """
+
+    def __init__(self, store: RunStore, workers: int, queue: int) -> None:
+        self._store = store
+        self._lock = threading.RLock()
+        self._runs: dict[str, LiveRun] = {}
+        self.queue = SimulationQueue(workers, queue, self._note_place)
+
+    # --- from the caller -----------------------------------------------------------------------
+
+    def begin(
+        self, session: LiveSession, plan_id: str | None, said: Any, key: str | None
+    ) -> RunInfo:
+        """Begins a run, or lets it wait for its turn; see `PlanningService.begin_run`."""
+        request = hashlib.sha256(json.dumps([plan_id, said], sort_keys=True).encode()).digest()
+        with session.beginning:
+            if key is not None:
+                known = self._store.run_of_key(session.session_id, key, request)
+                if known is not None:
+                    return self.run(known.run_id)
+            session.require_process()
+            if session.run_id is not None:
+                raise _busy(session.run_id)
+            run = LiveRun(f"run-{secrets.token_hex(8)}", session)
+            with self._lock:
+                self._runs[run.run_id] = run
+                session.run_id = run.run_id
+            try:
+                self.queue.enter(run.run_id, lambda: self._give_turn(run))
+                begun = session.call("begin_run", plan_id=plan_id, said=said).result()
+                self._note_begin(run, RunInfo.model_validate_json(begun), key, request)
+            except BaseException:
+                self._forget(run)
+                raise
+        return self.run(run.run_id)
+
+    def run(self, run_id: str) -> RunInfo:
+        """A run as it is now; raises `unknown_run`."""
+        with self._lock:
+            live = self._runs.get(run_id)
+            return live.info if live is not None and live.info else self._store.run(run_id)
+
+    def as_it_is(self, stored: RunInfo) -> RunInfo:
+        """A run of the store, with its place and state as they are now."""
+        live = self._runs.get(stored.run_id)
+        return live.info if live is not None and live.info else stored
+
+    def wait(self, run_id: str, timeout: float | None) -> RunInfo:
+        """The run once it has ended, or as it is after a time [s]; raises `unknown_run`."""
+        live = self._live(run_id)
+        if live is not None:
+            live.ended.wait(timeout)
+        return self.run(run_id)
+
+    def stop(self, run_id: str) -> None:
+        """Asks a run to come to rest; nothing if it has ended already."""
+        live = self._live(run_id)
+        if live is not None and not live.session.is_lost:
+            live.session.process.call("stop_run")
+
+    def abort(self, run_id: str) -> None:
+        """Ends the process of a run; nothing if it has ended already."""
+        live = self._live(run_id)
+        if live is not None:
+            live.is_aborted = True
+            live.session.process.kill()
+
+    async def events(self, run_id: str, after: int = 0) -> AsyncIterator[NumberedEvent]:
+        """Events of a run after a number, as they happen, until it has ended."""
+        live = self._live(run_id)
+        with (live.changed if live is not None else Bell()).heard() as changed:
+            while True:
+                changed.clear()
+                has_ended = self._live(run_id) is None
+                for each in self._store.events(run_id, after):
+                    yield each
+                    after = each.number
+                if has_ended:
+                    return
+                await changed.wait()
+
+    # --- from the process ----------------------------------------------------------------------
+
+    def take(self, session: LiveSession, topic: str, content: bytes) -> None:
+        """Notes what the process of a session tells of its run."""
+        run = self._runs.get(session.run_id or "")
+        if run is None or run.info is None:
+            return
+        match topic:
+            case "event":
+                self._note_event(run, Event.model_validate_json(content))
+            case "trace" | "request":
+                with self._store.write_file(run.run_id, topic) as path:
+                    path.write_bytes(content)
+            case "ended":
+                end = RunEnd.model_validate_json(content)
+                defect = end.error is not None and end.error.status.exit == INTERNAL
+                self._end(run, "defect" if defect else "ended", end)
+
+    def note_loss(self, session: LiveSession) -> None:
+        """Ends the run of a session whose process has ended."""
+        run = self._runs.get(session.run_id or "")
+        if run is None or run.info is None:
+            return
+        state: RunState = "aborted" if run.is_aborted else "cut_off"
+        message = "it was aborted" if run.is_aborted else "its process has ended unexpectedly"
+        info = ErrorInfo(
+            code="aborted" if run.is_aborted else "cut_off",
+            message=f"{message}, and its session with it",
+            suggestions=("open a new session, and look before anything moves",),
+        )
+        self._end(run, state, RunEnd(error=info))
+
+    # --- inside --------------------------------------------------------------------------------
+
+    def _live(self, run_id: str) -> LiveRun | None:
+        """A run that has not ended; None if it has.
+
+        Raises:
+            ControlError: `unknown_run`.
+        """
+        run = self._runs.get(run_id)
+        if run is None:
+            self._store.run(run_id)
+        return run
+
+    def _note_begin(self, run: LiveRun, begun: RunInfo, key: str | None, request: bytes) -> None:
+        """Puts a run into the store, and lets it go on if it has its turn."""
+        now = time.time()
+        begun = begun.model_copy(
+            update={
+                "run_id": run.run_id,
+                "session_id": run.session.session_id,
+                "state": "queued",
+                "place": None,
+                "asked_at": now,
+                "begun_at": None,
+                "events": 0,
+            }
+        )
+        self._store.add_run(begun, key=key, request=request)
+        with self._lock:
+            run.info = begun
+        self._note_place(run.run_id, self.queue.place(run.run_id))
+        self._go_on(run)
+
+    def _give_turn(self, run: LiveRun) -> None:
+        run.has_turn = True
+        self._go_on(run)
+
+    def _go_on(self, run: LiveRun) -> None:
+        """Lets a run move that is begun and has its turn."""
+        with self._lock:
+            if run.info is None or run.info.state != "queued" or not run.has_turn:
+                return
+            self._put(run, state="running", place=None, begun_at=time.time())
+        run.session.process.call("take_turn")
+
+    def _note_place(self, run_id: str, place: int | None) -> None:
+        with self._lock:
+            run = self._runs.get(run_id)
+            if run is not None and run.info is not None and run.info.state == "queued":
+                run.info = run.info.model_copy(update={"place": place})
+                run.changed.ring()
+
+    def _note_event(self, run: LiveRun, event: Event) -> None:
+        with self._lock:
+            assert run.info is not None, "it was begun"
+            number = run.info.events + 1
+            run.info = run.info.model_copy(update={"events": number})
+        self._store.add_events(run.run_id, [NumberedEvent(number=number, event=event)])
+        run.changed.ring()
+
+    def _end(self, run: LiveRun, state: RunState, end: RunEnd) -> None:
+        with self._lock:
+            self._put(
+                run,
+                state=state,
+                place=None,
+                ended_at=time.time(),
+                result=end.result,
+                error=end.error,
+            )
+        self._forget(run)
+
+    def _put(self, run: LiveRun, **changes: object) -> None:
+        assert run.info is not None, "it was begun"
+        run.info = run.info.model_copy(update=changes)
+        self._store.put_run(run.info)
+        run.changed.ring()
+
+    def _forget(self, run: LiveRun) -> None:
+        """Lets the next one begin in the place of a run that has ended."""
+        with self._lock:
+            self._runs.pop(run.run_id, None)
+            if run.session.run_id == run.run_id:
+                run.session.run_id = None
+                run.session.note_use()
+        self.queue.leave(run.run_id)
+        run.ended.set()
+        run.changed.ring()
+
+
+def _busy(run_id: str) -> ControlError:
+    return error(
+        "busy",
+        f"the run {run_id} is under way or queued in this session",
+        suggestions=("wait until it has ended", "stop it"),
+    )

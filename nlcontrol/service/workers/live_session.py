@@ -1,0 +1,156 @@
+"""An open session as the service holds it: its process, its run, when it was last used."""
+
+from __future__ import annotations
+
+import threading
+import time
+from concurrent.futures import Future, InvalidStateError
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+from nlcontrol.errors import ControlError, error
+from nlcontrol.service.documents import SessionInfo
+from nlcontrol.service.workers.bell import Bell
+from nlcontrol.service.workers.worker_process import daemon_timer, time_limit_error
+
+if TYPE_CHECKING:
+    from nlcontrol.service.documents import SessionSpec
+    from nlcontrol.service.service_settings import ServiceSettings
+    from nlcontrol.service.workers.worker_process import WorkerProcess
+
+MOST_CALLS = 8
+"""Calls of one session that may be open at once."""
+
+
+class LiveSession:
+    """A session that is open.
+
+    Args:
+        session_id: of it.
+        spec: as it was asked for.
+        process: in which it is open.
+        settings: of the service.
+
+    Attributes:
+        run_id: of the run that is under way or queued.
+        beginning: held while a run is begun.
+        is_lost: its process has ended.
+        frames: rung at each pose frame; `frame` is the last one, as JSON.
+    """
+
+    def __init__(
+        self,
+        session_id: str,
+        spec: SessionSpec,
+        process: WorkerProcess,
+        settings: ServiceSettings,
+    ) -> None:
+        self.session_id, self.spec, self.process = session_id, spec, process
+        self.run_id: str | None = None
+        self.beginning = threading.Lock()
+        self.is_lost = False
+        self.frames = Bell()
+        self.frame: bytes | None = None
+        self._settings = settings
+        self._used_at = time.monotonic()
+        self._calls: set[Future[bytes]] = set()
+
+    @property
+    def executes(self) -> bool:
+        """Plans can be carried out here."""
+        return self.spec.objects is None
+
+    @property
+    def expires_in(self) -> float:
+        """Time until it is closed if nothing is asked of it [s]; all of it while it is used."""
+        limit = self._settings.idle_time
+        if self.run_id is not None or self._calls or self.frames.listeners:
+            self.note_use()
+        return max(0.0, limit - (time.monotonic() - self._used_at))
+
+    def note_use(self) -> None:
+        """Puts off the end of an idle session."""
+        self._used_at = time.monotonic()
+
+    def info(self) -> SessionInfo:
+        """The session as it is now."""
+        run_id = self.run_id
+        return SessionInfo(
+            session_id=self.session_id,
+            spec=self.spec,
+            executes=self.executes,
+            state="lost" if self.is_lost else "running" if run_id else "idle",
+            run_id=run_id,
+            expires_in=self.expires_in,
+        )
+
+    def require_process(self) -> None:
+        """Notes a use of the session.
+
+        Raises:
+            ControlError: `session_lost`.
+        """
+        self.note_use()
+        if self.is_lost:
+            raise error(
+                "session_lost",
+                f"the process of the session {self.session_id} has ended, and its table with it",
+                suggestions=("open a new session",),
+            )
+
+    def call(self, method: str, **arguments: Any) -> Future[bytes]:
+        """Calls a method of the session; it is given up when its time is over.
+
+        Raises:
+            ControlError: `session_lost`; `queue_full` if too many calls are open.
+        """
+        self.require_process()
+        if len(self._calls) >= MOST_CALLS:
+            raise error(
+                "queue_full",
+                f"{len(self._calls)} calls of this session are open",
+                suggestions=("wait for the answers",),
+                numbers={"waiting": float(len(self._calls)), "retry_after": 1.0},
+            )
+        limit = self._settings.request_time
+        answer: Future[bytes] = Future()
+        answer.set_running_or_notify_cancel()
+        call = self.process.call(method, **arguments)
+        self._calls.add(call)
+
+        def give_up() -> None:
+            with suppress(InvalidStateError):
+                answer.set_exception(time_limit_error(limit))
+
+        timer = daemon_timer(limit, give_up)
+
+        def settle(call: Future[bytes]) -> None:
+            timer.cancel()
+            self._calls.discard(call)
+            self.note_use()
+            raised = call.exception()
+            with suppress(InvalidStateError):
+                if raised is None:
+                    answer.set_result(call.result())
+                else:
+                    answer.set_exception(self._cause(raised))
+
+        call.add_done_callback(settle)
+        return answer
+
+    def tell_frames(self, wanted: bool) -> None:
+        """Lets frames of poses be told, or ends that."""
+        if not wanted:
+            self.frame = None
+        if not self.is_lost:
+            self.process.call("tell_poses", wanted=wanted)
+
+    def _cause(self, raised: BaseException) -> BaseException:
+        """An error of a call, that of a session without process among them."""
+        if isinstance(raised, ControlError) and raised.code == "worker_lost":
+            self.is_lost = True
+            try:
+                self.require_process()
+            except ControlError as lost:
+                return lost
+        return raised

@@ -1,0 +1,51 @@
+"""Inside a planner: each call gets a session of its own, at a table that may be open already."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Mapping
+from threading import Lock
+from typing import TYPE_CHECKING, Any
+
+from nlcontrol.service.documents import SessionSpec, TableSpec
+from nlcontrol.service.session import Session
+from nlcontrol.service.workers.session_answers import QUESTIONS, session_answer
+
+if TYPE_CHECKING:
+    from nlcontrol.service.workers.worker_host import Tell
+    from nlcontrol.session.executor import Executor
+
+MOST_TABLES = 4
+"""Tables that a planner keeps open."""
+
+
+class PlannerHost:
+    """Answers calls about tables; nothing is remembered from one to the next."""
+
+    def __init__(self, tell: Tell) -> None:
+        self._lock = Lock()
+        self._executors: OrderedDict[str, Executor] = OrderedDict()
+        warm_up()
+
+    def answer(self, method: str, arguments: Mapping[str, Any]) -> bytes:
+        """The answer to a method of a session, for a `table` and within a `time_limit` [s]."""
+        if method not in QUESTIONS:
+            raise ValueError(f"a planner does not answer {method}")
+        rest = dict(arguments)
+        table, time_limit = rest.pop("table"), rest.pop("time_limit")
+        with self._lock:
+            executor = self._executors.pop(table, None)
+        spec = SessionSpec(**TableSpec.model_validate_json(table).model_dump())
+        session = Session(spec, executor=executor, time_limit=time_limit)
+        with self._lock:
+            self._executors[table] = session.controller.executor
+            while len(self._executors) > MOST_TABLES:
+                self._executors.popitem(last=False)
+        return session_answer(session, method, rest)
+
+
+def warm_up() -> None:
+    """Loads what the first plan would otherwise wait for."""
+    session = Session(SessionSpec())
+    for item in session.look().objects[:1]:
+        session.plan(f"push the {item.name} 5 cm away")

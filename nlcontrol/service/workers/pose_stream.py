@@ -1,0 +1,180 @@
+"""Inside the process of a session: poses for viewers while somebody looks, and nothing otherwise.
+
+Of a simulated world these are what its observer sees. The world leaves a sample of itself after
+every control step; a thread of its own takes the newest one now and then, so that nothing is asked
+of the world, and what happens in it does not depend on who looks. Of another robot it is what is
+believed since the last look.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Protocol
+
+from nlcontrol.service.live_documents import DrawnShape, PoseFrame, SceneGeometry
+from sim.rotations import quaternion
+from sim.simulated_executor import SimulatedExecutor
+
+if TYPE_CHECKING:
+    from nlcontrol.service.session import Session
+    from nlcontrol.session.controller import Controller
+    from nlcontrol.session.executor import Executor
+    from sim.worlds.ports import Sample
+
+RATE = 30.0
+"""Frames per second of the robot's time, at most."""
+
+_LOOK_EVERY = 0.008  # a simulation may run several times faster than the clock [s]
+
+_GREY = (0.6, 0.6, 0.6, 1.0)
+
+
+class View(Protocol):
+    """A view of a robot and its table."""
+
+    @property
+    def time(self) -> float:
+        """Time of what there is to see [s]."""
+
+    def geometry(self) -> SceneGeometry:
+        """All that is drawn."""
+
+    def frame(self) -> PoseFrame:
+        """Places of all bodies now."""
+
+
+class ObservedWorld:
+    """A simulated world as its observer sees it.
+
+    Args:
+        executor: in whose world things happen.
+    """
+
+    def __init__(self, executor: SimulatedExecutor) -> None:
+        from sim.views.scene_bodies import SceneBodies
+
+        self._executor = executor
+        # A viewer's own world shows how things are before anything moves: the executor's is built
+        # then, and no sooner because somebody looks.
+        world = executor.world if executor.is_built else copy_of(executor).world
+        self._first, self._joint_names = world.sample, world.robot.joint_names
+        self._bodies = SceneBodies(world.scene)
+
+    def _sample(self) -> Sample:
+        return self._executor.world.sample if self._executor.is_built else self._first
+
+    @property
+    def time(self) -> float:
+        """Time of the newest sample [s]."""
+        return self._sample().time
+
+    def geometry(self) -> SceneGeometry:
+        """All that is drawn."""
+        shapes = tuple(DrawnShape(**asdict(shape)) for shape in self._bodies.shapes())
+        return SceneGeometry(source="observer", shapes=shapes)
+
+    def frame(self) -> PoseFrame:
+        """Places of all bodies in the newest sample."""
+        sample = self._sample()
+        poses = self._bodies.poses(sample, self._joint_names)
+        return PoseFrame(time=sample.time, source="observer", poses=poses)
+
+
+class BelievedTable:
+    """The table of a robot that is not simulated, as it was seen last: a box for each object.
+
+    Args:
+        controller: of the robot.
+    """
+
+    def __init__(self, controller: Controller) -> None:
+        self._controller = controller
+
+    @property
+    def time(self) -> float:
+        """Time of the robot [s]."""
+        return self._controller.executor.time
+
+    def geometry(self) -> SceneGeometry:
+        """A box about each object."""
+        shapes = []
+        for name, model in self._controller.models.items():
+            x, y, z = (float(side) for side in model.extents)
+            shapes.append(
+                DrawnShape(
+                    body=name,
+                    object=name,
+                    kind="box",
+                    size=(x, y, z),
+                    pose=(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5 * z),
+                    colour=_GREY,
+                )
+            )
+        return SceneGeometry(source="belief", shapes=tuple(shapes))
+
+    def frame(self) -> PoseFrame:
+        """Places of the objects as they are believed."""
+        state = self._controller.last_look.state
+        objects = {} if state is None else state.objects
+        poses = {
+            name: (*quaternion(seen.pose.R_WB).tolist(), *seen.pose.p_WB.tolist())
+            for name, seen in objects.items()
+        }
+        return PoseFrame(time=self.time, source="belief", poses=poses)
+
+
+def copy_of(executor: SimulatedExecutor) -> SimulatedExecutor:
+    """An executor of the same scene and seed, in whose world nothing was done yet."""
+    return SimulatedExecutor(executor.scene, seed=executor.seed)
+
+
+class PoseStream:
+    """Frames of a session, told while they are wanted.
+
+    Args:
+        session: whose robot is looked at.
+        tell: tells a frame, as JSON.
+    """
+
+    def __init__(self, session: Session, tell: Callable[[bytes], None]) -> None:
+        self._session, self._tell = session, tell
+        self._wanted = threading.Event()
+        self._lock = threading.Lock()
+        self._seen: tuple[Executor, View] | None = None
+
+    def geometry(self) -> SceneGeometry:
+        """All that is drawn of the session."""
+        return self._view().geometry()
+
+    def tell_frames(self, wanted: bool) -> None:
+        """Begins to tell frames, or ends it."""
+        if not wanted:
+            self._wanted.clear()
+        elif not self._wanted.is_set():
+            self._wanted.set()
+            threading.Thread(target=self._tell_while_wanted, daemon=True).start()
+
+    def _view(self) -> View:
+        """The view of the robot, which is another one after a reset."""
+        with self._lock:
+            controller = self._session.controller
+            executor = controller.executor
+            if self._seen is None or self._seen[0] is not executor:
+                if isinstance(executor, SimulatedExecutor):
+                    self._seen = executor, ObservedWorld(executor)
+                else:
+                    self._seen = executor, BelievedTable(controller)
+            return self._seen[1]
+
+    def _tell_while_wanted(self) -> None:
+        told: tuple[View, float] | None = None
+        while self._wanted.is_set():
+            view = self._view()
+            if told is None or told[0] is not view or view.time - told[1] >= 1.0 / RATE - 1e-9:
+                frame = view.frame()
+                told = view, frame.time
+                self._tell(frame.model_dump_json().encode())
+            time.sleep(_LOOK_EVERY)

@@ -1,0 +1,163 @@
+"""Inside the process of a session: its calls, its run, and what is told of them.
+
+Topics that are told: `event` (JSON of an `Event`), `request` (a `RunRequest`), `trace` (a file in
+bytes), `ended` (a `RunEnd`) and `pose_frame` (a `PoseFrame`).
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+from collections.abc import Mapping
+from functools import cached_property, partial
+from importlib import import_module
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from nlcontrol.errors import ErrorInfo, error, exception_info
+from nlcontrol.json_document import DocumentPart
+from nlcontrol.results.result import Result
+from nlcontrol.service.bundles.run_bundle import run_request
+from nlcontrol.service.documents import SessionSpec
+from nlcontrol.service.session import Session
+from nlcontrol.service.workers.planner_host import warm_up
+from nlcontrol.service.workers.pose_stream import PoseStream
+from nlcontrol.service.workers.session_answers import session_answer
+
+if TYPE_CHECKING:
+    from nlcontrol.service.session_protocol import Run
+    from nlcontrol.service.workers.worker_host import Tell
+    from nlcontrol.session.events import Event
+    from nlcontrol.session.executor import Executor
+    from sim.traces.trace import Trace
+
+NICE = 10
+"""Niceness of the thread that simulates, so that plans come first."""
+
+
+class RunEnd(DocumentPart):
+    """The end of a run; exactly one of the two is there."""
+
+    result: Result | None = None
+    error: ErrorInfo | None = None
+
+
+class SessionHost:
+    """One session, and the run that is under way in it.
+
+    Args:
+        tell: tells the service something by topic.
+    """
+
+    def __init__(self, tell: Tell) -> None:
+        self._tell = tell
+        self._session: Session | None = None
+        self._turn = threading.Event()
+        warm_up()
+
+    @property
+    def session(self) -> Session:
+        """The session, which is open."""
+        assert self._session is not None, "it is opened first"
+        return self._session
+
+    @cached_property
+    def poses(self) -> PoseStream:
+        """What viewers are told of the session."""
+        return PoseStream(self.session, partial(self._tell, "pose_frame"))
+
+    def answer(self, method: str, arguments: Mapping[str, Any]) -> bytes:
+        """The answer of the session, or of its run; see `Host`."""
+        match method:
+            case "open":
+                return self._open(**arguments)
+            case "begin_run":
+                return self._begin_run(**arguments)
+            case "take_turn":
+                self._turn.set()
+                return b"{}"
+            case "stop_run":
+                self.session.stop()
+                self._turn.set()
+                return b"{}"
+            case "geometry":
+                return self.poses.geometry().model_dump_json().encode()
+            case "tell_poses":
+                self.poses.tell_frames(**arguments)
+                return b"{}"
+            case _:
+                return session_answer(self.session, method, arguments)
+
+    def _open(self, spec: str, executor: str | None) -> bytes:
+        """Opens the session, with the robot of a class `module:Class` or with the simulated one."""
+        robot = None if executor is None else named_executor(executor)
+        self._session = Session(SessionSpec.model_validate_json(spec), executor=robot)
+        return b"{}"
+
+    def _begin_run(self, plan_id: str | None, said: Any) -> bytes:
+        """Begins a run, which waits for its turn before anything moves."""
+        self._turn.clear()
+        if plan_id is None:
+            run: Run = self.session.say(said, on_event=self._tell_event)
+        else:
+            run = self.session.execute(plan_id, on_event=self._tell_event)
+        threading.Thread(target=self._follow, args=(run,), daemon=True).start()
+        return run.info().model_dump_json().encode()
+
+    def _tell_event(self, event: Event) -> None:
+        """Tells an event; before the first one the run waits for its turn, in its own thread."""
+        if not self._turn.is_set():
+            lower_priority()
+            self._turn.wait()
+        self._tell("event", event.model_dump_json().encode())
+
+    def _follow(self, run: Run) -> None:
+        """Waits for the end of a run, and tells it after all that belongs to the run."""
+        try:
+            result = run.result()
+            end = RunEnd(result=result)
+            request = run_request(self.session.controller, result)
+            self._tell("request", request.model_dump_json().encode())
+        except Exception as raised:
+            end = RunEnd(error=exception_info(raised))
+        trace = run.trace()
+        if trace is not None:
+            self._tell("trace", trace_bytes(trace))
+        self._tell("ended", end.model_dump_json().encode())
+
+
+def lower_priority() -> None:
+    """Lets this thread give way to others, in all processes."""
+    if sys.platform == "linux":
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), NICE)
+
+
+def trace_bytes(trace: Trace) -> bytes:
+    """A trace as its file has it."""
+    with TemporaryDirectory(prefix="nlcontrol-") as folder:
+        path = Path(folder) / "trace.npz"
+        trace.save(path)
+        return path.read_bytes()
+
+
+def named_executor(name: str) -> Executor:
+    """The robot of a class, made without arguments.
+
+    Args:
+        name: of the class, as `module:Class`.
+
+    Raises:
+        ControlError: `bad_executor`.
+    """
+    module, _, of_class = name.partition(":")
+    try:
+        robot: Executor = getattr(import_module(module), of_class)()
+    except Exception as raised:
+        raise error(
+            "bad_executor",
+            f"the robot of {name} cannot be made: {type(raised).__name__}: {raised}",
+            suggestions=("name a class as module:Class, to be made without arguments",),
+        ) from raised
+    return robot

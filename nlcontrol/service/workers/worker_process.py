@@ -1,0 +1,195 @@
+"""A worker process as the service holds it: calls with futures, what it tells, its end."""
+
+from __future__ import annotations
+
+import atexit
+import itertools
+import logging
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, InvalidStateError
+from contextlib import contextmanager, suppress
+from threading import Timer
+from typing import Any
+
+from nlcontrol.errors import ControlError, ErrorInfo, error
+from nlcontrol.service.workers.worker_host import Host, Tell, run_host
+from nlcontrol.service.workers.worker_messages import Answer, Call, Ready, Told
+
+LOGGER = logging.getLogger("nlcontrol.service")
+
+_SPAWN = multiprocessing.get_context("spawn")
+_LONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+_STARTING = threading.Lock()
+
+DEAF_TO = (signal.SIGINT, signal.SIGTERM)
+"""Signals that a worker does not hear: Control-C at a terminal reaches all processes, and what a
+robot does is to be stopped by the service, in order."""
+
+
+class WorkerProcess:
+    """A process of its own, with a host that answers calls.
+
+    Args:
+        make_host: a function of a module, or a class, that makes the host in the process.
+        on_ready: called once when the process has loaded what it needs.
+        on_told: called with topic and content of what the process tells by itself.
+        on_end: called once the process has ended, in whichever way.
+
+    All three are called in the thread that reads the pipe, so that they must not wait.
+    """
+
+    def __init__(
+        self,
+        make_host: Callable[[Tell], Host],
+        *,
+        on_ready: Callable[[], object] = lambda: None,
+        on_told: Callable[[str, bytes], object] = lambda topic, content: None,
+        on_end: Callable[[], object] = lambda: None,
+    ) -> None:
+        self.on_ready, self.on_told, self.on_end = on_ready, on_told, on_end
+        self._numbers = itertools.count(1)
+        self._lock = threading.Lock()
+        self._calls: dict[int, Future[bytes]] = {}
+        self._ended = False
+        self._connection, there = _SPAWN.Pipe()
+        self._process = _SPAWN.Process(target=run_host, args=(there, make_host), daemon=True)
+        with _surroundings():
+            self._process.start()
+        there.close()
+        atexit.register(self._process.kill)  # it does not end by SIGTERM
+        self._reader = threading.Thread(target=self._listen, daemon=True)
+        self._reader.start()
+
+    @property
+    def pid(self) -> int:
+        """Number of the process."""
+        assert self._process.pid is not None, "it was started"
+        return self._process.pid
+
+    def call(self, method: str, **arguments: Any) -> Future[bytes]:
+        """Calls a method of the host; the answer is a JSON document.
+
+        The future raises `ControlError`: what the host raised, or `worker_lost`.
+        """
+        future: Future[bytes] = Future()
+        future.set_running_or_notify_cancel()
+        number = next(self._numbers)
+        with self._lock:
+            if not self._ended:
+                self._calls[number] = future
+                with suppress(OSError):  # it has just ended, which its reader will notice
+                    self._connection.send(Call(number, method, arguments))
+                return future
+        future.set_exception(lost_error())
+        return future
+
+    def kill(self) -> None:
+        """Ends the process at once."""
+        self._process.kill()
+
+    def wait(self, timeout: float | None = None) -> bool:
+        """Waits [s] until the process has ended and that was told; returns True if so."""
+        self._reader.join(timeout)
+        return not self._reader.is_alive()
+
+    def _listen(self) -> None:
+        with suppress(EOFError, OSError):
+            while True:
+                self._take(self._connection.recv())
+        self._process.kill()
+        self._process.join()
+        atexit.unregister(self._process.kill)
+        with self._lock:
+            self._ended = True
+            calls, self._calls = self._calls, {}
+            self._connection.close()
+        for future in calls.values():
+            _settle(future, lost_error())
+        _log_failures(self.on_end)
+
+    def _take(self, message: object) -> None:
+        match message:
+            case Ready():
+                _log_failures(self.on_ready)
+            case Told(topic, content):
+                _log_failures(self.on_told, topic, content)
+            case Answer(number, content, ok):
+                with self._lock:
+                    future = self._calls.pop(number)
+                info = None if ok else ErrorInfo.model_validate_json(content)
+                _settle(future, content if info is None else ControlError(info))
+
+
+def _settle(future: Future[bytes], outcome: bytes | ControlError) -> None:
+    with suppress(InvalidStateError):  # whoever waited was told otherwise already
+        if isinstance(outcome, bytes):
+            future.set_result(outcome)
+        else:
+            future.set_exception(outcome)
+
+
+def _log_failures(told: Callable[..., object], *arguments: object) -> None:
+    """Calls back; a defect there must not end the reading of the pipe."""
+    try:
+        told(*arguments)
+    except Exception:
+        LOGGER.exception("a callback of a worker failed")
+
+
+def lost_error() -> ControlError:
+    """The error of a call whose process has ended."""
+    return error(
+        "worker_lost",
+        "the process that worked on this has ended unexpectedly",
+        suggestions=("ask again; a session that is lost is to be opened anew",),
+    )
+
+
+def time_limit_error(limit: float) -> ControlError:
+    """The error of a call that was not answered in time.
+
+    Args:
+        limit: the time [s].
+    """
+    return error(
+        "time_limit",
+        f"no answer was found within {limit:g} s",
+        suggestions=("say less at once", "ask again when the service has less to do"),
+        numbers={"time_limit": limit},
+    )
+
+
+def daemon_timer(delay: float, action: Callable[..., object], *arguments: object) -> Timer:
+    """A timer that has begun to run, and that keeps no program from ending.
+
+    Args:
+        delay: after which the action is done [s].
+        action: called in a thread of its own.
+        arguments: of the action.
+    """
+    timer = Timer(delay, action, arguments)
+    timer.daemon = True
+    timer.start()
+    return timer
+
+
+@contextmanager
+def _surroundings() -> Iterator[None]:
+    """Context in which a process starts: its libraries take one thread each, it hears no signal."""
+    with _STARTING:
+        before = {name: os.environ.get(name) for name in _LONE_THREAD}
+        os.environ.update(dict.fromkeys(_LONE_THREAD, "1"))
+        heard = signal.pthread_sigmask(signal.SIG_BLOCK, DEAF_TO)
+        try:
+            yield
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, heard)
+            for name, value in before.items():
+                if value is None:
+                    del os.environ[name]
+                else:
+                    os.environ[name] = value

@@ -1,0 +1,111 @@
+"""Planners in processes of their own: answers, fairness, limits, and no process left."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from nlcontrol.errors import ControlError
+from nlcontrol.service.documents import TableSpec
+from nlcontrol.service.workers.planner_pool import PlannerPool
+from tests.unit.nlcontrol.service.processes import children
+
+PUSH = "push the ice tea box 10 cm away"
+
+
+@pytest.fixture(scope="module")
+def pool() -> Iterator[PlannerPool]:
+    pool = PlannerPool(most=2, queue=2, request_time=60.0)
+    pool.start()
+    yield pool
+    pool.close()
+    assert not pool.pids
+
+
+def plan(pool: PlannerPool, **table: Any) -> dict[str, Any]:
+    content = pool.call("plan", TableSpec(**table), said=PUSH).result()
+    answer: dict[str, Any] = json.loads(content)
+    return answer
+
+
+def test_a_plan_is_that_of_a_session_in_this_process(pool: PlannerPool) -> None:
+    from nlcontrol.service.session import Session
+
+    here = Session("kitchen", seed=3).plan(PUSH).result
+    there = plan(pool, seed=3)["result"]
+    assert there == here.model_dump(mode="json")
+
+
+def test_nothing_is_remembered_from_one_call_to_the_next(pool: PlannerPool) -> None:
+    plan(pool)
+    again = json.loads(pool.call("plan", TableSpec(), said="push it further").result())
+    assert again["result"]["error"]["code"] == "nothing_before"
+
+
+def test_what_a_session_raises_reaches_the_caller(pool: PlannerPool) -> None:
+    with pytest.raises(ControlError) as raised:
+        pool.call("parse", TableSpec(), said="colourless green ideas").result()
+    assert raised.value.info.span is not None
+    with pytest.raises(ControlError) as raised:
+        pool.call("execute", TableSpec(), plan_id="").result()
+    assert raised.value.code == "internal"
+
+
+def test_a_long_search_delays_nobody_else(pool: PlannerPool) -> None:
+    slow = pool.call("plan", TableSpec(), said="turn the cereal box by 170 degrees")
+    plan(pool)
+    assert not slow.done() or json.loads(slow.result())
+    slow.result()
+    assert pool.size == 2
+
+
+def test_more_calls_than_may_wait_are_refused(pool: PlannerPool) -> None:
+    table = TableSpec()
+    open_calls = [pool.call("plan", table, said=PUSH) for _ in range(4)]
+    with pytest.raises(ControlError) as raised:
+        pool.call("plan", table, said=PUSH)
+    assert raised.value.code == "queue_full"
+    assert raised.value.info.numbers["retry_after"] > 0.0
+    for call in open_calls:
+        call.result()
+
+
+def test_a_killed_planner_is_replaced(pool: PlannerPool) -> None:
+    call = pool.call("plan", TableSpec(scene="workbench"), said="push the tea tin 5 cm away")
+    for pid in pool.pids:
+        os.kill(pid, signal.SIGKILL)
+    with pytest.raises(ControlError) as raised:
+        call.result()
+    assert raised.value.code == "worker_lost"
+    assert plan(pool)["result"]["status"] == "planned"
+
+
+def test_a_call_ends_with_its_time_and_a_planner_that_does_not_stop_is_ended() -> None:
+    pool = PlannerPool(most=1, queue=2, request_time=0.3)
+    pool.start()
+    (before,) = pool.pids
+    began = time.monotonic()
+    os.kill(before, signal.SIGSTOP)  # it does nothing at all any more
+    with pytest.raises(ControlError) as raised:
+        pool.call("plan", TableSpec(), said=PUSH).result()
+    assert raised.value.code == "time_limit"
+    assert time.monotonic() - began < 2.0
+    pool.close()
+    assert not children(os.getpid()) & {before}
+
+
+def test_signals_of_a_terminal_do_not_end_a_planner(pool: PlannerPool) -> None:
+    plan(pool)
+    for pid in pool.pids:
+        os.kill(pid, signal.SIGINT)
+        os.kill(pid, signal.SIGTERM)
+    before = set(pool.pids)
+    time.sleep(0.2)
+    assert plan(pool)["result"]["status"] == "planned"
+    assert set(pool.pids) == before
