@@ -38,6 +38,7 @@ _COMMANDS = {
     "explore": "explore_command:command",
     "fit": "fit_command:command",
     "map": "map_command:command",
+    "mcp": "mcp_command:command",
     "objects": "objects_command:group",
     "parse": "say_command:parse",
     "plan": "say_command:plan",

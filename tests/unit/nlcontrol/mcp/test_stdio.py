@@ -1,0 +1,125 @@
+"""The server as a client program starts it: a process whose standard output is the protocol's."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import anyio
+import pytest
+from mcp.client.client import Client
+from mcp.client.stdio import StdioServerParameters
+
+from tests.architecture.product import ROOT
+from tests.fakes.counted_executor import FOLDER_VARIABLE, MOTIONS, first_poses, write_poses
+from tests.unit.nlcontrol.mcp.tool_calls import content_of
+
+NOISE = ("printed by Python", "written to the descriptor", "put by a library")
+
+
+@pytest.fixture
+def table(tmp_path: Path) -> Path:
+    write_poses(tmp_path, first_poses())
+    return tmp_path
+
+
+def program(table: Path, *options: str) -> StdioServerParameters:
+    return StdioServerParameters(
+        command=sys.executable,
+        args=["-m", "tests.fakes.counted_tools", *options],
+        env={FOLDER_VARIABLE: str(table), "PYTHONPATH": str(ROOT)},
+        cwd=ROOT,
+    )
+
+
+def test_a_plan_is_made_shown_and_carried_out(table: Path) -> None:
+    told: list[str | None] = []
+
+    async def note(progress: float, total: float | None, message: str | None) -> None:
+        told.append(message)
+
+    async def talk() -> dict[str, Any]:
+        async with Client(program(table, "--allow-motion")) as client:
+            assert "What can be said" in (client.instructions or "")
+            names = [tool.name for tool in (await client.list_tools()).tools]
+            assert "execute" in names
+            planned = content_of(
+                await client.call_tool("plan", {"sentence": "push the mug 5 cm away"})
+            )
+            done = await client.call_tool(
+                "execute", {"plan_id": planned["plan_id"]}, progress_callback=note
+            )
+            return content_of(done)
+
+    done = anyio.run(talk)
+    assert done["status"] == "done"
+    assert all(verdict["ok"] for verdict in done["verdicts"])
+    assert (table / MOTIONS).read_text() == "mug\n"
+    assert any(message and message.startswith("phase: ") for message in told)
+    assert any(message and message.startswith("verdict: ") for message in told)
+
+
+def test_nothing_but_the_protocol_is_on_standard_output(table: Path) -> None:
+    """Not what Python prints, nor what a library puts, nor at the end of the process."""
+    parameters = program(table)
+    asked: list[dict[str, Any]] = [
+        {
+            "id": 1,
+            "method": "initialize",
+            "params": {
+                "protocolVersion": "2025-06-18",
+                "capabilities": {},
+                "clientInfo": {"name": "test", "version": "1"},
+            },
+        },
+        {"method": "notifications/initialized"},
+        {"id": 2, "method": "tools/call", "params": {"name": "look", "arguments": {}}},
+        {"id": 3, "method": "tools/list"},
+    ]
+    with subprocess.Popen(
+        [parameters.command, *parameters.args],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env={**os.environ, **(parameters.env or {})},
+        cwd=ROOT,
+        text=True,
+    ) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        for message in asked:
+            process.stdin.write(json.dumps({"jsonrpc": "2.0", **message}) + "\n")
+        process.stdin.flush()
+        answers: dict[int, Any] = {}
+        while len(answers) < 3:
+            answer = json.loads(process.stdout.readline())
+            answers[answer["id"]] = answer
+        rest, errors = process.communicate(timeout=30)
+    assert process.returncode == 0
+    assert rest == ""
+    for noise in NOISE:
+        assert noise in errors
+    tools = {tool["name"]: tool for tool in answers[3]["result"]["tools"]}
+    assert set(tools) == {"look", "ask", "predict", "affordances", "plan", "verdict", "stop"}
+    assert tools["plan"]["annotations"]["readOnlyHint"] is True
+    assert tools["plan"]["inputSchema"]["additionalProperties"] is False
+    assert answers[2]["result"]["structuredContent"]["status"] == "seen"
+
+
+def test_sigterm_ends_it(table: Path) -> None:
+    command = [sys.executable, "-m", "nlcontrol", "mcp"]
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT
+    ) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        process.stdin.write(b'{"jsonrpc": "2.0", "id": 1, "method": "ping"}\n')
+        process.stdin.flush()
+        assert json.loads(process.stdout.readline())["id"] == 1
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(timeout=20) == 143
