@@ -43,7 +43,7 @@ def stated_table(
         if apart < -SEEN_OVERLAP:
             raise _bad_table(
                 f"objects[{k}]",
-                f"the {other.name} stands {-1e3 * apart:.0f} mm deep in objects[{i}], the {one.name}",
+                f"it stands {-1e3 * apart:.0f} mm deep in objects[{i}], the {one.name}",
                 "poses are those of the middles of their bases, in metres and radians",
                 numbers={"overlap": -apart},
             )
