@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Literal, Self
 
 from nlcontrol.errors import ControlError, error, known_errors_raised
 from nlcontrol.service.beliefs import Tolerances, belief_digest, require_unchanged, table_view
+from nlcontrol.service.bundles.run_request import run_request
 from nlcontrol.service.documents import Affordances, FaceMap, Offer, SessionSpec, TableView
 from nlcontrol.service.offered_plans import LIFE, OfferedPlans
 from nlcontrol.service.session_runs import SessionRun
@@ -288,7 +289,8 @@ class Session:
             def execute(tell: Callable[[Event], None], stop: StopToken) -> Result:
                 return self.conversation.execute(plan.proposal, on_event=tell, stop=stop)
 
-            return self._begin("execute", execute, plan.proposal.result.text, on_event, plan_id)
+            text, digest = plan.proposal.result.text, belief_digest(plan.state)
+            return self._begin("execute", execute, text, on_event, plan_id, digest)
 
     def say(
         self, said: str | Frames, *, on_event: Callable[[Event], object] | None = None
@@ -327,6 +329,7 @@ class Session:
         text: str,
         on_event: Callable[[Event], object] | None,
         plan_id: str | None = None,
+        digest: str | None = None,
     ) -> SessionRun:
         self._run = SessionRun(
             deed,
@@ -335,6 +338,7 @@ class Session:
             text=text,
             plan_id=plan_id,
             on_event=on_event,
+            request=lambda result: run_request(self.controller, result, digest),
         )
         return self._run
 
