@@ -9,10 +9,10 @@ was not said is grey and dashed, what cannot be satisfied is red. Lengths are in
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from nlcontrol.reports.drawing_canvas import Sheet, line_height
-from nlcontrol.reports.word_explanation import NOT_SAID, Group, filler, groups, steps
+from nlcontrol.reports.word_explanation import NOT_SAID, Group, filler, groups, part_at, steps
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 # Okabe and Ito's colours, which people with colour blindness tell apart, dark enough for letters.
 _BLUE, _ORANGE, _GREEN, _PURPLE = "#0064A0", "#C04E00", "#00805C", "#A8477F"
 _GREY, _DARK, _RED = "#7A7A7A", "#222222", "#C1121F"
-_COLOURS: dict[PartName, str] = {
+_COLOURS: dict[PartName | Literal["problem"], str] = {
     "push controller": _BLUE, "controller": _BLUE, "question": _BLUE, "remark": _BLUE,
     "object model": _ORANGE, "wanted outcome": _GREEN, "constraint": _PURPLE,
-    "left open": _GREY, "filler": _GREY,
+    "left open": _GREY, "filler": _GREY, "problem": _RED,
 }  # fmt: skip
 _TINTS = {
     _BLUE: "#E8F2F9", _ORANGE: "#FCEEE4", _GREEN: "#E6F4EF", _PURPLE: "#F8ECF3",
@@ -92,7 +92,7 @@ def _sentence(sheet: Sheet, text: str, rows: Sequence[Row], y: float) -> float:
     x, start = _EDGE, 0
     for word in text.split():
         start = text.index(word, start)
-        colour = _colour_at(rows, start, start + len(word))
+        colour = _COLOURS[part_at(rows, start, start + len(word))]
         bold = colour != _GREY
         for piece in sheet.lines_of(word, ends - _EDGE, _TITLE, bold=bold):
             length = sheet.length(piece, _TITLE, bold=bold)
@@ -103,17 +103,6 @@ def _sentence(sheet: Sheet, text: str, rows: Sequence[Row], y: float) -> float:
             x += length + space
         start += len(word)
     return y + 0.48
-
-
-def _colour_at(rows: Sequence[Row], start: int, end: int) -> str:
-    """Colour of a word: of the narrowest of what it became."""
-    found = [
-        (b - a, not row.problem, _RED if row.problem else _COLOURS[row.part])
-        for row in rows
-        for a, b in row.spans
-        if a < end and start < b
-    ]
-    return min(found, default=(0, True, _GREY))[2]
 
 
 def _heading(sheet: Sheet, text: str, y: float) -> float:

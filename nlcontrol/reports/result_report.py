@@ -92,16 +92,20 @@ def check_line(text: str, check: Check) -> str:
     """One clause: a mark, its words, what was measured and what was asked."""
     mark = "✓" if check.ok else "✗"
     said = f" “{words(text, check.spans)}”" if check.spans else ""
-    return (
-        f"  {mark}{said} {check.quantity}: {_value(check.measured, check)} ({_bound_text(check)})"
-    )
+    return f"  {mark}{said} {check.quantity}: {measured_text(check)} ({asked_text(check)})"
+
+
+def measured_text(check: Check) -> str:
+    """The measured value, with its unit."""
+    return _value(check.measured, check)
 
 
 def _value(value: float | str, check: Check) -> str:
     return value if isinstance(value, str) else quantity(value, check.unit)
 
 
-def _bound_text(check: Check) -> str:
+def asked_text(check: Check) -> str:
+    """The asked value with its tolerance: “asked: at most 5°”."""
     expected = _value(check.expected, check)
     if check.relation == "is" or check.tolerance is None:
         return f"asked: {expected}"

@@ -13,7 +13,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby, zip_longest
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import BaseModel
 
@@ -251,6 +251,18 @@ def _filler(result: Result, rows: list[Row]) -> Iterator[Row]:
             words=told, field=NO_MEANING, parameter="", value="", spans=spans,
             frame=len(result.frames) - 1, part="filler",
         )  # fmt: skip
+
+
+def part_at(rows: Sequence[Row], start: int, end: int) -> PartName | Literal["problem"]:
+    """The part that a word became, the narrowest of several; `problem` if it stands in the way."""
+    found: list[tuple[int, bool, PartName]] = [
+        (b - a, not row.problem, row.part)
+        for row in rows
+        for a, b in row.spans
+        if a < end and start < b
+    ]
+    _, fine, part = min(found, default=(0, True, "filler"))
+    return part if fine else "problem"
 
 
 NOT_SAID = "(not said)"

@@ -1,1 +1,1 @@
-"""Replay and picture."""
+"""Replay and picture, and the viewer of scenes in a browser."""

@@ -29,6 +29,7 @@ class TraceScene:
     Attributes:
         diagram: with what `furnish` added, which looks at it (a camera, a visualizer).
         context: of the diagram.
+        model: the plant in it, and `plant_context` its part of the context.
     """
 
     def __init__(self, scene: Scene, furnish: Callable[[DiagramBuilder, Plant], None]) -> None:
@@ -36,12 +37,12 @@ class TraceScene:
 
         builder = DiagramBuilder()
         self._scene = scene
-        self._model = add_plant(builder, scene)
-        furnish(builder, self._model)
+        self.model = add_plant(builder, scene)
+        furnish(builder, self.model)
         self.diagram: Diagram = builder.Build()
         self.context: Context = self.diagram.CreateDefaultContext()
-        self._plant_context = self._model.plant.GetMyMutableContextFromRoot(self.context)
-        self._graph_context = self._model.scene_graph.GetMyMutableContextFromRoot(self.context)
+        self.plant_context = self.model.plant.GetMyMutableContextFromRoot(self.context)
+        self._graph_context = self.model.scene_graph.GetMyMutableContextFromRoot(self.context)
         self._liquid: list[GeometryId] = []
 
     def show(self, trace: Trace, sample: int) -> None:
@@ -69,13 +70,13 @@ class TraceScene:
             lids: how far they are open, by the names of their objects; see `Trace.lids`.
             lid_poses: of those that come off, as `poses`.
         """
-        plant, context = self._model.plant, self._plant_context
+        plant, context = self.model.plant, self.plant_context
         for name, angle in joints.items():
             plant.GetJointByName(name).set_angle(context, angle)
-        for name, body in self._model.bodies.items():
+        for name, body in self.model.bodies.items():
             if body.is_floating_base_body():  # one in a holder stays where it is
                 plant.SetFreeBodyPose(context, body, rigid_transform(poses[name]))
-        for name, lid in self._model.lids.items():
+        for name, lid in self.model.lids.items():
             if name not in lids:
                 continue  # nobody looked: it stays closed
             if lid.seat is None:
@@ -88,7 +89,7 @@ class TraceScene:
         from pydrake.geometry import Convex, GeometryInstance, PerceptionProperties, Rgba
         from pydrake.math import RigidTransform
 
-        plant, graph, context = self._model.plant, self._model.scene_graph, self._graph_context
+        plant, graph, context = self.model.plant, self.model.scene_graph, self._graph_context
         source = plant.get_source_id()
         for geometry in self._liquid:
             graph.RemoveGeometry(context, source, geometry)
@@ -98,7 +99,7 @@ class TraceScene:
         for part in parts(trace, self._scene, sample):
             frame = graph.world_frame_id()
             if part.of == "level":
-                frame = plant.GetBodyFrameIdOrThrow(self._model.bodies[part.name].index())
+                frame = plant.GetBodyFrameIdOrThrow(self.model.bodies[part.name].index())
             for i, piece in enumerate(part.pieces):
                 shape = Convex(piece.T, "liquid")
                 drawn = GeometryInstance(RigidTransform(), shape, f"{part.name} {part.of} {i}")

@@ -264,11 +264,14 @@ def _writer(
     if result.trace and what == "trace":
         return result.trace.save
     if result.trace:
+        from nlcontrol.reports.replay_story import replay_story
         from sim import save_picture, save_replay
         from sim.simulated_executor import simulation
 
-        save = save_replay if what == "replay" else save_picture
-        return partial(save, result.trace, simulation(controller.executor).scene)
+        scene = simulation(controller.executor).scene
+        if what == "replay":
+            return partial(save_replay, result.trace, scene, story=replay_story(result))
+        return partial(save_picture, result.trace, scene)
     if what == "picture" and answer and answer.chart and answer.map:
         from nlcontrol.outcome_maps.outcome_map_drawing import save_map
 

@@ -157,8 +157,8 @@ def test_a_replay_draws_lids_where_they_were(pantry: Scene, trace: Trace, tmp_pa
     trace.lid_poses["jar"][-1, 4:] = (0.3, 0.3, 0.0)
     stage = TraceScene(pantry, lambda builder, model: None)
     stage.show(trace, len(trace.time) - 1)
-    plant, context = stage._model.plant, stage._plant_context
-    lids = stage._model.lids
+    plant, context = stage.model.plant, stage.plant_context
+    lids = stage.model.lids
     assert lids["ice tea cup"].joint.GetOnePosition(context) == pytest.approx(1.5)
     p_WL = plant.EvalBodyPoseInWorld(context, lids["jar"].body).translation()
     np.testing.assert_allclose(p_WL, (0.3, 0.3, 0.0), atol=1e-12)

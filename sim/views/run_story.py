@@ -1,0 +1,114 @@
+"""Story of a run: what a replay tells besides the motion. Plain data, made by whoever knows it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+Span = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class StoryWord:
+    """A piece of the sentence, and the part of a frame that it set; empty if it set none.
+
+    Attributes:
+        text: of it.
+        part: name of the part, or `problem`.
+        start, end: where it stands in the sentence.
+    """
+
+    text: str
+    part: str
+    start: int
+    end: int
+
+
+@dataclass(frozen=True)
+class StoryLine:
+    """A line of text with a short heading."""
+
+    heading: str
+    text: str
+
+
+@dataclass(frozen=True)
+class StoryRow:
+    """Words, and a parameter of the controller with its value that they became."""
+
+    words: str
+    part: str
+    parameter: str
+    value: str
+    problem: bool = False
+
+
+@dataclass(frozen=True)
+class StoryClause:
+    """A verdict.
+
+    Attributes:
+        ok: whether the clause held.
+        said: its words, empty if it is implied, and `spans` where they stand.
+        quantity: what was measured.
+        measured, asked: with their units.
+    """
+
+    ok: bool
+    said: str
+    spans: tuple[Span, ...]
+    quantity: str
+    measured: str
+    asked: str
+
+
+@dataclass(frozen=True)
+class Ghost:
+    """An object and the pose X_WB that is predicted for the end: quaternion (w, x, y, z), place."""
+
+    name: str
+    pose: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class ContactMark:
+    """A place on an object in its B [m] and the outward normal there; since when it counts [s]."""
+
+    since: float
+    name: str
+    place: tuple[float, float, float]
+    normal: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class RunStory:
+    """Everything that is told about a run.
+
+    Attributes:
+        title: of the page; the sentence.
+        words: the sentence in pieces that together are its text.
+        understood: the same in the robot's words.
+        status: of the result, empty without one; `ok` whether every clause held.
+        prediction: what was foreseen.
+        rows: from the words to the controller.
+        clauses: verdicts.
+        ghosts: predicted end poses.
+        contacts: where objects were to be touched, in order of time.
+        notes: what else is to be said.
+    """
+
+    title: str
+    words: tuple[StoryWord, ...] = ()
+    understood: str = ""
+    status: str = ""
+    ok: bool = False
+    prediction: tuple[StoryLine, ...] = ()
+    rows: tuple[StoryRow, ...] = ()
+    clauses: tuple[StoryClause, ...] = ()
+    ghosts: tuple[Ghost, ...] = ()
+    contacts: tuple[ContactMark, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def document(self) -> dict[str, Any]:
+        """The same as a JSON object."""
+        return asdict(self)

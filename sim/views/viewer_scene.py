@@ -1,0 +1,128 @@
+"""A scene as a viewer draws it: its bodies with their shapes and colours, as plain data.
+
+The shapes are those that the plant shows to pictures, and what `sim.views.visual_additions` adds.
+A pose is a row of quaternion (w, x, y, z) and position [m]: of a shape in its body, of a body in W.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sim.rotations import Array
+from sim.truth.scene_file import Scene
+from sim.views.liquid_view import COLOUR, triangles
+from sim.views.visual_additions import FLOOR, furniture, object_shapes
+from sim.worlds.drake.drake_plant import Plant
+
+if TYPE_CHECKING:
+    from pydrake.geometry import GeometryId, SceneGraphInspector, Shape
+    from pydrake.math import RigidTransform
+    from pydrake.multibody.tree import RigidBody
+    from pydrake.systems.framework import Context
+
+FORMAT = "nlcontrol-viewer-scene/1"
+"""Form of the document, and its version."""
+
+
+def viewer_scene(scene: Scene, model: Plant) -> dict[str, Any]:
+    """The bodies of a scene and of its plant, in the order of `body_poses`, as a JSON object."""
+    bodies = [
+        {"name": body.name(), "kind": _kind(model, body), "shapes": shapes}
+        for body, shapes in _bodies_with_shapes(scene, model)
+    ]
+    return {
+        "format": FORMAT,
+        "name": scene.name,
+        "floor": FLOOR,
+        "liquid": list(COLOUR),
+        "bodies": bodies,
+    }
+
+
+def drawn_bodies(model: Plant) -> list[RigidBody]:
+    """The bodies of a plant that have something to be seen, in the order of the plant."""
+    from pydrake.multibody.tree import BodyIndex
+
+    plant = model.plant
+    every = [plant.get_body(BodyIndex(i)) for i in range(plant.num_bodies())]
+    return [body for body in every if _seen_geometries(model, body)]
+
+
+def body_poses(model: Plant, bodies: list[RigidBody], context: Context) -> Array:
+    """Poses of bodies in W, shape (n, 7), in a context of the plant."""
+    return np.array([pose_row(model.plant.EvalBodyPoseInWorld(context, body)) for body in bodies])
+
+
+def pose_row(X: RigidTransform) -> Array:
+    """A pose as a row of a trace: quaternion (w, x, y, z) and position."""
+    return np.append(X.rotation().ToQuaternion().wxyz(), X.translation())
+
+
+def _kind(model: Plant, body: RigidBody) -> str:
+    if body.index() == model.plant.world_body().index():
+        return "world"
+    if body.model_instance() in (model.arm, model.hand):
+        return "robot"
+    return "object" if body.name() in model.bodies else "lid"
+
+
+def _bodies_with_shapes(scene: Scene, model: Plant) -> Iterator[tuple[RigidBody, list[Any]]]:
+    inspector = model.scene_graph.model_inspector()
+    for body in drawn_bodies(model):
+        shapes = [_drawn(inspector, each) for each in _seen_geometries(model, body)]
+        if _kind(model, body) == "object":
+            shapes = object_shapes(scene.object(body.name()), shapes)
+        elif _kind(model, body) == "world":
+            shapes = furniture(scene, shapes)
+        yield body, shapes
+
+
+def _seen_geometries(model: Plant, body: RigidBody) -> list[GeometryId]:
+    from pydrake.geometry import Role
+
+    frame = model.plant.GetBodyFrameIdOrThrow(body.index())
+    found: list[GeometryId] = model.scene_graph.model_inspector().GetGeometries(
+        frame, Role.kIllustration
+    )
+    return found
+
+
+def _drawn(inspector: SceneGraphInspector, geometry: GeometryId) -> dict[str, Any]:
+    """A geometry as a shape with its place and colour."""
+    from pydrake.geometry import Rgba
+
+    properties = inspector.GetIllustrationProperties(geometry)
+    colour = properties.GetPropertyOrDefault("phong", "diffuse", Rgba(0.8, 0.8, 0.8, 1.0))
+    return {
+        "name": inspector.GetName(geometry).rpartition("::")[2],
+        "pose": rounded(pose_row(inspector.GetPoseInFrame(geometry))),
+        "colour": rounded(np.array([colour.r(), colour.g(), colour.b(), colour.a()])),
+        **_form(inspector.GetShape(geometry)),
+    }
+
+
+def _form(shape: Shape) -> dict[str, Any]:
+    """The kind and the measures of a shape [m]."""
+    from pydrake.geometry import Box, Capsule, Cylinder, Sphere
+
+    match shape:
+        case Box():
+            return {"kind": "box", "size": rounded(shape.size())}
+        case Sphere():
+            return {"kind": "sphere", "radius": shape.radius()}
+        case Cylinder() | Capsule():
+            kind = "cylinder" if isinstance(shape, Cylinder) else "capsule"
+            return {"kind": kind, "radius": shape.radius(), "length": shape.length()}
+    hull = shape.GetConvexHull()
+    corners = np.array([hull.vertex(i) for i in range(hull.num_vertices())])
+    corners, faces = triangles([corners])
+    return {"kind": "mesh", "corners": rounded(corners.ravel()), "faces": faces.ravel().tolist()}
+
+
+def rounded(values: Array) -> list[float]:
+    """Numbers as a document has them, to the hundredth of a millimetre."""
+    listed: list[float] = np.round(values, 5).tolist()
+    return listed

@@ -1,0 +1,110 @@
+"""A scene as a viewer draws it: every body with its shapes, and what is there for the eye alone."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sim import load_scene
+from sim.rotations import from_quaternion
+from sim.truth.scene_file import Scene
+from sim.views.trace_scene import TraceScene
+from sim.views.viewer_scene import body_poses, drawn_bodies, viewer_scene
+
+KINDS = {"box", "sphere", "capsule", "cylinder", "mesh", "lathe", "tube", "label", "grid"}
+"""That `page/body_shapes.js` draws."""
+
+
+def _stage(scene: Scene) -> TraceScene:
+    return TraceScene(scene, lambda builder, model: None)
+
+
+@pytest.fixture(scope="module", params=["kitchen", "pantry", "counter"])
+def scene(request: pytest.FixtureRequest) -> Scene:
+    return load_scene(request.param)
+
+
+@pytest.fixture(scope="module")
+def document(scene: Scene) -> dict[str, Any]:
+    drawn = viewer_scene(scene, _stage(scene).model)
+    return dict(json.loads(json.dumps(drawn)))
+
+
+def _shapes(document: dict[str, Any], kind: str) -> dict[str, list[Any]]:
+    return {body["name"]: body["shapes"] for body in document["bodies"] if body["kind"] == kind}
+
+
+def test_every_object_and_lid_has_a_body_of_its_name(
+    scene: Scene, document: dict[str, Any]
+) -> None:
+    assert set(_shapes(document, "object")) == set(scene.names)
+    lids = {f"{item.name} lid" for item in scene.objects if item.truth.lid is not None}
+    assert set(_shapes(document, "lid")) == lids
+    assert len(_shapes(document, "robot")) > 15
+    names = [(body["kind"], body["name"]) for body in document["bodies"]]
+    assert len(set(names)) == len(names)
+
+
+def test_every_shape_can_be_drawn(document: dict[str, Any]) -> None:
+    for body in document["bodies"]:
+        assert body["shapes"]
+        for shape in body["shapes"]:
+            assert shape["kind"] in KINDS
+            assert np.linalg.norm(shape["pose"][:4]) == pytest.approx(1.0, abs=1e-4)
+            assert len(shape["pose"]) == 7
+            assert all(0.0 <= part <= 1.0 for part in shape["colour"])
+
+
+def test_a_document_is_small(document: dict[str, Any]) -> None:
+    assert len(json.dumps(document)) < 60_000
+
+
+def test_a_mug_has_a_handle_that_reaches_out_of_it() -> None:
+    scene = load_scene("kitchen")
+    shapes = _shapes(viewer_scene(scene, _stage(scene).model), "object")["mug"]
+    (handle,) = [shape for shape in shapes if shape["name"] == "handle"]
+    points = np.array(handle["points"])
+    out = np.hypot(*points[:, :2].T)
+    radius = scene.object("mug").truth.radius_m
+    assert radius is not None
+    assert out.min() < radius < out.max() - 0.02
+    assert points[:, 2].min() > 0.0
+    assert points[:, 2].max() < scene.object("mug").truth.height
+
+
+def test_labels_lie_on_the_sides_of_their_box_and_read_upright() -> None:
+    scene = load_scene("kitchen")
+    shapes = _shapes(viewer_scene(scene, _stage(scene).model), "object")["coffee box"]
+    size = scene.object("coffee box").truth.size_m
+    assert size is not None
+    labels = [shape for shape in shapes if shape["kind"] == "label"]
+    assert len(labels) == 4
+    for label in labels:
+        R, p = from_quaternion(np.array(label["pose"][:4])), np.array(label["pose"][4:])
+        outward = R[:, 2]
+        assert R[2, 1] == pytest.approx(1.0, abs=1e-5)  # the text's up is up
+        side = np.abs(outward[:2]) @ np.array(size[:2]) / 2.0
+        assert 0.0 < p @ outward - side < 1e-3
+        assert label["text"] == "coffee box"
+
+
+def test_the_arm_hangs_from_a_stand_that_reaches_the_ground(document: dict[str, Any]) -> None:
+    (world,) = _shapes(document, "world").values()
+    named = {shape["name"]: shape for shape in world}
+    column = named["column"]
+    assert column["pose"][6] - column["size"][2] / 2 == pytest.approx(document["floor"])
+    assert named["plate"]["pose"][6] - named["plate"]["size"][2] / 2 == pytest.approx(1.1)
+
+
+def test_poses_stand_in_the_order_of_the_bodies(scene: Scene, document: dict[str, Any]) -> None:
+    stage = _stage(scene)
+    bodies = drawn_bodies(stage.model)
+    poses = body_poses(stage.model, bodies, stage.plant_context)
+    assert poses.shape == (len(document["bodies"]), 7)
+    assert [body.name() for body in bodies] == [body["name"] for body in document["bodies"]]
+    for item in scene.objects:
+        place = poses[[body.name() for body in bodies].index(item.name), 4:]
+        np.testing.assert_allclose(place, [item.pose.x_m, item.pose.y_m, 0.0], atol=1e-9)
