@@ -114,6 +114,22 @@ CODES: dict[str, Status] = {
     "no_robot": Status(USAGE, 409),
     "no_reset": Status(USAGE, 409),
     "bad_table": _CALLER,
+    # Requests over HTTP that get no further than the door.
+    "bad_request": _CALLER,
+    "bad_json": _CALLER,
+    "wrong_token": Status(USAGE, 401),
+    "wrong_origin": Status(USAGE, 403),
+    "unknown_path": Status(USAGE, 404),
+    "wrong_method": Status(USAGE, 405),
+    "slow_request": Status(USAGE, 408),
+    "too_large": Status(USAGE, 413),
+    "wrong_media_type": Status(USAGE, 415),
+    "wrong_host": Status(USAGE, 421),
+    "too_many_requests": Status(USAGE, 429),
+    "too_long": _CALLER,
+    # The address of a server.
+    "bad_token": _CALLER,
+    "cannot_listen": _CALLER,
     # The machine and the installation.
     "cannot_import": Status(INTERNAL, 500),
     "system_error": Status(INTERNAL, 500),
@@ -295,11 +311,8 @@ def executor_failures_raised() -> Iterator[None]:
     try:
         yield
     except Exception as raised:
-        known = known_error(raised)
-        if isinstance(raised, Stopped) or known is raised:
+        if isinstance(raised, Stopped) or known_error(raised) is not None:
             raise
-        if known is not None:
-            raise known from raised
         hint = "the robot may stand anywhere: look at it, and open a new controller"
         raise ControlError(_place_of_failure("executor_failed", raised, hint)) from raised
 

@@ -47,6 +47,7 @@ _COMMANDS = {
     "sample": "say_command:sample",
     "say": "say_command:say",
     "schema": "schema_commands:schema",
+    "serve": "serve_command:command",
     "shell": "shell_command:command",
 }
 """Where each command stands in `nlcontrol.cli.commands`."""

@@ -176,6 +176,7 @@ class ExplorationReport(Document):
     """Findings of an exploration; SI units.
 
     Attributes:
+        ok: all was found that was asked for.
         object: name in the scene.
         scene, seed: of the world.
         touches: one after another.
@@ -189,7 +190,9 @@ class ExplorationReport(Document):
         dropped: trials left out of the fit, each with the reason.
         notes: what else a reader should know.
         truth: how the object really is, if an observer was asked.
-        saved: file of the fitted model, if it was kept; `instead_of` whose place it takes.
+        saved: file of the fitted model, if it was kept.
+        instead_of: file of the model whose place it takes.
+        files: what was written, by kind.
     """
 
     ok: bool = True

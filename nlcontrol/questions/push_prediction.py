@@ -41,7 +41,17 @@ CERTAIN = 1.959964
 
 
 class AskedPush(BaseModel):
-    """A push as it was asked for, in B, which is turned by `yaw` from the robot's axes [rad]."""
+    """A push as it was asked for, in B.
+
+    Attributes:
+        face: that is touched, as it was named.
+        lateral: along the face from its middle, to the right of who looks at it [m].
+        height: above the table [m].
+        point: the same place in B [m].
+        direction: unit direction of the force in B.
+        force: its size [N]; null if none was given.
+        yaw: how B is turned from the robot's axes [rad].
+    """
 
     model_config = ConfigDict(defer_build=True, frozen=True)
 

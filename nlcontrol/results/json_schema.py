@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import inspect
 import re
+from collections.abc import Mapping
 from typing import Any
 
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue, models_json_schema
-from pydantic_core.core_schema import ModelSchema
+from pydantic_core.core_schema import DataclassSchema, ModelSchema
 
 from grammar.frames.command import Command
 from nlcontrol.errors import ErrorInfo
@@ -21,20 +22,31 @@ _ANSWERS = (Result, Command, PushPrediction, FitReport, ExplorationReport)
 _SCHEMA = "https://json-schema.org/draft/2020-12/schema"
 
 
-class _DescribedSchema(GenerateJsonSchema):
+class DescribedSchema(GenerateJsonSchema):
     """Schema of models whose docstrings, or those of their bases, describe the fields."""
 
     def model_schema(self, schema: ModelSchema) -> JsonSchemaValue:
-        made = super().model_schema(schema)
-        said: dict[str, str] = {}
-        for cls in reversed(schema["cls"].__mro__):
-            summary, described = docstring_parts(cls.__dict__.get("__doc__") or "")
-            said |= described
+        """Schema of one model."""
         names = {field.alias: name for name, field in schema["cls"].model_fields.items()}
-        for key, field in made.get("properties", {}).items():
-            if told := said.get(names.get(key, key)):
-                field["description"] = told
-        return {**made, "description": summary} if summary else made
+        return _with_descriptions(super().model_schema(schema), schema["cls"], names)
+
+    def dataclass_schema(self, schema: DataclassSchema) -> JsonSchemaValue:
+        """Schema of one dataclass."""
+        return _with_descriptions(super().dataclass_schema(schema), schema["cls"], {})
+
+
+def _with_descriptions(
+    made: JsonSchemaValue, cls: type, names: Mapping[str | None, str]
+) -> JsonSchemaValue:
+    """A schema with the descriptions of a class; `names` are those of the fields with aliases."""
+    summary, said = "", {"kind": "says which kind of part it is"}
+    for base in reversed(cls.__mro__):
+        summary, described = docstring_parts(base.__dict__.get("__doc__") or "")
+        said |= described
+    for key, field in made.get("properties", {}).items():
+        if told := said.get(names.get(key, key)):
+            field["description"] = told
+    return {**made, "description": summary} if summary else made
 
 
 def docstring_parts(docstring: str) -> tuple[str, dict[str, str]]:
@@ -61,7 +73,7 @@ def schema() -> dict[str, Any]:
     _, definitions = models_json_schema(
         [(model, "serialization") for model in (*_ANSWERS, Lesson, ErrorInfo)],
         title="nlcontrol",
-        schema_generator=_DescribedSchema,
+        schema_generator=DescribedSchema,
         description=" ".join((schema.__doc__ or "").split()),
     )
     parts = definitions["$defs"]

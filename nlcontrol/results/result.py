@@ -35,7 +35,8 @@ class Execution(DocumentPart):
     """A trace in a few numbers, for those who read the result as JSON.
 
     Attributes:
-        end: why the push ended; `detail` says it in words.
+        end: why the push ended.
+        detail: the same in words.
         duration: of the whole execution, simulated [s].
         displacement: of the pushed object in W [m].
         turned: angle by which it turned about the vertical [rad], counter-clockwise; None if it

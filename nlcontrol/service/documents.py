@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Literal
 
 from pydantic import Field
 
@@ -16,12 +16,10 @@ from nlcontrol.errors import ErrorInfo
 from nlcontrol.json_document import Document, DocumentPart
 from nlcontrol.results.result import Result
 from nlcontrol.session.events import Event
-from objectmodels.files.value_types import Coordinate, Name, length_of
 
 if TYPE_CHECKING:
     from planner.affordances import Affordance
 
-Source = Literal["camera", "stated"]
 RunKind = Literal["execute", "say"]
 RunState = Literal["queued", "running", "ended", "aborted", "cut_off", "defect"]
 
@@ -39,17 +37,14 @@ class StatedObject(DocumentPart):
         fixed: a holder keeps it where it stands.
     """
 
-    name: Name
-    model: Name | None = None
-    x: Coordinate
-    y: Coordinate
-    yaw: Coordinate = 0.0
-    synonyms: tuple[Name, ...] = ()
+    name: str
+    model: str | None = None
+    x: float
+    y: float
+    yaw: float = 0.0
+    synonyms: tuple[str, ...] = ()
     fragile: bool = False
     fixed: bool = False
-
-
-StatedObjects = Annotated[tuple[StatedObject, ...], length_of("objects")]
 
 
 class TableSpec(DocumentPart):
@@ -67,7 +62,7 @@ class TableSpec(DocumentPart):
     scene: str = "kitchen"
     seed: int = Field(default=0, ge=0, lt=2**32)
     defaults: dict[str, float] = Field(default={})
-    objects: StatedObjects | None = None
+    objects: tuple[StatedObject, ...] | None = None
 
 
 class SessionSpec(TableSpec):
@@ -139,7 +134,7 @@ class TableView(Document):
         digest: of all that is believed; see `nlcontrol.service.beliefs`.
     """
 
-    source: Source
+    source: Literal["camera", "stated"]
     time: float
     scene: str
     objects: tuple[TableObject, ...]
@@ -226,7 +221,13 @@ class RunPage(Document):
 
 
 class Affordances(Document):
-    """Outcomes that this robot can bring about with an object; for the others, why not."""
+    """Outcomes that this robot can bring about with an object; for the others, why not.
+
+    Attributes:
+        object: name of the object.
+        scene: name of the cell.
+        affordances: one for each outcome, direction and face.
+    """
 
     object: str
     scene: str
@@ -240,7 +241,23 @@ class Affordances(Document):
 
 
 class AffordanceItem(DocumentPart):
-    """One of them; see `planner.affordances.Affordance`."""
+    """One of them; see `planner.affordances.Affordance`.
+
+    Attributes:
+        outcome: `slide`, `topple`, `tilt`, `turn`, `lift`, `open`, `close` or `pour`.
+        direction: `away`, `toward`, `left`, `right` (for `turn`: which way it turns); empty for
+            what a whole hand does.
+        face: face that is pushed, as the robot calls it; null if there is none.
+        possible: whether any contact on that face has this outcome at the onset.
+        least_force: smallest force at which it begins, nominal [N].
+        place: where that is, (lateral, height) on the face [m].
+        heights: lowest and highest contact at which the outcome has the default probability [m];
+            null if it is sure nowhere.
+        can: whether this robot can do it now.
+        reason: why not: a reason of a refusal, or `impossible` for the object.
+        message: the same in words; what the plan is if it can.
+        suggestions: what would be possible instead.
+    """
 
     outcome: str
     direction: str
@@ -279,7 +296,17 @@ class MapContact(DocumentPart):
 
 
 class FaceMap(Document):
-    """Outcomes of pushes all over a face; see `nlcontrol.outcome_maps.outcome_map_table`."""
+    """Outcomes of pushes all over a face; see `nlcontrol.outcome_maps.outcome_map_table`.
+
+    Attributes:
+        object: name of the object.
+        face: as it was named.
+        normal: outward unit normal of the face in B.
+        band: forces that lie closer together, as a share, leave the outcome undecided.
+        level: probability that an outcome must have, instead of the band; null without.
+        friction: which coefficient at the table decided.
+        contacts: all over the face.
+    """
 
     object: str
     face: str

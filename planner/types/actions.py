@@ -219,14 +219,14 @@ class Grasp(Value):
 class GraspPrediction(Value):
     """Prediction of a grasp: the probability that it holds through all steps."""
 
-    holds: float
+    holds: float = Field(description="probability that it holds through all steps")
 
 
 class GraspAction(Grasp):
     """A grasp that comes before other steps; `held` if the hand holds it so already."""
 
-    held: bool = False
-    prediction: GraspPrediction
+    held: bool = Field(default=False, description="the hand holds it so already")
+    prediction: GraspPrediction = Field(description="what it will do")
 
 
 class PullPrediction(Value):
@@ -264,7 +264,7 @@ class Carry(Value):
     """
 
     kind: Literal["carry"] = "carry"
-    to: Aim
+    to: Aim = Field(description="where its B goes, or the middle of a lid")
 
 
 class PourPrediction(Value):
@@ -385,8 +385,8 @@ class PutOn(Value):
     """Lowers a lid onto the rim of the object it belongs to, presses it on [N] and lets go."""
 
     kind: Literal["put_on"] = "put_on"
-    onto: str
-    press: float
+    onto: str = Field(description="name of the object to which the lid belongs")
+    press: float = Field(description="force with which it is pressed on [N]")
 
 
 Action = Annotated[

@@ -16,7 +16,14 @@ PlanTask = Literal["push", "topple", "tilt", "lift", "place", "pour", "open", "c
 
 
 class DefaultUsed(Value):
-    """A value that the sentence did not give, and that the table of defaults supplied."""
+    """A value that the sentence did not give, and that the table of defaults supplied.
+
+    Attributes:
+        name: of the default.
+        value: of it.
+        unit: of the value.
+        reason: why it was needed.
+    """
 
     name: str
     value: float
@@ -31,6 +38,7 @@ class Plan(Value):
     the same aim until it is reached. What a hand does is carried out to its end.
 
     Attributes:
+        status: says that it is a plan.
         object: name of what is moved.
         task: what the actions amount to.
         actions: one after the other.

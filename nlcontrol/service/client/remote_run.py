@@ -119,7 +119,7 @@ class RemoteRun:
         try:
             content = self._connection.response("GET", f"{self._path}/trace").content
         except ControlError as raised:
-            if raised.code == "no_trace":
+            if raised.code == "no_file":
                 return None
             raise
         with TemporaryDirectory() as folder:

@@ -249,7 +249,7 @@ def test_a_run_that_was_cut_off_raises_what_the_service_says() -> None:
 
 
 def test_nothing_moved_and_there_is_no_trace() -> None:
-    missing = problem(404, code="no_trace", detail="nothing moved")
+    missing = problem(404, code="no_file", detail="nothing moved")
     wire = Wire(say=[RUN], r1=[ENDED], trace=[missing])
     assert client(wire).say("push the mug").trace() is None
 

@@ -1,0 +1,169 @@
+"""`serve`: the planning service over HTTP, until a signal ends it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from nlcontrol.cli.console.console_output import FILE
+from nlcontrol.errors import error, known_errors_raised
+from nlcontrol.interruption import SIGNALS
+
+if TYPE_CHECKING:
+    from nlcontrol.service.http.http_settings import HttpSettings
+    from nlcontrol.service.service_settings import ServiceSettings
+
+TOKEN_VARIABLE = "NLCONTROL_TOKEN"
+"""Variable of the environment that may hold the token."""
+
+_COUNT = click.IntRange(1, 1000)
+
+
+@click.command("serve")
+@click.option("--host", default="127.0.0.1", show_default=True, help="Address to listen on.")
+@click.option(
+    "--port",
+    default=8000,
+    show_default=True,
+    type=click.IntRange(0, 65535),
+    help="Port to listen on; 0 takes a free one.",
+)
+@click.option(
+    "--scene",
+    "scenes",
+    multiple=True,
+    help="A scene that may be asked for; may be repeated. All built-in ones by default.",
+)
+@click.option("--workers", type=_COUNT, help="Runs that simulate at once; cores - 1 by default.")
+@click.option("--sessions", type=_COUNT, help="Sessions that may be open at once.")
+@click.option("--planners", type=_COUNT, help="Processes that plan without a session, at most.")
+@click.option("--queue", type=click.IntRange(0, 10_000), help="Runs that may wait.")
+@click.option(
+    "--store",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="Folder of the runs; without it they go with the service.",
+)
+@click.option("--keep", type=click.IntRange(1), metavar="MB", help="Of runs that are kept.")
+@click.option(
+    "--token-file",
+    type=FILE,
+    help=f"File with the token that every request has to bear; or {TOKEN_VARIABLE}. Needed for "
+    "every --host but this machine's own.",
+)
+@click.option(
+    "--name",
+    "names",
+    multiple=True,
+    help="Another name by which the service is called, as by a proxy; may be repeated.",
+)
+@click.option("--executor", metavar="MODULE:CLASS", help="The robot, instead of the simulation.")
+@click.option("--approve", is_flag=True, help="Every motion needs an approved plan.")
+def command(
+    host: str,
+    port: int,
+    scenes: tuple[str, ...],
+    workers: int | None,
+    sessions: int | None,
+    planners: int | None,
+    queue: int | None,
+    store: Path | None,
+    keep: int | None,
+    token_file: Path | None,
+    names: tuple[str, ...],
+    executor: str | None,
+    approve: bool,
+) -> int:
+    """Serve plans, sessions and runs over HTTP; docs/service.md shows how to use it."""
+    _require_packages()
+    from pydantic import ValidationError
+
+    from nlcontrol.service.http.http_settings import HttpSettings
+    from nlcontrol.service.service_settings import ServiceSettings
+
+    given = {
+        "workers": workers,
+        "sessions": sessions,
+        "planners": planners,
+        "queue": queue,
+        "store": store,
+        "keep_bytes": None if keep is None else keep * 10**6,
+        "scenes": scenes or None,
+        "executor": executor,
+    }
+    try:
+        settings = ServiceSettings(**{key: v for key, v in given.items() if v is not None})
+        http = HttpSettings(
+            host=host, port=port, token=_token(token_file), hosts=names, approve=approve
+        )
+    except ValidationError as raised:
+        first = raised.errors(include_url=False)[0]
+        raise click.UsageError(f"{first['loc'][0]}: {first['msg']}") from None
+    return _serve(settings, http)
+
+
+def _serve(settings: ServiceSettings, http: HttpSettings) -> int:
+    from nlcontrol.service.http.json_logs import log_as_json
+    from nlcontrol.service.http.web_server import listening_socket, serve, url_of
+    from nlcontrol.service.planning_service import PlanningService
+
+    _require_token(http)
+    with listening_socket(http.host, http.port) as listening, known_errors_raised():
+        log_as_json()
+        with PlanningService(settings) as service:
+            click.echo(f"nlcontrol serves at {url_of(listening)}")
+            serve(service, http, listening)
+    return SIGNALS.exit_code
+
+
+def _require_packages() -> None:
+    """Refuses to serve without the packages of the extra.
+
+    Raises:
+        ControlError: `missing_extra`.
+    """
+    try:
+        import fastapi  # noqa: F401
+        import sse_starlette  # noqa: F401
+        import uvicorn  # noqa: F401
+    except ImportError as raised:
+        raise error(
+            "missing_extra",
+            f"serving needs the package {raised.name}",
+            suggestions=("install from the checkout: pip install '.[serve]'",),
+        ) from raised
+
+
+def _token(file: Path | None) -> str | None:
+    """The token of a file, else of the environment; None if there is none.
+
+    Raises:
+        ControlError: the file cannot be read.
+    """
+    if file is None:
+        return os.environ.get(TOKEN_VARIABLE) or None
+    from objectmodels.files.file_reading import read_text
+
+    with known_errors_raised():
+        return read_text(file, "token_file").strip()
+
+
+def _require_token(http: HttpSettings) -> None:
+    """Refuses to listen to other machines without a token.
+
+    Raises:
+        ControlError: `bad_token`.
+    """
+    from nlcontrol.service.http.http_settings import LOOPBACK
+
+    if http.token is None and http.host not in LOOPBACK:
+        raise error(
+            "bad_token",
+            f"at {http.host} other machines can reach the service, and it has no token",
+            suggestions=(
+                "write at least 16 characters into a file, and give it with --token-file",
+                "leave --host out: the service then listens to this machine alone",
+            ),
+        )

@@ -1,0 +1,1 @@
+"""The planning service over HTTP: thin routes, and all that guards them."""

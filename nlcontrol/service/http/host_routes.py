@@ -1,0 +1,164 @@
+"""Routes of what the host has: its health, scenes and objects, and the schema of all answers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from fastapi import APIRouter
+from pydantic import Field
+from starlette.responses import Response
+
+from nlcontrol import __version__
+from nlcontrol.errors import known_errors_raised
+from nlcontrol.json_document import Document, DocumentPart, document_text
+from nlcontrol.service.http.openapi_document import PROBLEMS
+from nlcontrol.service.http.request_bodies import ObjectPath
+from nlcontrol.service.http.service_access import Service, document_response
+
+if TYPE_CHECKING:
+    from objectmodels import ObjectModel
+
+ROUTER = APIRouter(prefix="/v1", tags=["host"], responses=PROBLEMS)
+
+
+class Health(Document):
+    """Numbers of what there is and what waits.
+
+    Attributes:
+        version: of nlcontrol.
+        sessions: that are open.
+        planners: processes that plan for those who have no session.
+        running: runs that are under way.
+        queued: runs that wait for their turn.
+    """
+
+    version: str = __version__
+    sessions: int = Field(ge=0)
+    planners: int = Field(ge=0)
+    running: int = Field(ge=0)
+    queued: int = Field(ge=0)
+
+
+class SceneList(Document):
+    """Scenes.
+
+    Attributes:
+        scenes: that may be asked for.
+    """
+
+    scenes: tuple[SceneSummary, ...]
+
+
+class SceneSummary(DocumentPart):
+    """A scene of the host.
+
+    Attributes:
+        name: of it.
+        objects: names of all that stands there.
+    """
+
+    name: str
+    objects: tuple[str, ...]
+
+
+class ObjectList(Document):
+    """Object models of the host.
+
+    Attributes:
+        objects: in the order of their names.
+    """
+
+    objects: tuple[ObjectSummary, ...]
+
+
+class ObjectSummary(DocumentPart):
+    """An object model in a few figures.
+
+    Attributes:
+        name: of the model; text that others wrote.
+        synonyms: further names.
+        kind: of shape.
+        size: of a box around it as it stands [m].
+        mass, mass_sd: and its standard deviation [kg].
+        friction, friction_sd: coefficient at the table, and its standard deviation.
+    """
+
+    name: str
+    synonyms: tuple[str, ...]
+    kind: str
+    size: tuple[float, float, float]
+    mass: float
+    mass_sd: float
+    friction: float
+    friction_sd: float
+
+
+class ObjectDescription(Document):
+    """An object model.
+
+    Attributes:
+        summary: in a few figures.
+        model: every figure, as docs/models.md names them.
+    """
+
+    summary: ObjectSummary
+    model: dict[str, Any]
+
+
+@ROUTER.get("/health", operation_id="health", response_model=Health)
+def health(service: Service) -> Response:
+    """Tells that the service is there, and what it has to do."""
+    return document_response(Health(**service.health()))
+
+
+@ROUTER.get("/schema", operation_id="json_schema", response_model=dict[str, Any])
+def schema() -> Response:
+    """Sends the JSON schema of the documents, as `nlcontrol schema` prints it."""
+    from nlcontrol.results import json_schema
+
+    return Response(document_text(json_schema.schema(), None), media_type="application/json")
+
+
+@ROUTER.get("/scenes", operation_id="list_scenes", response_model=SceneList)
+def list_scenes(service: Service) -> Response:
+    """Lists the scenes that may be asked for."""
+    return document_response(SceneList(scenes=tuple(map(_scene_summary, service.scenes()))))
+
+
+@ROUTER.get("/objects", operation_id="list_objects", response_model=ObjectList)
+def list_objects(service: Service) -> Response:
+    """Lists the object models of the host."""
+    return document_response(ObjectList(objects=tuple(map(_object_summary, service.objects()))))
+
+
+@ROUTER.get("/objects/{name}", operation_id="read_object", response_model=ObjectDescription)
+def read_object(name: ObjectPath) -> Response:
+    """Tells what is believed about an object, by its name or a synonym."""
+    from objectmodels import Registry
+
+    with known_errors_raised():
+        model = Registry.default().find_one(name)
+    return document_response(
+        ObjectDescription(summary=_object_summary(model), model=model.model_dump(mode="json"))
+    )
+
+
+def _scene_summary(name: str) -> SceneSummary:
+    from sim.truth.scene_file import load_scene
+
+    return SceneSummary(name=name, objects=tuple(item.name for item in load_scene(name).objects))
+
+
+def _object_summary(model: ObjectModel) -> ObjectSummary:
+    from objectmodels.registry.model_files import kind_of
+
+    return ObjectSummary(
+        name=model.name,
+        synonyms=tuple(model.synonyms),
+        kind=kind_of(model),
+        size=model.extents,
+        mass=model.mass,
+        mass_sd=model.mass_sd,
+        friction=model.friction,
+        friction_sd=model.friction_sd,
+    )

@@ -1,0 +1,63 @@
+"""The OpenAPI document: that of FastAPI, in which docstrings describe every field."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Any
+
+from fastapi.openapi.utils import get_openapi
+from fastapi.routing import APIRoute
+from pydantic.json_schema import models_json_schema
+
+from nlcontrol.results.json_schema import DescribedSchema
+from nlcontrol.service.http.problem_documents import Problem
+from objectmodels.files.validation_faults import classes_in
+
+if TYPE_CHECKING:
+    from fastapi import APIRouter, FastAPI
+    from pydantic import BaseModel
+
+_SCHEMAS = "#/components/schemas/"
+
+PROBLEMS: dict[int | str, dict[str, Any]] = {
+    "4XX": {
+        "description": "A mistake of the caller.",
+        "content": {"application/problem+json": {"schema": {"$ref": f"{_SCHEMAS}Problem"}}},
+    }
+}
+"""Answers that every route may give, besides its own."""
+
+
+def openapi_document(app: FastAPI, routers: Iterable[APIRouter]) -> dict[str, Any]:
+    """The OpenAPI document of an application, made once."""
+    if app.openapi_schema is None:
+        document = get_openapi(
+            title=app.title,
+            version=app.version,
+            summary=app.summary,
+            routes=app.routes,
+            separate_input_output_schemas=False,
+        )
+        document["components"]["schemas"] |= _described_schemas(routers)
+        app.openapi_schema = document
+    return app.openapi_schema
+
+
+def _described_schemas(routers: Iterable[APIRouter]) -> dict[str, Any]:
+    """Schema of every document that is asked for or answered, by its name."""
+    models: set[type[BaseModel]] = {Problem, *_models(routers)}
+    _, definitions = models_json_schema(
+        [(model, "validation") for model in sorted(models, key=lambda model: model.__name__)],
+        schema_generator=DescribedSchema,
+        ref_template=_SCHEMAS + "{model}",
+    )
+    schemas: dict[str, Any] = definitions["$defs"]
+    return schemas
+
+
+def _models(routers: Iterable[APIRouter]) -> Iterator[type[BaseModel]]:
+    for route in (route for router in routers for route in router.routes):
+        if isinstance(route, APIRoute):
+            yield from classes_in(route.response_model)
+            if route.body_field is not None:
+                yield from classes_in(route.body_field.field_info.annotation)

@@ -1,0 +1,174 @@
+"""Problem documents: a caller's mistakes, and our defects, as RFC 9457 has them."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from textwrap import shorten
+from typing import TYPE_CHECKING
+
+from fastapi.exceptions import RequestValidationError
+from pydantic import Field
+from starlette.exceptions import HTTPException
+from starlette.responses import Response
+
+from nlcontrol.errors import ControlError, ErrorInfo
+from nlcontrol.json_document import DocumentPart
+from objectmodels.errors import printable
+from objectmodels.files.validation_faults import short_text
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from typing import Any
+
+    from fastapi import FastAPI
+    from starlette.requests import Request
+
+MEDIA_TYPE = "application/problem+json"
+
+MOST_FAULTS = 10
+"""Places of a body that are complained about at once."""
+
+
+class Fault(DocumentPart):
+    """A place in a request that is not as it has to be.
+
+    Attributes:
+        path: of the place, such as `table.seed`.
+        message: what is wrong there.
+    """
+
+    path: str
+    message: str
+
+
+class Problem(DocumentPart):
+    """A problem document (RFC 9457): why a request was not fulfilled.
+
+    Attributes:
+        type: URN of the kind of problem.
+        title: the kind in words.
+        status: of HTTP.
+        detail: the problem in one plain sentence.
+        code: stable name of the kind, the `code` of all errors of nlcontrol.
+        suggestions: what would be possible, or might have been meant.
+        say: whole sentences that would do in place of the one that was said.
+        path: place in the body, or file and key, that it is about.
+        numbers: the figures that decided, by name [SI].
+        span: the words that it is about, `[start, end)` in the sentence as given.
+        spans: all places in the sentence that it is about, if there are several.
+        capability: what this robot lacks, if that is the matter.
+        family: the stage that raised it.
+        faults: places in the request, if its form is wrong.
+    """
+
+    type: str = "about:blank"
+    title: str
+    status: int = Field(ge=400, le=599)
+    detail: str
+    code: str
+    suggestions: tuple[str, ...] = ()
+    say: tuple[str, ...] = ()
+    path: str | None = None
+    numbers: dict[str, float] = Field(default={})
+    span: tuple[int, int] | None = None
+    spans: tuple[tuple[int, int], ...] = ()
+    capability: str | None = None
+    family: str | None = None
+    faults: tuple[Fault, ...] = ()
+
+
+_OF_REQUESTS: dict[int, tuple[str, str]] = {
+    400: ("bad_request", "see GET /v1/openapi.json for what is taken here"),
+    404: ("unknown_path", "GET /v1/openapi.json lists every path"),
+    405: ("wrong_method", "the header Allow says which methods this path has"),
+}
+"""Code and suggestion of what the router itself refuses, by status."""
+
+
+def problem_status(info: ErrorInfo) -> int:
+    """HTTP status of an error of the service; 5xx for defects alone."""
+    http = info.status.http
+    # What is lacking or takes too long is no defect; proxies would send the request again.
+    return 422 if http in (499, 501, 504) else http
+
+
+def problem_of(info: ErrorInfo, *, status: int | None = None, **more: Any) -> Problem:
+    """The problem document of an error."""
+    return Problem(
+        type=f"urn:nlcontrol:problem:{info.code}",
+        title=info.code.replace("_", " ").capitalize(),
+        status=problem_status(info) if status is None else status,
+        detail=info.message,
+        **info.model_dump(exclude={"message"}),
+        **more,
+    )
+
+
+def problem_response(problem: Problem, headers: Mapping[str, str] | None = None) -> Response:
+    """The answer that bears a problem document."""
+    answered = dict(headers or {})
+    if problem.status == HTTPStatus.TOO_MANY_REQUESTS:
+        wait = max(1, round(problem.numbers.get("retry_after", 1.0)))
+        answered.setdefault("Retry-After", str(wait))
+    return Response(
+        problem.model_dump_json(exclude_defaults=True).encode(),
+        status_code=problem.status,
+        headers=answered,
+        media_type=MEDIA_TYPE,
+    )
+
+
+def answer_problems(app: FastAPI) -> None:
+    """Lets an application answer with problem documents, whatever it refuses."""
+    app.add_exception_handler(ControlError, _answer_error)
+    app.add_exception_handler(RequestValidationError, _answer_faults)
+    app.add_exception_handler(HTTPException, _answer_http_exception)
+
+
+async def _answer_error(_: Request, raised: Exception) -> Response:
+    assert isinstance(raised, ControlError), "it is registered for these"
+    return problem_response(problem_of(raised.info))
+
+
+async def _answer_http_exception(_: Request, raised: Exception) -> Response:
+    assert isinstance(raised, HTTPException), "it is registered for these"
+    code, hint = _OF_REQUESTS.get(raised.status_code, _OF_REQUESTS[400])
+    info = ErrorInfo(code=code, message=str(raised.detail), suggestions=(hint,))
+    return problem_response(problem_of(info, status=raised.status_code), raised.headers)
+
+
+async def _answer_faults(_: Request, raised: Exception) -> Response:
+    assert isinstance(raised, RequestValidationError), "it is registered for these"
+    faults = _faults(raised.errors())
+    info = ErrorInfo(
+        code="bad_request",
+        message=f"{faults[0].path}: {faults[0].message}",
+        path=faults[0].path,
+        suggestions=(_OF_REQUESTS[400][1],),
+    )
+    return problem_response(problem_of(info, status=422, faults=faults))
+
+
+def _faults(complaints: Sequence[Mapping[str, Any]]) -> tuple[Fault, ...]:
+    return tuple(
+        Fault(path=_place(complaint["loc"]), message=_message(complaint))
+        for complaint in complaints[:MOST_FAULTS]
+    )
+
+
+def _place(loc: Sequence[str | int]) -> str:
+    """Place as it is written, `table.objects[2].x`; of a query or a header its name."""
+    keys = loc[1:] if len(loc) > 1 else loc
+    place = ""
+    for key in keys:
+        place += f"[{key}]" if isinstance(key, int) else f".{shorten(printable(key), 80)}"
+    return place.removeprefix(".")
+
+
+def _message(complaint: Mapping[str, Any]) -> str:
+    if complaint["type"] == "extra_forbidden":
+        return "found a key that is not known here"
+    if complaint["type"] == "missing":
+        return "found nothing, expected this key"
+    said = str(complaint["msg"]).removeprefix("Value error, ").removeprefix("Input should be ")
+    return f"found {short_text(complaint['input'])}, expected {said}"

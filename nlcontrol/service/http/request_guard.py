@@ -1,0 +1,278 @@
+"""The guard before every request: who asks, by which name, from which page, and how much.
+
+A page of any origin that a person has open can reach a server on loopback, by an address or, once
+its own name is made to point here (DNS rebinding), as its own origin. So `Host` has to be a name of
+this service, and `Origin`, where a browser sends it, has to agree with it. Bodies are read here, up
+to a limit and within a time, and nothing but sensible JSON gets further.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import hmac
+import logging
+import time
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
+
+from pydantic_core import from_json
+from starlette.datastructures import Headers, MutableHeaders
+
+from nlcontrol.errors import ControlError, ErrorInfo, error
+from nlcontrol.service.http.http_settings import LOOPBACK, HttpSettings
+from nlcontrol.service.http.problem_documents import (
+    Problem,
+    problem_of,
+    problem_response,
+)
+
+if TYPE_CHECKING:
+    from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+LOGGER = logging.getLogger("nlcontrol.service.http")
+
+SECURITY_HEADERS: Mapping[str, str] = {
+    "Cache-Control": "no-store",
+    "Content-Security-Policy": "default-src 'none'; frame-ancestors 'none'",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+}
+"""Headers of every answer that does not set them itself."""
+
+_READING = ("GET", "HEAD")
+_LONGEST_PATH = 200  # of a path in the log [characters]
+
+
+class _HeadAnswered(OSError):  # noqa: N818 - it is no error
+    """Raised into an application that goes on sending a body that nobody asked for."""
+
+
+class RequestGuard:
+    """An application that lets through to another only what may pass.
+
+    Args:
+        app: the other.
+        settings: of the HTTP face.
+        body_bytes: largest body of a request.
+    """
+
+    def __init__(self, app: ASGIApp, settings: HttpSettings, body_bytes: int) -> None:
+        self._app = app
+        self._settings = settings
+        self._body_bytes = body_bytes
+        self._hosts = {*LOOPBACK, settings.host.lower(), *(name.lower() for name in settings.hosts)}
+        self._under_way = 0
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answers a request; there are no sockets here."""
+        if scope["type"] == "lifespan":
+            await self._app(scope, receive, send)
+        elif scope["type"] == "websocket":
+            await send({"type": "websocket.close", "code": 1008})
+        else:
+            await self._answer(scope, receive, send)
+
+    async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
+        answer = _Answer(send, is_head=scope["method"] == "HEAD")
+        self._under_way += 1
+        try:
+            received = await self._admit(scope, receive)
+            asked = {**scope, "method": "GET"} if answer.is_head else scope
+            await self._app(asked, received, answer.send)
+        except ControlError as raised:
+            await problem_response(problem_of(raised.info))(scope, receive, answer.send)
+        except Exception:
+            if not answer.is_done:
+                LOGGER.exception("a request failed")
+                if answer.status == 0:
+                    await problem_response(_defect())(scope, receive, answer.send)
+        finally:
+            self._under_way -= 1
+            _log(scope, answer)
+
+    async def _admit(self, scope: Scope, receive: Receive) -> Receive:
+        """The body of a request that may pass.
+
+        Raises:
+            ControlError: it may not.
+        """
+        if self._under_way > self._settings.requests:
+            raise error(
+                "too_many_requests",
+                f"{self._settings.requests} requests are under way already",
+                suggestions=("ask again in a second",),
+                numbers={"retry_after": 1.0},
+            )
+        headers = Headers(scope=scope)
+        self._require_host(headers)
+        _require_own_page(headers)
+        self._require_token(headers)
+        return await self._read_body(headers, receive, reads=scope["method"] in _READING)
+
+    def _require_host(self, headers: Headers) -> None:
+        names = headers.getlist("host")
+        if len(names) != 1 or _host_name(names[0]) not in self._hosts:
+            raise error(
+                "wrong_host",
+                "the header Host does not name this service",
+                suggestions=("call it by the URL that `nlcontrol serve` has printed",),
+            )
+
+    def _require_token(self, headers: Headers) -> None:
+        if self._settings.token is None:
+            return
+        kind, _, token = headers.get("authorization", "").partition(" ")
+        ours = self._settings.token.encode()
+        if kind.lower() != "bearer" or not hmac.compare_digest(token.strip().encode(), ours):
+            raise error(
+                "wrong_token",
+                "this service needs its token",
+                suggestions=("send the header Authorization: Bearer with the token",),
+            )
+
+    async def _read_body(self, headers: Headers, receive: Receive, *, reads: bool) -> Receive:
+        body = await self._whole_body(headers, receive)
+        if body and not reads:
+            _require_json(headers, body)
+        message: Message | None = {"type": "http.request", "body": body, "more_body": False}
+
+        async def received() -> Message:
+            nonlocal message
+            told, message = message, None
+            return await receive() if told is None else told
+
+        return received
+
+    async def _whole_body(self, headers: Headers, receive: Receive) -> bytes:
+        length = headers.get("content-length", "0")
+        if not length.isdecimal() or int(length) > self._body_bytes:
+            raise self._too_large()
+        parts: list[bytes] = []
+        try:
+            async with asyncio.timeout(self._settings.body_time):
+                while True:
+                    message = await receive()
+                    parts.append(message.get("body", b""))
+                    if sum(map(len, parts)) > self._body_bytes:
+                        raise self._too_large()
+                    if not message.get("more_body", False):
+                        return b"".join(parts)
+        except TimeoutError:
+            raise error(
+                "slow_request",
+                f"the body did not arrive within {self._settings.body_time:g} s",
+                suggestions=("send it at once",),
+            ) from None
+
+    def _too_large(self) -> ControlError:
+        return error(
+            "too_large",
+            f"the body is larger than {self._body_bytes} bytes",
+            suggestions=("say less at once",),
+            numbers={"body_bytes": float(self._body_bytes)},
+        )
+
+
+class _Answer:
+    """The answer on its way, with the headers that all answers bear.
+
+    Attributes:
+        status: of it; 0 before it begins.
+        is_head: the body is left out.
+        is_done: nothing more is to be sent.
+    """
+
+    def __init__(self, send: Send, *, is_head: bool) -> None:
+        self._send = send
+        self.is_head = is_head
+        self.status = 0
+        self.is_done = False
+        self.began = time.monotonic()
+
+    async def send(self, message: Message) -> None:
+        """Sends a part of it."""
+        if message["type"] == "http.response.start":
+            self.status = message["status"]
+            headers = MutableHeaders(scope=message)
+            for name, value in SECURITY_HEADERS.items():
+                headers.setdefault(name, value)
+            if self.status == 401:
+                headers["WWW-Authenticate"] = "Bearer"
+            await self._send(message)
+            if self.is_head:
+                await self._send({"type": "http.response.body", "body": b""})
+                self.is_done = True
+        elif not self.is_done:
+            await self._send(message)
+        elif message.get("more_body", False):
+            raise _HeadAnswered
+
+
+def _defect() -> Problem:
+    """The problem document of a defect, of which the log alone says more."""
+    hint = "the log of the service says more; tell whoever runs it"
+    message = "this is a defect of nlcontrol"
+    return problem_of(ErrorInfo(code="internal", message=message, suggestions=(hint,)))
+
+
+def _host_name(host: str) -> str:
+    """Name in a Host header, its port left out."""
+    name, colon, port = host.lower().rpartition(":")
+    return name if colon and port.isdecimal() and not name.endswith(":") else host.lower()
+
+
+def _require_own_page(headers: Headers) -> None:
+    """Refuses what a browser sends for a page of another origin.
+
+    Behind a proxy the scheme may differ from ours; the name and the port may not.
+    """
+    origin = headers.get("origin")
+    site = headers.get("sec-fetch-site", "none")
+    own = origin is None
+    if origin is not None:
+        with suppress(ValueError):
+            own = urlsplit(origin).netloc.lower() == headers["host"].lower()
+    if not own or site not in ("none", "same-origin"):
+        raise error(
+            "wrong_origin",
+            "a page of another origin may not call this service",
+            suggestions=("call it from a program, or from a page that this service has sent",),
+        )
+
+
+def _require_json(headers: Headers, body: bytes) -> None:
+    kinds = {kind.partition(";")[0].strip().lower() for kind in headers.getlist("content-type")}
+    if kinds != {"application/json"}:
+        raise error(
+            "wrong_media_type",
+            "the body is not said to be JSON",
+            suggestions=("send the header Content-Type: application/json",),
+        )
+    try:
+        from_json(body, allow_inf_nan=False)
+    except ValueError as raised:
+        raise error(
+            "bad_json",
+            f"the body is no JSON document: {raised}",
+            suggestions=("send one JSON object, in UTF-8, and finite numbers alone",),
+        ) from None
+
+
+def _log(scope: Scope, answer: _Answer) -> None:
+    """Logs a request without its query, headers and body, where sentences and secrets stand."""
+    LOGGER.info(
+        "request",
+        extra={
+            "fields": {
+                "method": scope["method"],
+                "path": scope["path"][:_LONGEST_PATH],
+                "status": answer.status,
+                "seconds": round(time.monotonic() - answer.began, 4),
+                "client": (scope.get("client") or ("",))[0],
+            }
+        },
+    )

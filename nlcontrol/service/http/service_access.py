@@ -1,0 +1,101 @@
+"""Access of the routes to the service behind them, and the forms of their answers."""
+
+from __future__ import annotations
+
+import asyncio
+from concurrent.futures import Future
+from typing import TYPE_CHECKING, Annotated
+
+from fastapi import Depends, Request
+from starlette.responses import Response
+
+from grammar.frames.command import Frame
+from nlcontrol.errors import NOT_UNDERSTOOD, ControlError, ErrorInfo, error
+from nlcontrol.json_document import Document, document_text
+from nlcontrol.service.documents import SessionInfo
+from nlcontrol.service.planning_service import PlanningService
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+    from nlcontrol.service.http.request_bodies import SaidBody
+    from nlcontrol.service.service_settings import ServiceSettings
+
+
+def planning_service(request: Request) -> PlanningService:
+    """The service behind a request."""
+    service = request.app.state.service
+    assert isinstance(service, PlanningService), "the application was made with it"
+    return service
+
+
+Service = Annotated[PlanningService, Depends(planning_service)]
+"""Of a route: the service behind it."""
+
+
+class Understanding(Document):
+    """What was understood of a sentence, or why nothing was.
+
+    Attributes:
+        ok: it was understood.
+        text: the sentence as given.
+        frames: what is to be done, one after the other.
+        paraphrase: the frames in plain words, which are read as the same frames.
+        error: why it was not understood.
+    """
+
+    ok: bool
+    text: str
+    frames: tuple[Frame, ...] = ()
+    paraphrase: str | None = None
+    error: ErrorInfo | None = None
+
+
+class SessionList(Document):
+    """Sessions.
+
+    Attributes:
+        sessions: that are open.
+    """
+
+    sessions: tuple[SessionInfo, ...]
+
+
+async def answer_of(future: Future[bytes]) -> Response:
+    """The answer of a worker, which is JSON already."""
+    return Response(await asyncio.wrap_future(future), media_type="application/json")
+
+
+async def parse_answer(future: Future[bytes], body: SaidBody) -> Response:
+    """The answer of a worker that has read a sentence; it is one too if nothing was understood.
+
+    Raises:
+        ControlError: anything else went wrong.
+    """
+    try:
+        return await answer_of(future)
+    except ControlError as raised:
+        if raised.info.status.exit != NOT_UNDERSTOOD:
+            raise
+        return document_response(Understanding(ok=False, text=body.text or "", error=raised.info))
+
+
+def document_response(document: BaseModel, status: int = 200) -> Response:
+    """The answer that bears a document of this process."""
+    text = document_text(document.model_dump(mode="json"), None)
+    return Response(text.encode(), status_code=status, media_type="application/json")
+
+
+def require_bounded_sentence(body: SaidBody, settings: ServiceSettings) -> None:
+    """Refuses a sentence that is longer than the settings allow.
+
+    Raises:
+        ControlError: `too_long`.
+    """
+    if body.text is not None and len(body.text) > settings.sentence_length:
+        raise error(
+            "too_long",
+            f"the sentence has more than {settings.sentence_length} characters",
+            suggestions=("say less at once",),
+            numbers={"sentence_length": float(settings.sentence_length)},
+        )

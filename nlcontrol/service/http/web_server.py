@@ -1,0 +1,105 @@
+"""The web server: a socket, the application on it, and an end in order."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import uvicorn
+
+from nlcontrol.errors import error
+from nlcontrol.interruption import SIGNALS
+from nlcontrol.service.http.service_app import service_app
+
+if TYPE_CHECKING:
+    from nlcontrol.service.http.http_settings import HttpSettings
+    from nlcontrol.service.planning_service import PlanningService
+
+_BACKLOG = 128
+_HEADER_BYTES = 32 * 1024
+_LAST_ANSWERS = 5  # time for answers that are on their way at the end [s]
+
+
+class _Server(uvicorn.Server):
+    """A server whose first signal closes the service behind it, and then itself.
+
+    Args:
+        config: of it.
+        close: the service; may take seconds, while its runs come to rest.
+    """
+
+    def __init__(self, config: uvicorn.Config, close: Callable[[], object]) -> None:
+        super().__init__(config)
+        self._close = close
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Context in which a signal asks for the end; a second one breaks it off."""
+        with SIGNALS.ask_first(self._ask):
+            yield
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Ends the runs, whose streams end with them, and then all connections."""
+        for listening in self.servers:
+            listening.close()
+        await asyncio.to_thread(self._close)
+        await super().shutdown(sockets)
+
+    def _ask(self) -> None:
+        self.should_exit = True
+
+
+def listening_socket(host: str, port: int) -> socket.socket:
+    """A socket that listens.
+
+    Args:
+        host: address or name of this machine.
+        port: 0 takes a free one.
+
+    Raises:
+        ControlError: `cannot_listen`.
+    """
+    try:
+        family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
+        return socket.create_server((host, port), family=family, backlog=_BACKLOG)
+    except OSError as raised:
+        raise error(
+            "cannot_listen",
+            f"cannot listen at {host}, port {port}: {raised.strerror or raised}",
+            suggestions=("choose another --port; 0 takes a free one",),
+        ) from raised
+
+
+def url_of(listening: socket.socket) -> str:
+    """URL of a socket that listens."""
+    host, port = listening.getsockname()[:2]
+    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
+
+
+def serve(service: PlanningService, settings: HttpSettings, listening: socket.socket) -> None:
+    """Answers requests until a signal comes; the service is closed then.
+
+    Args:
+        service: that has started.
+        settings: of the HTTP face.
+        listening: the socket.
+    """
+    config = uvicorn.Config(
+        service_app(service, settings),
+        http="h11",
+        ws="none",
+        lifespan="off",
+        log_config=None,
+        access_log=False,
+        server_header=False,
+        proxy_headers=False,
+        backlog=_BACKLOG,
+        # Beyond what is told 429, so that a flood of idle connections ends somewhere.
+        limit_concurrency=4 * (settings.requests + settings.listeners),
+        h11_max_incomplete_event_size=_HEADER_BYTES,
+        timeout_graceful_shutdown=_LAST_ANSWERS,
+    )
+    asyncio.run(_Server(config, service.close).serve([listening]))

@@ -1,0 +1,72 @@
+"""A real server of the planning service in a process of its own, for tests that talk to it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from tests.fakes.counted_executor import FOLDER_VARIABLE, first_poses, write_poses
+
+ROOT = Path(__file__).parents[1]
+
+
+@dataclass(frozen=True)
+class ServerProcess:
+    """A server that runs.
+
+    Attributes:
+        url: of it.
+        process: of it.
+        log: file of its standard error.
+        folder: of the robot that counts its motions, if it has that.
+    """
+
+    url: str
+    process: subprocess.Popen[str]
+    log: Path
+    folder: Path | None = None
+
+
+@contextmanager
+def serving(*options: str, environment: Mapping[str, str] | None = None) -> Iterator[ServerProcess]:
+    """Context with a server on a free port; its processes end with it."""
+    with TemporaryDirectory() as folder:
+        log = Path(folder, "log")
+        with log.open("w") as errors:
+            process = subprocess.Popen(
+                [sys.executable, "-m", "nlcontrol", "serve", "--port", "0", *options],
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                text=True,
+                cwd=ROOT,
+                env=os.environ | {"PYTHONPATH": str(ROOT)} | dict(environment or {}),
+            )
+        try:
+            assert process.stdout is not None
+            line = process.stdout.readline()
+            assert line.startswith("nlcontrol serves at http://"), line + log.read_text()
+            yield ServerProcess(line.split()[-1], process, log)
+        finally:
+            process.terminate()
+            try:
+                process.wait(30)
+            finally:
+                process.kill()
+                process.communicate()
+
+
+@contextmanager
+def serving_counted_robot(folder: Path, *options: str) -> Iterator[ServerProcess]:
+    """Context with a server of the robot that counts its motions in a folder; see its module."""
+    write_poses(folder, first_poses())
+    robot = "tests.fakes.counted_executor:CountedExecutor"
+    with serving(
+        "--executor", robot, *options, environment={FOLDER_VARIABLE: str(folder)}
+    ) as server:
+        yield replace(server, folder=folder)

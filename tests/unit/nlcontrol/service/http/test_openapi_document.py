@@ -1,0 +1,65 @@
+"""The OpenAPI document: described, with operation ids, and unions that say which kind they are."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import httpx
+import pytest
+
+from nlcontrol.service.http.service_app import routes_app
+
+
+@pytest.fixture(scope="module")
+def document() -> dict[str, Any]:
+    return routes_app().openapi()
+
+
+def operations(document: dict[str, Any]) -> list[dict[str, Any]]:
+    return [operation for path in document["paths"].values() for operation in path.values()]
+
+
+def test_every_field_and_every_operation_is_described(document: dict[str, Any]) -> None:
+    bare = [
+        f"{name}.{key}"
+        for name, schema in document["components"]["schemas"].items()
+        for key, field in schema.get("properties", {}).items()
+        if not field.get("description")
+    ]
+    assert bare == []
+    for operation in operations(document):
+        assert operation["description"], operation["operationId"]
+        for parameter in operation.get("parameters", ()):
+            assert parameter["description"], (operation["operationId"], parameter["name"])
+
+
+def test_operation_ids_are_unique_and_answers_are_typed(document: dict[str, Any]) -> None:
+    names = [operation["operationId"] for operation in operations(document)]
+    assert len(names) == len(set(names)) > 35
+    for operation in operations(document):
+        answers = operation["responses"]
+        assert "application/problem+json" in answers["4XX"]["content"]
+        assert any(status.startswith("2") for status in answers)
+        assert "422" not in answers
+
+
+@pytest.mark.parametrize(
+    ("name", "field"), [("Plan", "actions"), ("Frame", "goal"), ("Frame", "constraints")]
+)
+def test_unions_are_discriminated(document: dict[str, Any], name: str, field: str) -> None:
+    found = document["components"]["schemas"][name]["properties"][field]
+    union = found.get("items", found)
+    assert union["discriminator"]["propertyName"] == "kind"
+    assert len(union["oneOf"]) > 5
+
+
+def test_every_body_takes_nothing_unknown(document: dict[str, Any]) -> None:
+    for operation in operations(document):
+        for content in operation.get("requestBody", {}).get("content", {}).values():
+            name = content["schema"]["$ref"].rpartition("/")[2]
+            assert document["components"]["schemas"][name]["additionalProperties"] is False
+
+
+def test_the_server_sends_both_schemas(http: httpx.Client, document: dict[str, Any]) -> None:
+    assert http.get("/v1/openapi.json").json() == document
+    assert http.get("/v1/schema").json()["$defs"].keys() >= {"Result", "Command"}

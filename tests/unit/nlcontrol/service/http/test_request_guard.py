@@ -1,0 +1,188 @@
+"""Who may ask, by which name, from which page, and how much; over real connections."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import socket
+from urllib.parse import urlsplit
+
+import httpx
+import pytest
+from starlette.types import Receive, Scope, Send
+
+from nlcontrol.errors import ErrorInfo
+from nlcontrol.service.http.http_settings import HttpSettings
+from nlcontrol.service.http.problem_documents import Problem
+from nlcontrol.service.http.request_guard import SECURITY_HEADERS, RequestGuard
+from tests.service_process import ServerProcess
+
+JSON = {"Content-Type": "application/json"}
+SAID = {"text": "push the ice tea box away"}
+TOKEN = "0123456789abcdef"
+
+
+def code(response: httpx.Response) -> tuple[int, str]:
+    """Status and code of a problem, whose form is checked."""
+    assert response.headers["content-type"] == "application/problem+json"
+    problem = response.json()
+    assert problem["status"] == response.status_code
+    assert {"type", "title", "detail"} <= problem.keys()
+    assert problem["suggestions"]
+    return response.status_code, problem["code"]
+
+
+@pytest.mark.parametrize("host", ["evil.example", "127.0.0.1.evil.example:80", "", "[::2]"])
+def test_a_foreign_host_name_is_refused(http: httpx.Client, host: str) -> None:
+    assert code(http.get("/v1/health", headers={"Host": host})) == (421, "wrong_host")
+
+
+@pytest.mark.parametrize("host", ["localhost", "LOCALHOST:9", "127.0.0.1:1", "[::1]:5"])
+def test_names_of_this_machine_are_taken(http: httpx.Client, host: str) -> None:
+    assert http.get("/v1/health", headers={"Host": host}).status_code == 200
+
+
+@pytest.mark.parametrize("method", ["GET", "POST", "DELETE"])
+@pytest.mark.parametrize(
+    "origin", ["http://evil.example", "null", "http://127.0.0.1:1", "http://["]
+)
+def test_another_origin_is_refused(http: httpx.Client, method: str, origin: str) -> None:
+    refused = http.request(method, "/v1/sessions", json=None, headers={"Origin": origin})
+    assert code(refused) == (403, "wrong_origin")
+
+
+def test_own_origin_is_taken_and_a_page_of_another_site_is_not(
+    http: httpx.Client, server: ServerProcess
+) -> None:
+    own = {"Origin": server.url, "Sec-Fetch-Site": "same-origin"}
+    assert http.post("/v1/parse", json=SAID, headers=own).status_code == 200
+    for site in ("cross-site", "same-site"):
+        refused = http.get("/v1/health", headers={"Sec-Fetch-Site": site})
+        assert code(refused) == (403, "wrong_origin")
+
+
+@pytest.mark.parametrize(
+    ("content", "headers", "expected"),
+    [
+        (b"text=push", {"Content-Type": "text/plain"}, (415, "wrong_media_type")),
+        (b"{}", {}, (415, "wrong_media_type")),
+        (b"{}", {"Content-Type": "application/jsonp"}, (415, "wrong_media_type")),
+        (b"{", JSON, (400, "bad_json")),
+        (b'{"text": NaN}', JSON, (400, "bad_json")),
+        (b'{"text": "\\ud800"}', JSON, (400, "bad_json")),
+        (b'{"text": "\xff"}', JSON, (400, "bad_json")),
+        (b"[" * 100_000, JSON, (400, "bad_json")),
+        (b'{"text": "' + b"a" * 2**20 + b'"}', JSON, (413, "too_large")),
+        (b"[" * 100 + b"]" * 100, JSON, (422, "bad_request")),
+        (b"null", JSON, (422, "bad_request")),
+        (b"{}", JSON, (422, "bad_request")),
+        (b'{"text": "a", "frames": []}', JSON, (422, "bad_request")),
+        (b'{"text": "a", "path": "b"}', JSON, (422, "bad_request")),
+        (b'{"text": "a", "table": {"seed": 1e999}}', JSON, (422, "bad_request")),
+        (b'{"text": "a", "table": {"scene": "/etc/passwd"}}', JSON, (400, "unknown_scene")),
+        (b'{"text": "' + b"a" * 2001 + b'"}', JSON, (400, "too_long")),
+    ],
+    ids=lambda value: str(value)[:40],
+)
+def test_hostile_bodies(
+    http: httpx.Client, content: bytes, headers: dict[str, str], expected: tuple[int, str]
+) -> None:
+    assert code(http.post("/v1/plan", content=content, headers=headers)) == expected
+
+
+def test_a_wrong_key_is_told_with_its_place(http: httpx.Client) -> None:
+    objects = [{"name": "mug", "x": 0.5, "y": 0.0}, {"name": "jar", "x": "far", "y": 0.0}]
+    refused = http.post("/v1/plan", json={**SAID, "table": {"objects": objects}})
+    assert refused.json()["path"] == "table.objects[1].x"
+    refused = http.post("/v1/plan", json={**SAID, "tabel": {}})
+    assert refused.json()["path"] == "tabel"
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "expected"),
+    [
+        ("GET", "/", (404, "unknown_path")),
+        ("GET", "/docs", (404, "unknown_path")),
+        ("GET", "/v1/sessions/", (404, "unknown_path")),
+        ("GET", "/v1/plan", (405, "wrong_method")),
+        ("OPTIONS", "/v1/plan", (405, "wrong_method")),
+        ("GET", "/v1/sessions/nobody", (404, "unknown_session")),
+        ("GET", "/v1/runs/nothing", (404, "unknown_run")),
+        ("GET", "/v1/runs/..%2f..%2fetc", (404, "unknown_path")),
+        ("GET", "/v1/runs/.._.._etc", (422, "bad_request")),
+        ("GET", "/v1/runs/a%00b/trace", (422, "bad_request")),
+        ("GET", "/v1/runs?cursor=x", (400, "bad_cursor")),
+        ("GET", "/v1/runs?limit=0", (422, "bad_request")),
+    ],
+)
+def test_paths(http: httpx.Client, method: str, path: str, expected: tuple[int, str]) -> None:
+    assert code(http.request(method, path)) == expected
+
+
+def test_every_answer_bears_the_security_headers(http: httpx.Client) -> None:
+    answers = [http.get("/v1/health"), http.get("/v1/nothing"), http.head("/v1/health")]
+    for answer in answers:
+        assert {name: answer.headers.get(name) for name in SECURITY_HEADERS} == SECURITY_HEADERS
+        assert "server" not in answer.headers
+    assert answers[2].status_code == 200
+    assert answers[2].content == b""
+
+
+def test_chunks_count_towards_the_limit_too(http: httpx.Client) -> None:
+    refused = http.post("/v1/plan", content=(b" " * 2**16 for _ in range(40)), headers=JSON)
+    assert code(refused) == (413, "too_large")
+
+
+def test_two_host_headers_and_a_handshake_of_a_socket_get_nowhere(server: ServerProcess) -> None:
+    address = urlsplit(server.url)
+    assert address.hostname is not None
+    upgrade = "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+    upgrade += "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n"
+    for extra, status in (("Host: localhost\r\n", b"400"), (upgrade, b"404")):
+        with socket.create_connection((address.hostname, address.port or 0), timeout=10) as line:
+            line.sendall(f"GET /v1/live HTTP/1.1\r\nHost: localhost\r\n{extra}\r\n".encode())
+            assert line.recv(100).startswith(b"HTTP/1.1 " + status)
+
+
+def test_the_log_says_nothing_of_sentences(http: httpx.Client, server: ServerProcess) -> None:
+    http.post("/v1/parse", json={"text": "push the secret away"}, headers={"Authorization": "xyz"})
+    lines = [json.loads(line) for line in server.log.read_text().splitlines()]
+    assert any(line.get("path") == "/v1/parse" and line["status"] == 200 for line in lines)
+    assert "secret" not in server.log.read_text()
+    assert "xyz" not in server.log.read_text()
+
+
+def test_problems_bear_all_that_an_error_bears() -> None:
+    assert ErrorInfo.model_fields.keys() - Problem.model_fields.keys() == {"message"}
+
+
+def answer_of_guard(headers: dict[str, bytes], **settings: object) -> httpx.Response:
+    """Answer of a guard with nothing behind it."""
+
+    async def answer(scope: Scope, receive: Receive, send: Send) -> None:
+        await send({"type": "http.response.start", "status": 200, "headers": []})
+        await send({"type": "http.response.body", "body": b""})
+
+    async def ask() -> httpx.Response:
+        guard = RequestGuard(answer, HttpSettings.model_validate(settings), 1000)
+        transport = httpx.ASGITransport(app=guard)
+        async with httpx.AsyncClient(transport=transport, base_url="http://127.0.0.1") as client:
+            return await client.get("/v1/health", headers=headers)  # type: ignore[arg-type]
+
+    return asyncio.run(ask())
+
+
+@pytest.mark.parametrize(
+    ("bearer", "status"),
+    [("", 401), ("Bearer", 401), (f"Bearer {TOKEN}x", 401), (f"Basic {TOKEN}", 401),
+     ("Bearer é", 401), (f"Bearer {TOKEN}", 200), (f"bearer {TOKEN}", 200)],
+)  # fmt: skip
+def test_a_token_is_asked_for(bearer: str, status: int) -> None:
+    answer = answer_of_guard({"Authorization": bearer.encode("latin-1")}, token=TOKEN)
+    assert answer.status_code == status
+    assert answer.headers.get("www-authenticate") == (None if status == 200 else "Bearer")
+
+
+@pytest.mark.parametrize(("name", "status"), [(b"robot.example", 200), (b"other.example", 421)])
+def test_a_name_of_a_proxy_is_taken_if_it_was_given(name: bytes, status: int) -> None:
+    assert answer_of_guard({"Host": name}, hosts=("robot.example",)).status_code == status
