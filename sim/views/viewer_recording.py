@@ -7,6 +7,7 @@ around), so that they compress well. Poses are interpolated between frames by th
 from __future__ import annotations
 
 import base64
+from collections.abc import Mapping
 from itertools import groupby
 from typing import Any
 
@@ -42,19 +43,19 @@ def scene_and_recording(trace: Trace, scene: Scene) -> tuple[dict[str, Any], dic
         stage.show(trace, sample)
         rows.append(body_poses(stage.model, bodies, stage.plant_context))
     poses = _continuous(np.array(rows))
-    names = [body.name() for body in bodies]
+    places = {
+        name: bodies.index(body) for name, body in stage.model.bodies.items()
+    }  # of objects among the bodies
     recording = {
         "times": [_since(trace, float(time)) for time in trace.time[at]],
         "turns": packed(poses[:, :, :4], _PART),
         "places": packed(poses[:, :, 4:], _LENGTH),
-        "liquid": _liquid(trace, scene, at, names),
+        "liquid": _liquid(trace, scene, at, places),
         "phases": _phases(trace),
         "touches": _touches(trace),
         "force": _force(trace, at),
         "fingers": _fingers(trace, at),
-        "pushed": next(
-            i for i, body in enumerate(bodies) if body is stage.model.bodies[trace.pushed]
-        ),
+        "pushed": places[trace.pushed],
         "view": _view(trace),
     }
     return viewer_scene(scene, stage.model), recording
@@ -81,7 +82,9 @@ def _continuous(poses: Array) -> Array:
     return poses
 
 
-def _liquid(trace: Trace, scene: Scene, at: list[int], names: list[str]) -> list[dict[str, Any]]:
+def _liquid(
+    trace: Trace, scene: Scene, at: list[int], places: Mapping[str, int]
+) -> list[dict[str, Any]]:
     """Forms that liquid takes, each with the frames from and to which it has it.
 
     What stands in a container is in the frame of that body, a stream in W: its body is -1.
@@ -104,7 +107,7 @@ def _liquid(trace: Trace, scene: Scene, at: list[int], names: list[str]) -> list
             now[key] = len(forms)
             corners_of[len(forms)] = corners
             forms.append({
-                "body": names.index(part.name) if part.of == "level" else -1,
+                "body": places[part.name] if part.of == "level" else -1,
                 "from": frame,
                 "to": frame,
                 "step": _LENGTH,
