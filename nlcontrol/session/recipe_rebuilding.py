@@ -62,9 +62,11 @@ def repeat_recipe(
             result = proposal.result
         elif deed.executes is not None:
             approved = proposals.get((deed.conversation, deed.executes))
-            if approved is None or approved.intention is None:
+            if approved is None or (approved.intention is None and exact):
                 raise _bad_recipe(f"“{deed.said}” was not planned before")
-            result = conversation.execute(approved, progress=progress)
+            result = approved.result  # which refuses it, where another version has planned
+            if approved.intention is not None:
+                result = conversation.execute(approved, progress=progress)
         else:
             result = conversation.say(deed.said, motion=deed.motion, progress=progress)
     return controller, result
