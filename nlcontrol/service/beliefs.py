@@ -16,7 +16,7 @@ import json
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -27,7 +27,6 @@ from objectmodels.registry.model_files import model_document
 from sim.cell.cell_description import LOOK
 
 if TYPE_CHECKING:
-    from nlcontrol.service.documents import Source
     from planner.types.world_state import SeenObject, WorldState
     from sim.cell.cell_description import CellDescription, Vision
 
@@ -59,7 +58,9 @@ class Tolerances:
         return cls(max(move, _LEAST_MOVE), max(turn, _LEAST_TURN), max(turn, _LEAST_LID))
 
 
-def table_view(state: WorldState, cell: CellDescription, time: float, source: Source) -> TableView:
+def table_view(
+    state: WorldState, cell: CellDescription, time: float, source: Literal["camera", "stated"]
+) -> TableView:
     """A belief as a document."""
     models = {item.name: item.model for item in cell.objects}
     return TableView(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Literal
 
 from pydantic import Field
 
@@ -16,12 +16,10 @@ from nlcontrol.errors import ErrorInfo
 from nlcontrol.json_document import Document, DocumentPart
 from nlcontrol.results.result import Result
 from nlcontrol.session.events import Event
-from objectmodels.files.value_types import Coordinate, Name, length_of
 
 if TYPE_CHECKING:
     from planner.affordances import Affordance
 
-Source = Literal["camera", "stated"]
 RunKind = Literal["execute", "say"]
 RunState = Literal["queued", "running", "ended", "aborted", "cut_off", "defect"]
 
@@ -39,17 +37,14 @@ class StatedObject(DocumentPart):
         fixed: a holder keeps it where it stands.
     """
 
-    name: Name
-    model: Name | None = None
-    x: Coordinate
-    y: Coordinate
-    yaw: Coordinate = 0.0
-    synonyms: tuple[Name, ...] = ()
+    name: str
+    model: str | None = None
+    x: float
+    y: float
+    yaw: float = 0.0
+    synonyms: tuple[str, ...] = ()
     fragile: bool = False
     fixed: bool = False
-
-
-StatedObjects = Annotated[tuple[StatedObject, ...], length_of("objects")]
 
 
 class TableSpec(DocumentPart):
@@ -67,7 +62,7 @@ class TableSpec(DocumentPart):
     scene: str = "kitchen"
     seed: int = Field(default=0, ge=0, lt=2**32)
     defaults: dict[str, float] = Field(default={})
-    objects: StatedObjects | None = None
+    objects: tuple[StatedObject, ...] | None = None
 
 
 class SessionSpec(TableSpec):
@@ -139,7 +134,7 @@ class TableView(Document):
         digest: of all that is believed; see `nlcontrol.service.beliefs`.
     """
 
-    source: Source
+    source: Literal["camera", "stated"]
     time: float
     scene: str
     objects: tuple[TableObject, ...]

@@ -10,7 +10,6 @@ from nlcontrol.session.conversation import Conversation
 from nlcontrol.session.proposals import Proposal
 from nlcontrol.session.recipe import Recipe
 from objectmodels import Registry
-from objectmodels.errors import printable
 from objectmodels.registry.model_files import model_from_document
 from planner.types.defaults import Defaults
 from sim.simulated_executor import SimulatedExecutor, simulation
@@ -63,11 +62,9 @@ def repeat_recipe(
             result = proposal.result
         elif deed.executes is not None:
             approved = proposals.get((deed.conversation, deed.executes))
-            if approved is None or (approved.intention is None and exact):
+            if approved is None or approved.intention is None:
                 raise _bad_recipe(f"“{deed.said}” was not planned before")
-            result = approved.result  # which refuses it, where another version has planned
-            if approved.intention is not None:
-                result = conversation.execute(approved, progress=progress)
+            result = conversation.execute(approved, progress=progress)
         else:
             result = conversation.say(deed.said, motion=deed.motion, progress=progress)
     return controller, result
@@ -99,5 +96,4 @@ def _first_controller(recipe: Recipe) -> Controller:
 
 def _bad_recipe(message: str) -> ControlError:
     hint = "take one that `Controller.recipe` made with this version"
-    told = printable(" ".join(message[:500].split()))  # a recipe may come from anybody
-    return error("bad_recipe", f"it cannot be rebuilt: {told}", suggestions=(hint,))
+    return error("bad_recipe", f"it cannot be rebuilt: {message}", suggestions=(hint,))

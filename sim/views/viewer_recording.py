@@ -7,7 +7,6 @@ around), so that they compress well. Poses are interpolated between frames by th
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping
 from itertools import groupby
 from typing import Any
 
@@ -43,19 +42,19 @@ def scene_and_recording(trace: Trace, scene: Scene) -> tuple[dict[str, Any], dic
         stage.show(trace, sample)
         rows.append(body_poses(stage.model, bodies, stage.plant_context))
     poses = _continuous(np.array(rows))
-    places = {
-        name: bodies.index(body) for name, body in stage.model.bodies.items()
-    }  # of objects among the bodies
+    names = [body.name() for body in bodies]
     recording = {
         "times": [_since(trace, float(time)) for time in trace.time[at]],
         "turns": packed(poses[:, :, :4], _PART),
         "places": packed(poses[:, :, 4:], _LENGTH),
-        "liquid": _liquid(trace, scene, at, places),
+        "liquid": _liquid(trace, scene, at, names),
         "phases": _phases(trace),
         "touches": _touches(trace),
         "force": _force(trace, at),
         "fingers": _fingers(trace, at),
-        "pushed": places[trace.pushed],
+        "pushed": next(
+            i for i, body in enumerate(bodies) if body is stage.model.bodies[trace.pushed]
+        ),
         "view": _view(trace),
     }
     return viewer_scene(scene, stage.model), recording
@@ -82,9 +81,7 @@ def _continuous(poses: Array) -> Array:
     return poses
 
 
-def _liquid(
-    trace: Trace, scene: Scene, at: list[int], places: Mapping[str, int]
-) -> list[dict[str, Any]]:
+def _liquid(trace: Trace, scene: Scene, at: list[int], names: list[str]) -> list[dict[str, Any]]:
     """Forms that liquid takes, each with the frames from and to which it has it.
 
     What stands in a container is in the frame of that body, a stream in W: its body is -1.
@@ -107,7 +104,7 @@ def _liquid(
             now[key] = len(forms)
             corners_of[len(forms)] = corners
             forms.append({
-                "body": places[part.name] if part.of == "level" else -1,
+                "body": names.index(part.name) if part.of == "level" else -1,
                 "from": frame,
                 "to": frame,
                 "step": _LENGTH,

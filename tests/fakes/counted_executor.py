@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -53,6 +54,14 @@ def write_poses(folder: Path, poses: Poses) -> None:
     written.replace(folder / POSES)
 
 
+def motions_in(folder: Path) -> int:
+    """Motions so far."""
+    try:
+        return len((folder / MOTIONS).read_bytes().splitlines())
+    except FileNotFoundError:
+        return 0
+
+
 class CountedExecutor:
     """A robot in the kitchen whose camera is perfect and whose motions are counted."""
 
@@ -61,8 +70,11 @@ class CountedExecutor:
         self.cell = load_scene("kitchen").cell
         self.robot = ArmHandReach(self.cell, ARM, HAND)
         self.seed = 0
-        self.time = 0.0
         self.held: Held | None = None
+
+    @property
+    def time(self) -> float:
+        return time.monotonic()  # a hand may move things at any time
 
     def poses(self) -> Poses:
         return {
@@ -74,7 +86,6 @@ class CountedExecutor:
             file.write(f"{what}\n")
 
     def look(self, models: Mapping[str, ObjectModel], duration: float = 1.0) -> WorldState:
-        self.time += duration
         seen = {
             name: SeenPose(rot_z(yaw), np.array([x, y, 0.0]))
             for name, (x, y, yaw) in self.poses().items()
@@ -84,7 +95,6 @@ class CountedExecutor:
 
     def execute(self, plan: Any, models: Mapping[str, ObjectModel], progress: Any = None) -> Trace:
         self.note_motion(plan.object)
-        self.time += len(PHASES) / RATE
         if progress is not None:
             progress("push", self.time, "in contact")
         poses = self.poses()
@@ -127,7 +137,7 @@ def _pushed(plan: Any, poses: Poses, travel: Any) -> Trace:
         )
     push = plan.push
     u = np.array(push.direction_W)
-    force = 0.7 * push.force_limit * (phase == "push")
+    force = (push.prediction.slide_force or 1.0) * (phase == "push")
     start = np.array([*poses[plan.object][:2], 0.05]) - 0.06 * u
     tips = start + share[:, None] * np.array([*travel, 0.0])
     fingers = [f"finger_{i}" for i in range(push.fingers)]

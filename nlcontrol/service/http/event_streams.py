@@ -24,6 +24,17 @@ if TYPE_CHECKING:
     from nlcontrol.service.http.http_settings import HttpSettings
     from nlcontrol.service.planning_service import PlanningService
 
+STREAM_CONTENT = {
+    "text/event-stream": {
+        "schema": {
+            "type": "object",
+            "properties": {key: {"type": "string"} for key in ("id", "event", "data")},
+            "required": ["data"],
+        }
+    }
+}
+"""Each event of a stream, as the OpenAPI document has it."""
+
 SEND_TIME = 20.0
 """Time in which a listener has to take what was sent [s]; one that does not has gone."""
 

@@ -52,7 +52,23 @@ def _described_schemas(routers: Iterable[APIRouter]) -> dict[str, Any]:
         ref_template=_SCHEMAS + "{model}",
     )
     schemas: dict[str, Any] = definitions["$defs"]
+    for name, schema in schemas.items():
+        _leave_out_object_defaults(schema)
+        *_, room, title = name.split("__") if "__" in name else ("", schema["title"])
+        schema["title"] = room.title() + title
     return schemas
+
+
+def _leave_out_object_defaults(schema: Any) -> None:
+    """Leaves out defaults that are objects, of which generators of clients can make nothing."""
+    if isinstance(schema, dict):
+        if isinstance(schema.get("default"), dict):
+            del schema["default"]
+        for part in schema.values():
+            _leave_out_object_defaults(part)
+    elif isinstance(schema, list):
+        for part in schema:
+            _leave_out_object_defaults(part)
 
 
 def _models(routers: Iterable[APIRouter]) -> Iterator[type[BaseModel]]:

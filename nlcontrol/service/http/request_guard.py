@@ -47,6 +47,10 @@ _READING = ("GET", "HEAD")
 _LONGEST_PATH = 200  # of a path in the log [characters]
 
 
+class _CallerGone(OSError):  # noqa: N818 - it is no error
+    """Raised where a caller has hung up before the whole of a request came."""
+
+
 class _HeadAnswered(OSError):  # noqa: N818 - it is no error
     """Raised into an application that goes on sending a body that nobody asked for."""
 
@@ -83,6 +87,8 @@ class RequestGuard:
             received = await self._admit(scope, receive)
             asked = {**scope, "method": "GET"} if answer.is_head else scope
             await self._app(asked, received, answer.send)
+        except _CallerGone:
+            answer.is_done = True
         except ControlError as raised:
             await problem_response(problem_of(raised.info))(scope, receive, answer.send)
         except Exception:
@@ -156,6 +162,8 @@ class RequestGuard:
             async with asyncio.timeout(self._settings.body_time):
                 while True:
                     message = await receive()
+                    if message["type"] == "http.disconnect":
+                        raise _CallerGone
                     parts.append(message.get("body", b""))
                     if sum(map(len, parts)) > self._body_bytes:
                         raise self._too_large()

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Header, Query, Request
 from starlette.responses import FileResponse, Response
 
 from nlcontrol.service.documents import RunInfo, RunPage
-from nlcontrol.service.http.event_streams import EventList, stream_events
+from nlcontrol.service.http.event_streams import STREAM_CONTENT, EventList, stream_events
 from nlcontrol.service.http.openapi_document import PROBLEMS
 from nlcontrol.service.http.request_bodies import AfterNumber, RunId
 from nlcontrol.service.http.service_access import Service, document_response
@@ -49,7 +49,7 @@ def read_run(run_id: RunId, service: Service) -> Response:
     operation_id="run_events",
     response_model=EventList,
     responses={
-        200: {"content": {"text/event-stream": {"schema": {"type": "string"}}}},
+        200: {"content": STREAM_CONTENT},
         204: {"description": "It has ended, and no event follows: do not connect again."},
     },
 )

@@ -16,7 +16,7 @@ from nlcontrol.service.documents import (
     SessionInfo,
     TableView,
 )
-from nlcontrol.service.http.event_streams import stream_poses
+from nlcontrol.service.http.event_streams import STREAM_CONTENT, stream_poses
 from nlcontrol.service.http.openapi_document import PROBLEMS
 from nlcontrol.service.http.request_bodies import (
     AskBody,
@@ -169,7 +169,7 @@ async def geometry(session_id: SessionId, service: Service) -> Response:
     "/{session_id}/live",
     operation_id="session_live",
     response_class=Response,
-    responses={200: {"content": {"text/event-stream": {"schema": {"type": "string"}}}}},
+    responses={200: {"content": STREAM_CONTENT}},
 )
 async def live(session_id: SessionId, request: Request, service: Service) -> Response:
     """Streams poses of all bodies for a viewer, as server-sent events (`PoseFrame`)."""

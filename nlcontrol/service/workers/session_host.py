@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 from nlcontrol.errors import ErrorInfo, error, exception_info
 from nlcontrol.json_document import DocumentPart
 from nlcontrol.results.result import Result
+from nlcontrol.service.bundles.run_bundle import run_request
 from nlcontrol.service.documents import SessionSpec
 from nlcontrol.service.session import Session
 from nlcontrol.service.workers.planner_host import warm_up
@@ -26,7 +27,7 @@ from nlcontrol.service.workers.pose_stream import PoseStream
 from nlcontrol.service.workers.session_answers import session_answer
 
 if TYPE_CHECKING:
-    from nlcontrol.service.session_runs import SessionRun
+    from nlcontrol.service.session_protocol import Run
     from nlcontrol.service.workers.worker_host import Tell
     from nlcontrol.session.events import Event
     from nlcontrol.session.executor import Executor
@@ -99,7 +100,7 @@ class SessionHost:
         """Begins a run, which waits for its turn before anything moves."""
         self._turn.clear()
         if plan_id is None:
-            run = self.session.say(said, on_event=self._tell_event)
+            run: Run = self.session.say(said, on_event=self._tell_event)
         else:
             run = self.session.execute(plan_id, on_event=self._tell_event)
         threading.Thread(target=self._follow, args=(run,), daemon=True).start()
@@ -112,14 +113,15 @@ class SessionHost:
             self._turn.wait()
         self._tell("event", event.model_dump_json().encode())
 
-    def _follow(self, run: SessionRun) -> None:
+    def _follow(self, run: Run) -> None:
         """Waits for the end of a run, and tells it after all that belongs to the run."""
         try:
-            end = RunEnd(result=run.result())
+            result = run.result()
+            end = RunEnd(result=result)
+            request = run_request(self.session.controller, result)
+            self._tell("request", request.model_dump_json().encode())
         except Exception as raised:
             end = RunEnd(error=exception_info(raised))
-        if run.request is not None:
-            self._tell("request", run.request.model_dump_json().encode())
         trace = run.trace()
         if trace is not None:
             self._tell("trace", trace_bytes(trace))

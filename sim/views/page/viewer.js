@@ -101,30 +101,30 @@ export class Viewer {
     this.invalidate();
   }
 
-  // Objects as they should be at the end, `{name, pose}` each.
+  // Bodies as they should be at the end, `{name, pose}` each.
   setGhosts(ghosts) {
     this.ghosts.clear();
     for (const { name, pose } of ghosts) {
-      const body = this.document.bodies[this.indexOf(name)];
+      const body = this.document.bodies.find((each) => each.name === name && each.kind === "object");
       if (body) this.ghosts.add(ghostOf(body, pose));
     }
     this.invalidate();
   }
 
-  // Places where objects are to be touched, `{name, place, normal}` each, in the object's frame.
+  // Places where bodies are to be touched, `{name, place, normal}` each, in the body.
   setContacts(contacts) {
     for (const ring of this.rings) ring.removeFromParent();
     this.rings = contacts.map((contact) => {
       const ring = contactRing(contact);
-      this.bodies[this.indexOf(contact.name)]?.add(ring);
+      this.bodyNamed(contact.name)?.add(ring);
       return ring;
     });
     this.invalidate();
   }
 
-  // Place of an object among the bodies.
-  indexOf(object) {
-    return this.document.bodies.findIndex((each) => each.object === object && each.kind === "object");
+  bodyNamed(name) {
+    const index = this.document.bodies.findIndex((each) => each.name === name && each.kind !== "robot");
+    return this.bodies[index];
   }
 
   // Place of a point of W in the element [px]; null behind the eye.

@@ -144,6 +144,24 @@ def test_two_host_headers_and_a_handshake_of_a_socket_get_nowhere(server: Server
             assert line.recv(100).startswith(b"HTTP/1.1 " + status)
 
 
+def test_a_body_that_was_cut_off_is_not_carried_out(
+    robot_http: httpx.Client, robot_server: ServerProcess
+) -> None:
+    opened = robot_http.post("/v1/sessions", json={}).json()["session_id"]
+    said = {"text": "push the mug 3 cm to the left"}
+    plan_id = robot_http.post(f"/v1/sessions/{opened}/plans", json=said).json()["plan_id"]
+    body = json.dumps({"plan_id": plan_id})
+    address = urlsplit(robot_server.url)
+    with socket.create_connection((address.hostname or "", address.port or 0), timeout=10) as line:
+        head = f"POST /v1/sessions/{opened}/runs HTTP/1.1\r\nHost: localhost\r\n"
+        head += "Content-Type: application/json\r\nContent-Length: 500\r\n\r\n"
+        line.sendall((head + body).encode())
+        line.shutdown(socket.SHUT_WR)
+        assert line.recv(100) == b""
+    assert robot_http.get("/v1/runs", params={"session": opened}).json()["runs"] == []
+    robot_http.delete(f"/v1/sessions/{opened}")
+
+
 def test_the_log_says_nothing_of_sentences(http: httpx.Client, server: ServerProcess) -> None:
     http.post("/v1/parse", json={"text": "push the secret away"}, headers={"Authorization": "xyz"})
     lines = [json.loads(line) for line in server.log.read_text().splitlines()]

@@ -1,0 +1,42 @@
+"""Callers who mean harm, and callers who mean nothing: short runs of two benchmarks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks.schema_fuzzing import fuzz
+from benchmarks.service_attacks.__main__ import attack
+from benchmarks.service_attacks.attack_tally import Tally
+from benchmarks.service_attacks.attacked_server import attacked_server
+from benchmarks.service_attacks.attacker import Attacker
+from benchmarks.service_attacks.tool_attacks import attack_tools
+from tests.fakes.counted_executor import FOLDER_VARIABLE
+
+
+@pytest.mark.slow
+def test_nothing_moves_without_a_fresh_plan(tmp_path: Path) -> None:
+    with attacked_server(tmp_path) as server:
+        tally = Tally(server.openapi())
+        attacker = Attacker(server, tally, seed=0)
+        attack(attacker, 150)
+        assert server.motions() > 0
+    assert not tally.faults, tally.examples
+
+
+@pytest.mark.slow
+def test_no_tool_of_an_agent_moves_anything_without_a_fresh_plan(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path))
+    tally = attack_tools(tmp_path, 50, seed=0)
+    assert not tally.faults, tally.examples
+    assert tally.answers["tool: fresh plan"]["ok"] > 0
+
+
+@pytest.mark.slow
+def test_answers_are_what_the_document_says() -> None:
+    found = fuzz(300, seed=0)
+    assert found.passed, found.report
+    assert found.requests >= 300
