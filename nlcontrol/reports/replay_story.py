@@ -142,7 +142,8 @@ def _contacts(result: Result) -> Iterator[ContactMark]:
     trace = result.trace
     if trace is None:
         return
-    plans = [plan for step in result.steps for plan in (step.plans or (step.plan,)) if plan]
+    told = [plan for step in result.steps for plan in (step.plans or (step.plan,)) if plan]
+    plans = [plan for plan in told if plan.object in trace.seen]
     since = 0.0
     for plan, (touch, end) in zip(plans, _attempts(trace), strict=False):
         R_WB = from_quaternion(trace.seen[plan.object][touch, :4])

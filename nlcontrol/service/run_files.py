@@ -44,15 +44,17 @@ class RunFiles:
             made = self._store.file(run_id, "replay")
             if made is not None:
                 return made
-            session = self._store.session_spec(self._store.run(run_id).session_id)
+            run = self._store.run(run_id)
+            session = self._store.session_spec(run.session_id)
             if session is None:
                 return _refuse(run_id, "its session is not known any more")
             process = WorkerProcess(ReplayHost)
             try:
                 with self._store.write_file(run_id, "replay") as path:
                     process.call(
-                        "replay", trace=str(trace), scene=session.scene, path=str(path)
-                    ).result(self._time_limit)
+                        "replay", trace=str(trace), scene=session.scene, path=str(path),
+                        result=run.result and run.result.model_dump_json(),
+                    ).result(self._time_limit)  # fmt: skip
             finally:
                 process.kill()
         return self._store.file(run_id, "replay") or _refuse(run_id, "it was deleted")

@@ -38,8 +38,8 @@ def pushed_trace(scene: Scene, name: str, *, way: float = 0.1) -> Trace:
     tip = poses[name][:, 4:] + [-0.055, 0.0, 0.03]
     force = np.where(pushing[:, None], [FORCE, 0.0, 0.0], 0.0)
     return Trace(
-        time=time, phase=phase, poses=poses, seen=poses, joints=np.zeros((SAMPLES, 0)),
-        joint_names=(), tips={"index": tip + aside, "ring": tip - aside},
+        time=time, phase=phase, poses=poses, seen=poses, joints=np.zeros((SAMPLES, 1)),
+        joint_names=("arm_joint_1",), tips={"index": tip + aside, "ring": tip - aside},
         felt={"index": force, "ring": force}, force_limit=np.where(pushing, 10.0, 0.0),
         contacts=(ContactEvent(2.4, name, "index_tip"),), pushed=name,
         direction=np.array([1.0, 0.0, 0.0]), end="stroke", detail="", seed=0,

@@ -25,6 +25,7 @@ from pydantic import ValidationError
 
 from nlcontrol.errors import ControlError, error, known_errors_raised
 from nlcontrol.json_document import Document, is_readable
+from nlcontrol.reports.replay_story import replay_story
 from nlcontrol.session.recipe import Recipe
 from objectmodels.errors import printable
 from objectmodels.files.file_reading import read_bytes
@@ -141,7 +142,8 @@ def bundle_run(
         if result.trace is not None:
             trace, replay = Path(folder) / "trace.npz", Path(folder) / "replay.html"
             result.trace.save(trace)
-            save_replay(result.trace, simulation(controller.executor).scene, replay)
+            scene = simulation(controller.executor).scene
+            save_replay(result.trace, scene, replay, story=replay_story(result))
         request = run_request(controller, result)
         write_bundle(path, request, result, events=events, trace=trace, replay=replay)
 

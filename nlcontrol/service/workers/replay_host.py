@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from nlcontrol.reports.replay_story import replay_story
+from nlcontrol.results.result import Result, result_with
 from sim.traces.trace import Trace
 from sim.truth.scene_file import load_scene
 from sim.views.html_replay import save_replay
@@ -25,8 +27,13 @@ class ReplayHost:
 
         Args:
             method: is not looked at, since there is one.
-            arguments: `trace`, the path of its file, `scene`, its name, and `path`, of the replay.
+            arguments: `trace`, the path of its file, `scene`, its name, `path`, of the replay, and
+                `result`, of the run as JSON, or None.
         """
-        trace, path = Path(arguments["trace"]), Path(arguments["path"])
-        save_replay(Trace.load(trace), load_scene(arguments["scene"]), path)
+        trace, story = Trace.load(Path(arguments["trace"])), None
+        if arguments["result"] is not None:
+            result = Result.model_validate_json(arguments["result"])
+            story = replay_story(result_with(result, trace=trace))
+        scene, path = load_scene(arguments["scene"]), Path(arguments["path"])
+        save_replay(trace, scene, path, story=story)
         return b"{}"

@@ -1,0 +1,32 @@
+"""The replay of a stored run tells its sentence and verdicts, from its result as JSON."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from nlcontrol import Controller
+from nlcontrol.service.workers.replay_host import ReplayHost
+from sim import load_scene
+from tests.fakes.pushed_trace import pushed_trace
+
+
+@pytest.mark.parametrize("known", [True, False], ids=["with its result", "without one"])
+def test_a_replay_tells_what_is_known_of_its_run(tmp_path: Path, known: bool) -> None:
+    trace, page = tmp_path / "trace.npz", tmp_path / "replay.html"
+    pushed_trace(load_scene("kitchen"), "coffee box").save(trace)
+    said = "push the coffee box away <b>gently</b>" if known else ""
+    result = Controller(seed=0).say("push the coffee box away", plan_only=True)
+    result = result.model_copy(update={"text": said})
+    ReplayHost(lambda kind, told: None).answer(
+        "replay",
+        {
+            "trace": str(trace),
+            "scene": "kitchen",
+            "path": str(page),
+            "result": result.model_dump_json() if known else None,
+        },
+    )
+    title = "push the coffee box away &lt;b&gt;gently&lt;/b&gt;" if known else "A run with the"
+    assert f"<title>{title}" in page.read_text("utf-8")
