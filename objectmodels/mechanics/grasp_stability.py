@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from objectmodels.errors import ModelError
 from objectmodels.geometry.base_shapes import Array
@@ -170,22 +170,39 @@ class GraspLoads:
             needed = self.critical_friction(squeeze)
             return np.asarray(np.broadcast_to(friction, needed.shape) / needed)
 
-    def squeeze_needed(self, friction: Array | float) -> Array:
-        """Least squeeze that holds each load, shape (n,) [N]; infinite beyond `STRONGEST`.
+    def squeeze_needed(
+        self, friction: Array | float, group: NDArray[np.intp] | None = None
+    ) -> Array:
+        """Least squeezes that hold all loads of each group, shape (groups,) [N].
 
-        More squeeze never holds less, so that a bisection finds it.
+        Infinite beyond `STRONGEST`. More squeeze never holds less, so that a bisection finds it; a
+        load that surely needs less than another one of its group is not looked at any further.
 
         Args:
             friction: of the fingertips, shape (n,) or one number.
+            group: number of the group of each load, shape (n,); each by itself if not given.
         """
         n = len(self.size)
+        group = np.arange(n) if group is None else group
+        mu = np.broadcast_to(friction, n)
         low, high = np.full(n, 1e-3), np.full(n, STRONGEST)
-        holds = self.slip_multiplier(high, friction) >= 1.0
+        holds = self.slip_multiplier(high, mu) >= 1.0
+        least, found = np.zeros(group.max() + 1), np.zeros(group.max() + 1)
+        least[group[~holds]] = np.inf
         for _ in range(_STEPS):
-            middle = np.sqrt(low * high)
-            enough = self.slip_multiplier(middle, friction) >= 1.0
-            low, high = np.where(enough, low, middle), np.where(enough, middle, high)
-        return np.where(holds, high, np.inf)
+            (i,) = np.nonzero(high > least[group])
+            if not i.size:
+                break
+            middle = np.sqrt(low[i] * high[i])
+            enough = self._chosen(i).slip_multiplier(middle, mu[i]) >= 1.0
+            low[i], high[i] = np.where(enough, low[i], middle), np.where(enough, middle, high[i])
+            np.maximum.at(least, group[i], low[i])
+        np.maximum.at(found, group, np.where(holds, high, np.inf))
+        return found
+
+    def _chosen(self, i: NDArray[np.intp]) -> GraspLoads:
+        """Some of the loads."""
+        return GraspLoads(*(each[..., i] for each in vars(self).values()))
 
 
 @dataclass(frozen=True)
@@ -248,19 +265,22 @@ def least_squeezes(grasps: Sequence[Lifted], *, sigmas: float = 2.0) -> tuple[Ar
         grasps: n objects in a hand.
         sigmas: standard deviations of mass, friction and centre of mass of the worst case.
     """
-    found = np.zeros((2, len(grasps)))
+    found = np.zeros(2 * len(grasps))
     for k in {len(each.contacts.shares) for each in grasps}:
-        parts, friction, owner = [], [], []
+        parts, friction, group = [], [], []
         for i, each in enumerate(grasps):
             if len(each.contacts.shares) != k:
                 continue
             for row, (loads, mu) in enumerate(_believed_and_worst(each, sigmas)):
                 parts.append(loads)
                 friction.append(np.full(len(loads.size), mu))
-                owner.append(np.tile([[row], [i]], len(loads.size)))
-        needed = GraspLoads.join(parts).squeeze_needed(np.concatenate(friction))
-        np.maximum.at(found, tuple(np.concatenate(owner, axis=1)), needed)
-    return found[0], found[1]
+                group.append(np.full(len(loads.size), row * len(grasps) + i))
+        squeezes = GraspLoads.join(parts).squeeze_needed(
+            np.concatenate(friction), np.concatenate(group)
+        )
+        found[: len(squeezes)] = np.maximum(found[: len(squeezes)], squeezes)
+    believed, worst = found.reshape(2, -1)
+    return believed, worst
 
 
 def _believed_and_worst(lifted: Lifted, sigmas: float) -> list[tuple[GraspLoads, float]]:
