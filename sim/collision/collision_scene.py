@@ -192,8 +192,15 @@ class CollisionScene:
         Returns:
             Shape (...).
         """
+        free = self.is_clear_of_others(robot)
+        if free.any():
+            free[free] = (pushed or self.pushed).is_clear(robot[free])
+        return free
+
+    def is_clear_of_others(self, robot: Array) -> NDArray[np.bool_]:
+        """Which poses keep clear of the table and of all but the pushed object; see `is_free`."""
         free = np.asarray(height_above_table(robot).min(axis=-1) >= TABLE_CLEARANCE)
-        for each in (pushed or self.pushed, *self.others_near(robot)):
+        for each in self.others_near(robot):
             if free.any():
                 free[free] = each.is_clear(robot[free])
         return free

@@ -156,12 +156,10 @@ class PushIkSearch:
         contact = self._points[1:] + hand.tip_radius * self._R_WD[1:, :, 0]
         p_AC = (contact - self._mount.p_WA) @ R_WA
         along_push = np.array(self._push.direction_W)
-        bears = np.ones(len(solved), dtype=bool)
-        for drag in (-hand.force_skew, hand.force_skew):
-            f_W = self._push.force_limit * (along_push + np.array([0.0, 0.0, drag]))
-            torques = arm.torques(solved.q[:, 1:], p_AC, f_W @ R_WA)
-            bears &= (np.abs(torques) < EFFORT_SHARE * arm.efforts).all(axis=(1, 2))
-        return bears
+        drag = np.array([[0.0, 0.0, -hand.force_skew], [0.0, 0.0, hand.force_skew]])
+        f_A = np.array([f_W @ R_WA for f_W in self._push.force_limit * (along_push + drag)])
+        torques = arm.torques(solved.q[:, 1:], p_AC, f_A[:, None, None])
+        return np.asarray((np.abs(torques) < EFFORT_SHARE * arm.efforts).all(axis=(0, 2, 3)))
 
 
 def in_range(mount: Mount, hands: PostureSet, R_WD: Array, points: Array) -> NDArray[np.bool_]:

@@ -258,8 +258,10 @@ class PushMotionSearch:
         whole = np.concatenate([hand, self._mount.arm_spheres(solved.descent)], axis=-2)
         free = np.asarray(self._scenery.is_free(whole).all(axis=1))
         arms = self._mount.arm_spheres(solved.q)
+        free &= self._scenery.is_clear_of_others(arms).all(axis=1)
         for k, pushed in enumerate(self._pushed):
-            free &= self._scenery.is_free(arms[:, k], pushed)
+            if free.any():
+                free[free] = pushed.is_clear(arms[free, k])
         if not self._hindered:
             self._hindered += [np.concatenate([whole[0, :, -arms.shape[2] :], arms[0]])]
         return free
@@ -271,8 +273,10 @@ class PushMotionSearch:
             # The hand comes back the same way, when the object is where it was pushed.
             self._work += _ROAD
             robot = found.stance.robot_spheres(q)
-            back = self._scenery.is_free(robot, self._pushed[-1])
-            return np.asarray(self._scenery.is_free(robot) & back)
+            free = self._scenery.is_free(robot)
+            if free.any():
+                free[free] = self._pushed[-1].is_clear(robot[free])
+            return free
 
         return free_path(self._mount.arm, self._mount.home, found.above, places, is_free)
 

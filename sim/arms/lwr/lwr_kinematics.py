@@ -65,12 +65,11 @@ class LwrKinematics:
 
     def joint_origins(self, q: Array) -> Array:
         """Origins of the joints' frames in A, shape (..., 7, 3) [m]."""
-        *joints, _ = _link_frames(q)
-        return np.stack([p for _, p in joints], axis=-2)
+        return np.stack([p for _, p in itertools.islice(_link_frames(q), 7)], axis=-2)
 
     def torques(self, q: Array, p_AC: Array, f_A: Array) -> Array:
         """Torques with which the joints exert a force at a point, Jᵀf [N·m]."""
-        *joints, _ = _link_frames(q)
+        joints = itertools.islice(_link_frames(q), 7)
         each = [
             np.sum(R @ axis * cross(p_AC - p, f_A), axis=-1)
             for (R, p), axis in zip(joints, _AXES, strict=True)
@@ -133,8 +132,7 @@ class LwrKinematics:
 
         The links above the shoulder stay within the mount's reach and far from the table.
         """
-        joints = self.joint_origins(q)
-        shoulder, elbow, wrist = joints[..., 1, :], joints[..., 3, :], joints[..., 5, :]
+        shoulder, elbow, wrist = (p for _, p in itertools.islice(_link_frames(q), 1, 6, 2))
         t = np.linspace(0.0, 1.0, 8)[:, None]
         upper = shoulder[..., None, :] + (elbow - shoulder)[..., None, :] * t[4:]
         lower = elbow[..., None, :] + (wrist - elbow)[..., None, :] * t[1:]
