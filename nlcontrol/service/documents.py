@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Literal
 
 from pydantic import Field
 
@@ -16,17 +16,12 @@ from nlcontrol.errors import ErrorInfo
 from nlcontrol.json_document import Document, DocumentPart
 from nlcontrol.results.result import Result
 from nlcontrol.session.events import Event
-from objectmodels.files.limits import LIMITS
 
 if TYPE_CHECKING:
     from planner.affordances import Affordance
 
 RunKind = Literal["execute", "say"]
 RunState = Literal["queued", "running", "ended", "aborted", "cut_off", "defect"]
-
-
-ShortText = Annotated[str, Field(max_length=int(LIMITS["name"].most))]
-"""Name that a caller gives, no longer than those in files."""
 
 
 class StatedObject(DocumentPart):
@@ -42,12 +37,12 @@ class StatedObject(DocumentPart):
         fixed: a holder keeps it where it stands.
     """
 
-    name: ShortText
-    model: ShortText | None = None
+    name: str
+    model: str | None = None
     x: float
     y: float
     yaw: float = 0.0
-    synonyms: tuple[ShortText, ...] = Field(default=(), max_length=20)
+    synonyms: tuple[str, ...] = ()
     fragile: bool = False
     fixed: bool = False
 
@@ -64,12 +59,10 @@ class TableSpec(DocumentPart):
         objects: all that stands on the caller's own table; null for the simulated one.
     """
 
-    scene: ShortText = "kitchen"
+    scene: str = "kitchen"
     seed: int = Field(default=0, ge=0, lt=2**32)
-    defaults: dict[ShortText, float] = Field(default={}, max_length=100)
-    objects: tuple[StatedObject, ...] | None = Field(
-        default=None, max_length=int(LIMITS["objects"].most)
-    )
+    defaults: dict[str, float] = Field(default={})
+    objects: tuple[StatedObject, ...] | None = None
 
 
 class SessionSpec(TableSpec):

@@ -157,8 +157,12 @@ class PlanningService:
             process.on_end = lambda: self._note_loss(session)
             self._keep_spare()
         try:
-            executor = self.settings.executor
-            session.call("open", spec=spec.model_dump_json(), executor=executor).result()
+            session.call(
+                "open",
+                spec=spec.model_dump_json(),
+                executor=self.settings.executor,
+                time_limit=self.settings.request_time,
+            ).result()
         except BaseException:
             self._end_session(session)
             raise
@@ -315,19 +319,23 @@ class PlanningService:
                 suggestions=suggest(table.scene[:80], self.scenes()) or self.scenes(),
             )
 
+    @property
+    def _most_sessions(self) -> int:
+        return 1 if self.settings.executor is not None else self.settings.sessions
+
     def _require_room(self) -> None:
-        most = 1 if self.settings.executor is not None else self.settings.sessions
-        if len(self._sessions) >= most:
+        if len(self._sessions) >= self._most_sessions:
             raise error(
                 "too_many_sessions",
                 f"{len(self._sessions)} sessions are open, and no more are allowed",
                 suggestions=("close one", "ask again when one has ended"),
-                numbers={"sessions": float(most), "retry_after": 30.0},
+                numbers={"sessions": float(self._most_sessions), "retry_after": 30.0},
             )
 
     def _keep_spare(self) -> None:
         """Keeps a process ready for the next session, so that it opens quickly."""
-        if self._spare is None and not self._closed.is_set():
+        is_needed = len(self._sessions) < self._most_sessions and not self._closed.is_set()
+        if self._spare is None and is_needed:
             spare = WorkerProcess(SessionHost)
             spare.on_end = lambda: self._forget_spare(spare)
             self._spare = spare
@@ -362,6 +370,7 @@ class PlanningService:
     def _end_session(self, session: LiveSession) -> None:
         with self._lock:
             self._sessions.pop(session.session_id, None)
+            self._keep_spare()
         session.process.kill()
         session.frames.ring()
 

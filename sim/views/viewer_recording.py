@@ -11,7 +11,6 @@ from itertools import groupby
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from sim.rotations import Array
 from sim.traces.trace import Trace
@@ -150,31 +149,20 @@ def _averaged(trace: Trace, values: Array) -> Array:
 
 
 def _force(trace: Trace, at: list[int]) -> dict[str, Any]:
-    """What is felt at each frame, and the limit in force [N]: of pushes, or of a grip.
-
-    A trace of several pushes has the direction of the last one alone, so the size is told.
-    """
+    """What is felt at each frame, and the limit in force [N]: along a push, or of a grip."""
     pushed, held = np.isin(trace.phase, _PUSHES), np.isin(trace.phase, _GRIPS)
-    forces = [_averaged(trace, force) for force in trace.felt.values()] or [_nothing(trace)]
+    label, felt = "", np.zeros(len(trace.time))
     if pushed.any():
-        label, felt = "force of the push", np.where(pushed, _sizes(np.sum(forces, axis=0)), 0.0)
-    elif held.any():
-        label, felt = "squeeze of the hand", np.where(held, _sizes(forces).max(axis=0), 0.0)
-    else:
-        label, felt = "", np.zeros(len(trace.time))
+        label, felt = "force along the push", np.where(pushed, trace.push_force(), 0.0)
+    elif held.any() and trace.felt:
+        label = "squeeze of the hand"
+        sizes = [np.linalg.norm(force, axis=1) for force in trace.felt.values()]
+        felt = np.where(held, np.max(sizes, axis=0), 0.0)
     return {
         "label": label,
-        "felt": packed(felt[at], _FORCE),
+        "felt": packed(_averaged(trace, felt)[at], _FORCE),
         "limit": packed(np.where(pushed, trace.force_limit, 0.0)[at], _FORCE),
     }
-
-
-def _nothing(trace: Trace) -> Array:
-    return np.zeros((len(trace.time), 3))
-
-
-def _sizes(forces: ArrayLike) -> Array:
-    return np.asarray(np.linalg.norm(forces, axis=-1))
 
 
 def _fingers(trace: Trace, at: list[int]) -> list[dict[str, Any]]:
@@ -183,7 +171,7 @@ def _fingers(trace: Trace, at: list[int]) -> list[dict[str, Any]]:
     touching = np.isin(trace.phase, _PUSHES + _GRIPS)
     for name in trace.tips:
         force = np.where(touching[:, None], _averaged(trace, trace.felt[name]), 0.0)[at]
-        pressing = _sizes(force) > _FELT
+        pressing = np.linalg.norm(force, axis=1) > _FELT
         told.append({
             "name": name,
             "places": packed(trace.tips[name][at], _LENGTH),
@@ -193,9 +181,8 @@ def _fingers(trace: Trace, at: list[int]) -> list[dict[str, Any]]:
 
 
 def _view(trace: Trace) -> dict[str, Any]:
-    """Where a run is looked at from: from beside a single push, a little from behind it."""
-    pushes = sum(phase == "push" for phase, _ in groupby(trace.phase.tolist()))
-    if pushes != 1:
+    """Where a run is looked at from: from beside a push, a little from behind it."""
+    if not np.isin(trace.phase, _PUSHES).any():
         return {"azimuth": -2.2, "elevation": 0.42, "distance": 1.75, "at": _TABLE}
     along = np.arctan2(trace.direction[1], trace.direction[0])
     sides = along + np.array([-1.0, 1.0]) * (0.5 * np.pi + _FROM_BEHIND)

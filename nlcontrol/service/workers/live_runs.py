@@ -224,16 +224,12 @@ class LiveRuns:
         run.changed.ring()
 
     def _end(self, run: LiveRun, state: RunState, end: RunEnd) -> None:
-        with self._lock:
-            self._put(
-                run,
-                state=state,
-                place=None,
-                ended_at=time.time(),
-                result=end.result,
-                error=end.error,
-            )
-        self._forget(run)
+        changes = {"result": end.result, "error": end.error, "ended_at": time.time()}
+        try:
+            with self._lock:
+                self._put(run, state=state, place=None, **changes)
+        finally:
+            self._forget(run)
 
     def _put(self, run: LiveRun, **changes: object) -> None:
         assert run.info is not None, "it was begun"

@@ -8,8 +8,8 @@ believed since the last look.
 
 from __future__ import annotations
 
+import math
 import threading
-import time
 from collections.abc import Callable
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Protocol
@@ -141,7 +141,8 @@ class PoseStream:
 
     def __init__(self, session: Session, tell: Callable[[bytes], None]) -> None:
         self._session, self._tell = session, tell
-        self._wanted = threading.Event()
+        self._unwanted = threading.Event()
+        self._unwanted.set()
         self._lock = threading.Lock()
         self._seen: tuple[Executor, View] | None = None
 
@@ -152,10 +153,10 @@ class PoseStream:
     def tell_frames(self, wanted: bool) -> None:
         """Begins to tell frames, or ends it."""
         if not wanted:
-            self._wanted.clear()
-        elif not self._wanted.is_set():
-            self._wanted.set()
-            threading.Thread(target=self._tell_while_wanted, daemon=True).start()
+            self._unwanted.set()
+        elif self._unwanted.is_set():
+            self._unwanted = threading.Event()
+            threading.Thread(target=self._tell_until, args=(self._unwanted,), daemon=True).start()
 
     def _view(self) -> View:
         """The view of the robot, which is another one after a reset."""
@@ -169,12 +170,13 @@ class PoseStream:
                     self._seen = executor, BelievedTable(controller)
             return self._seen[1]
 
-    def _tell_while_wanted(self) -> None:
-        told: tuple[View, float] | None = None
-        while self._wanted.is_set():
+    def _tell_until(self, unwanted: threading.Event) -> None:
+        shown, due = None, -math.inf
+        while not unwanted.wait(_LOOK_EVERY):
             view = self._view()
-            if told is None or told[0] is not view or view.time - told[1] >= 1.0 / RATE - 1e-9:
+            if view is not shown:
+                shown, due = view, -math.inf
+            if view.time >= due:
                 frame = view.frame()
-                told = view, frame.time
+                due = max(due + 1.0 / RATE, frame.time + 0.5 / RATE)
                 self._tell(frame.model_dump_json().encode())
-            time.sleep(_LOOK_EVERY)

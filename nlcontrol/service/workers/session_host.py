@@ -6,6 +6,7 @@ bytes), `ended` (a `RunEnd`) and `pose_frame` (a `PoseFrame`).
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 import threading
@@ -38,7 +39,7 @@ NICE = 10
 
 
 class RunEnd(DocumentPart):
-    """The end of a run; exactly one of the two is there."""
+    """The end of a run: its result, or the error for which there is none, or not all files."""
 
     result: Result | None = None
     error: ErrorInfo | None = None
@@ -54,6 +55,7 @@ class SessionHost:
     def __init__(self, tell: Tell) -> None:
         self._tell = tell
         self._session: Session | None = None
+        self._time_limit = math.inf
         self._turn = threading.Event()
         warm_up()
 
@@ -90,19 +92,30 @@ class SessionHost:
             case _:
                 return session_answer(self.session, method, arguments)
 
-    def _open(self, spec: str, executor: str | None) -> bytes:
+    def _open(self, spec: str, executor: str | None, time_limit: float) -> bytes:
         """Opens the session, with the robot of a class `module:Class` or with the simulated one."""
         robot = None if executor is None else named_executor(executor)
-        self._session = Session(SessionSpec.model_validate_json(spec), executor=robot)
+        self._time_limit = time_limit
+        self._session = Session(
+            SessionSpec.model_validate_json(spec), executor=robot, time_limit=time_limit
+        )
         return b"{}"
 
     def _begin_run(self, plan_id: str | None, said: Any) -> bytes:
-        """Begins a run, which waits for its turn before anything moves."""
+        """Begins a run, which waits for its turn before anything moves.
+
+        Its plans take what they take, so that what it does does not depend on the machine.
+        """
         self._turn.clear()
-        if plan_id is None:
-            run: Run = self.session.say(said, on_event=self._tell_event)
-        else:
-            run = self.session.execute(plan_id, on_event=self._tell_event)
+        self.session.controller.time_limit = None
+        try:
+            if plan_id is None:
+                run: Run = self.session.say(said, on_event=self._tell_event)
+            else:
+                run = self.session.execute(plan_id, on_event=self._tell_event)
+        except BaseException:
+            self.session.controller.time_limit = self._time_limit
+            raise
         threading.Thread(target=self._follow, args=(run,), daemon=True).start()
         return run.info().model_dump_json().encode()
 
@@ -115,16 +128,18 @@ class SessionHost:
 
     def _follow(self, run: Run) -> None:
         """Waits for the end of a run, and tells it after all that belongs to the run."""
+        end = RunEnd()
         try:
             result = run.result()
             end = RunEnd(result=result)
+            trace = run.trace()
+            if trace is not None:
+                self._tell("trace", trace_bytes(trace))
             request = run_request(self.session.controller, result)
             self._tell("request", request.model_dump_json().encode())
         except Exception as raised:
-            end = RunEnd(error=exception_info(raised))
-        trace = run.trace()
-        if trace is not None:
-            self._tell("trace", trace_bytes(trace))
+            end = RunEnd(result=end.result, error=exception_info(raised))
+        self.session.controller.time_limit = self._time_limit
         self._tell("ended", end.model_dump_json().encode())
 
 

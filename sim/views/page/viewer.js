@@ -37,7 +37,6 @@ export class Viewer {
     this.rings = [];
     this.scene.add(this.liquid, this.ghosts);
     this.onframe = null; // is asked for each frame, with its time [ms]; true if things move
-    this.ondrawn = null; // is called after each frame, when the camera stands where it is
     this.scriptTime = 0; // of the last frame [ms]
     this.frames = 0;
     this.size = [1, 1];
@@ -155,7 +154,6 @@ export class Viewer {
     const glides = this.orbit.update(step);
     this.quality.apply(false);
     this.renderer.render(this.scene, this.orbit.camera);
-    this.ondrawn?.();
     this.frames++;
     this.scriptTime = performance.now() - began;
     if (moves || glides) this.invalidate();

@@ -109,6 +109,7 @@ def test_a_session_whose_process_dies_is_lost(service: PlanningService) -> None:
     wait_until(lambda: not service.sessions())
 
 
+@pytest.mark.slow
 def test_an_idle_session_is_closed() -> None:
     settings = ServiceSettings(workers=1, planners=1, idle_time=1.0)
     with PlanningService(settings) as service:
