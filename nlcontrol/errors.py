@@ -87,7 +87,7 @@ CODES: dict[str, Status] = {
     "unknown_session": Status(USAGE, 404),
     "session_lost": Status(USAGE, 410),
     "too_many_sessions": Status(USAGE, 429),
-    "queue_full": Status(USAGE, 503),
+    "queue_full": Status(USAGE, 429),
     "bad_executor": _CALLER,
     "no_file": Status(USAGE, 404),
     "aborted": Status(INTERNAL, 500),

@@ -1,11 +1,11 @@
-"""Hostile sequences of calls to a real server, whose robot counts its motions.
+"""Hostile sequences of calls to a real server and to the tools of agents; motions are counted.
 
-    python -m benchmarks.service_attacks [--sequences 10000] [--seed 0]
+    python -m benchmarks.service_attacks [--sequences 6000] [--tool-sequences 4000] [--seed 0]
 
 Each sequence is a few attacks in a row, drawn by the seed, in a session in which only approved
 plans may be carried out; some approve a plan in order, so that there is something to repeat. After
 each the motions and the records of runs are compared with the plans that were approved. It prints
-a table of what was tried and how it was answered, and ends with 1 if anything moved without a fresh
+tables of what was tried and how it was answered, and ends with 1 if anything moved without a fresh
 plan, if an answer was not documented, or not the refusal that is due, or of status 5xx.
 """
 
@@ -23,6 +23,8 @@ from benchmarks.service_attacks import plan_attacks as plans
 from benchmarks.service_attacks.attack_tally import Tally
 from benchmarks.service_attacks.attacked_server import attacked_server
 from benchmarks.service_attacks.attacker import Attacker
+from benchmarks.service_attacks.tool_attacks import attack_tools
+from tests.fakes.counted_executor import motions_in
 
 WEIGHTS: dict[Callable[[Attacker], None], float] = {
     plans.try_forged_plan: 8,
@@ -50,8 +52,8 @@ WEIGHTS: dict[Callable[[Attacker], None], float] = {
     door.try_no_http: 4,
     door.try_vanishing_listener: 2,
     door.try_many_sessions: 1,
-    door.try_flood: 0.02,
-    door.try_many_listeners: 0.02,
+    door.try_flood: 0.05,
+    door.try_many_listeners: 0.05,
 }
 """The attacks, by how often they are tried."""
 
@@ -70,28 +72,39 @@ def attack(attacker: Attacker, sequences: int) -> None:
         attacker.settle(", ".join(attempt.__name__ for attempt in tries))
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    parser.add_argument("--sequences", type=int, default=10_000)
-    parser.add_argument("--seed", type=int, default=0)
-    wanted = parser.parse_args()
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        attacked_server(Path(folder)) as server,
-    ):
-        tally = Tally(server.openapi())
-        attacker = Attacker(server, tally, wanted.seed)
-        begun = time.monotonic()
-        attack(attacker, wanted.sequences)
-        seconds = time.monotonic() - begun
-        motions = server.motions()
-    print(tally.table())
+def told(tally: Tally, sequences: int, motions: int, seconds: float) -> None:
+    """Prints what came of some sequences."""
     calls = sum(answers.total() for answers in tally.answers.values())
-    print(f"\n{wanted.sequences} sequences, {calls} attacks, {motions} motions, {seconds:.0f} s")
+    print(tally.table())
+    print(f"\n{sequences} sequences, {calls} attacks, {motions} motions, {seconds:.0f} s")
     print(f"faults: {dict(tally.faults) or 'none'}")
     for example in tally.examples:
         print(f"  {example}")
-    return int(bool(tally.faults))
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("--sequences", type=int, default=6_000, help="over HTTP")
+    parser.add_argument("--tool-sequences", type=int, default=4_000, help="to tools of agents")
+    parser.add_argument("--seed", type=int, default=0)
+    wanted = parser.parse_args()
+    faults = 0
+    if wanted.sequences:
+        with tempfile.TemporaryDirectory() as folder, attacked_server(Path(folder)) as server:
+            begun = time.monotonic()
+            tally = Tally(server.openapi())
+            attack(Attacker(server, tally, wanted.seed), wanted.sequences)
+            motions = server.motions()
+        told(tally, wanted.sequences, motions, time.monotonic() - begun)
+        faults += tally.faults.total()
+    if wanted.tool_sequences:
+        with tempfile.TemporaryDirectory() as folder:
+            begun = time.monotonic()
+            tally = attack_tools(Path(folder), wanted.tool_sequences, wanted.seed)
+            motions = motions_in(Path(folder))
+        told(tally, wanted.tool_sequences, motions, time.monotonic() - begun)
+        faults += tally.faults.total()
+    return int(faults > 0)
 
 
 if __name__ == "__main__":

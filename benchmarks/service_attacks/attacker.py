@@ -46,6 +46,7 @@ class Attacker:
         self._runs: set[str] = set()
         self._due = 0  # motions that the permits of this sequence allow
         self._before = server.motions()
+        self._spare: str | None = None
 
     # --- calls ---------------------------------------------------------------------------------
 
@@ -99,6 +100,7 @@ class Attacker:
 
     def open_session(self) -> None:
         """Opens a session, after closing the last one."""
+        self.drop_spare_plan()
         if self.session:
             self.old_plans = [self.fresh_plan()]
             self.call("DELETE", f"/v1/sessions/{self.session}")
@@ -112,6 +114,11 @@ class Attacker:
         if plan_id is None:
             raise RuntimeError(f"'{text}' is not planned: {offer['result']['error']}")
         return str(plan_id)
+
+    def spare_plan(self) -> str:
+        """Id of a plan of the open session, made for an attack before and not used up by it."""
+        self._spare = self._spare or self.fresh_plan()
+        return self._spare
 
     def execute(self, plan_id: str, key: str | None = None) -> str:
         """Id of the run that carries out a fresh plan, once it has ended."""
@@ -128,8 +135,13 @@ class Attacker:
 
     def allow(self, plan_id: str, motions: int = 1) -> None:
         """Notes that a plan was approved, and moves something."""
+        self.drop_spare_plan()
         self.permits.add(plan_id)
         self._due += motions
+
+    def drop_spare_plan(self) -> None:
+        """Notes that the spare plan is used up, or holds no more."""
+        self._spare = None
 
     def wait(self) -> None:
         """Waits until nothing is carried out in the session."""

@@ -64,7 +64,7 @@ NOT_THERE = (
 
 def try_wrong_host(a: Attacker) -> None:
     """A name that was made to point here (DNS rebinding), with a plan that is fresh."""
-    plan_id = a.fresh_plan()
+    plan_id = a.spare_plan()
     port = a.server.port
     hosts = (
         "evil.example", f"evil.example:{port}", "127.0.0.1.evil.example", "localhost.evil.example",
@@ -83,7 +83,7 @@ def try_wrong_host(a: Attacker) -> None:
 
 def try_wrong_origin(a: Attacker) -> None:
     """A page of another origin, with a plan that is fresh."""
-    plan_id = a.fresh_plan()
+    plan_id = a.spare_plan()
     port = a.server.port
     headers = a.rng.choice(
         (
@@ -110,7 +110,7 @@ def try_wrong_origin(a: Attacker) -> None:
 
 def try_form_of_a_page(a: Attacker) -> None:
     """A body as a page may send it to anyone, without asking."""
-    plan_id = a.fresh_plan()
+    plan_id = a.spare_plan()
     kinds = ("text/plain", "application/x-www-form-urlencoded", "multipart/form-data", "", "json")
     a.send(
         "body that is not said to be JSON, with a fresh plan",
@@ -124,7 +124,7 @@ def try_form_of_a_page(a: Attacker) -> None:
 
 def try_bad_token(a: Attacker) -> None:
     """A token that is none, with a plan that is fresh."""
-    plan_id = a.fresh_plan()
+    plan_id = a.spare_plan()
     tokens = (
         "", "Bearer", "Bearer ", f"Basic {TOKEN}", TOKEN, f"Bearer {near(a.rng, TOKEN).strip()}",
         "Bearer " + "x" * 5000, f"Bearer {TOKEN}, Bearer x", "Bearer null", "Bearer \xe9",
@@ -241,7 +241,7 @@ def try_wrong_method(a: Attacker) -> None:
 def try_no_http(a: Attacker) -> None:
     """Bytes that are no request, half of one, or one with something smuggled in."""
     head = f"Host: 127.0.0.1:{a.server.port}\r\nAuthorization: Bearer {TOKEN}\r\n".encode()
-    plan = json.dumps({"plan_id": a.fresh_plan()}).encode()
+    plan = json.dumps({"plan_id": a.spare_plan()}).encode()
     to = f"/v1/sessions/{a.session}/runs".encode()
     get = b"GET /v1/health HTTP/1.1\r\n"
     post = b"POST " + to + b" HTTP/1.1\r\n"

@@ -19,7 +19,7 @@ UNKNOWN = ("unknown_plan", "bad_request")
 
 def try_forged_plan(a: Attacker) -> None:
     """A plan id that is guessed, or like a real one."""
-    real = a.fresh_plan() if a.rng.random() < 0.2 else f"plan-{a.rng.getrandbits(64):016x}"
+    real = a.spare_plan()
     forged = near(a.rng, real)
     if forged != real:
         a.send("plan id that is guessed", "POST", RUNS, json={"plan_id": forged}, expected=UNKNOWN)
@@ -61,7 +61,7 @@ def try_foreign_plan(a: Attacker) -> None:
     """A plan of another session, or this session's in another."""
     for plan_id in a.old_plans:
         a.send("plan of another session", "POST", RUNS, json={"plan_id": plan_id}, expected=UNKNOWN)
-    plan_id = a.fresh_plan()
+    plan_id = a.spare_plan()
     session = near(a.rng, a.session)
     if session != a.session:
         a.send(
@@ -78,6 +78,7 @@ def try_dropped_plan(a: Attacker) -> None:
     """A plan that a stop has dropped."""
     plan_id = a.fresh_plan()
     a.call("POST", f"/v1/sessions/{a.session}/stop")
+    a.drop_spare_plan()
     a.send(
         "plan that a stop has dropped",
         "POST",
@@ -174,7 +175,7 @@ def try_to_vanish(a: Attacker) -> None:
 
 def try_other_methods(a: Attacker) -> None:
     """A plan that is to be carried out by a method that changes nothing, or by another one."""
-    plan_id = a.fresh_plan()
+    plan_id = a.spare_plan()
     method = a.rng.choice(("GET", "HEAD", "PUT", "PATCH", "OPTIONS", "TRACE", "DELETE", "BREW"))
     headers = {"X-HTTP-Method-Override": "POST", "X-Method-Override": "POST"}
     a.send(

@@ -109,7 +109,7 @@ class ToolAttacker:
 
 async def try_forged_plan(a: ToolAttacker) -> None:
     """A plan id that is guessed."""
-    real = await a.fresh_plan()
+    real = await a.fresh_plan() if a.rng.random() < 0.2 else f"plan-{a.rng.getrandbits(64):016x}"
     if (forged := near(a.rng, real)) != real:
         await a.execute("tool: plan id that is guessed", forged, *UNKNOWN)
 

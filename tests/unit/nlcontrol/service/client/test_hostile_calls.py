@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.schema_fuzzing import fuzz
+from benchmarks.service_attacks import door_attacks
 from benchmarks.service_attacks.__main__ import attack
 from benchmarks.service_attacks.attack_tally import Tally
 from benchmarks.service_attacks.attacked_server import attacked_server
@@ -21,8 +22,13 @@ def test_nothing_moves_without_a_fresh_plan(tmp_path: Path) -> None:
         tally = Tally(server.openapi())
         attacker = Attacker(server, tally, seed=0)
         attack(attacker, 150)
+        door_attacks.try_flood(attacker)
+        door_attacks.try_many_listeners(attacker)
+        attacker.settle("floods")
         assert server.motions() > 0
     assert not tally.faults, tally.examples
+    assert tally.answers["flood of requests"].keys() == {"ok", "queue_full"}
+    assert tally.answers["more listeners than there may be"].keys() == {"ok", "too_many_requests"}
 
 
 @pytest.mark.slow
