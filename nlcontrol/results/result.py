@@ -20,6 +20,7 @@ from nlcontrol.questions.answer import Answer
 from planner.explanation.push_explanation import Basis
 from planner.explanation.rows import Row
 from planner.types.actions import Vector3
+from planner.types.motion_guide import MotionGuide
 from planner.types.plan import DefaultUsed, Plan
 from planner.types.world_state import PlanarPose
 from sim.cell.strict_model import AsItIs
@@ -130,6 +131,8 @@ class Result(Document):
         planned: how many of the frames were planned.
         plan: the pushes or the steps of the hand, with what was predicted, of the last frame
             planned.
+        guide: what is committed of the plan, for a controller that carries it out; only where it
+            is not carried out here.
         execution: the trace in a few numbers.
         checks: a verdict per clause.
         steps: what came of each frame, in the order in which they were carried out; those after
@@ -154,6 +157,7 @@ class Result(Document):
     frames: tuple[Frame, ...] = ()
     planned: int = 0
     plan: Plan | None = None
+    guide: MotionGuide | None = None
     execution: Execution | None = None
     checks: tuple[Check, ...] = ()
     steps: tuple[Step, ...] = ()

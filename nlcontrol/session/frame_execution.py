@@ -201,7 +201,11 @@ class FrameRun:
                     result, planned=result.planned + 1, defaults=result.defaults + made.defaults
                 )
             if plan_only:
-                return _result_with_step(self.result, self.step, "planned")
+                from sim.execution.motion_guides import motion_guide  # not needed to execute
+
+                guide = motion_guide(made, state, controller.robot)
+                result = result_with(self.result, guide=guide)
+                return _result_with_step(result, self.step, "planned")
             if self._carried_out(made, state):
                 break
             previous = made if made.pushes else None

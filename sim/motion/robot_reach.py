@@ -13,7 +13,9 @@ what is true.
 from __future__ import annotations
 
 import functools
+from collections import deque
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -44,6 +46,7 @@ MOST_CELLS = 100_000
 """Cells of a map that are kept, about 25 MB."""
 
 _SAMPLED = 32  # hands
+_ANSWERS = 16  # that are kept
 _LOWEST_TIP = 0.015  # height of a pushing fingertip over the table [m]
 
 
@@ -108,6 +111,15 @@ def reachability_map(robot: RobotMount, arm: ArmKinematics, hand: Hand) -> Reach
     return ReachabilityMap(Mount.from_cell(robot, arm, hand))
 
 
+class _Answered(NamedTuple):
+    """A question about a push that was answered, for who asks again about what was chosen."""
+
+    asked: list[object]
+    state: WorldState
+    spare: float
+    found: tuple[ArmConfiguration, ReachAnswer] | ReachAnswer
+
+
 class ArmHandReach:
     """Arm and hand of a cell, as the planner asks for them (`planner.types.robot.Robot`).
 
@@ -131,6 +143,7 @@ class ArmHandReach:
             lowest_grasp=arm.link_radius + TABLE_CLEARANCE,
         )
         self._map = reachability_map(cell.robot, arm, hand)
+        self._answers: deque[_Answered] = deque(maxlen=_ANSWERS)
 
     def reach(self, push: Push, state: WorldState, effort: ReachEffort = "usual") -> ReachAnswer:
         """Answer whether the whole way of a push is reachable and free."""
@@ -221,12 +234,19 @@ class ArmHandReach:
             return ReachAnswer(
                 False, "table", f"the finger would touch the table {height:.0f} mm up"
             )
+        asked = [getattr(push, name) for name in Push.model_fields]
+        for known in self._answers:
+            if (known.asked, known.state, known.spare) == (asked, state, spare):
+                return known.found
         way = self.fingertip_path(push, state)
         search = PushMotionSearch(self.mount, push, way, state, self._effort, spare)
         found = self._best_configuration(push, search)
         if isinstance(found, ReachAnswer):
-            return replace(found, work=search.work)
-        return found[0], replace(found[1], work=search.work)
+            found = replace(found, work=search.work)
+        else:
+            found = found[0], replace(found[1], work=search.work)
+        self._answers.append(_Answered(asked, state, spare, found))
+        return found
 
     def _best_configuration(
         self, push: Push, search: PushMotionSearch

@@ -14,7 +14,7 @@ from pydantic import BaseModel
 from nlcontrol import Controller
 from nlcontrol.cli import run
 from nlcontrol.json_document import SCHEMA_VERSION
-from planner.types import actions
+from planner.types import actions, motion_guide
 from tests.plan_conversion import old_document
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "json.md").read_text(encoding="utf-8")
@@ -56,9 +56,11 @@ def _shows(example: Any, form: Any) -> bool:
 
 def test_a_plan_and_a_result_have_the_form_of_the_examples(kitchen: Controller) -> None:
     (sentence,) = re.findall(r'nlcontrol plan "(.*?)" --json` has', GUIDE)
-    plan, result, _ = _examples()
+    plan, guide, result, _ = _examples()
     printed = json.loads(kitchen.say(sentence, plan_only=True).to_json())
     assert _shows(_form(plan), _form(printed["plan"]))
+    assert _shows(_form(guide), _form(printed["guide"]))
+    assert guide["contact_W"] == pytest.approx(printed["guide"]["contact_W"], abs=1e-4)
     assert _shows(_form(result), _form(printed))
     assert result["text"] == printed["text"]
     assert result["schema_version"] == SCHEMA_VERSION
@@ -84,6 +86,18 @@ def test_the_table_of_actions_names_every_kind_and_field() -> None:
     for kind, model in _kinds().items():
         fields = [name for name in model.model_fields if name != "kind"]
         assert re.findall(r"`(\w+)`", rows[kind]) == fields, kind
+
+
+def test_the_tables_of_guides_name_every_kind_and_field() -> None:
+    kinds, _, rest = GUIDE.partition("| guide |")[2].partition("\n\n")
+    rows = dict(re.findall(r"^\| `(\w+)` \|(.*)\|$", kinds, re.MULTILINE))
+    union, _ = get_args(motion_guide.MotionGuide)
+    for model in get_args(union):
+        fields = [name for name in model.model_fields if name != "kind"]
+        assert re.findall(r"`(\w+)`", rows[model.model_fields["kind"].default]) == fields
+    ends, _, _ = rest.partition("| when |")[2].partition("\n\n")
+    told = re.findall(r"^\| `(\w+)` \|", ends, re.MULTILINE)
+    assert told == list(get_args(motion_guide.StopKind))
 
 
 # -- nothing is lost against version 1 ------------------------------------------------------------

@@ -11,13 +11,14 @@ Frames: W; footprints as in `planner.geometry.footprints`.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
 from objectmodels.geometry.base_shapes import Disc
 from planner.geometry.footprints import footprint, gap
 from planner.types.actions import Push
+from planner.types.motion_guide import StopCondition
 from planner.types.world_state import SeenObject, WorldState
 from sim.cell.cell_description import Vision
 from sim.control.pushing.push_guards import MOVED
@@ -238,3 +239,28 @@ def _turn_limit(push: Push, seen: SeenObject) -> float | None:
     if push.fingers == 1 or push.ends_on != "stroke" or round_ or push.limits.duration is not None:
         return limit
     return _HELD if limit is None else min(limit, _HELD)
+
+
+def limit_conditions(push: Push, seen: SeenObject) -> Iterator[StopCondition]:
+    """Conditions of a sentence's limits and of its event, as numbers without a camera's doubt."""
+    turn, tilt, duration = _turn_limit(push, seen), push.limits.tilt, push.limits.duration
+    if push.until == "moves":
+        yield StopCondition(
+            when="event", limit=_CLEARLY_MOVED, unit="m", text="the object has begun to move"
+        )
+    if push.until == "touching":
+        yield StopCondition(
+            when="event", other=push.meets, text=f"the object has met the {push.meets}"
+        )
+    if turn is not None:
+        told = f"the object has turned by {np.degrees(turn):.0f}° from where it stood"
+        yield StopCondition(when="turned_off", limit=turn, unit="rad", text=told)
+    if tilt is not None:
+        told = f"the object leans by {np.degrees(tilt):.1f}° to any side"
+        yield StopCondition(when="tilted", limit=tilt, unit="rad", text=told)
+    if duration is not None:
+        told = f"{duration:.1f} s have passed since the touch"
+        yield StopCondition(when="duration", limit=duration, unit="s", text=told)
+    for name, clear in push.limits.clear_of:
+        told = f"the object is closer than {1e3 * clear:.0f} mm to the {name}"
+        yield StopCondition(when="too_close", limit=clear, unit="m", other=name, text=told)

@@ -34,7 +34,10 @@ from sim.traces.trace import EndReason
 from sim.worlds.ports import SeenPose
 
 _FORCE_RATE = 10.0  # of an object that stands [N/s]
-_FASTEST_START = 0.012  # before the object moves [m/s]
+
+FASTEST_START = 0.012
+"""Speed of the command before the object moves, at most [m/s]."""
+
 _LOOK_ANGLE, _LOOK_PLACE = 0.003, 0.0005  # doubt that averaging leaves [rad], [m]
 
 
@@ -111,7 +114,7 @@ class ForceController(TouchControl, ABC):
 
     def _start(self) -> float:
         """Speed until the object moves [m/s]."""
-        return min(_FASTEST_START, self.plan.push.speed, self._loading())
+        return min(FASTEST_START, self.plan.push.speed, self._loading())
 
     # -- what is known -------------------------------------------------------------------------
 

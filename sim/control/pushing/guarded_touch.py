@@ -36,6 +36,11 @@ _NOISES = 6.0  # standard deviations of noise that do not count as a touch
 _SEEN_SHARE = 0.35  # weight of a new camera frame in the seen tilt
 
 
+def touch_force(onset: float) -> float:
+    """Felt force that counts as the touch of an object that moves at an onset [N]."""
+    return min(TOUCH_FORCE, 0.5 * onset)
+
+
 class TouchControl:
     """The fingertips from before a face until they touch it, and what they feel from then on.
 
@@ -68,7 +73,7 @@ class TouchControl:
         self.commanded = way.start
         self.turned = 0.0
         self._object = push.object
-        self._touch_force = min(TOUCH_FORCE, 0.5 * onset)
+        self._touch_force = touch_force(onset)
         self._period = recorder.port.period
         self._u = np.array(push.direction_W)
         self._tip_radius = stance.mount.hand.tip_radius

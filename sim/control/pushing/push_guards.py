@@ -11,7 +11,8 @@ from collections import deque
 
 import numpy as np
 
-from planner.types.actions import FALLING, Push
+from planner.types.actions import FALLING, Push, PushAction
+from planner.types.motion_guide import StopCondition
 from planner.types.plan import Plan
 from sim.traces.trace import EndReason
 
@@ -92,6 +93,90 @@ def band(push: Push) -> float:
     return max(_BAND * push.force_limit, _SMALLEST_BAND)
 
 
+def fastest(push: Push) -> float:
+    """Speed of the fingertips beyond which a push ends [m/s]."""
+    return 2.0 * push.speed + 0.03
+
+
+def longest(push: Push) -> float:
+    """Time after which a push ends, whatever became of it [s]."""
+    least = 10.0 + 3.0 * push.stroke / push.speed
+    return min(least, push.limits.duration or np.inf) if push.ends_on == "tilted" else least
+
+
+def largest_tilt(push: PushAction) -> float:
+    """Tilt at which a push ends, wanted or not [rad]."""
+    no_return = push.prediction.stay_on_base_angle
+    if push.ends_on == "toppled":
+        return no_return + FALLING
+    if push.ends_on == "tilted":
+        return min(_SAFE_SHARE * no_return, push.limits.tilt or np.inf)
+    return _TILT_SHARE * no_return
+
+
+def guard_conditions(push: PushAction) -> tuple[StopCondition, ...]:
+    """Conditions of the guards of a push, as numbers."""
+    toppled, tilt = push.ends_on == "toppled", largest_tilt(push)
+    told = "falls by itself" if toppled else "leans more than it may"
+    bound, lost = push.force_limit - band(push), _LOST_SHARE * push.prediction.onset
+    conditions = [
+        StopCondition(
+            when="toppled" if toppled else "tilted",
+            limit=tilt,
+            unit="rad",
+            text=f"the object is seen tilted by {np.degrees(tilt):.1f}° along the push: it {told}",
+        ),
+        StopCondition(
+            when="force",
+            limit=bound,
+            unit="N",
+            text=f"the force stays above {bound:.1f} N, and the fingertips below "
+            f"{1e3 * _STUCK_SPEED:.0f} mm/s, for {_STUCK_TIME:g} s",
+        ),
+        StopCondition(
+            when="speed",
+            limit=fastest(push),
+            unit="m/s",
+            text=f"the fingertips are faster than {1e3 * fastest(push):.0f} mm/s",
+        ),
+        StopCondition(
+            when="duration",
+            limit=longest(push),
+            unit="s",
+            text=f"it takes longer than {longest(push):.0f} s",
+        ),
+    ]
+    if toppled:
+        conditions.append(
+            StopCondition(
+                when="slid",
+                limit=_SLIDES_AFTER,
+                unit="m",
+                text=f"after {1e3 * _SLIDES_AFTER:.0f} mm it is tilted by less than "
+                f"{_SLIDES_SHARE:.0%} of what turning about its far edge would show",
+            )
+        )
+    if push.ends_on == "tilted":
+        conditions.append(
+            StopCondition(
+                when="slid",
+                text=f"it is seen tilted by less than {_SLIDES_SHARE:.0%} of what the fingertip's "
+                "place on the face tells",
+            )
+        )
+    if not toppled:
+        conditions.append(
+            StopCondition(
+                when="lost",
+                limit=lost,
+                unit="N",
+                text=f"less than {lost:.2f} N is felt for {_LOST_TIME:g} s, "
+                "once the object has moved",
+            )
+        )
+    return tuple(conditions)
+
+
 class Guards:
     """Ends and guards of a push.
 
@@ -111,7 +196,7 @@ class Guards:
         self.speed = 0.0
         self._stuck = 0.0
         self._lost = 0.0
-        self._longest = 10.0 + 3.0 * plan.push.stroke / plan.push.speed
+        self._longest = longest(plan.push)
 
     def end(
         self, elapsed: float, travel: float, felt: float, tilt: float
@@ -141,12 +226,12 @@ class Guards:
     def _stroke(self, travel: float, tilt: float) -> tuple[EndReason, str] | None:
         if travel >= self._push.stroke:
             return "stroke", f"the fingertips travelled {1e3 * travel:.0f} mm"
-        if tilt > _TILT_SHARE * self._prediction.stay_on_base_angle:
+        if tilt > largest_tilt(self._push):
             return "tilted", f"the object was seen to tilt by {np.degrees(tilt):.0f}°"
         return None
 
     def _topple_end(self, travel: float, tilt: float) -> tuple[EndReason, str] | None:
-        if tilt > self._prediction.stay_on_base_angle + FALLING:
+        if tilt > largest_tilt(self._push):
             return "toppled", f"it was seen tilted by {np.degrees(tilt):.0f}° and falls by itself"
         if travel >= self._push.stroke:
             return "stroke", f"it does not fall after {1e3 * travel:.0f} mm"
@@ -168,7 +253,7 @@ class Guards:
         return None
 
     def _too_fast(self) -> tuple[EndReason, str] | None:
-        if self.speed > 2.0 * self._push.speed + 0.03:
+        if self.speed > fastest(self._push):
             return "speed", f"the fingertips became {1e3 * self.speed:.0f} mm/s fast"
         return None
 
@@ -197,13 +282,10 @@ class TiltGuards(Guards):
     def __init__(self, plan: Plan, period: float, view: TiltEstimator) -> None:
         super().__init__(plan, period)
         self._view = view
-        safe = _SAFE_SHARE * plan.push.prediction.stay_on_base_angle
-        self._farthest = min(safe, plan.push.limits.tilt or np.inf)
-        self._longest = min(self._longest, plan.push.limits.duration or np.inf)
 
     def _stroke(self, travel: float, tilt: float) -> tuple[EndReason, str] | None:
         view = self._view
-        if tilt > self._farthest:
+        if tilt > largest_tilt(self._push):
             return "tilted", f"it leans by {np.degrees(tilt):.1f}°, more than it may"
         short = max((1.0 - _SLIDES_SHARE) * view.own, _SURELY * view.unsure)
         if -view.correction > short or travel > self._push.stroke:
